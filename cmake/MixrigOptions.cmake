@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# Language level, warnings and the switches of the build.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+option(MIXRIG_TESTS "Build the tests" ON)
+option(MIXRIG_GLES "Build the OpenGL ES back end" ON)
+option(MIXRIG_STUDIO "Build the virtual studio (needs Embree)" ON)
+option(MIXRIG_WERROR "Warnings are errors" OFF)
+option(MIXRIG_FUZZ "Build libFuzzer targets (clang only)" OFF)
+set(MIXRIG_MARCH "native" CACHE STRING "-march of the host build; empty for the compiler's default")
+set(MIXRIG_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+
+find_program(MIXRIG_CCACHE ccache)
+if(MIXRIG_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${MIXRIG_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${MIXRIG_CCACHE})
+endif()
+
+add_library(mixrig_options INTERFACE)
+target_include_directories(mixrig_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(mixrig_options INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -fno-math-errno -fno-trapping-math
+  # g++ 12 sees ghosts in its own AVX-512 header and in std::string (GCC bug 105651).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+if(MIXRIG_WERROR)
+  target_compile_options(mixrig_options INTERFACE -Werror)
+endif()
+# One -march for the whole tree: Eigen's alignment must be the same in every object.
+if(MIXRIG_MARCH AND NOT CMAKE_CROSSCOMPILING)
+  add_compile_options(-march=${MIXRIG_MARCH})
+endif()
+if(MIXRIG_SANITIZE)
+  add_compile_options(-fsanitize=${MIXRIG_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${MIXRIG_SANITIZE})
+endif()
+if(MIXRIG_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # coverage, which steers the fuzzers
+endif()
