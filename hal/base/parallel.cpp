@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/base/parallel.h"
+
+#include <algorithm>
+
+namespace mixrig {
+
+Crew::Crew(int threads) {
+  const int wanted =
+      threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  for (int i = 1; i < wanted; ++i) workers_.emplace_back([this, i] { work(i); });
+}
+
+Crew::~Crew() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  start_.notify_all();
+  for (auto& worker : workers_) worker.join();
+}
+
+void Crew::run(int count, int grain, Function function, void* context) {
+  if (count <= 0) return;
+  grain = std::max(1, grain);
+  if (workers_.empty() || count <= grain) {
+    for (int begin = 0; begin < count; begin += grain)
+      function(context, 0, begin, std::min(begin + grain, count));
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    function_ = function;
+    context_ = context;
+    next_ = 0;
+    count_ = count;
+    grain_ = grain;
+    ++generation_;
+  }
+  start_.notify_all();
+  take_bands(0);
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return busy_ == 0 && next_ >= count_; });
+}
+
+void Crew::take_bands(int worker) {
+  std::unique_lock lock(mutex_);
+  ++busy_;
+  while (next_ < count_) {
+    const int begin = next_;
+    const int end = std::min(begin + grain_, count_);
+    next_ = end;
+    const Function function = function_;
+    void* const context = context_;
+    lock.unlock();
+    function(context, worker, begin, end);
+    lock.lock();
+  }
+  if (--busy_ == 0) done_.notify_all();
+}
+
+void Crew::work(int worker) {
+  unsigned seen = 0;
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      start_.wait(lock, [&] { return stop_ || generation_ != seen; });
+      if (stop_) return;
+      seen = generation_;
+    }
+    take_bands(worker);
+  }
+}
+
+}  // namespace mixrig

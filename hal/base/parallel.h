@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A fixed crew of threads that share out rows. No allocation per call.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace mixrig {
+
+/// Runs one body over bands of [0, count) on a fixed number of threads, the caller among them.
+/// One call at a time per crew; the body must not call back into the same crew.
+class Crew {
+ public:
+  /// `threads` >= 1; 0 means one per core.
+  explicit Crew(int threads = 0);
+  ~Crew();
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  int threads() const { return static_cast<int>(workers_.size()) + 1; }
+
+  /// Calls body(begin, end) for disjoint bands of at most `grain` that cover [0, count);
+  /// returns after the last one. Bands are handed out in order, first come first served.
+  template <typename Body>
+  void rows(int count, int grain, Body&& body) {
+    rows_by_worker(count, grain, [&body](int, int begin, int end) { body(begin, end); });
+  }
+
+  /// As rows, with body(worker, begin, end): bands of one worker (0 .. threads() - 1) never run at
+  /// the same time, so that each may have memory of its own.
+  template <typename Body>
+  void rows_by_worker(int count, int grain, Body&& body) {
+    run(
+        count, grain,
+        [](void* context, int worker, int begin, int end) {
+          (*static_cast<std::remove_reference_t<Body>*>(context))(worker, begin, end);
+        },
+        &body);
+  }
+
+ private:
+  using Function = void (*)(void*, int, int, int);
+  void run(int count, int grain, Function function, void* context);
+  void work(int worker);
+  void take_bands(int worker);
+
+  std::mutex mutex_;
+  std::condition_variable start_, done_;
+  Function function_ = nullptr;
+  void* context_ = nullptr;
+  int next_ = 0, count_ = 0, grain_ = 1, busy_ = 0;
+  unsigned generation_ = 0;
+  bool stop_ = false;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace mixrig

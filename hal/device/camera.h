@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras: what they are, what may be set, how they deliver frames and tell their health.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "hal/device/frame.h"
+
+namespace mixrig::device {
+
+/// Which clock Frame::device_time was read from.
+enum class StampClock {
+  kNone,    ///< no stamp: only `received` is valid
+  kHost,    ///< CLOCK_MONOTONIC of this host: device_time is a HostTime
+  kDevice,  ///< the device's own oscillator: host/sync maps it
+};
+
+/// Wishes for a stream; zeros and kUnknown mean "as the device is".
+struct StreamRequest {
+  Size size{};
+  PixelFormat format = PixelFormat::kUnknown;
+  double rate_hz = 0;
+  bool hardware_trigger = false;  ///< one frame an edge on the trigger line, where the device can
+};
+
+enum class CameraControl {
+  kExposure,      ///< seconds; setting it turns automatic exposure off
+  kGain,          ///< the device's own unit
+  kFocus,         ///< the device's own unit; setting it turns autofocus off
+  kWhiteBalance,  ///< kelvin; setting it turns automatic white balance off
+};
+inline constexpr int kCameraControls = 4;
+std::string_view name(CameraControl control);
+
+struct ControlRange {
+  CameraControl control = CameraControl::kExposure;
+  double minimum = 0, maximum = 0, step = 0;
+};
+
+struct CameraInfo {
+  std::string uri{}, model{}, serial{};
+  Size size{};
+  PixelFormat format = PixelFormat::kUnknown;
+  double rate_hz = 0;  ///< nominal, 0 where unknown or triggered
+  StampClock stamp_clock = StampClock::kNone;
+  bool hardware_trigger = false;  ///< it waits for edges
+  std::vector<ControlRange> controls{};
+};
+
+/// Where a device stands now.
+enum class DeviceState {
+  kStopped,
+  kStreaming,
+  kLost,    ///< unplugged or failed; the driver looks for it again by itself
+  kFailed,  ///< given up, see the last error of start()
+};
+std::string_view name(DeviceState state);
+
+/// Counts since construction; they never go back.
+struct StreamHealth {
+  DeviceState state = DeviceState::kStopped;
+  std::uint64_t frames = 0;       ///< published
+  std::uint64_t lost = 0;         ///< missing by the device's counter
+  std::uint64_t incomplete = 0;   ///< published with kFrameIncomplete
+  std::uint64_t overrun = 0;      ///< dropped because every buffer was in use
+  std::uint64_t link_errors = 0;  ///< malformed packets, failed transfers
+  std::uint64_t returns = 0;      ///< times the device was lost and came back
+};
+
+/// A camera. Methods are for one thread, except health(), which any thread may call.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  virtual const CameraInfo& info() const = 0;
+  /// Delivers frames to `sink` on the driver's thread until stop(). Errors: kDevice, kUsage when
+  /// it runs already.
+  virtual Result<void> start(FrameSink sink) = 0;
+  /// Returns after the last call to the sink. Harmless when stopped.
+  virtual void stop() = 0;
+  /// Errors: kUnsupported, kUsage outside the range, kDevice.
+  virtual Result<void> set(CameraControl control, double value) = 0;
+  virtual Result<double> get(CameraControl control) = 0;
+  virtual StreamHealth health() const = 0;
+};
+
+}  // namespace mixrig::device

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth cameras: 16-bit steps and what a step means.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+
+namespace mixrig::device {
+
+enum class DepthMeaning { kZ, kDistance };  ///< along the optical axis, or along the ray
+
+/// Pinhole that the device reports, pixels; conventions of the picture are the device's.
+struct DeviceIntrinsics {
+  double focal_px = 0, principal_x_px = 0, principal_y_px = 0;
+};
+
+/// metres = step * metres_per_step + offset_m, except `unknown_step`, which is no measurement.
+struct DepthInfo {
+  double metres_per_step = 0.001;
+  double offset_m = 0;
+  int unknown_step = 0;
+  DepthMeaning meaning = DepthMeaning::kZ;
+  std::optional<DeviceIntrinsics> intrinsics{};
+};
+
+/// State of the sensor beside its stream; NaN where the device does not tell.
+struct DepthHealth {
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  double mean_amplitude =
+      std::numeric_limits<double>::quiet_NaN();  ///< of the last frame, 0..65535
+};
+
+/// A ToF or stereo camera. Frames are kDepth16, with amplitude where the device has it.
+/// Threads as Camera.
+class DepthCamera {
+ public:
+  virtual ~DepthCamera() = default;
+  virtual const CameraInfo& info() const = 0;
+  virtual const DepthInfo& depth() const = 0;
+  virtual Result<void> start(FrameSink sink) = 0;
+  virtual void stop() = 0;
+  virtual StreamHealth health() const = 0;
+  virtual DepthHealth depth_health() const = 0;
+};
+
+/// Metres of a kDepth16 frame; 0 = unknown. Keeps the memory of `out`.
+/// Errors: kData where the frame is of another format or shorter than its size says.
+Result<void> to_metres(const Frame& frame, const DepthInfo& info, Image<float>& out);
+
+/// A camera that delivers 16-bit steps, seen as a depth camera.
+std::unique_ptr<DepthCamera> as_depth_camera(std::unique_ptr<Camera> camera, const DepthInfo& info);
+
+}  // namespace mixrig::device

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// A fixed set of frame buffers: publishing and dropping frames allocates nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "hal/device/frame.h"
+
+namespace mixrig::device {
+
+/// Buffers of one driver. `take` is for the driver's thread; frames may be dropped on any thread,
+/// also after the pool itself is gone.
+class FramePool {
+ public:
+  /// `buffers` frames of at most `bytes` picture and `amplitude_bytes` amplitude each.
+  FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes = 0);
+
+  /// A buffer that is being filled. Publish it or let it go.
+  class Draft {
+   public:
+    Draft() = default;
+    Draft(Draft&& other) noexcept;
+    Draft& operator=(Draft&& other) noexcept;
+    ~Draft();
+
+    explicit operator bool() const { return frame_ != nullptr; }
+    std::span<std::uint8_t> bytes() const { return bytes_; }
+    std::span<std::uint8_t> amplitude() const { return amplitude_; }
+    /// Makes it immutable. `frame.bytes` and `frame.amplitude` are set to the first `used` and
+    /// `amplitude_used` bytes of this buffer; both are clipped to what it holds.
+    FramePtr publish(Frame frame, std::size_t used, std::size_t amplitude_used = 0) &&;
+
+   private:
+    friend class FramePool;
+    std::shared_ptr<struct FrameSlots> slots_;
+    Frame* frame_ = nullptr;
+    int index_ = -1;
+    std::span<std::uint8_t> bytes_, amplitude_;
+  };
+
+  /// An empty Draft when every buffer is in use: drop the picture and count it.
+  Draft take();
+  int free() const;
+
+ private:
+  std::shared_ptr<struct FrameSlots> slots_;
+};
+
+}  // namespace mixrig::device

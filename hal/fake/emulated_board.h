@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole trigger board: flash, ROM bootloader, the firmware (the same core as on the real one),
+// BOOT0, power, and the serial line to it with its delays and errors.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <random>
+
+#include "firmware/port/sim/sim_board.h"
+#include "hal/base/clock.h"
+#include "hal/device/byte_stream.h"
+#include "hal/fake/emulated_flash.h"
+#include "hal/fake/emulated_rom.h"
+
+namespace mixrig::fake {
+
+/// What runs on the board.
+enum class BoardMode { kFirmware, kBootloader, kNothing };
+
+/// Time comes from the caller. Not thread-safe.
+class EmulatedBoard {
+ public:
+  EmulatedBoard() : rom_(flash_) {}
+
+  /// Power off and on. Boots the bootloader where `boot0`, else what is in flash: the firmware
+  /// where vectors are there (with the verdict of its own check), nothing where they are not.
+  void power_cycle(bool boot0);
+  void receive(std::span<const std::uint8_t> bytes);
+  std::vector<std::uint8_t> transmitted();
+  /// Of the board's own clock.
+  void advance_to(std::uint64_t time_us);
+  std::uint64_t next_event_us() const;
+
+  BoardMode mode() const { return mode_; }
+  EmulatedFlash& flash() { return flash_; }
+  EmulatedRom& rom() { return rom_; }
+  /// Only in kFirmware.
+  sim::SimBoard& firmware() { return *firmware_; }
+
+ private:
+  void boot(protocol::ResetCause cause);
+  void follow();
+
+  EmulatedFlash flash_;
+  EmulatedRom rom_;
+  std::unique_ptr<sim::SimBoard> firmware_;
+  BoardMode mode_ = BoardMode::kNothing;
+  std::uint64_t time_us_ = 0;
+  std::uint64_t boot_us_ = 0;
+};
+
+/// The host's end of the line to a board, on a manual clock that reading moves.
+class BoardStream final : public device::ByteStream {
+ public:
+  struct Line {
+    double byte_error_share = 0;  ///< of bytes, either way: replaced by another
+    Duration delay_max{};         ///< of each transfer, either way, drawn evenly from 0
+    double drift_ppm = 0;         ///< of the board's clock
+    bool cut = false;             ///< nothing gets through
+  };
+
+  /// Both outlive it.
+  BoardStream(EmulatedBoard& board, ManualClock& clock, std::uint64_t seed = 1)
+      : board_(board), clock_(clock), random_(seed) {}
+
+  Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;
+  Result<void> write(std::span<const std::uint8_t> bytes) override;
+  Result<void> set_line(const device::LineSettings& settings) override;
+
+  void reseed(std::uint64_t seed) { random_.seed(seed); }
+  Line line;
+  device::LineSettings settings;  ///< as last set
+  /// The board's clock when the host's is at `host`: what a clock map should find.
+  std::uint64_t board_time_us(HostTime host) const;
+  HostTime host_time(double board_us) const;
+
+ private:
+  struct Parcel {
+    HostTime at{};
+    std::vector<std::uint8_t> bytes;
+  };
+  HostTime arrival(std::deque<Parcel>& queue);
+  void damage(std::vector<std::uint8_t>& bytes);
+  void run_until(HostTime until);
+  void deliver();
+
+  EmulatedBoard& board_;
+  ManualClock& clock_;
+  std::mt19937_64 random_;
+  std::deque<Parcel> to_board_, to_host_;
+};
+
+}  // namespace mixrig::fake

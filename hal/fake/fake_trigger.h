@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A trigger master that a test ticks by hand.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <vector>
+
+#include "hal/device/trigger.h"
+
+namespace mixrig::fake {
+
+/// Its clock is the host's. Any threads.
+class FakeTrigger final : public device::TriggerMaster {
+ public:
+  explicit FakeTrigger(Clock& clock) : clock_(clock) { info_.uri = "fake:trigger"; }
+  const device::TriggerInfo& info() const override { return info_; }
+  Result<device::TriggerStatus> status() override;
+  Result<void> configure(int channel, const device::TriggerChannel& settings) override;
+  Result<void> start() override;
+  Result<void> stop() override;
+  Result<std::size_t> read_ticks(std::span<device::TriggerTick> out, Duration timeout) override;
+
+  /// The next tick happens now; returns its number.
+  std::uint64_t tick();
+  /// As after a brown-out: idle, and tick numbers begin anew.
+  void reset();
+  bool running() const;
+  /// Waits until start() was called for the `count`-th time.
+  bool wait_for_start(int count, Duration timeout);
+
+ private:
+  Clock& clock_;
+  device::TriggerInfo info_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<device::TriggerTick> ticks_;
+  device::TriggerState state_ = device::TriggerState::kIdle;
+  std::uint64_t next_ = 0;
+  int starts_ = 0;
+};
+
+}  // namespace mixrig::fake

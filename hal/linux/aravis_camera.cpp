@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/aravis_camera.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <arv.h>
+
+#include "hal/base/log.h"
+#include "hal/device/frame_pool.h"
+#include "hal/linux/genicam_buffer.h"
+
+namespace mixrig::device {
+namespace {
+
+constexpr int kLibraryBuffers = 8, kBuffers = 6;
+constexpr guint64 kWait_us = 100000;
+constexpr Duration kLookAgain = std::chrono::milliseconds(250);
+
+template <typename T>
+struct Unref {
+  void operator()(T* object) const { g_object_unref(object); }
+};
+template <typename T>
+using Object = std::unique_ptr<T, Unref<T>>;
+
+/// A GError for one call; frees itself.
+class Fault {
+ public:
+  Fault() = default;
+  Fault(const Fault&) = delete;
+  Fault& operator=(const Fault&) = delete;
+  ~Fault() { g_clear_error(&error_); }
+  operator GError**() {  // NOLINT(google-explicit-constructor)
+    g_clear_error(&error_);
+    return &error_;
+  }
+  bool any() const { return error_ != nullptr; }
+  std::string text() const { return error_ != nullptr ? error_->message : "no reason given"; }
+
+ private:
+  GError* error_ = nullptr;
+};
+
+class AravisCamera final : public Camera {
+ public:
+  AravisCamera(std::string id, const StreamRequest& request, Clock& clock)
+      : id_(std::move(id)), request_(request), clock_(clock) {
+    info_.uri = "aravis:" + id_;
+  }
+  ~AravisCamera() override { stop(); }
+  Result<void> open();
+  Result<DepthInfo> depth_info();
+
+  const CameraInfo& info() const override { return info_; }
+  Result<void> start(FrameSink sink) override;
+  void stop() override;
+  Result<void> set(CameraControl control, double value) override;
+  Result<double> get(CameraControl control) override;
+  StreamHealth health() const override;
+
+ private:
+  Result<void> connect();
+  Result<void> choose_format();
+  Result<void> choose_trigger();
+  Result<void> start_stream();
+  void close_stream();
+  void work();
+  void take(ArvBuffer* buffer);
+  void come_back();
+  std::optional<double> feature(const char* name);
+  Error failed(const std::string& what, const Fault& fault) const {
+    return Error{ErrorCode::kDevice, info_.uri + ": " + what + ": " + fault.text()};
+  }
+
+  std::string id_;
+  StreamRequest request_;
+  Clock& clock_;
+  CameraInfo info_;
+  std::uint32_t code_ = 0;
+  Object<ArvCamera> camera_;
+  Object<ArvStream> stream_;
+  std::optional<FramePool> pool_;
+  FrameSink sink_;
+  std::thread thread_;
+  std::atomic<bool> stop_ = false, gone_ = false;
+  mutable std::mutex mutex_;  ///< guards health_ and camera_ against set/get
+  StreamHealth health_;
+  std::optional<std::uint64_t> last_id_;
+  bool restarted_ = false;
+};
+
+Result<void> AravisCamera::open() {
+  MIXRIG_TRY(connect());
+  MIXRIG_TRY(choose_format());
+  MIXRIG_TRY(choose_trigger());
+  Fault fault;
+  const char* model = arv_camera_get_model_name(camera_.get(), fault);
+  info_.model = model != nullptr ? model : "";
+  const char* serial = arv_camera_get_device_serial_number(camera_.get(), fault);
+  info_.serial = serial != nullptr ? serial : "";
+  info_.stamp_clock = StampClock::kDevice;
+  double low = 0, high = 0;
+  arv_camera_get_exposure_time_bounds(camera_.get(), &low, &high, fault);
+  if (!fault.any() && high > low)
+    info_.controls.push_back({CameraControl::kExposure, low * 1e-6, high * 1e-6, 1e-6});
+  arv_camera_get_gain_bounds(camera_.get(), &low, &high, fault);
+  if (!fault.any() && high > low) info_.controls.push_back({CameraControl::kGain, low, high, 0.1});
+  pool_.emplace(kBuffers, declared_bytes(code_, info_.size));
+  return {};
+}
+
+Result<void> AravisCamera::connect() {
+  Fault fault;
+  arv_update_device_list();
+  camera_.reset(arv_camera_new(id_.c_str(), fault));
+  if (!camera_)
+    return Error{
+        ErrorCode::kNotFound,
+        info_.uri + ": no such camera: see arv-tool-0.8 and the network (" + fault.text() + ")"};
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  // The packet socket needs CAP_NET_RAW and hears nothing on the loopback interface.
+  if (ARV_IS_GV_DEVICE(device))
+    arv_gv_device_set_stream_options(ARV_GV_DEVICE(device),
+                                     ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+  gone_ = false;
+  g_signal_connect(device, "control-lost",
+                   G_CALLBACK(+[](ArvDevice*, std::atomic<bool>* gone) { *gone = true; }), &gone_);
+  return {};
+}
+
+Result<void> AravisCamera::choose_format() {
+  Fault fault;
+  arv_camera_stop_acquisition(camera_.get(), fault);  // left running by a client that died
+  if (request_.format != PixelFormat::kUnknown) {
+    const std::uint32_t wanted = pfnc_of_format(request_.format);
+    if (wanted != 0) arv_camera_set_pixel_format(camera_.get(), wanted, fault);
+    if (wanted == 0 || fault.any())
+      return Error{ErrorCode::kUnsupported,
+                   info_.uri + ": does not offer " + std::string(name(request_.format))};
+  }
+  if (!request_.size.empty()) {
+    arv_camera_set_region(camera_.get(), 0, 0, request_.size.width, request_.size.height, fault);
+    if (fault.any()) return failed("setting the picture's size", fault);
+  }
+  code_ = arv_camera_get_pixel_format(camera_.get(), fault);
+  info_.format = format_of_pfnc(code_);
+  if (info_.format == PixelFormat::kUnknown)
+    return Error{ErrorCode::kUnsupported,
+                 info_.uri + ": sends a pixel format that mixrig does not read"};
+  int x = 0, y = 0;
+  arv_camera_get_region(camera_.get(), &x, &y, &info_.size.width, &info_.size.height, fault);
+  if (fault.any() || declared_bytes(code_, info_.size) == 0)
+    return failed("reading the picture's size", fault);
+  if (!request_.size.empty() && info_.size != request_.size)
+    return Error{ErrorCode::kUnsupported, info_.uri + ": does not offer the wished size"};
+  return {};
+}
+
+Result<void> AravisCamera::choose_trigger() {
+  Fault fault;
+  info_.hardware_trigger = request_.hardware_trigger;
+  if (request_.hardware_trigger) {
+    arv_camera_set_trigger(camera_.get(), "Line0", fault);
+    if (fault.any()) return failed("setting the trigger to Line0", fault);
+    return {};
+  }
+  arv_camera_clear_triggers(camera_.get(), fault);
+  if (request_.rate_hz > 0) {
+    arv_camera_set_frame_rate(camera_.get(), request_.rate_hz, fault);
+    if (fault.any()) return failed("setting the frame rate", fault);
+  }
+  info_.rate_hz = arv_camera_get_frame_rate(camera_.get(), fault);
+  return {};
+}
+
+std::optional<double> AravisCamera::feature(const char* name) {
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  Fault fault;
+  if (!arv_device_is_feature_available(device, name, fault) || fault.any()) return std::nullopt;
+  const double value = arv_device_get_float_feature_value(device, name, fault);
+  if (!fault.any()) return value;
+  const gint64 integer = arv_device_get_integer_feature_value(device, name, fault);
+  if (fault.any()) return std::nullopt;
+  return static_cast<double>(integer);
+}
+
+Result<DepthInfo> AravisCamera::depth_info() {
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  Fault fault;
+  if (arv_device_is_feature_available(device, "Scan3dCoordinateSelector", fault))
+    arv_device_set_string_feature_value(device, "Scan3dCoordinateSelector", "CoordinateC", fault);
+  DepthInfo depth;
+  const auto scale = feature("Scan3dCoordinateScale");
+  if (!scale || !(*scale > 0) || !std::isfinite(*scale))
+    return Error{ErrorCode::kDevice,
+                 info_.uri + ": tells no Scan3dCoordinateScale: its depth has no unit"};
+  depth.metres_per_step = *scale * 1e-3;
+  depth.offset_m = feature("Scan3dCoordinateOffset").value_or(0) * 1e-3;
+  depth.unknown_step = static_cast<int>(feature("Scan3dInvalidDataValue").value_or(0));
+  const auto focal = feature("Scan3dFocalLength");
+  const auto u = feature("Scan3dPrincipalPointU"), v = feature("Scan3dPrincipalPointV");
+  if (focal && u && v && *focal > 0) depth.intrinsics = DeviceIntrinsics{*focal, *u, *v};
+  return depth;
+}
+
+Result<void> AravisCamera::start(FrameSink sink) {
+  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  sink_ = std::move(sink);
+  last_id_.reset();
+  MIXRIG_TRY(start_stream());
+  {
+    const std::lock_guard lock(mutex_);
+    health_.state = DeviceState::kStreaming;
+  }
+  stop_ = false;
+  thread_ = std::thread([this] { work(); });
+  return {};
+}
+
+Result<void> AravisCamera::start_stream() {
+  Fault fault;
+  stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, fault));
+  if (!stream_) return failed("creating the stream", fault);
+  if (ARV_IS_GV_STREAM(stream_.get()))
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO,
+                 "socket-buffer-size", 0, nullptr);
+  const guint payload = arv_camera_get_payload(camera_.get(), fault);
+  if (fault.any()) return failed("reading the payload size", fault);
+  const auto bytes = std::max<std::size_t>(payload, declared_bytes(code_, info_.size));
+  for (int i = 0; i < kLibraryBuffers; ++i)
+    arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(bytes));
+  arv_camera_start_acquisition(camera_.get(), fault);
+  if (fault.any()) {
+    stream_.reset();
+    return failed("starting the acquisition", fault);
+  }
+  return {};
+}
+
+void AravisCamera::close_stream() {
+  Fault fault;
+  if (camera_ && !gone_) arv_camera_stop_acquisition(camera_.get(), fault);
+  stream_.reset();
+}
+
+void AravisCamera::stop() {
+  stop_ = true;
+  if (!thread_.joinable()) return;
+  thread_.join();
+  close_stream();
+  const std::lock_guard lock(mutex_);
+  health_.state = DeviceState::kStopped;
+}
+
+void AravisCamera::work() {
+  while (!stop_) {
+    if (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), kWait_us)) {
+      take(buffer);
+      arv_stream_push_buffer(stream_.get(), buffer);
+    } else if (gone_) {
+      come_back();
+    }
+  }
+}
+
+void AravisCamera::take(ArvBuffer* buffer) {
+  std::size_t bytes = 0;
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &bytes));
+  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
+  Frame frame{.format = info_.format,
+              .size = info_.size,
+              .stride_bytes = row_bytes(info_.format, info_.size.width),
+              .sequence = id,
+              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer))),
+              .received = clock_.now()};
+  const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  auto draft = pool_->take();
+  const bool whole =
+      arrived && draft && copy_picture(code_, info_.size, {data, bytes}, draft.bytes());
+  if (!whole) frame.flags |= kFrameIncomplete;
+  {
+    const std::lock_guard lock(mutex_);
+    if (last_id_ && id > *last_id_ + 1) {
+      health_.lost += id - *last_id_ - 1;
+      frame.flags |= kFrameAfterGap;
+    }
+    last_id_ = id;
+    if (!draft) return void(++health_.overrun);
+    if (!whole) ++health_.incomplete;
+    ++health_.frames;
+  }
+  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
+  const std::size_t used = image_bytes(info_.format, info_.size, frame.stride_bytes);
+  sink_(std::move(draft).publish(frame, used));
+}
+
+void AravisCamera::come_back() {
+  {
+    const std::lock_guard lock(mutex_);
+    health_.state = DeviceState::kLost;
+    stream_.reset();
+    camera_.reset();
+  }
+  log_warning("aravis", info_.uri + ": lost; looking for it");
+  while (!stop_) {
+    clock_.sleep_until(clock_.now() + kLookAgain);
+    const std::lock_guard lock(mutex_);
+    if (!connect() || !choose_format() || !choose_trigger() || !start_stream()) continue;
+    health_.state = DeviceState::kStreaming;
+    ++health_.returns;
+    last_id_.reset();
+    restarted_ = true;
+    log_warning("aravis", info_.uri + ": is back");
+    return;
+  }
+}
+
+Result<void> AravisCamera::set(CameraControl control, double value) {
+  const auto range = std::find_if(info_.controls.begin(), info_.controls.end(),
+                                  [&](const ControlRange& r) { return r.control == control; });
+  const std::string what = info_.uri + ": " + std::string(name(control));
+  if (range == info_.controls.end())
+    return Error{ErrorCode::kUnsupported, what + " is not on this camera"};
+  if (!(value >= range->minimum && value <= range->maximum))
+    return Error{ErrorCode::kUsage, what + " must be " + std::to_string(range->minimum) + " to " +
+                                        std::to_string(range->maximum)};
+  const std::lock_guard lock(mutex_);
+  Fault fault;
+  if (!camera_) return Error{ErrorCode::kDevice, what + ": the camera is not there"};
+  if (control == CameraControl::kExposure)
+    arv_camera_set_exposure_time(camera_.get(), value * 1e6, fault);
+  else
+    arv_camera_set_gain(camera_.get(), value, fault);
+  if (fault.any()) return failed("setting " + std::string(name(control)), fault);
+  return {};
+}
+
+Result<double> AravisCamera::get(CameraControl control) {
+  const std::lock_guard lock(mutex_);
+  Fault fault;
+  if (!camera_) return Error{ErrorCode::kDevice, info_.uri + ": the camera is not there"};
+  double value = 0;
+  if (control == CameraControl::kExposure)
+    value = arv_camera_get_exposure_time(camera_.get(), fault) * 1e-6;
+  else if (control == CameraControl::kGain)
+    value = arv_camera_get_gain(camera_.get(), fault);
+  else
+    return Error{ErrorCode::kUnsupported,
+                 info_.uri + ": " + std::string(name(control)) + " is not on this camera"};
+  if (fault.any()) return failed("reading " + std::string(name(control)), fault);
+  return value;
+}
+
+StreamHealth AravisCamera::health() const {
+  const std::lock_guard lock(mutex_);
+  return health_;
+}
+
+Result<std::unique_ptr<AravisCamera>> open_camera(const std::string& id,
+                                                  const StreamRequest& request, Clock& clock) {
+  auto camera = std::make_unique<AravisCamera>(id, request, clock);
+  MIXRIG_TRY(camera->open());
+  return camera;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_aravis(const std::string& id, const StreamRequest& request,
+                                            Clock& clock) {
+  MIXRIG_ASSIGN(auto camera, open_camera(id, request, clock));
+  return std::unique_ptr<Camera>(std::move(camera));
+}
+
+Result<std::unique_ptr<DepthCamera>> open_aravis_depth(const std::string& id,
+                                                       const StreamRequest& request, Clock& clock) {
+  StreamRequest depth_request = request;
+  if (depth_request.format == PixelFormat::kUnknown) depth_request.format = PixelFormat::kDepth16;
+  MIXRIG_ASSIGN(auto camera, open_camera(id, depth_request, clock));
+  MIXRIG_ASSIGN(const DepthInfo depth, camera->depth_info());
+  return as_depth_camera(std::move(camera), depth);
+}
+
+std::vector<std::string> list_aravis() {
+  std::vector<std::string> ids;
+  arv_update_device_list();
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) ids.emplace_back(arv_get_device_id(i));
+  return ids;
+}
+
+}  // namespace mixrig::device

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/posix_byte_stream.h"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace mixrig::device {
+
+namespace {
+
+constexpr int kWriteTimeoutMs = 1000;
+
+Error open_error(const std::string& path, int error) {
+  const ErrorCode code = error == ENOENT || error == ENXIO ? ErrorCode::kNotFound : ErrorCode::kIo;
+  const char* hint = error == EACCES ? ": add yourself to group dialout"
+                                     : ": is it plugged in, and is this its name?";
+  return system_error(code, "cannot open " + path + hint, error);
+}
+
+Result<void> set_raw(int fd, const std::string& name) {
+  termios settings{};
+  if (tcgetattr(fd, &settings) != 0) {
+    return system_error(ErrorCode::kIo, name + " is no terminal: give a serial port", errno);
+  }
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  if (tcsetattr(fd, TCSANOW, &settings) != 0) {
+    return system_error(ErrorCode::kIo, "cannot set up " + name, errno);
+  }
+  tcflush(fd, TCIFLUSH);
+  return {};
+}
+
+/// Waits for `events`; false on time-out.
+Result<bool> wait_for(int fd, short events, Duration timeout, const std::string& name) {
+  pollfd wait{fd, events, 0};
+  const auto ns = timeout.count() > 0 ? timeout.count() : 0;
+  const timespec limit{static_cast<time_t>(ns / 1'000'000'000),
+                       static_cast<long>(ns % 1'000'000'000)};
+  const int ready = ppoll(&wait, 1, &limit, nullptr);
+  if (ready < 0 && errno != EINTR) {
+    return system_error(ErrorCode::kIo, "cannot wait for " + name, errno);
+  }
+  return ready > 0;
+}
+
+}  // namespace
+
+PosixByteStream::PosixByteStream(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+
+PosixByteStream::~PosixByteStream() { close(fd_); }
+
+Result<std::unique_ptr<ByteStream>> PosixByteStream::open_terminal(const std::string& path) {
+  const int fd = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return open_error(path, errno);
+  auto stream = std::make_unique<PosixByteStream>(fd, path);
+  MIXRIG_TRY(set_raw(fd, path));
+  return std::unique_ptr<ByteStream>(std::move(stream));
+}
+
+Result<std::unique_ptr<ByteStream>> PosixByteStream::connect_unix(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) {
+    return Error{ErrorCode::kUsage, "socket path is too long (107 bytes at most): " + path};
+  }
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return system_error(ErrorCode::kIo, "cannot make a socket", errno);
+  auto stream = std::make_unique<PosixByteStream>(fd, path);
+  if (connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
+    return open_error(path, errno);
+  }
+  fcntl(fd, F_SETFL, O_NONBLOCK);
+  return std::unique_ptr<ByteStream>(std::move(stream));
+}
+
+Result<std::size_t> PosixByteStream::read(std::span<std::uint8_t> out, Duration timeout) {
+  MIXRIG_ASSIGN(const bool ready, wait_for(fd_, POLLIN, timeout, name_));
+  if (!ready) return std::size_t{0};
+  const ssize_t n = ::read(fd_, out.data(), out.size());
+  if (n > 0) return static_cast<std::size_t>(n);
+  if (n < 0 && (errno == EAGAIN || errno == EINTR)) return std::size_t{0};
+  return system_error(ErrorCode::kDevice, "lost " + name_ + ": unplugged or hung up",
+                      n < 0 ? errno : 0);
+}
+
+Result<void> PosixByteStream::write(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    if (n > 0) {
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+      continue;
+    }
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN) {
+      return system_error(ErrorCode::kDevice, "lost " + name_ + ": unplugged or hung up", errno);
+    }
+    MIXRIG_ASSIGN(const bool ready,
+                  wait_for(fd_, POLLOUT, std::chrono::milliseconds(kWriteTimeoutMs), name_));
+    if (!ready) return Error{ErrorCode::kTimeout, name_ + " takes no bytes: is it hung?"};
+  }
+  return {};
+}
+
+Result<void> PosixByteStream::set_line(const LineSettings& settings) {
+  termios terminal{};
+  if (tcgetattr(fd_, &terminal) != 0) return {};
+  const speed_t speed = settings.baud == 115'200 ? B115200 : settings.baud == 9'600 ? B9600 : B0;
+  if (speed == B0) {
+    return Error{ErrorCode::kUnsupported,
+                 name_ + ": no such rate, " + std::to_string(settings.baud) + " baud"};
+  }
+  cfsetspeed(&terminal, speed);
+  // A pty drops the parity flag without a word: its bytes have none.
+  terminal.c_cflag &= ~static_cast<tcflag_t>(PARENB | PARODD);
+  if (settings.parity == Parity::kEven) terminal.c_cflag |= PARENB;
+  if (tcsetattr(fd_, TCSADRAIN, &terminal) != 0) {
+    return system_error(ErrorCode::kIo, "cannot set up " + name_, errno);
+  }
+  return {};
+}
+
+}  // namespace mixrig::device

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes over a file descriptor: terminals, ptys, Unix sockets.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hal/device/byte_stream.h"
+
+namespace mixrig::device {
+
+class PosixByteStream final : public ByteStream {
+ public:
+  /// A terminal device, set raw. Errors: kNotFound, kIo.
+  static Result<std::unique_ptr<ByteStream>> open_terminal(const std::string& path);
+  /// A Unix socket. Errors: kNotFound, kIo.
+  static Result<std::unique_ptr<ByteStream>> connect_unix(const std::string& path);
+  /// Takes over a descriptor that is open; `name` is for error lines.
+  PosixByteStream(int fd, std::string name);
+  ~PosixByteStream() override;
+  PosixByteStream(const PosixByteStream&) = delete;
+  PosixByteStream& operator=(const PosixByteStream&) = delete;
+
+  Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;
+  Result<void> write(std::span<const std::uint8_t> bytes) override;
+  /// Sets what a terminal takes; sockets ignore it.
+  Result<void> set_line(const LineSettings& settings) override;
+
+ private:
+  int fd_;
+  std::string name_;
+};
+
+}  // namespace mixrig::device

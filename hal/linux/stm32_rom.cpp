@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/stm32_rom.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+namespace mixrig::device {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+namespace {
+
+constexpr std::uint8_t kAck = 0x79;
+constexpr std::uint8_t kNack = 0x1F;
+constexpr std::uint8_t kSync = 0x7F;
+constexpr std::uint8_t kGetId = 0x02;
+constexpr std::uint8_t kRead = 0x11;
+constexpr std::uint8_t kGo = 0x21;
+constexpr std::uint8_t kWrite = 0x31;
+constexpr std::uint8_t kExtendedErase = 0x44;
+constexpr std::uint16_t kF405 = 0x413;
+
+constexpr Duration kAckTimeout = milliseconds(500);
+constexpr Duration kEraseTimeout = seconds(5);  // 128 KiB: 2 s at most by the data sheet
+constexpr std::size_t kBlock = 256;
+constexpr std::size_t kSmallestBlock = 32;
+constexpr int kTries = 8;
+
+std::string hex(std::uint32_t value) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%x", value);
+  return text;
+}
+
+std::uint8_t xor_of(std::span<const std::uint8_t> bytes) {
+  std::uint8_t sum = 0;
+  for (const std::uint8_t byte : bytes) sum ^= byte;
+  return sum;
+}
+
+Error refused(const std::string& what) {
+  return Error{ErrorCode::kDevice, "bootloader refused to " + what};
+}
+
+/// RM0090 table 5: 4 x 16, 64, 7 x 128 KiB.
+std::vector<FlashSector> f405_sectors() {
+  std::vector<FlashSector> sectors;
+  std::uint32_t address = 0x08000000;
+  for (int i = 0; i < 12; ++i) {
+    const std::uint32_t size = (i < 4 ? 16u : i == 4 ? 64u : 128u) * 1024u;
+    sectors.push_back({address, size});
+    address += size;
+  }
+  return sectors;
+}
+
+}  // namespace
+
+Result<void> Stm32Rom::send(Bytes bytes) { return stream_.write(bytes); }
+
+Result<void> Stm32Rom::receive(std::span<std::uint8_t> out, Duration timeout) {
+  const HostTime deadline = clock_.now() + timeout;
+  while (!out.empty()) {
+    const Duration left = deadline - clock_.now();
+    if (left <= Duration{0}) {
+      return Error{ErrorCode::kTimeout, "bootloader does not answer"};
+    }
+    MIXRIG_ASSIGN(const std::size_t n, stream_.read(out, left));
+    out = out.subspan(n);
+  }
+  return {};
+}
+
+void Stm32Rom::discard_input() {
+  std::array<std::uint8_t, 256> waste;
+  for (int i = 0; i < 64; ++i) {
+    const auto n = stream_.read(waste, Duration{0});
+    if (!n || *n == 0) return;
+  }
+}
+
+Result<void> Stm32Rom::await_ack(const char* what, Duration timeout) {
+  std::uint8_t answer = 0;
+  if (auto got = receive({&answer, 1}, timeout); !got) {
+    if (got.error().code != ErrorCode::kTimeout) return got;
+    return Error{ErrorCode::kTimeout,
+                 std::string("bootloader does not answer to ") + what + ": power or cable lost?"};
+  }
+  if (answer == kAck) return {};
+  if (answer == kNack) return refused(what);
+  return Error{ErrorCode::kDevice, std::string("bootloader answered ") + what + " with " +
+                                       hex(answer) + ": noise on the line, or parity"};
+}
+
+Result<void> Stm32Rom::command(std::uint8_t code, const char* what) {
+  const std::array<std::uint8_t, 2> bytes = {code, static_cast<std::uint8_t>(~code)};
+  MIXRIG_TRY(send(bytes));
+  return await_ack(what, kAckTimeout);
+}
+
+Result<void> Stm32Rom::send_address(std::uint32_t address, const char* what) {
+  std::array<std::uint8_t, 5> bytes{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[i] = static_cast<std::uint8_t>(address >> (24 - 8 * i));
+  }
+  bytes[4] = xor_of(std::span(bytes).first(4));
+  MIXRIG_TRY(send(bytes));
+  return await_ack(what, kAckTimeout);
+}
+
+Result<bool> Stm32Rom::answers() {
+  MIXRIG_TRY(stream_.set_line({115'200, Parity::kEven}));
+  discard_input();
+  MIXRIG_TRY(send(std::array<std::uint8_t, 1>{kSync}));
+  const HostTime deadline = clock_.now() + milliseconds(200);
+  std::uint8_t answer = 0;
+  while (clock_.now() < deadline) {
+    MIXRIG_ASSIGN(const std::size_t n, stream_.read({&answer, 1}, deadline - clock_.now()));
+    // NACK: it was synchronised before. Firmware may be in the middle of a report: read on.
+    if (n == 1 && (answer == kAck || answer == kNack)) {
+      for (int i = 0; i < 3; ++i) {
+        if (read_chip_id()) return true;
+      }
+    }
+  }
+  return false;
+}
+
+Result<std::uint16_t> Stm32Rom::read_chip_id() {
+  std::array<std::uint8_t, 3> id{};
+  MIXRIG_TRY(command(kGetId, "tell its chip"));
+  MIXRIG_TRY(receive(id, kAckTimeout));
+  MIXRIG_TRY(await_ack("tell its chip", kAckTimeout));
+  if (id[0] != 1) return refused("tell its chip in the known way");
+  return static_cast<std::uint16_t>(id[1] << 8 | id[2]);
+}
+
+Result<BootloaderInfo> Stm32Rom::connect() {
+  bool found = false;
+  for (int i = 0; i < 5 && !found; ++i) {
+    MIXRIG_ASSIGN(found, answers());
+  }
+  if (!found) {
+    return Error{ErrorCode::kTimeout,
+                 "no bootloader answers: hold BOOT0 high, press reset, and try again"};
+  }
+  std::uint16_t chip = 0;
+  MIXRIG_TRY(repeat([&]() -> Result<void> {
+    MIXRIG_ASSIGN(chip, read_chip_id());
+    return {};
+  }));
+  if (chip != kF405) {
+    return Error{ErrorCode::kDevice, "wrong board: chip " + hex(chip) + ", an STM32F405 is " +
+                                         hex(kF405) + "; nothing was erased"};
+  }
+  sectors_ = f405_sectors();
+  return BootloaderInfo{"STM32 ROM bootloader over UART, chip " + hex(chip), chip, sectors_};
+}
+
+/// After a refusal the bootloader waits for a command; after anything else it may be in the middle
+/// of one, whose check sum the sent bytes will not fit.
+Result<void> Stm32Rom::resynchronize() {
+  constexpr int kLongestCommand = 260;
+  discard_input();
+  for (int i = 0; i < kLongestCommand; ++i) {
+    MIXRIG_TRY(send(std::array<std::uint8_t, 1>{kSync}));
+    std::uint8_t answer = 0;
+    MIXRIG_ASSIGN(const std::size_t n, stream_.read({&answer, 1}, milliseconds(5)));
+    if (n == 1 && answer == kNack) return {};
+  }
+  return Error{ErrorCode::kTimeout, "bootloader fell silent: power or cable lost?"};
+}
+
+Result<void> Stm32Rom::repeat(const std::function<Result<void>()>& operation) {
+  Result<void> result = operation();
+  for (int i = 1; i < kTries && !result; ++i) {
+    const bool gone = result.error().sys_errno != 0;
+    if (gone) return result;
+    ++repeats_;
+    MIXRIG_TRY(resynchronize());
+    result = operation();
+  }
+  return result;
+}
+
+Result<void> Stm32Rom::read_block(std::uint32_t address, std::span<std::uint8_t> out) {
+  constexpr const char* kWhat = "read flash (read protection?)";
+  MIXRIG_TRY(command(kRead, kWhat));
+  MIXRIG_TRY(send_address(address, kWhat));
+  const auto count = static_cast<std::uint8_t>(out.size() - 1);
+  MIXRIG_TRY(send(std::array<std::uint8_t, 2>{count, static_cast<std::uint8_t>(~count)}));
+  MIXRIG_TRY(await_ack(kWhat, kAckTimeout));
+  return receive(out, seconds(1));
+}
+
+Result<void> Stm32Rom::write_block(std::uint32_t address, Bytes data) {
+  constexpr const char* kWhat = "write flash (write protection?)";
+  std::array<std::uint8_t, kBlock + 2> bytes;
+  const std::size_t size = data.size();
+  bytes[0] = static_cast<std::uint8_t>(size - 1);
+  std::copy(data.begin(), data.end(), bytes.begin() + 1);
+  bytes[size + 1] = xor_of(std::span(bytes).first(size + 1));
+  MIXRIG_TRY(command(kWrite, kWhat));
+  MIXRIG_TRY(send_address(address, kWhat));
+  MIXRIG_TRY(send(std::span(bytes).first(size + 2)));
+  return await_ack(kWhat, seconds(1));
+}
+
+Result<void> Stm32Rom::read(std::uint32_t address, std::span<std::uint8_t> out) {
+  while (!out.empty()) {
+    std::size_t size = std::min(out.size(), kBlock);
+    MIXRIG_TRY(repeat([&]() -> Result<void> {
+      auto result = read_block(address, out.first(size));
+      if (!result && size > kSmallestBlock) size /= 2;  // a noisy line lets short ones through
+      return result;
+    }));
+    address += static_cast<std::uint32_t>(size);
+    out = out.subspan(size);
+  }
+  return {};
+}
+
+Result<void> Stm32Rom::write(std::uint32_t address, std::span<const std::uint8_t> data) {
+  while (!data.empty()) {
+    std::size_t size = std::min(data.size(), kBlock);
+    MIXRIG_TRY(repeat([&]() -> Result<void> {
+      auto result = write_block(address, data.first(size));
+      if (!result && size > kSmallestBlock) size = size / 2 / 4 * 4;
+      return result;
+    }));
+    address += static_cast<std::uint32_t>(size);
+    data = data.subspan(size);
+  }
+  return {};
+}
+
+Result<void> Stm32Rom::erase_sector(int sector) {
+  constexpr const char* kWhat = "erase flash (write protection?)";
+  const std::array<std::uint8_t, 4> list = {0, 0, 0, static_cast<std::uint8_t>(sector)};
+  MIXRIG_TRY(command(kExtendedErase, kWhat));
+  MIXRIG_TRY(send(list));
+  MIXRIG_TRY(send(std::array<std::uint8_t, 1>{xor_of(list)}));
+  return await_ack(kWhat, kEraseTimeout);
+}
+
+Result<void> Stm32Rom::erase(const FlashSector& sector) {
+  const auto found = std::find(sectors_.begin(), sectors_.end(), sector);
+  if (found == sectors_.end()) return refused("erase " + hex(sector.address) + ": no such sector");
+  const auto index = static_cast<int>(found - sectors_.begin());
+  return repeat([&] { return erase_sector(index); });
+}
+
+Result<void> Stm32Rom::go(std::uint32_t address) {
+  constexpr const char* kWhat = "start the program";
+  return repeat([&]() -> Result<void> {
+    MIXRIG_TRY(command(kGo, kWhat));
+    return send_address(address, kWhat);
+  });
+}
+
+}  // namespace mixrig::device

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The UART bootloader in the ROM of STM32 (AN3155).
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "hal/base/clock.h"
+#include "hal/device/bootloader.h"
+#include "hal/device/byte_stream.h"
+
+namespace mixrig::device {
+
+/// Commands that fail are repeated, blocks halved; the count of repeats is kept.
+class Stm32Rom final : public Bootloader {
+ public:
+  /// Both outlive it. The line is set to even parity by connect() (ptys have none to set).
+  Stm32Rom(ByteStream& stream, Clock& clock) : stream_(stream), clock_(clock) {}
+
+  Result<BootloaderInfo> connect() override;
+  Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) override;
+  Result<void> erase(const FlashSector& sector) override;
+  Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) override;
+  Result<void> go(std::uint32_t address) override;
+
+  /// Whether a bootloader answers to one 0x7F. To running firmware that is one bad byte, while
+  /// any other byte would spoil the bootloader's search for the baud rate: ask this first.
+  Result<bool> answers();
+  int repeats() const { return repeats_; }
+
+ private:
+  using Bytes = std::span<const std::uint8_t>;
+  Result<void> send(Bytes bytes);
+  Result<void> receive(std::span<std::uint8_t> out, Duration timeout);
+  Result<void> await_ack(const char* what, Duration timeout);
+  Result<void> command(std::uint8_t code, const char* what);
+  Result<void> send_address(std::uint32_t address, const char* what);
+  Result<void> read_block(std::uint32_t address, std::span<std::uint8_t> out);
+  Result<void> write_block(std::uint32_t address, Bytes data);
+  Result<void> erase_sector(int sector);
+  Result<std::uint16_t> read_chip_id();
+  Result<void> repeat(const std::function<Result<void>()>& operation);
+  Result<void> resynchronize();
+  void discard_input();
+
+  ByteStream& stream_;
+  Clock& clock_;
+  std::vector<FlashSector> sectors_;
+  int repeats_ = 0;
+};
+
+}  // namespace mixrig::device
