@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The known word that a misspelt one most likely meant.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mixrig::config {
+
+/// Insertions, deletions and replacements that lead from a to b (Levenshtein 1966).
+int edit_distance(std::string_view a, std::string_view b);
+
+/// The word of least edit distance; nullopt where none is nearer than half of its own length.
+std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace mixrig::config

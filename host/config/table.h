@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading of TOML manifests: typed values with ranges, and one line for what is wrong.
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/result.h"
+
+namespace mixrig::config {
+
+/// Allowed numbers, both ends included. NaN and infinity are never allowed.
+struct Range {
+  double min = std::numeric_limits<double>::lowest();
+  double max = std::numeric_limits<double>::max();
+};
+inline constexpr Range kPositive{1e-12, 1e12};
+inline constexpr Range kNotNegative{0.0, 1e12};
+
+struct Node;
+class Document;
+
+/// One table of a document. Getters never fail at once: what is wrong is noted in the document,
+/// a default is returned, and Document::finish() tells. A key is known once it was asked for.
+/// Borrows from the document. Not thread-safe.
+class Table {
+ public:
+  /// False for an optional table that the file does not have; getters then return defaults.
+  bool present() const { return node_ != nullptr; }
+  bool has(std::string_view key) const;
+  /// True where the key is there and holds one number.
+  bool is_number(std::string_view key) const;
+
+  double number(std::string_view key, Range range = {}) const;
+  double number_or(std::string_view key, double fallback, Range range = {}) const;
+  int integer(std::string_view key, Range range) const;
+  int integer_or(std::string_view key, int fallback, Range range) const;
+  bool boolean_or(std::string_view key, bool fallback) const;
+  std::string text(std::string_view key) const;
+  std::string text_or(std::string_view key, std::string_view fallback) const;
+  /// Index of the word in `words`.
+  int one_of(std::string_view key, const std::vector<std::string>& words, int fallback) const;
+  /// Between `min_count` and `max_count` numbers; where one is enough, a bare number will do.
+  std::vector<double> numbers(std::string_view key, std::size_t min_count, std::size_t max_count,
+                              Range range = {}) const;
+  /// `rows` arrays of `columns` numbers, row by row.
+  std::vector<double> matrix(std::string_view key, std::size_t rows, std::size_t columns) const;
+  /// A table that may be absent.
+  Table table(std::string_view key) const;
+  /// A table that must be there.
+  Table required_table(std::string_view key) const;
+  /// An array of tables, [[key]]; empty where absent.
+  std::vector<Table> tables(std::string_view key) const;
+
+  /// Notes "FILE:LINE: key "KEY": WHAT" about this key, or about the table where it lacks the key.
+  void fail(std::string_view key, const std::string& what) const;
+  /// Notes the error of another room about this key.
+  void fail(std::string_view key, const Error& error) const;
+
+ private:
+  friend class Document;
+  Table(Document* document, const Node* node, std::string name)
+      : document_(document), node_(node), name_(std::move(name)) {}
+  const Node* find(std::string_view key, bool required) const;
+  void wrong_type(std::string_view key, const char* wanted) const;
+  bool check(std::string_view key, double value, Range range) const;
+  Table child(std::string_view key, const Node* node) const;
+
+  Document* document_;
+  const Node* node_;
+  std::string name_;  ///< dotted name in the file, empty for the root
+};
+
+/// A TOML file, what was asked of it, and what was wrong with it.
+class Document {
+ public:
+  /// Errors: kNotFound, kFormat (file:line).
+  static Result<Document> read(const std::filesystem::path& path);
+  /// The same from text; `name` stands for the file. Pure: what fuzzers feed.
+  static Result<Document> parse(std::string_view text, const std::string& name);
+  Document(Document&&) noexcept;
+  Document& operator=(Document&&) noexcept;
+  ~Document();
+
+  Table root();
+  /// Call when every key has been asked for. Errors: kFormat, the first of: a key that nobody
+  /// asked for (with the nearest that somebody did), else what getters and fail() noted.
+  Result<void> finish() const;
+
+ private:
+  friend class Table;
+  struct State;
+  explicit Document(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Replaces each ${NAME} by the environment variable. Errors: kUsage where it is not set, or a
+/// brace is not closed.
+Result<std::string> expand_environment(const std::string& text);
+
+/// Whole of a text file of at most `max_bytes`. Errors: kNotFound, kFormat where it is larger.
+Result<std::string> read_text(const std::filesystem::path& path, std::size_t max_bytes);
+
+}  // namespace mixrig::config

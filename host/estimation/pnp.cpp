@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimation/pnp.h"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <ceres/rotation.h>
+
+#include "host/estimation/consensus.h"
+#include "host/estimation/p3p.h"
+#include "host/estimation/small_solve.h"
+
+namespace mixrig::estimation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using geometry::Pose;
+using Points = std::span<const Vector3d>;
+using Bearings = std::span<const Bearing>;
+
+/// A pose, its information about the centroid of its points, and the next best pose.
+struct View {
+  Pose camera_from_world;
+  Eigen::Matrix<double, 6, 6> information;
+  Vector3d centroid;
+  double cost = 0;
+  std::optional<double> rival_cost;
+};
+
+/// Parameters: rotation vector about the centroid, translation in units of the depth.
+struct PnpResiduals {
+  Points points;
+  Bearings bearings;
+  std::span<const int> indices;
+  Pose start;
+  Vector3d centroid;
+  double depth_m;
+
+  int NumResiduals() const { return 2 * static_cast<int>(indices.size()); }
+  template <typename T>
+  bool operator()(const T* x, T* residuals) const {
+    using Vector3T = Eigen::Matrix<T, 3, 1>;
+    const Vector3d centre = (start * centroid) / depth_m;
+    int row = 0;
+    for (int i : indices) {
+      const Vector3T arm = (start.rotation * ((points[i] - centroid) / depth_m)).cast<T>();
+      Vector3T p;
+      ceres::AngleAxisRotatePoint(x, arm.data(), p.data());
+      for (int k = 0; k < 3; ++k) p[k] += x[3 + k] + centre[k];
+      const Vector3T off = p / p.norm() - bearings[i].direction.cast<T>();
+      const Eigen::Matrix<T, 2, 1> r = bearings[i].whitener.cast<T>() * off;
+      residuals[row++] = r.x();
+      residuals[row++] = r.y();
+    }
+    return true;
+  }
+};
+
+double squared_residual(const Pose& camera_from_world, const Vector3d& point,
+                        const Bearing& bearing) {
+  const Vector3d seen = (camera_from_world * point).normalized();
+  return (bearing.whitener * (seen - bearing.direction)).squaredNorm();
+}
+
+Vector3d centroid_of(Points points, std::span<const int> indices) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i : indices) sum += points[i] - points[indices[0]];
+  return points[indices[0]] + sum / static_cast<double>(indices.size());
+}
+
+std::vector<Pose> poses_of_triple(Points points, Bearings bearings, std::span<const int> t) {
+  // Differences to the first point keep the digits far from the origin.
+  const Vector3d origin = points[t[0]];
+  auto poses =
+      solve_p3p({Vector3d::Zero(), points[t[1]] - origin, points[t[2]] - origin},
+                {bearings[t[0]].direction, bearings[t[1]].direction, bearings[t[2]].direction});
+  for (Pose& pose : poses) pose.translation_m -= pose.rotation * origin;
+  return poses;
+}
+
+std::optional<View> refine(Points points, Bearings bearings, std::span<const int> indices,
+                           const Pose& start) {
+  const Vector3d centroid = centroid_of(points, indices);
+  const double depth_m = (start * centroid).norm();
+  const detail::SmallSolution<6, PnpResiduals> first(
+      {points, bearings, indices, start, centroid, depth_m});
+  if (!(depth_m > 0) || !first.finite()) return std::nullopt;
+  View view{{}, first.information(), centroid, first.cost(), std::nullopt};
+  view.camera_from_world.rotation = (rotation_exp(first.x.head<3>()) * start.rotation).normalized();
+  const Vector3d centre = start * centroid + depth_m * first.x.tail<3>();
+  view.camera_from_world.translation_m = centre - view.camera_from_world.rotation * centroid;
+  // The information belongs to small rotations at the minimum: chart of exp at x.
+  Eigen::Matrix<double, 6, 6> chart = Eigen::Matrix<double, 6, 6>::Identity();
+  const Matrix3d w = skew(first.x.head<3>());
+  chart.topLeftCorner<3, 3>() += -0.5 * w + w * w / 12.0;
+  chart.bottomRightCorner<3, 3>() /= depth_m;
+  view.information = chart.transpose() * view.information * chart;
+  return view;
+}
+
+/// The other pose that a plane seen from afar may have: depths mirrored about the centroid.
+/// Exact for coplanar points under parallel rays; for others merely a poor start.
+Pose flipped(Points points, std::span<const int> indices, const View& view) {
+  Matrix3d scatter = Matrix3d::Zero();
+  for (int i : indices)
+    scatter += (points[i] - view.centroid) * (points[i] - view.centroid).transpose();
+  const Vector3d normal = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvectors().col(0);
+  const Vector3d centre = view.camera_from_world * view.centroid;
+  const Vector3d sight = centre.normalized();
+  const Matrix3d mirror_sight = Matrix3d::Identity() - 2 * sight * sight.transpose();
+  const Matrix3d mirror_plane = Matrix3d::Identity() - 2 * normal * normal.transpose();
+  Pose flip;
+  flip.rotation = Eigen::Quaterniond(
+      Matrix3d(mirror_sight * view.camera_from_world.rotation.toRotationMatrix() * mirror_plane));
+  flip.translation_m = centre - flip.rotation * view.centroid;
+  return flip;
+}
+
+/// Best pose of all given points: starts from a spread of triples, refines the best distinct ones.
+std::optional<View> solve(Points points, Bearings bearings, std::span<const int> indices) {
+  struct Start {
+    Pose pose;
+    double cost;
+  };
+  std::vector<Start> starts;
+  const int n = static_cast<int>(indices.size());
+  constexpr int kTriples = 20;
+  detail::visit_samples(n, 3, kTriples, [&](std::span<const int> sample) {
+    const int triple[3] = {indices[sample[0]], indices[sample[1]], indices[sample[2]]};
+    for (const Pose& pose : poses_of_triple(points, bearings, triple)) {
+      double cost = 0;
+      for (int i : indices) cost += squared_residual(pose, points[i], bearings[i]);
+      if (std::isfinite(cost)) starts.push_back({pose, cost});
+    }
+    return true;
+  });
+  std::sort(starts.begin(), starts.end(),
+            [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  std::vector<View> views;
+  constexpr double kDistinctRad = 0.05;
+  constexpr std::size_t kRefined = 3;
+  std::vector<Pose> tried;
+  for (const Start& start : starts) {
+    if (tried.size() >= kRefined) break;
+    bool known = false;
+    for (const Pose& other : tried)
+      known = known || start.pose.rotation.angularDistance(other.rotation) < kDistinctRad;
+    if (known) continue;
+    tried.push_back(start.pose);
+    if (const auto view = refine(points, bearings, indices, start.pose)) views.push_back(*view);
+  }
+  if (views.empty()) return std::nullopt;
+  const auto cheaper = [](const View& a, const View& b) { return a.cost < b.cost; };
+  std::sort(views.begin(), views.end(), cheaper);
+  if (const auto flip = refine(points, bearings, indices, flipped(points, indices, views[0])))
+    views.push_back(*flip);
+  std::sort(views.begin(), views.end(), cheaper);
+  View best = views[0];
+  for (const View& other : views)
+    if (!best.rival_cost &&
+        best.camera_from_world.rotation.angularDistance(other.camera_from_world.rotation) > 1e-3)
+      best.rival_cost = other.cost;
+  return best;
+}
+
+std::string input_fault(Points points, Bearings bearings) {
+  if (points.size() != bearings.size()) return "there must be one bearing per point";
+  if (points.size() < 4) return "fewer than 4 points";
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite() || !bearings[i].whitener.allFinite() ||
+        !(std::abs(bearings[i].direction.norm() - 1) < 1e-6))
+      return "point " + std::to_string(i) + " is not finite, or its bearing is no unit vector";
+  return {};
+}
+
+/// Spread of the points along their second principal axis over the first.
+double flatness(Points points, std::span<const int> indices, double* spread_m) {
+  const Vector3d centroid = centroid_of(points, indices);
+  Matrix3d scatter = Matrix3d::Zero();
+  for (int i : indices) scatter += (points[i] - centroid) * (points[i] - centroid).transpose();
+  const Vector3d lambda = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvalues();
+  *spread_m = std::sqrt(std::max(lambda[2], 0.0) / static_cast<double>(indices.size()));
+  return lambda[2] > 0 ? std::sqrt(std::max(lambda[1], 0.0) / lambda[2]) : 0.0;
+}
+
+}  // namespace
+
+Estimate<Pose> solve_pnp(Points points_m, Bearings bearings) {
+  using Answer = Estimate<Pose>;
+  if (auto fault = input_fault(points_m, bearings); !fault.empty())
+    return Answer::degenerate(fault);
+  const int n = static_cast<int>(points_m.size());
+  std::vector<int> everything(n);
+  std::iota(everything.begin(), everything.end(), 0);
+  double spread_m = 0;
+  if (flatness(points_m, everything, &spread_m) < 1e-6)
+    return Answer::degenerate("the points lie on one line or coincide");
+  const auto fit = [&](std::span<const int> indices) { return solve(points_m, bearings, indices); };
+  const auto sample = [&](std::span<const int> triple) {
+    std::vector<View> views;
+    for (const Pose& pose : poses_of_triple(points_m, bearings, triple))
+      views.push_back({pose, {}, {}, 0, std::nullopt});
+    return views;
+  };
+  const auto cost = [&](const View& view, int i) {
+    return squared_residual(view.camera_from_world, points_m[i], bearings[i]);
+  };
+  auto found = fit_with_consensus<View>({n, 3, 2, 6}, true, fit, sample, cost);
+  if (!found.model) return Answer::degenerate(found.reason);
+  const View& view = *found.model;
+  if (flatness(points_m, found.inliers, &spread_m) < 1e-6)
+    return Answer::degenerate("the points that agree lie on one line");
+  // A rival within 3 sigma of likelihood is not ruled out by the data.
+  if (view.rival_cost && *view.rival_cost - view.cost < 9)
+    return Answer::degenerate("two poses explain the points equally well");
+  const double depth_m = (view.camera_from_world * view.centroid).norm();
+  Eigen::Matrix<double, 6, 1> extent;
+  extent << 1, 1, 1, depth_m, depth_m, depth_m;
+  const auto judged = judge(view.information, extent);
+  if (judged.verdict.standing == Standing::kDegenerate)
+    return Answer::degenerate(judged.verdict.reason);
+  Eigen::VectorXd residuals(n);
+  for (int i = 0; i < n; ++i) residuals[i] = std::sqrt(cost(view, i));
+  Eigen::MatrixXd to_origin = Eigen::MatrixXd::Identity(6, 6);
+  to_origin.block<3, 3>(3, 0) = skew(view.camera_from_world.rotation * view.centroid);
+  return {view.camera_from_world, to_origin * judged.covariance * to_origin.transpose(),
+          std::move(residuals), std::move(found.inliers), judged.verdict};
+}
+
+}  // namespace mixrig::estimation

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/geometry/fisheye_model.h"
+
+#include <cmath>
+
+namespace mixrig::geometry {
+namespace {
+
+using Coefficients = std::array<double, 4>;
+
+double bend(const Coefficients& k, double theta) {
+  const double t2 = theta * theta;
+  return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
+}
+
+double bend_slope(const Coefficients& k, double theta) {
+  const double t2 = theta * theta;
+  return 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
+}
+
+/// The angle where the mapping stops growing, or pi.
+double find_domain(const Coefficients& k) {
+  constexpr double kStep = 1e-3;
+  for (double theta = kStep; theta < M_PI; theta += kStep) {
+    if (bend_slope(k, theta) > 0) continue;
+    double low = theta - kStep, high = theta;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (bend_slope(k, middle) > 0 ? low : high) = middle;
+    }
+    return low;
+  }
+  return M_PI;
+}
+
+}  // namespace
+
+FisheyeModel::FisheyeModel(const Parameters& parameters)
+    : parameters_(parameters),
+      domain_rad_(find_domain(parameters.k)),
+      rim_(bend(parameters.k, domain_rad_)) {}
+
+std::optional<Eigen::Vector2d> FisheyeModel::project(const Eigen::Vector3d& p) const {
+  const double r = std::hypot(p.x(), p.y());
+  const double theta = std::atan2(r, p.z());
+  if (!(theta <= domain_rad_) || (r == 0 && !(p.z() > 0))) return std::nullopt;
+  // Near the axis theta_d / r tends to 1 / z.
+  const double gain = r > 0 ? bend(parameters_.k, theta) / r : 1 / p.z();
+  return Eigen::Vector2d(parameters_.fx_px * gain * p.x() + parameters_.cx_px,
+                         parameters_.fy_px * gain * p.y() + parameters_.cy_px);
+}
+
+std::optional<Eigen::Vector3d> FisheyeModel::unproject(const Eigen::Vector2d& px) const {
+  const Eigen::Vector2d bent((px.x() - parameters_.cx_px) / parameters_.fx_px,
+                             (px.y() - parameters_.cy_px) / parameters_.fy_px);
+  const double target = bent.norm();
+  if (!(target <= rim_)) return std::nullopt;
+  if (target == 0) return Eigen::Vector3d::UnitZ();
+  // The mapping grows over the domain: Newton, held between bounds by bisection.
+  double low = 0, high = domain_rad_, theta = std::min(target, domain_rad_);
+  for (int i = 0; i < 100; ++i) {
+    const double error = bend(parameters_.k, theta) - target;
+    (error > 0 ? high : low) = theta;
+    const double newton = theta - error / bend_slope(parameters_.k, theta);
+    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
+    if (std::abs(next - theta) < 1e-15) break;
+    theta = next;
+  }
+  const Eigen::Vector2d across = std::sin(theta) / target * bent;
+  return Eigen::Vector3d(across.x(), across.y(), std::cos(theta));
+}
+
+Eigen::Matrix<double, 2, 3> FisheyeModel::jacobian(const Eigen::Vector3d& p) const {
+  const double r2 = p.x() * p.x() + p.y() * p.y(), r = std::sqrt(r2);
+  Eigen::Matrix<double, 2, 3> j;
+  const Eigen::Vector2d focal(parameters_.fx_px, parameters_.fy_px);
+  constexpr double kOnAxis = 1e-9;
+  if (r < kOnAxis * std::abs(p.z())) {
+    j << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
+    return focal.asDiagonal() * j;
+  }
+  const double theta = std::atan2(r, p.z());
+  const double gain = bend(parameters_.k, theta) / r;
+  const double n2 = r2 + p.z() * p.z();
+  const double slope = bend_slope(parameters_.k, theta);
+  // d gain / d r and d gain / d z through theta = atan2(r, z).
+  const double gain_r = (slope * p.z() / n2 - gain) / r, gain_z = -slope / n2;
+  const Eigen::Vector2d xy = p.head<2>();
+  j.leftCols<2>() = gain * Eigen::Matrix2d::Identity() + gain_r / r * xy * xy.transpose();
+  j.col(2) = gain_z * xy;
+  return focal.asDiagonal() * j;
+}
+
+Result<void> validate(const FisheyeModel& camera) {
+  const auto& p = camera.parameters();
+  const auto bad = [](const std::string& what) { return Error{ErrorCode::kData, what}; };
+  if (p.size_px.empty() || p.size_px.width > 16384 || p.size_px.height > 16384)
+    return bad("the picture size must lie in 1..16384 pixels");
+  for (double value : {p.fx_px, p.fy_px, p.cx_px, p.cy_px, p.k[0], p.k[1], p.k[2], p.k[3]})
+    if (!std::isfinite(value)) return bad("fx, fy, cx, cy and k1 to k4 must be finite");
+  if (!(p.fx_px > 0) || !(p.fy_px > 0)) return bad("fx and fy must be positive");
+  const double width = p.size_px.width - 1, height = p.size_px.height - 1;
+  for (const Eigen::Vector2d& px : {Eigen::Vector2d(p.cx_px, 0), Eigen::Vector2d(p.cx_px, height),
+                                    Eigen::Vector2d(0, p.cy_px), Eigen::Vector2d(width, p.cy_px)})
+    if (!camera.unproject(px))
+      return bad("the lens folds inside the picture: check the coefficients k1 to k4");
+  return {};
+}
+
+}  // namespace mixrig::geometry

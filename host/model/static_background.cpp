@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning a background: robust centre and spread of each pixel over empty frames.
+#include "host/model/static_background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "hal/base/parallel.h"
+#include "host/model/srgb.h"
+
+namespace mixrig::model {
+namespace {
+
+constexpr float kStep_m = 0.00025F;  ///< of a kept depth; 65535 of them reach 16.4 m
+constexpr int kFewestFrames = 3;
+/// A value is known to within its step: sigma of a uniform distribution is step / sqrt 12.
+constexpr float kLeastDepthSigma_m = kStep_m * 0.288675F;
+constexpr float kLeastColorSigma = 0.288675F / 255.0F;
+/// Standard deviation of a normal distribution in units of its median absolute deviation.
+constexpr float kSigmaPerMad = 1.4826F;
+
+/// Middle value; the mean of both middle ones for an even count. Reorders. Precondition: not empty.
+float median(std::span<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5F * (*middle + *std::max_element(values.begin(), middle));
+}
+
+struct Spread {
+  float center, sigma;
+};
+
+/// Median and scaled median absolute deviation. Overwrites the values.
+Spread robust_spread(std::span<float> values) {
+  const float center = median(values);
+  for (float& value : values) value = std::abs(value - center);
+  return {center, kSigmaPerMad * median(values)};
+}
+
+std::uint16_t to_steps(float depth_m) {
+  const float steps = std::round(depth_m / kStep_m);
+  return steps >= 1.0F && steps <= 65535.0F ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
+}
+
+/// Frame i of those added is kept where this divides i: the smallest power of two that leaves at
+/// most `max_frames` of the first `added`.
+int stride_of(int added, int max_frames) {
+  int stride = 1;
+  while ((added - 1) / stride >= max_frames) stride *= 2;
+  return stride;
+}
+
+template <typename T>
+void drop_odd(std::vector<Image<T>>& images) {
+  std::vector<Image<T>> even;
+  for (std::size_t i = 0; i < images.size(); i += 2) even.push_back(std::move(images[i]));
+  images = std::move(even);
+}
+
+}  // namespace
+
+StaticBackgroundBuilder::StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames)
+    : view_(view), max_frames_(std::max(max_frames, kFewestFrames)) {}
+
+Result<void> StaticBackgroundBuilder::add(ImageView<const float> depth_m,
+                                          ImageView<const Rgb8> color) {
+  if (depth_m.size != view_.size_px || color.size != view_.size_px)
+    return Error{ErrorCode::kData, "a frame for the background has another size than the view"};
+  const int index = seen_++;
+  const int stride = stride_of(seen_, max_frames_);
+  const std::size_t older = static_cast<std::size_t>((index + stride - 1) / stride);
+  if (depth_.size() > older) {
+    drop_odd(depth_);
+    drop_odd(color_);
+  }
+  if (index % stride != 0) return {};
+  Image<std::uint16_t>& steps = depth_.emplace_back(view_.size_px);
+  Image<Rgb8>& kept = color_.emplace_back(view_.size_px);
+  for (int y = 0; y < view_.size_px.height; ++y) {
+    std::transform(depth_m.row(y), depth_m.row(y) + depth_m.size.width, steps.row(y), to_steps);
+    std::copy_n(color.row(y), color.size.width, kept.row(y));
+  }
+  return {};
+}
+
+Result<StaticBackground> StaticBackgroundBuilder::finish() {
+  const int frames = static_cast<int>(depth_.size());
+  if (frames < kFewestFrames)
+    return Error{ErrorCode::kData, "a background needs at least 3 empty frames, not " +
+                                       std::to_string(frames) + ": give more frames"};
+  StaticBackground out;
+  out.view = view_;
+  out.frames = frames;
+  out.depth_m.reset(view_.size_px);
+  out.depth_sigma_m.reset(view_.size_px);
+  out.color.reset(view_.size_px);
+  out.color_sigma.reset(view_.size_px);
+  const auto learn_depth = [&](int x, int y, std::vector<float>& values) {
+    values.clear();
+    for (const auto& frame : depth_)
+      if (const std::uint16_t steps = frame.row(y)[x]; steps != 0)
+        values.push_back(kStep_m * steps);
+    if (3 * static_cast<int>(values.size()) < frames) return;
+    const Spread z = robust_spread(values);
+    out.depth_m.row(y)[x] = z.center;
+    out.depth_sigma_m.row(y)[x] = std::max(z.sigma, kLeastDepthSigma_m);
+  };
+  const auto& linear = linear_from_srgb();
+  const auto learn_channel = [&](int x, int y, std::uint8_t Rgb8::*channel,
+                                 std::vector<float>& values) {
+    values.clear();
+    for (const auto& frame : color_) values.push_back(linear[frame.row(y)[x].*channel]);
+    return robust_spread(values);
+  };
+  Crew crew;
+  crew.rows(view_.size_px.height, 16, [&](int begin, int end) {
+    std::vector<float> values;
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < view_.size_px.width; ++x) {
+        learn_depth(x, y, values);
+        const Spread r = learn_channel(x, y, &Rgb8::r, values),
+                     g = learn_channel(x, y, &Rgb8::g, values),
+                     b = learn_channel(x, y, &Rgb8::b, values);
+        out.color.row(y)[x] = {r.center, g.center, b.center};
+        out.color_sigma.row(y)[x] =
+            std::max((r.sigma + g.sigma + b.sigma) / 3.0F, kLeastColorSigma);
+      }
+  });
+  depth_ = {};
+  color_ = {};
+  seen_ = 0;
+  const auto row_has_depth = [&](int y) {
+    const float* row = out.depth_m.row(y);
+    return std::any_of(row, row + out.depth_m.width(), [](float z) { return z > 0; });
+  };
+  bool known = false;
+  for (int y = 0; y < out.depth_m.height() && !known; ++y) known = row_has_depth(y);
+  if (!known)
+    return Error{
+        ErrorCode::kData,
+        "no pixel of the background has a known depth: check the depth stream and its unit"};
+  out.floor = find_floor(view_, out.depth_m);
+  return out;
+}
+
+}  // namespace mixrig::model

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Background model of a static camera: depth and colour of the empty room in the ideal view.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/geometry/camera_model.h"
+#include "host/geometry/plane.h"
+
+namespace mixrig::model {
+
+/// All images have the view's size.
+struct StaticBackground {
+  geometry::Pinhole view;
+  Image<float> depth_m;        ///< robust centre of z, 0 = never measured
+  Image<float> depth_sigma_m;  ///< robust spread of one measurement
+  Image<Rgbf> color;           ///< linear, robust centre
+  Image<float> color_sigma;    ///< linear, robust spread of one channel (mean over channels)
+  std::optional<geometry::Plane> floor;  ///< camera axes, normal towards the camera
+  int frames = 0;
+};
+
+/// Collects empty frames; a person who crosses a pixel in a minority of them does no harm.
+/// Not thread-safe.
+class StaticBackgroundBuilder {
+ public:
+  /// Keeps at most `max_frames`, spread over those added (memory: about 5 bytes a pixel and frame).
+  explicit StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames = 32);
+  /// Depth warped into the view (z in metres, 0 unknown) and the plate in the view (sRGB).
+  /// Errors: kData for a wrong size.
+  Result<void> add(ImageView<const float> depth_m, ImageView<const Rgb8> color);
+  /// Per pixel: median and 1.4826 MAD of the known depths, unknown where fewer than
+  /// a third of the frames measured it; the same for colour in linear light; then the floor.
+  /// Errors: kData with fewer than 3 frames or no known depth at all.
+  Result<StaticBackground> finish();
+
+ private:
+  geometry::Pinhole view_;
+  int max_frames_;
+  int seen_ = 0;
+  std::vector<Image<std::uint16_t>> depth_;  ///< units of 0.25 mm
+  std::vector<Image<Rgb8>> color_;
+};
+
+/// The floor: the lowest large plane whose normal is within 45 degrees of the camera's up, found
+/// by sampling and refined by least squares; nullopt where there is none.
+std::optional<geometry::Plane> find_floor(const geometry::Pinhole& view,
+                                          ImageView<const float> depth_m);
+
+/// Writes background.toml, depth.exr (Z, sigma), color.exr (R G B, sigma) and preview PNGs into
+/// a folder, whole or not at all. Errors: kIo.
+Result<void> save(const StaticBackground& background, const std::filesystem::path& folder);
+/// Errors: kNotFound, kFormat, kData (sizes that disagree).
+Result<StaticBackground> load_static_background(const std::filesystem::path& folder);
+
+}  // namespace mixrig::model

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/compositor_cpu.h"
+
+#include "hal/base/clock.h"
+#include "hal/base/parallel.h"
+#include "host/render/cpu/correct.h"
+#include "host/render/cpu/key.h"
+#include "host/render/cpu/light.h"
+#include "host/render/cpu/mix.h"
+#include "host/render/cpu/plate.h"
+#include "host/render/cpu/shadow.h"
+#include "host/render/cpu/virtual.h"
+#include "host/render/cpu/warp.h"
+#include "host/render/exposure.h"
+#include "host/render/frame_io.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render {
+namespace {
+
+using namespace cpu;  // NOLINT(google-build-using-namespace)
+
+Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
+
+/// Adds wall time to stages, from one lap to the next.
+class StopWatch {
+ public:
+  explicit StopWatch(StageTimes& times) : times_(times) { times_.fill(0); }
+  void lap(Stage stage) {
+    const HostTime now = clock_.now();
+    times_[static_cast<std::size_t>(stage)] += static_cast<float>(milliseconds(now - last_));
+    last_ = now;
+  }
+
+ private:
+  SystemClock clock_;
+  StageTimes& times_;
+  HostTime last_ = clock_.now();
+};
+
+class CpuCompositor final : public Compositor {
+ public:
+  CpuCompositor(const CompositorSetup& setup, int threads);
+  Result<void> compose(const FrameInput& input, FrameOutput& output) override;
+  const StageTimes& stage_times() const override { return times_; }
+  std::string renderer() const override;
+
+ private:
+  void draw_objects(StopWatch& watch);
+  void inspect_depth(FrameOutput& output) const;
+  void inspect_decisions(FrameOutput& output) const;
+
+  CompositorSetup setup_;
+  Crew crew_;
+  Tables tables_;
+  FramePreparer preparer_;
+  ExposureMeter meter_;
+  TofGrid grid_;
+  WarpScratch warp_scratch_;
+  KeyScratch key_scratch_;
+  VirtualScratch virtual_scratch_;
+  PlateScratch plate_scratch_;
+  Image<Rgbx16> plate_;
+  Image<float> view_w_;
+  VirtualLayer objects_;
+  std::vector<ShadowMap> shadow_maps_;
+  LightLayer light_;
+  StageTimes times_{};
+};
+
+CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
+    : setup_(setup),
+      crew_(threads),
+      tables_(make_tables(setup_)),
+      preparer_(setup_),
+      meter_(tables_, setup_.background),
+      grid_(tables_.tof_size),
+      warp_scratch_(tables_.tof_size),
+      key_scratch_(tables_.view_size),
+      virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
+      plate_scratch_(tables_),
+      plate_(tables_.view_size),
+      view_w_(with_margin(tables_.view_size)),
+      shadow_maps_(setup_.light.lamps.size()) {
+  tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
+  if (setup_.objects.empty()) return;
+  objects_.coverage.reset(tables_.view_size);
+  objects_.w.reset(tables_.view_size);
+  objects_.normal.reset(tables_.view_size);
+  objects_.color.reset(tables_.view_size);
+  light_ = LightLayer(tables_.view_size);
+}
+
+Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output) {
+  MIXRIG_TRY(check_frame(input, tables_));
+  StopWatch watch(times_);
+  size_outputs(tables_.view_size, output);
+  preparer_.update(input.world_from_target);
+  const glm::vec3 gain = meter_.gain(input.plate);
+  const FrameParams& frame = preparer_.params();
+  watch.lap(Stage::kUpload);
+
+  draw_plate(crew_, input.plate, plate_scratch_, plate_);
+  watch.lap(Stage::kPlate);
+  correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
+  watch.lap(Stage::kCorrect);
+  warp(crew_, tables_, grid_, warp_scratch_, view_w_);
+  watch.lap(Stage::kWarp);
+  if (output.inspect) inspect_depth(output);
+  watch.lap(Stage::kReadback);
+
+  draw_objects(watch);
+  key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_, output.matte);
+  watch.lap(Stage::kKey);
+  const bool shadows = has_shadows(frame);
+  if (shadows)
+    light_people(crew_, {frame, tables_, setup_.background, shadow_maps_}, view_w_, output.matte,
+                 light_);
+  watch.lap(Stage::kLight);
+  mix(crew_,
+      {setup_.background, plate_, view_w_, setup_.objects.empty() ? nullptr : &objects_,
+       shadows ? &light_ : nullptr, gain},
+      output);
+  watch.lap(Stage::kMix);
+  if (output.inspect) inspect_decisions(output);
+  watch.lap(Stage::kReadback);
+  return {};
+}
+
+/// Virtual layer, shadow maps and the background's light: while the pose stays, they stay.
+void CpuCompositor::draw_objects(StopWatch& watch) {
+  const FrameParams& frame = preparer_.params();
+  if (!frame.pose_changed || setup_.objects.empty()) return;
+  draw_virtual(crew_, frame, virtual_scratch_, objects_);
+  watch.lap(Stage::kVirtual);
+  if (frame.maps_changed) draw_shadow_maps(crew_, frame, shadow_maps_);
+  watch.lap(Stage::kShadow);
+  const LightInput input{frame, tables_, setup_.background, shadow_maps_};
+  shade_virtual(crew_, input, objects_);
+  if (has_shadows(frame)) light_background(crew_, input, light_);
+  watch.lap(Stage::kLight);
+}
+
+void CpuCompositor::inspect_depth(FrameOutput& output) const {
+  for (int y = 0; y < tables_.view_size.height; ++y)
+    for (int x = 0; x < tables_.view_size.width; ++x) {
+      const float w = view_w_.row(y)[x];
+      output.warped_depth_m.row(y)[x] = w > 0 ? 1 / w : 0;
+    }
+}
+
+void CpuCompositor::inspect_decisions(FrameOutput& output) const {
+  const bool has_light = has_shadows(preparer_.params());
+  for (int y = 0; y < tables_.view_size.height; ++y)
+    for (int x = 0; x < tables_.view_size.width; ++x) {
+      output.state.row(y)[x] = key_scratch_.state.row(y)[x];
+      output.light.row(y)[x] =
+          has_light ? static_cast<float>(light_.visible.row(y)[x]) / kLinearOne : 1.0F;
+    }
+  decide_states(output.matte, output.state);
+}
+
+std::string CpuCompositor::renderer() const {
+#if defined(__AVX512F__)
+  constexpr const char* kVectors = "AVX-512";
+#elif defined(__AVX2__)
+  constexpr const char* kVectors = "AVX2";
+#elif defined(__ARM_NEON)
+  constexpr const char* kVectors = "NEON";
+#else
+  constexpr const char* kVectors = "baseline";
+#endif
+  return "cpu, " + std::to_string(crew_.threads()) + " threads, " + kVectors;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Compositor>> make_cpu_compositor(const CompositorSetup& setup, int threads) {
+  MIXRIG_TRY(validate(setup));
+  return std::unique_ptr<Compositor>(std::make_unique<CpuCompositor>(setup, threads));
+}
+
+}  // namespace mixrig::render

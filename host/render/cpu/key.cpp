@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/key.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "host/render/cpu/simd.h"
+#include "host/render/cpu/warp.h"
+
+namespace mixrig::render::cpu {
+namespace {
+
+constexpr auto kUnknown = static_cast<std::uint8_t>(PixelState::kUnknown);
+constexpr auto kBackground = static_cast<std::uint8_t>(PixelState::kBackground);
+constexpr auto kForeground = static_cast<std::uint8_t>(PixelState::kForeground);
+constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
+
+/// Pixels of block row `by` or column.
+int block_begin(int b) { return b * kBlockPx; }
+int block_end(int b, int size) { return std::min(size, (b + 1) * kBlockPx); }
+
+void classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
+  for (int x = 0; x < width; ++x) {
+    const bool known = w[x] > 0, learned = limit_w[x] < 1e30F;
+    const std::uint8_t measured =
+        learned ? (w[x] > limit_w[x] ? kForeground : kBackground) : kDoubt;
+    state[x] = known ? measured : kUnknown;
+  }
+}
+
+/// Foreground outside the capture box becomes background.
+void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint8_t* state) {
+  const PinholeParams& view = input.tables.warp.view;
+  const KeyPassParams& p = input.params;
+  for (int x = 0; x < width; ++x) {
+    if (state[x] != kForeground && state[x] != kDoubt) continue;
+    const glm::vec2 ray = (glm::vec2(x, y) - view.center_px) / view.focal_px;
+    const glm::vec3 world = transform(p.world_from_camera, glm::vec3(ray, 1) / w[x]);
+    if (glm::any(glm::lessThan(world, p.crop_min_m)) ||
+        glm::any(glm::greaterThan(world, p.crop_max_m)))
+      state[x] = kBackground;
+  }
+}
+
+glm::vec3 linear(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b) * (1 / kLinearOne); }
+
+/// Counts eight states at once: foreground is binary 10, doubt 11, unknown 00.
+void count_row(const std::uint8_t* states, Block& block) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101U;
+  const auto eight = load<std::uint64_t>(states);
+  const std::uint64_t high = (eight >> 1) & kOnes, low = eight & kOnes;
+  block.foreground += std::popcount(high & ~low);
+  block.doubt |= (high & low) != 0;
+  block.unknown |= ((high | low) ^ kOnes) != 0;
+}
+
+/// The state's image is padded with kBackground to whole blocks; `pixels` counts without.
+void count_block(const Image<std::uint8_t>& state, int bx, int by, int pixels, Block& block) {
+  block = {};
+  for (int y = block_begin(by); y < block_begin(by + 1); ++y)
+    count_row(state.row(y) + block_begin(bx), block);
+  block.others = block.foreground < pixels;
+}
+
+/// Sums of depth and colour over a block's foreground.
+void sample_block(const KeyInput& input, const Image<float>& view_w,
+                  const Image<std::uint8_t>& state, int bx, int by, Block& block) {
+  const Size size = input.tables.view_size;
+  for (int y = block_begin(by); y < block_end(by, size.height); ++y)
+    for (int x = block_begin(bx); x < block_end(bx, size.width); ++x) {
+      if (state.row(y)[x] != kForeground) continue;
+      const float w = view_w.row(y)[x];
+      block.w_sum += w;
+      if (from_cut_cell(w)) continue;
+      const glm::vec3 color = linear(input.plate.row(y)[x]);
+      ++block.inner;
+      block.color_sum += color;
+      block.color_square_sum += color * color;
+    }
+}
+
+/// Calls visit(neighbour) for the blocks within `radius` of (bx, by), itself among them.
+template <typename Scratch, typename Visit>
+void around(Scratch& scratch, int bx, int by, int radius, Visit&& visit) {
+  const Size size = scratch.blocks_size;
+  for (int y = std::max(0, by - radius); y <= std::min(size.height - 1, by + radius); ++y)
+    for (int x = std::max(0, bx - radius); x <= std::min(size.width - 1, bx + radius); ++x)
+      visit(scratch.at(x, y));
+}
+
+/// Foreground too small to be a person becomes background.
+void drop_speckles(float footprint_px, KeyScratch& scratch) {
+  const float least = 6 * footprint_px * footprint_px;
+  const Size size = scratch.blocks_size;
+  for (int by = 0; by < size.height; ++by)
+    for (int bx = 0; bx < size.width; ++bx) {
+      int sum = 0;
+      if (scratch.at(bx, by).foreground > 0)
+        around(scratch, bx, by, 2, [&](const Block& b) { sum += b.foreground; });
+      scratch.speckle_sum[static_cast<std::size_t>(by * size.width + bx)] = sum;
+    }
+  for (int by = 0; by < size.height; ++by)
+    for (int bx = 0; bx < size.width; ++bx) {
+      Block& block = scratch.at(bx, by);
+      const int sum = scratch.speckle_sum[static_cast<std::size_t>(by * size.width + bx)];
+      if (block.foreground == 0 || static_cast<float>(sum) >= least) continue;
+      for (int y = block_begin(by); y < block_begin(by + 1); ++y)
+        for (int x = block_begin(bx); x < block_begin(bx + 1); ++x)
+          if (scratch.state.row(y)[x] == kForeground) scratch.state.row(y)[x] = kBackground;
+      block.foreground = 0;
+      block.others = true;
+    }
+}
+
+/// Whether any of the block's pixels may be decided by vote.
+bool is_decided(const Block& block) {
+  return block.band || block.doubt || (block.near && block.unknown);
+}
+
+void find_band(KeyScratch& scratch) {
+  const Size size = scratch.blocks_size;
+  for (int by = 0; by < size.height; ++by)
+    for (int bx = 0; bx < size.width; ++bx) {
+      const Block& block = scratch.at(bx, by);
+      if (block.foreground == 0) continue;
+      around(scratch, bx, by, 3, [](Block& b) { b.near = true; });
+    }
+  // A border runs inside a block, or between two: either way one of the two sees both.
+  for (int by = 0; by < size.height; ++by)
+    for (int bx = 0; bx < size.width; ++bx) {
+      if (!scratch.at(bx, by).near) continue;
+      bool any = false, others = false;
+      around(scratch, bx, by, 1,
+             [&](const Block& b) { any |= b.foreground > 0, others |= b.others; });
+      scratch.at(bx, by).band = any && others;
+    }
+  for (int by = 0; by < size.height; ++by)
+    for (int bx = 0; bx < size.width; ++bx)
+      if (is_decided(scratch.at(bx, by)))
+        around(scratch, bx, by, 3, [](Block& b) { b.sampled |= b.foreground > 0; });
+}
+
+float luminance(const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126F, 0.7152F, 0.0722F)); }
+
+/// Least spread of a colour: noise and flicker of light.
+float floor_sigma(const glm::vec3& c) { return 0.004F + 0.05F * luminance(c); }
+
+/// Foreground of the 3x3 blocks around: what a pixel of the band is compared with.
+struct Near {
+  glm::vec3 color{0};
+  float color_variance = 0, w = 0;
+  bool has_color = false;
+};
+
+Near foreground_around(const KeyScratch& scratch, int bx, int by, int radius) {
+  Near out;
+  int n = 0, inner = 0;
+  glm::vec3 sum(0), squares(0);
+  around(scratch, bx, by, radius, [&](const Block& b) {
+    n += b.foreground;
+    inner += b.inner;
+    out.w += b.w_sum;
+    sum += b.color_sum;
+    squares += b.color_square_sum;
+  });
+  if (n > 0) out.w /= static_cast<float>(n);
+  if (inner < kBlockPx) return out;
+  out.has_color = true;
+  out.color = sum / static_cast<float>(inner);
+  const glm::vec3 variance = squares / static_cast<float>(inner) - out.color * out.color;
+  const float floor = floor_sigma(out.color);
+  out.color_variance = std::max(0.0F, (variance.r + variance.g + variance.b) / 3) + floor * floor;
+  return out;
+}
+
+/// Log odds of foreground by colour, within +-4. README.md, "key".
+float color_vote(const KeyInput& input, const Near& near, int x, int y) {
+  constexpr float kDarkest = 0.85F, kDarkSigma = 0.3F, kCap = 4.0F;
+  const glm::vec3 p = linear(input.plate.row(y)[x]);
+  const Rgbf learned = input.background.color.row(y)[x];
+  const glm::vec3 b = glm::min(input.gain * glm::vec3(learned.r, learned.g, learned.b), 1.0F);
+  const float floor = floor_sigma(b);
+  const float spread = input.background.color_sigma.empty()
+                           ? 0
+                           : input.gain.g * input.background.color_sigma.row(y)[x];
+  const float variance = spread * spread + floor * floor;
+  const float k = std::clamp(glm::dot(p, b) / std::max(glm::dot(b, b), 1e-8F), kDarkest, 1.0F);
+  const glm::vec3 off = p - k * b;
+  const float dark = (1 - k) / kDarkSigma;
+  const float background2 = glm::dot(off, off) / variance + dark * dark;
+  if (!near.has_color) return std::clamp(0.5F * background2 - kCap, -kCap, kCap);
+  const glm::vec3 from_person = p - near.color;
+  const float person2 = glm::dot(from_person, from_person) / near.color_variance;
+  const float odds =
+      0.5F * (background2 - person2) + 1.5F * std::log(variance / near.color_variance);
+  return std::clamp(odds, -kCap, kCap);
+}
+
+/// Log odds of foreground by the depth around (x, y): 5x5 taps, offsets along an axis in `taps`.
+float depth_vote(const Image<std::uint8_t>& state, Size size, const std::array<int, 5>& taps, int x,
+                 int y) {
+  // Measured background is sure, colour may be a shadow; measured people lag and reach over edges.
+  constexpr float kForegroundWeight = 3.0F, kBackgroundWeight = 5.0F;
+  constexpr std::array<float, 4> kShare = {0.4F, 0.0F, 1.0F, 0.4F};  // by PixelState
+  std::array<int, 5> columns{};
+  for (std::size_t i = 0; i < 5; ++i) columns[i] = std::clamp(x + taps[i], 0, size.width - 1);
+  float sum = 0;
+  for (const int tap : taps) {
+    const std::uint8_t* row = state.row(std::clamp(y + tap, 0, size.height - 1));
+    for (const int column : columns) sum += kShare[row[column]];
+  }
+  const float balance = 2 * sum / 25 - 1;
+  return (balance > 0 ? kForegroundWeight : kBackgroundWeight) * balance;
+}
+
+std::array<int, 5> taps_of(float footprint_px) {
+  std::array<int, 5> taps{};
+  for (int i = 0; i < 5; ++i)
+    taps[static_cast<std::size_t>(i)] =
+        static_cast<int>(std::lround(0.5F * footprint_px * static_cast<float>(i - 2)));
+  return taps;
+}
+
+/// Colour votes of a block and one pixel around it.
+using Votes = std::array<std::array<float, kBlockPx + 2>, kBlockPx + 2>;
+
+void vote_by_color(const KeyInput& input, const Near& near, int x0, int y0, Size size,
+                   Votes& votes) {
+  for (int j = 0; j < kBlockPx + 2; ++j)
+    for (int i = 0; i < kBlockPx + 2; ++i) {
+      const int x = std::clamp(x0 + i - 1, 0, size.width - 1);
+      const int y = std::clamp(y0 + j - 1, 0, size.height - 1);
+      votes[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] =
+          color_vote(input, near, x, y);
+    }
+}
+
+float mean_around(const Votes& votes, int i, int j) {
+  float sum = 0;
+  for (int dj = 0; dj < 3; ++dj)
+    for (int di = 0; di < 3; ++di)
+      sum += votes[static_cast<std::size_t>(j + dj)][static_cast<std::size_t>(i + di)];
+  return sum / 9;
+}
+
+/// Whether a pixel is decided by vote rather than by its own depth.
+bool is_open(const Block& block, std::uint8_t state) {
+  return block.band || state == kDoubt || (block.near && state == kUnknown);
+}
+
+void decide_block(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
+                  Image<float>& view_w, Image<std::uint8_t>& matte) {
+  const Block& block = scratch.at(bx, by);
+  const Size size = input.tables.view_size;
+  const Near near = foreground_around(scratch, bx, by, block.band ? 1 : 3);
+  const std::array<int, 5> taps = taps_of(input.tables.tof_footprint_px);
+  const int x0 = block_begin(bx), y0 = block_begin(by);
+  Votes votes{};
+  if (input.params.color && !input.background.color.empty())
+    vote_by_color(input, near, x0, y0, size, votes);
+  for (int y = y0; y < block_end(by, size.height); ++y)
+    for (int x = x0; x < block_end(bx, size.width); ++x) {
+      const std::uint8_t state = scratch.state.row(y)[x];
+      const bool foreground = state == kForeground;
+      float share = foreground ? 1 : 0;
+      if (is_open(block, state)) {
+        const float odds =
+            mean_around(votes, x - x0, y - y0) + depth_vote(scratch.state, size, taps, x, y);
+        share = std::clamp(0.5F + 0.5F * odds, 0.0F, 1.0F);
+      }
+      matte.row(y)[x] = static_cast<std::uint8_t>(255 * share + 0.5F);
+      float& w = view_w.row(y)[x];
+      const bool person = matte.row(y)[x] > 0;
+      if (person != foreground) w = person ? near.w : 0;
+    }
+}
+
+void fill_block(int bx, int by, std::uint8_t value, Image<std::uint8_t>& matte) {
+  for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
+    std::fill(matte.row(y) + block_begin(bx), matte.row(y) + block_end(bx, matte.width()), value);
+}
+
+}  // namespace
+
+KeyScratch::KeyScratch(Size view_size)
+    : blocks_size{(view_size.width + kBlockPx - 1) / kBlockPx,
+                  (view_size.height + kBlockPx - 1) / kBlockPx},
+      blocks(blocks_size.area()),
+      speckle_sum(blocks_size.area()),
+      state({blocks_size.width * kBlockPx, blocks_size.height * kBlockPx}, kBackground) {}
+
+void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
+         Image<std::uint8_t>& matte) {
+  constexpr int kGrain = 4;
+  const Size size = input.tables.view_size, blocks = scratch.blocks_size;
+  if (!input.tables.has_background) {
+    matte.fill(0);
+    scratch.state.fill(kUnknown);
+    return;
+  }
+  crew.rows(blocks.height, kGrain, [&](int begin, int end) {
+    for (int y = block_begin(begin); y < block_end(end - 1, size.height); ++y) {
+      classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
+                   scratch.state.row(y));
+      if (input.params.crop) crop_row(input, view_w.row(y), y, size.width, scratch.state.row(y));
+    }
+    for (int by = begin; by < end; ++by)
+      for (int bx = 0; bx < blocks.width; ++bx) {
+        const int pixels = (block_end(bx, size.width) - block_begin(bx)) *
+                           (block_end(by, size.height) - block_begin(by));
+        count_block(scratch.state, bx, by, pixels, scratch.at(bx, by));
+      }
+  });
+  drop_speckles(input.tables.tof_footprint_px, scratch);
+  find_band(scratch);
+  const auto each_block = [&](auto&& visit) {
+    crew.rows(blocks.height, kGrain, [&](int begin, int end) {
+      for (int by = begin; by < end; ++by)
+        for (int bx = 0; bx < blocks.width; ++bx) visit(bx, by, scratch.at(bx, by));
+    });
+  };
+  each_block([&](int bx, int by, Block& block) {
+    if (block.sampled) sample_block(input, view_w, scratch.state, bx, by, block);
+  });
+  each_block([&](int bx, int by, const Block& block) {
+    if (is_decided(block))
+      decide_block(input, scratch, bx, by, view_w, matte);
+    else
+      fill_block(bx, by, block.foreground > 0 ? 255 : 0, matte);
+  });
+}
+
+}  // namespace mixrig::render::cpu

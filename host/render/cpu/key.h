@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass key: which pixels show people, by depth, and by colour where depth is in doubt.
+#pragma once
+
+#include <vector>
+
+#include "hal/base/parallel.h"
+#include "host/render/cpu/srgb.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render::cpu {
+
+/// What a block of kBlockPx x kBlockPx pixels holds.
+struct Block {
+  int foreground = 0;               ///< pixels
+  int inner = 0;                    ///< of them, those not drawn by a cut cell
+  bool others = false;              ///< any pixel that is not foreground
+  bool unknown = false;             ///< any pixel without depth
+  bool doubt = false;               ///< any pixel measured where the background has no depth
+  bool band = false, near = false;  ///< within one block of a border, three of foreground
+  bool sampled = false;             ///< the sums below are needed
+  float w_sum = 0;                  ///< over foreground
+  glm::vec3 color_sum{0}, color_square_sum{0};  ///< over inner
+};
+
+struct KeyScratch {
+  explicit KeyScratch(Size view_size);
+  Size blocks_size;
+  std::vector<Block> blocks;
+  std::vector<int> speckle_sum;  ///< foreground within 5x5 blocks
+  Image<std::uint8_t> state;     ///< PixelState before colour votes; kEdge is doubt
+  Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }
+  const Block& at(int x, int y) const {
+    return blocks[static_cast<std::size_t>(y * blocks_size.width + x)];
+  }
+};
+
+/// What the pass looks at.
+struct KeyInput {
+  const Tables& tables;
+  const KeyPassParams& params;
+  const BackgroundView& background;
+  const Image<Rgbx16>& plate;
+  glm::vec3 gain{1};  ///< of the plate over the learned background
+};
+
+/// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the
+/// foreground around where it measured none), and unknown where a person's reached over the border.
+void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
+         Image<std::uint8_t>& matte);
+
+}  // namespace mixrig::render::cpu

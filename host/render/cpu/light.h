@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass light: how much light real surfaces keep beside the virtual objects, and the shading of
+// these.
+#pragma once
+
+#include <vector>
+
+#include "hal/base/parallel.h"
+#include "host/render/cpu/shadow.h"
+#include "host/render/cpu/virtual.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render::cpu {
+
+/// Light maps, 65535 = 1, and memory of the pass.
+struct LightLayer {
+  LightLayer() = default;
+  explicit LightLayer(Size view_size);
+  Image<std::uint16_t> background;  ///< of the empty room: stays while the pose stays
+  Image<std::uint16_t> visible;     ///< of what the plate shows
+  Image<float> tile_w, tile_light;  ///< of people's tiles; w 0: nobody
+};
+
+/// What the pass looks at.
+struct LightInput {
+  const FrameParams& frame;
+  const Tables& tables;
+  const BackgroundView& background;
+  const std::vector<ShadowMap>& maps;
+};
+
+/// Whether any lamp throws a shadow: without, the light map is 1 all over.
+bool has_shadows(const FrameParams& frame);
+
+/// Light of the background. After a change of pose.
+void light_background(Crew& crew, const LightInput& input, LightLayer& light);
+/// Turns the layer's albedo into shaded colour. After draw_virtual.
+void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
+/// Light of the visible surfaces: people where `matte` is at least half, with depth `view_w`, found
+/// once in a tile (no ToF camera sees finer) and interpolated.
+void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,
+                  const Image<std::uint8_t>& matte, LightLayer& light);
+
+}  // namespace mixrig::render::cpu

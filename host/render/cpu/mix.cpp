@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/mix.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace mixrig::render::cpu {
+namespace {
+
+constexpr std::uint8_t kHalf = 128;  // a pixel shows a person from here on
+
+Rgb8 encode(const glm::vec3& linear) {
+  const auto& srgb = linear_to_srgb();
+  const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
+  return {srgb[static_cast<std::size_t>(c.r)], srgb[static_cast<std::size_t>(c.g)],
+          srgb[static_cast<std::size_t>(c.b)]};
+}
+
+glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
+
+/// The real scene alone: most pixels are nothing else.
+void encode_row(const Rgbx16* plate, int width, Rgb8* color) {
+  const auto& srgb = linear_to_srgb();
+  for (int x = 0; x < width; ++x) color[x] = {srgb[plate[x].r], srgb[plate[x].g], srgb[plate[x].b]};
+}
+
+void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width, Rgb8* color) {
+  for (int x = 0; x < width; ++x) {
+    if (light[x] == 65535) continue;
+    color[x] = encode(to_vec(plate[x]) * (static_cast<float>(light[x]) / kLinearOne));
+  }
+}
+
+/// Depths of the real scene: people as measured, the background as learned where it is.
+void real_depths(const float* w, const float* background_m, const std::uint8_t* matte, int width,
+                 float* mixed_m, float* segmented_m) {
+  for (int x = 0; x < width; ++x) {
+    const float measured = w[x] > 0 ? 1 / w[x] : 0;
+    const float learned = background_m ? background_m[x] : 0;
+    const bool person = matte[x] >= kHalf;
+    segmented_m[x] = person ? measured : 0;
+    mixed_m[x] = person || !(learned > 0) ? (person || matte[x] == 0 ? measured : 0) : learned;
+  }
+}
+
+/// What a pixel with virtual coverage is made of.
+struct Parts {
+  glm::vec3 real, shaded;  ///< plate under the light map; shaded colour, premultiplied
+  float coverage, matte;   ///< of the virtual layer, of people
+  float virtual_m, person_m, background_m;  ///< z, 0 unknown
+};
+
+/// Whether the object lies behind the background. A surface that it touches does not hide it.
+bool is_behind_background(const Parts& p) {
+  return p.background_m > 0 && p.virtual_m > p.background_m + kContactSlackM;
+}
+/// Unknown depth never occludes.
+bool is_person_before(const Parts& p) {
+  return p.matte > 0 && p.person_m > 0 && p.person_m < p.virtual_m;
+}
+
+/// The most that the background can contribute to a pixel: no channel of the person is negative.
+float most_background(const glm::vec3& real, const glm::vec3& behind) {
+  const glm::vec3 ratio = real / glm::max(behind, 1e-6F);
+  return std::min({ratio.r, ratio.g, ratio.b});
+}
+
+/// Linear colour of the composite; `background` is the learned colour under the light map.
+glm::vec3 mixed_color(const Parts& p, const std::optional<glm::vec3>& background) {
+  if (!is_person_before(p)) return p.shaded + (1 - p.coverage) * p.real;
+  if (p.matte >= 1) return p.real;
+  const glm::vec3 behind = background.value_or(p.real);
+  const float share = std::min(1 - p.matte, most_background(p.real, behind));
+  return p.real + share * (p.shaded - p.coverage * behind);
+}
+
+Layer visible_layer(const Parts& p) {
+  const float share = is_person_before(p) ? p.coverage * (1 - p.matte) : p.coverage;
+  if (share >= 0.5F) return Layer::kVirtual;
+  return p.matte >= 0.5F ? Layer::kPerson : Layer::kBackground;
+}
+
+Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, float light) {
+  const VirtualLayer& objects = *input.objects;
+  const float measured_w = input.view_w.row(y)[x];
+  const float measured_m = measured_w > 0 ? 1 / measured_w : 0;
+  const std::uint8_t matte = output.matte.row(y)[x];
+  const bool has_background = !input.background.depth_m.empty();
+  const float learned_m = has_background ? input.background.depth_m.row(y)[x] : 0;
+  return {to_vec(input.plate.row(y)[x]) * light,
+          to_vec(objects.color.row(y)[x]) * input.gain,
+          static_cast<float>(objects.coverage.row(y)[x]) / 255,
+          static_cast<float>(matte) / 255,
+          1 / objects.w.row(y)[x],
+          matte > 0 ? measured_m : 0,
+          learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m)};
+}
+
+void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
+  const VirtualLayer& objects = *input.objects;
+  for (int x = objects.rect.x0; x < objects.rect.x1; ++x) {
+    if (objects.coverage.row(y)[x] == 0) continue;
+    const float light =
+        input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
+    const Parts parts = parts_at(input, output, x, y, light);
+    if (is_behind_background(parts)) continue;
+    std::optional<glm::vec3> learned;
+    if (!input.background.color.empty()) {
+      const Rgbf b = input.background.color.row(y)[x];
+      learned = glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
+    }
+    output.color.row(y)[x] = encode(mixed_color(parts, learned));
+    if (visible_layer(parts) != Layer::kVirtual) continue;
+    output.mixed_depth_m.row(y)[x] = parts.virtual_m;
+    if (output.inspect) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
+  }
+}
+
+void fill_layer(const std::uint8_t* matte, int width, std::uint8_t* layer) {
+  for (int x = 0; x < width; ++x)
+    layer[x] = static_cast<std::uint8_t>(matte[x] >= kHalf ? Layer::kPerson : Layer::kBackground);
+}
+
+}  // namespace
+
+void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
+  constexpr int kGrain = 16;
+  const int width = output.color.width();
+  crew.rows(output.color.height(), kGrain, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      encode_row(input.plate.row(y), width, output.color.row(y));
+      if (input.light)
+        apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
+      real_depths(input.view_w.row(y),
+                  input.background.depth_m.empty() ? nullptr : input.background.depth_m.row(y),
+                  output.matte.row(y), width, output.mixed_depth_m.row(y),
+                  output.segmented_depth_m.row(y));
+      if (output.inspect) fill_layer(output.matte.row(y), width, output.layer.row(y));
+      if (input.objects && y >= input.objects->rect.y0 && y < input.objects->rect.y1)
+        mix_virtual(input, y, output);
+    }
+  });
+}
+
+}  // namespace mixrig::render::cpu

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass mix: colour, mixed depth, segmented depth and matte of the composite.
+#pragma once
+
+#include "hal/base/parallel.h"
+#include "host/render/cpu/light.h"
+#include "host/render/cpu/virtual.h"
+
+namespace mixrig::render::cpu {
+
+/// What the pass looks at; a null layer is not there.
+struct MixInput {
+  const BackgroundView& background;
+  const Image<Rgbx16>& plate;
+  const Image<float>& view_w;  ///< visible real surface, 0 unknown
+  const VirtualLayer* objects;
+  const LightLayer* light;
+  glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
+};
+
+/// Writes color, mixed depth and segmented depth, and the layer where `output.inspect`; reads the
+/// matte.
+void mix(Crew& crew, const MixInput& input, FrameOutput& output);
+
+}  // namespace mixrig::render::cpu

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// sRGB (IEC 61966-2-1) to linear light and back, by tables. Linear light is 16 bit: 65535 = 1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mixrig::render::cpu {
+
+/// Linear light of a pixel, 65535 = 1.0; x pads to eight bytes.
+struct Rgbx16 {
+  std::uint16_t r = 0, g = 0, b = 0, x = 0;
+};
+
+inline constexpr float kLinearOne = 65535.0F;
+
+/// Linear value of each sRGB byte, 65535 = 1.0. encode(decode(c)) = c.
+const std::array<std::uint16_t, 256>& srgb_to_linear();
+/// sRGB byte of each linear value, correctly rounded; 65536 entries.
+const std::vector<std::uint8_t>& linear_to_srgb();
+
+}  // namespace mixrig::render::cpu

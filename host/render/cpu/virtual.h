@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass virtual: coverage, depth, normal and albedo of the virtual objects in the view.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/base/parallel.h"
+#include "host/render/cpu/raster.h"
+#include "host/render/cpu/srgb.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render::cpu {
+
+/// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.
+struct VirtualLayer {
+  Rect rect;
+  Image<std::uint8_t> coverage;  ///< of 255
+  Image<float> w;                ///< of the nearest sample; 0 where not covered
+  Image<PackedNormal> normal;    ///< camera axes
+  Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
+};
+
+/// Memory of the pass, kept between frames.
+struct VirtualScratch {
+  VirtualScratch(const FrameParams& params, Size view_size, int threads);
+  struct Item {
+    Triangle triangle;  ///< box empty: not drawn
+    std::uint32_t draw, first_index;
+  };
+  std::vector<std::vector<glm::vec3>> positions_m;  ///< of each draw, camera axes
+  std::vector<Item> items;
+  Image<float> sample_w;  ///< kBandRows of the view at 2x2 samples, one a thread
+  Image<std::uint32_t> sample_item;
+};
+
+/// Draws all objects into `layer`, whose images have the view's size.
+void draw_virtual(Crew& crew, const FrameParams& params, VirtualScratch& scratch,
+                  VirtualLayer& layer);
+
+}  // namespace mixrig::render::cpu

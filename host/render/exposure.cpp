@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/exposure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mixrig::render {
+namespace {
+
+constexpr int kGridX = 64, kGridY = 48;
+constexpr float kDarkest = 0.01F, kBrightest = 0.9F;  // linear; beyond, noise or saturation
+constexpr std::size_t kLeastSamples = 60;
+constexpr float kMostGain = 8;
+
+float luminance(const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126F, 0.7152F, 0.0722F)); }
+
+bool is_usable(const glm::vec3& c) {
+  return glm::all(glm::greaterThan(c, glm::vec3(kDarkest))) &&
+         glm::all(glm::lessThan(c, glm::vec3(kBrightest)));
+}
+
+const std::array<float, 256>& linear_of_srgb() {
+  static const auto table = [] {
+    std::array<float, 256> t{};
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const double v = static_cast<double>(i) / 255;
+      t[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+    }
+    return t;
+  }();
+  return table;
+}
+
+}  // namespace
+
+ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& background) {
+  if (background.color.empty()) return;
+  const Size view = tables.view_size, plate = tables.plate_size;
+  for (int j = 0; j < kGridY; ++j)
+    for (int i = 0; i < kGridX; ++i) {
+      const int x = (2 * i + 1) * view.width / (2 * kGridX);
+      const int y = (2 * j + 1) * view.height / (2 * kGridY);
+      const Rgbf b = background.color.row(y)[x];
+      const glm::vec3 learned(b.r, b.g, b.b);
+      const glm::vec2 at = tables.plate_is_view ? glm::vec2(x, y) : tables.plate_px.row(y)[x];
+      if (!is_usable(learned) || !(at.x >= 0 && at.y >= 0)) continue;
+      const Sample sample{static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F), learned};
+      if (sample.x < plate.width && sample.y < plate.height) samples_.push_back(sample);
+    }
+  ratios_.reserve(samples_.size());
+}
+
+glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
+  const auto& linear = linear_of_srgb();
+  ratios_.clear();
+  for (const Sample& s : samples_) {
+    const Rgb8 p = plate.row(s.y)[s.x];
+    const glm::vec3 now(linear[p.r], linear[p.g], linear[p.b]);
+    if (is_usable(now))
+      ratios_.push_back({std::log(luminance(now) / luminance(s.learned)), now, s.learned});
+  }
+  if (ratios_.size() < kLeastSamples) return glm::vec3(1);
+  std::sort(ratios_.begin(), ratios_.end(),
+            [](const Ratio& a, const Ratio& b) { return a.log_luminance < b.log_luminance; });
+  // The shortest interval that holds a third of the ratios: what most of the room agrees on.
+  const std::size_t third = ratios_.size() / 3;
+  std::size_t best = 0;
+  const auto width = [&](std::size_t i) {
+    return ratios_[i + third].log_luminance - ratios_[i].log_luminance;
+  };
+  for (std::size_t i = 1; i + third < ratios_.size(); ++i)
+    if (width(i) < width(best)) best = i;
+  glm::vec3 plate_sum(0), learned_sum(0);
+  for (std::size_t i = best; i <= best + third; ++i) {
+    plate_sum += ratios_[i].plate;
+    learned_sum += ratios_[i].learned;
+  }
+  return glm::clamp(plate_sum / learned_sum, 1 / kMostGain, kMostGain);
+}
+
+}  // namespace mixrig::render

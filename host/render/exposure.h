@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much brighter the camera is set than when the background was learned.
+#pragma once
+
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "hal/base/image.h"
+#include "host/render/compositor.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render {
+
+/// Cameras set exposure and white balance by themselves: a person in dark clothes brightens the
+/// whole room. The meter compares a sparse grid of plate pixels with the learned background. Shared
+/// by both back ends. Not thread-safe.
+class ExposureMeter {
+ public:
+  /// Reads `tables.plate_px` now, so call it before that is given away.
+  ExposureMeter(const Tables& tables, const BackgroundView& background);
+  /// Gain per channel, plate = gain * learned in linear light, within 1/8 and 8: the densest third
+  /// of the samples' ratios, so that people may fill up to two thirds of the picture. 1 where too
+  /// few pixels can tell. Allocates nothing.
+  glm::vec3 gain(ImageView<const Rgb8> plate);
+
+ private:
+  struct Sample {
+    int x = 0, y = 0;      ///< plate pixel
+    glm::vec3 learned{0};  ///< linear
+  };
+  struct Ratio {
+    float log_luminance = 0;
+    glm::vec3 plate{0}, learned{0};
+  };
+  std::vector<Sample> samples_;
+  std::vector<Ratio> ratios_;
+};
+
+}  // namespace mixrig::render

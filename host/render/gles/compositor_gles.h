@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The compositor on OpenGL ES 3.1.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "host/render/compositor.h"
+
+namespace mixrig::render {
+
+/// Makes a context of its own, current on this thread, where the compositor then has to stay.
+/// Borrows meshes, textures and background of `setup` during the call only. Errors: kData from
+/// validate(setup); kDevice without EGL; kUnsupported where the driver cannot draw the passes.
+Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup);
+
+}  // namespace mixrig::render

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass correct: ToF depth to a grid of vertices with links.
+#pragma once
+
+#include "host/render/gles/gl_step.h"
+
+namespace mixrig::render::gles {
+
+class CorrectPass {
+ public:
+  static Result<CorrectPass> create(const Tables& tables);
+  void upload_depth(ImageView<const float> depth_m) const { upload(depth_, depth_m); }
+  void draw() const;
+  const Texture& tof_ray() const { return ray_; }
+  /// GL_R32F, metres, 0 unknown: as measured but for what belongs to another surface; smoothed.
+  const Texture& clean_z_m() const { return clean_z_; }
+  const Texture& z_m() const { return z_; }
+  /// GL_RGBA32F: w, its slopes, links (correct_links.frag).
+  const Texture& vertices() const { return vertices_; }
+
+ private:
+  Texture depth_, ray_, raw_z_, bend_, clean_z_, step_, z_, vertices_;
+  Step to_z_, find_bend_, clean_, smooth_, link_;
+};
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// An OpenGL ES 3.1 context without a window.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <EGL/egl.h>
+
+#include "hal/base/result.h"
+
+namespace mixrig::render::gles {
+
+/// Owns display connection and context. Stays on the thread that made it.
+class EglContext {
+ public:
+  /// Tries EGL_MESA_platform_surfaceless, then the EGL devices, then the default display, and
+  /// makes the first context that holds GLES 3.1 and float colour buffers current. Errors: kDevice
+  /// where no display, or kUnsupported where no display offers that; the line names each attempt.
+  static Result<EglContext> create();
+
+  EglContext(EglContext&& other) noexcept { *this = std::move(other); }
+  EglContext& operator=(EglContext&& other) noexcept;
+  ~EglContext();
+
+  /// Binds the context to this thread. Errors: kDevice.
+  Result<void> make_current() const;
+  /// GL_RENDERER, "llvmpipe (LLVM 15.0.6, 256 bits)".
+  std::string renderer() const;
+  /// Precondition: current.
+  bool has_extension(std::string_view name) const;
+
+ private:
+  EglContext(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}
+  static Result<EglContext> create_on(EGLDisplay display);
+
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+/// Whether a GL_RENDERER draws on the processor, so that the cpu back end is the faster one.
+bool is_software(std::string_view renderer);
+
+}  // namespace mixrig::render::gles

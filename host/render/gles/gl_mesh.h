@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes in GPU memory.
+#pragma once
+
+#include "host/render/gles/gl_handles.h"
+#include "host/render/gles/gl_texture.h"
+
+namespace mixrig::render::gles {
+
+/// Vertices, triangles and texture of one MeshView. Attribute 0 is the position in metres, 1 the
+/// normal, 2 the uv.
+class GpuMesh {
+ public:
+  explicit GpuMesh(const MeshView& mesh);
+  /// sRGB; one white pixel where the mesh has none.
+  const Texture& texture() const { return texture_; }
+  void draw() const;
+
+ private:
+  BufferHandle positions_, normals_, uv_, indices_;
+  VertexArrayHandle vertex_array_;
+  Texture texture_;
+  GLsizei index_count_;
+};
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled shaders and their uniforms.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "hal/base/result.h"
+#include "host/render/gles/gl_handles.h"
+#include "host/render/passes.h"
+
+namespace mixrig::render::gles {
+
+/// A linked program. Uniforms keep what was set until it is set anew.
+class Program {
+ public:
+  Program() = default;
+  explicit Program(ProgramHandle handle) : handle_(std::move(handle)) {}
+  void use() const { glUseProgram(handle_.get()); }
+  /// Looked up once, when a pass is made; -1, which GL ignores, for a name that is not there.
+  GLint location(const std::string& name) const {
+    return glGetUniformLocation(handle_.get(), name.c_str());
+  }
+  /// Sets a uniform by name; binds the program. For values that hold for a take.
+  template <typename T>
+  void set(const std::string& name, const T& value) const;
+
+ private:
+  ProgramHandle handle_;
+};
+
+/// Compiles and links two stages of shaders/. Errors: kDevice, with file, line and log.
+Result<Program> make_program(std::string_view vertex_stage, std::string_view fragment_stage);
+/// A compute program. Errors as above.
+Result<Program> make_program(std::string_view compute_stage);
+/// One stage from text. Errors as above.
+Result<ShaderHandle> compile(GLenum kind, std::string_view text, std::string_view name,
+                             const std::vector<std::string_view>& files);
+
+/// Of the program in use.
+inline void set_uniform(GLint at, bool v) { glUniform1i(at, v ? 1 : 0); }
+inline void set_uniform(GLint at, int v) { glUniform1i(at, v); }
+inline void set_uniform(GLint at, float v) { glUniform1f(at, v); }
+inline void set_uniform(GLint at, const glm::vec2& v) { glUniform2f(at, v.x, v.y); }
+inline void set_uniform(GLint at, const glm::ivec2& v) { glUniform2i(at, v.x, v.y); }
+inline void set_uniform(GLint at, const glm::vec3& v) { glUniform3f(at, v.x, v.y, v.z); }
+inline void set_uniform(GLint at, const glm::vec4& v) { glUniform4f(at, v.x, v.y, v.z, v.w); }
+inline void set_uniform(GLint at, const glm::mat3& v) {
+  glUniformMatrix3fv(at, 1, GL_FALSE, &v[0][0]);
+}
+inline void set_uniform(GLint at, const glm::mat4& v) {
+  glUniformMatrix4fv(at, 1, GL_FALSE, &v[0][0]);
+}
+
+template <typename T>
+void Program::set(const std::string& name, const T& value) const {
+  use();
+  set_uniform(location(name), value);
+}
+
+}  // namespace mixrig::render::gles

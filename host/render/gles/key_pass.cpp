@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/key_pass.h"
+
+#include <cmath>
+
+namespace mixrig::render::gles {
+namespace {
+
+constexpr float kLeastPersonPixels = 6;  // ToF pixels; less is a speckle
+
+}  // namespace
+
+Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& background,
+                                const KeyPassParams& params) {
+  KeyPass pass;
+  const Size view = tables.view_size;
+  const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
+                    (view.height + kBlockPx - 1) / kBlockPx};
+  const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
+  pass.use_color_ = params.color && !background.color.empty();
+  pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
+  pass.state_image_ = make_texture(view, GL_R8);
+  for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
+                         &pass.band_, &pass.person_})
+    *image = make_texture(blocks, GL_RGBA32F);
+  pass.matte_ = make_texture(view, GL_R8);
+  pass.visible_w_ = make_texture(view, GL_R32F);
+  if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
+  MIXRIG_TRY(pass.make_steps());
+  pass.set_constants(tables, params, !background.color_sigma.empty());
+  return pass;
+}
+
+Result<void> KeyPass::make_steps() {
+  MIXRIG_ASSIGN(state_, make_step("key_state.frag", {&state_image_}));
+  MIXRIG_ASSIGN(blocks_, make_step("key_blocks.frag", {&counts_, &colors_}));
+  MIXRIG_ASSIGN(speckles_, make_step("key_speckles.frag", {&kept_counts_, &kept_colors_}));
+  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_}));
+  MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&matte_, &visible_w_}));
+  if (use_color_) {
+    MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
+  }
+  MIXRIG_ASSIGN(decide_,
+                make_block_step("key_decide.frag", {&matte_, &visible_w_}, kVotes, kBlockPx));
+  return {};
+}
+
+void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, bool has_sigma) {
+  const float footprint = tables.tof_footprint_px;
+  state_.program.set("focal_px", tables.warp.view.focal_px);
+  state_.program.set("center_px", tables.warp.view.center_px);
+  state_.program.set("crop", params.crop);
+  state_.program.set("crop_min_m", params.crop_min_m);
+  state_.program.set("crop_max_m", params.crop_max_m);
+  speckles_.program.set("least_foreground_px", kLeastPersonPixels * footprint * footprint);
+  if (use_color_) {
+    vote_.program.set("has_sigma", has_sigma);
+    gain_ = vote_.program.location("gain");
+  }
+  decide_.program.set("use_color", use_color_);
+  world_from_camera_ = state_.program.location("world_from_camera");
+  decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
+}
+
+void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
+  state_.program.use();
+  set_uniform(world_from_camera_, params.world_from_camera);
+  run(state_, {&input.w, &limit_w_});
+  run(blocks_, {&state_image_, &input.w, &input.plate});
+  run(speckles_, {&counts_, &colors_});
+  run(find_band_, {&kept_counts_, &kept_colors_});
+  run(fill_, {&band_, &input.w});
+  if (use_color_) {
+    vote_.program.use();
+    set_uniform(gain_, input.gain);
+    run_blocks(vote_, band_,
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_});
+  }
+  run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_, &input.w});
+}
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass key: people by depth, and by colour where depth is in doubt.
+#pragma once
+
+#include "host/render/gles/gl_step.h"
+
+namespace mixrig::render::gles {
+
+/// What the pass looks at.
+struct KeyInput {
+  const Texture& w;        ///< of WarpPass
+  const Texture& plate;    ///< linear light in the view when sampled
+  const Texture& learned;  ///< the background's colour and its spread, where learned
+  const Texture& learned_sigma;
+  glm::vec3 gain{1};  ///< ExposureMeter
+};
+
+/// What key_band.frag says of a block.
+enum BlockFlags : int { kNear = 1, kBand = 2, kVotes = 4, kHasColor = 8, kMayShowPeople = 16 };
+
+class KeyPass {
+ public:
+  /// Precondition: tables.has_background. Errors: as make_program and make_target.
+  static Result<KeyPass> create(const Tables& tables, const BackgroundView& background,
+                                const KeyPassParams& params);
+  void draw(const KeyPassParams& params, const KeyInput& input) const;
+
+  const Texture& matte() const { return matte_; }  ///< GL_R8
+  /// A texel a block of kBlockPx, its BlockFlags as a number in the first channel.
+  const Texture& blocks() const { return band_; }
+  const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, as key_decide.frag has it
+  const Target& state_target() const { return state_.target; }
+
+ private:
+  Result<void> make_steps();
+  void set_constants(const Tables& tables, const KeyPassParams& params, bool has_sigma);
+
+  bool use_color_ = false;
+  Texture limit_w_, state_image_, counts_, colors_, kept_counts_, kept_colors_, band_, person_,
+      votes_;
+  Texture matte_, visible_w_;
+  Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_;
+  GLint world_from_camera_ = -1, gain_ = -1;
+};
+
+}  // namespace mixrig::render::gles

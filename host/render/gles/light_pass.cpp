@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/light_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "host/render/gles/gl_convention.h"
+#include "host/render/gles/key_pass.h"
+
+namespace mixrig::render::gles {
+namespace {
+
+constexpr int kMapUnit = 7;  // common/lamps.glsl
+
+/// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
+struct GpuLamp {
+  glm::mat4 lamp_from_camera;
+  glm::vec4 position_m, direction, intensity;
+  float radius_m, map_focal_texel, map_center_texel, casters_near_m;
+  glm::ivec4 map_size_texel;
+};
+static_assert(sizeof(GpuLamp) == 9 * sizeof(glm::vec4));
+
+GpuLamp to_gpu(const LampParams& lamp) {
+  return {lamp.lamp_from_camera,
+          glm::vec4(lamp.position_m, 1),
+          glm::vec4(lamp.direction, 0),
+          glm::vec4(lamp.intensity, 0),
+          lamp.radius_m,
+          lamp.map_focal_texel,
+          lamp.map_center_texel,
+          lamp.casters_near_m,
+          glm::ivec4(lamp.map_size_texel)};
+}
+
+void set_constants(const Program& program, const Tables& tables, const CompositorSetup& setup) {
+  program.set("focal_px", tables.warp.view.focal_px);
+  program.set("center_px", tables.warp.view.center_px);
+  program.set("lamp_count", static_cast<int>(setup.light.lamps.size()));
+  program.set("map_near_m", kNearM);
+  program.set("ambient", setup.light.ambient);
+  const auto blockers = vogel_disc<kBlockerTaps>();
+  const auto shadows = vogel_disc<kShadowTaps>();
+  glUniform2fv(program.location("blocker_taps"), kBlockerTaps, &blockers[0].x);
+  glUniform2fv(program.location("shadow_taps"), kShadowTaps, &shadows[0].x);
+}
+
+}  // namespace
+
+Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup& setup) {
+  if (setup.light.lamps.size() > kMostLamps)
+    return Error{ErrorCode::kUnsupported,
+                 "the gles back end draws at most " + std::to_string(kMostLamps) +
+                     " lamps, the scene has " + std::to_string(setup.light.lamps.size()) +
+                     ": use --backend cpu"};
+  LightPass pass;
+  const Size view = tables.view_size;
+  if (tables.has_background)
+    pass.normal_ = make_texture(tables.background_normal.view(), GL_RGBA8_SNORM);
+  pass.background_light_ = make_texture(view, GL_R16F);
+  pass.light_ = make_texture(view, GL_R16F);
+  const Size tiles{(view.width + kLightTilePx - 1) / kLightTilePx,
+                   (view.height + kLightTilePx - 1) / kLightTilePx};
+  pass.tile_w_ = make_texture(tiles, GL_R32F);
+  pass.tile_light_ = make_texture(tiles, GL_R32F);
+  pass.virtual_color_ = make_texture(view, GL_RGBA16F);
+  pass.virtual_w_ = make_texture(view, GL_R32F);
+  MIXRIG_ASSIGN(pass.background_, make_step("light_background.frag", {&pass.background_light_}));
+  MIXRIG_ASSIGN(pass.tile_depth_, make_step("light_tile_w.frag", {&pass.tile_w_}));
+  MIXRIG_ASSIGN(pass.tiles_, make_step("light_tiles.frag", {&pass.tile_light_}));
+  MIXRIG_ASSIGN(pass.people_,
+                make_block_step("light_people.frag", {&pass.light_}, kMayShowPeople, kBlockPx));
+  MIXRIG_ASSIGN(pass.shade_,
+                make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
+  for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
+    set_constants(step->program, tables, setup);
+  const float reach = std::round(2 * tables.tof_footprint_px / kLightTilePx);
+  pass.tiles_.program.set("reach", std::max(1, static_cast<int>(reach)));
+  pass.shade_.program.set("exposure", setup.light.exposure);
+  pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
+  GLuint name = 0;
+  glGenBuffers(1, &name);
+  pass.lamps_ = BufferHandle(name);
+  glBindBuffer(GL_UNIFORM_BUFFER, name);
+  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), nullptr, GL_DYNAMIC_DRAW);
+  return pass;
+}
+
+void LightPass::set_lamps(const FrameParams& params) {
+  std::array<GpuLamp, kMostLamps> lamps;
+  for (std::size_t i = 0; i < params.lamps.size(); ++i) lamps[i] = to_gpu(params.lamps[i]);
+  glBindBuffer(GL_UNIFORM_BUFFER, lamps_.get());
+  glBufferSubData(GL_UNIFORM_BUFFER, 0,
+                  static_cast<GLsizeiptr>(params.lamps.size() * sizeof(GpuLamp)), lamps.data());
+}
+
+void LightPass::bind_lamps(GLuint shadow_maps) const {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, lamps_.get());
+  glActiveTexture(GL_TEXTURE0 + kMapUnit);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_maps);
+}
+
+void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps) const {
+  bind_lamps(shadow_maps);
+  run(background_, {&background_m, &normal_});
+}
+
+void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samples,
+                              GLuint shadow_maps) const {
+  const Rect& rect = params.virtual_rect;
+  bind(shade_.target);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
+  if (rect.empty()) return;
+  shade_.program.use();
+  set_uniform(shade_origin_px_, glm::ivec2(rect.x0, rect.y0));
+  bind_lamps(shadow_maps);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
+  run(shade_, {&samples.albedo(), &samples.normal(), &samples.depth()});
+  glDisable(GL_SCISSOR_TEST);
+}
+
+void LightPass::draw_people(const Texture& blocks, const Texture& matte, const Texture& visible_w,
+                            GLuint shadow_maps) const {
+  run(tile_depth_, {&matte, &visible_w});
+  bind_lamps(shadow_maps);
+  run(tiles_, {&tile_w_});
+  const Size size = light_.size;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, background_.target.handle.get());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, people_.target.handle.get());
+  glBlitFramebuffer(0, 0, size.width, size.height, 0, 0, size.width, size.height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  run_blocks(people_, blocks, {&matte, &tile_w_, &tile_light_, &background_light_});
+}
+
+}  // namespace mixrig::render::gles

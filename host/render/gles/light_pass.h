@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass light: light map of the real surfaces, shading of the virtual ones.
+#pragma once
+
+#include "host/render/gles/gl_step.h"
+#include "host/render/gles/virtual_pass.h"
+
+namespace mixrig::render::gles {
+
+/// Most lamps of a scene; common/limits.glsl.
+inline constexpr std::size_t kMostLamps = 32;
+
+class LightPass {
+ public:
+  /// `background_m` is kept by the caller. Errors: kUnsupported for more than kMostLamps.
+  static Result<LightPass> create(const Tables& tables, const CompositorSetup& setup);
+
+  /// Lamps and maps (ShadowPass) of this pose.
+  void set_lamps(const FrameParams& params);
+  /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
+  void draw_background(const Texture& background_m, GLuint shadow_maps) const;
+  /// Shaded virtual colour from the samples of VirtualPass, after a change of pose.
+  void shade_virtual(const FrameParams& params, const VirtualPass& samples,
+                     GLuint shadow_maps) const;
+  /// Light of the visible surfaces; blocks, matte and visible_w of KeyPass.
+  void draw_people(const Texture& blocks, const Texture& matte, const Texture& visible_w,
+                   GLuint shadow_maps) const;
+
+  const Texture& background_light() const { return background_light_; }  ///< GL_R16F
+  const Texture& light() const { return light_; }                        ///< GL_R16F
+  const Target& light_target() const { return people_.target; }
+  /// Linear, premultiplied by the coverage in alpha, GL_RGBA16F; its w is GL_R32F.
+  const Texture& virtual_color() const { return virtual_color_; }
+  const Texture& virtual_w() const { return virtual_w_; }
+
+ private:
+  void bind_lamps(GLuint shadow_maps) const;
+
+  Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
+  Step background_, tile_depth_, tiles_, people_, shade_;
+  BufferHandle lamps_;
+  GLint shade_origin_px_ = -1;
+};
+
+}  // namespace mixrig::render::gles

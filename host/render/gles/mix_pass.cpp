@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/mix_pass.h"
+
+namespace mixrig::render::gles {
+
+Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& setup) {
+  MixPass pass;
+  pass.color_ = make_texture(tables.view_size, GL_SRGB8_ALPHA8);
+  pass.mixed_ = make_texture(tables.view_size, GL_R32F);
+  pass.segmented_ = make_texture(tables.view_size, GL_R32F);
+  MIXRIG_ASSIGN(pass.step_, make_step("mix.frag", {&pass.color_, &pass.mixed_, &pass.segmented_}));
+  pass.step_.program.set("has_background", tables.has_background);
+  pass.step_.program.set("has_color", !setup.background.color.empty());
+  pass.step_.program.set("has_objects", !setup.objects.empty());
+  pass.step_.program.set("contact_slack_m", kContactSlackM);
+  pass.gain_ = pass.step_.program.location("gain");
+  pass.has_light_ = pass.step_.program.location("has_light");
+  return pass;
+}
+
+Result<void> MixPass::draw(const MixInput& input, bool layer) {
+  if (layer && !layer_target_.handle) {
+    layer_ = make_texture(color_.size, GL_R8);
+    MIXRIG_ASSIGN(layer_target_, make_target({&color_, &mixed_, &segmented_, &layer_}));
+  }
+  has_layer_ = layer;
+  step_.program.use();
+  set_uniform(has_light_, input.light != nullptr);
+  set_uniform(gain_, input.gain);
+  run_into(target(), step_,
+           {input.plate, input.matte, input.visible_w, input.background_m, input.learned,
+            input.light, input.virtual_color, input.virtual_w});
+  return {};
+}
+
+}  // namespace mixrig::render::gles

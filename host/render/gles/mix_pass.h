@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass mix: colour with matte, mixed depth and segmented depth in one draw.
+#pragma once
+
+#include "host/render/gles/gl_step.h"
+
+namespace mixrig::render::gles {
+
+/// What the pass looks at; null where the scene has none.
+struct MixInput {
+  const Texture* plate = nullptr;
+  const Texture* visible_w = nullptr;
+  const Texture* matte = nullptr;          ///< with background
+  const Texture* background_m = nullptr;   ///< with background
+  const Texture* learned = nullptr;        ///< the background's colour, where learned
+  const Texture* light = nullptr;          ///< with shadows
+  const Texture* virtual_color = nullptr;  ///< with objects
+  const Texture* virtual_w = nullptr;
+  glm::vec3 gain{1};  ///< ExposureMeter
+};
+
+/// Attachments of the pass' targets.
+enum MixOutput : int { kMixColor = 0, kMixDepth = 1, kMixSegmented = 2, kMixLayer = 3 };
+
+class MixPass {
+ public:
+  static Result<MixPass> create(const Tables& tables, const CompositorSetup& setup);
+  /// Errors: kUnsupported at the first call with `layer`, which also draws render::Layer.
+  Result<void> draw(const MixInput& input, bool layer);
+  /// What the last draw() drew into; attachments as MixOutput.
+  const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
+
+ private:
+  Texture color_, mixed_, segmented_, layer_;
+  Step step_;
+  Target layer_target_;
+  bool has_layer_ = false;
+  GLint has_light_ = -1, gain_ = -1;
+};
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/plate_pass.h"
+
+namespace mixrig::render::gles {
+
+Result<PlatePass> PlatePass::create(const Tables& tables) {
+  PlatePass pass;
+  pass.is_view_ = tables.plate_is_view;
+  pass.plate_ = make_texture(tables.plate_size, GL_SRGB8, Sampling::kLinear);
+  if (pass.is_view_) return pass;
+  pass.map_ = make_texture(tables.plate_px.view(), GL_RG32F);
+  // sRGB bytes hold linear light as finely as the plate brought it.
+  pass.view_ = make_texture(tables.view_size, GL_SRGB8_ALPHA8);
+  MIXRIG_ASSIGN(pass.step_, make_step("plate.frag", {&pass.view_}));
+  return pass;
+}
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/virtual_pass.h"
+
+#include <algorithm>
+
+#include "host/render/gles/gl_convention.h"
+
+namespace mixrig::render::gles {
+namespace {
+
+constexpr int kSamples = 2;  // along each axis of a pixel
+constexpr int kGrain = 128;  // samples by which the window grows
+
+int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
+
+}  // namespace
+
+Result<VirtualPass> VirtualPass::create() {
+  VirtualPass pass;
+  MIXRIG_ASSIGN(pass.program_, make_program("virtual.vert", "virtual.frag"));
+  pass.at_ = {pass.program_.location("camera_from_object"),
+              pass.program_.location("camera_from_object_normal"),
+              pass.program_.location("clip_from_camera"), pass.program_.location("base_color"),
+              pass.program_.location("double_sided")};
+  return pass;
+}
+
+Result<void> VirtualPass::grow(Size samples) {
+  const Size now = target_.size;
+  if (samples.width <= now.width && samples.height <= now.height) return {};
+  const Size size{round_up(std::max(samples.width, now.width)),
+                  round_up(std::max(samples.height, now.height))};
+  albedo_ = make_texture(size, GL_SRGB8_ALPHA8);
+  normal_ = make_texture(size, GL_RGB10_A2);
+  depth_ = make_texture(size, GL_DEPTH_COMPONENT32F);
+  MIXRIG_ASSIGN(target_, make_target({&albedo_, &normal_}, &depth_));
+  return {};
+}
+
+Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuMesh>& meshes) {
+  const Rect& rect = params.virtual_rect;
+  const Size samples{kSamples * (rect.x1 - rect.x0), kSamples * (rect.y1 - rect.y0)};
+  MIXRIG_TRY(grow(samples));
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.handle.get());
+  glViewport(0, 0, samples.width, samples.height);
+  glClearColor(0, 0, 0, 0);
+  glClearDepthf(0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CW);  // counter-clockwise in the picture, whose y points down
+  program_.use();
+  for (std::size_t i = 0; i < params.draws.size(); ++i) {
+    const Draw& draw = params.draws[i];
+    const PinholeParams window =
+        window_of(draw.params.view, glm::vec2(rect.x0, rect.y0), float(kSamples));
+    draw.mesh->double_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    set_uniform(at_.camera_from_object, draw.params.camera_from_object);
+    set_uniform(at_.camera_from_object_normal, draw.params.camera_from_object_normal);
+    set_uniform(at_.clip_from_camera, clip_from_camera(window, samples));
+    set_uniform(at_.base_color, draw.params.base_color);
+    set_uniform(at_.double_sided, draw.mesh->double_sided);
+    bind(0, meshes[i].texture());
+    meshes[i].draw();
+  }
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_TEST);
+  return {};
+}
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass virtual: the objects at 2x2 samples a pixel, in the rectangle that they may touch.
+#pragma once
+
+#include <vector>
+
+#include "host/render/gles/gl_mesh.h"
+#include "host/render/gles/gl_program.h"
+
+namespace mixrig::render::gles {
+
+class VirtualPass {
+ public:
+  static Result<VirtualPass> create();
+  /// `meshes` as params.draws. Errors: kUnsupported where a larger window has no memory. Allocates
+  /// only while the rectangle grows past any before.
+  Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
+
+  /// Samples of the window that starts at the rectangle's corner: linear albedo with alpha 1 where
+  /// covered, normals in 0..1, window depth (gl_convention.h).
+  const Texture& albedo() const { return albedo_; }
+  const Texture& normal() const { return normal_; }
+  const Texture& depth() const { return depth_; }
+
+ private:
+  Result<void> grow(Size samples);
+
+  Texture albedo_, normal_, depth_;
+  Target target_;
+  Program program_;
+  struct {
+    GLint camera_from_object, camera_from_object_normal, clip_from_camera, base_color, double_sided;
+  } at_{};
+};
+
+}  // namespace mixrig::render::gles

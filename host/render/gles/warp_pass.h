@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass warp: triangles of the ToF grid, drawn into the view, nearest wins.
+#pragma once
+
+#include "host/render/gles/gl_program.h"
+#include "host/render/gles/gl_texture.h"
+
+namespace mixrig::render::gles {
+
+class WarpPass {
+ public:
+  static Result<WarpPass> create(const Tables& tables);
+  /// `vertices`, `tof_ray`: of CorrectPass.
+  void draw(const Texture& vertices, const Texture& tof_ray) const;
+  /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
+  const Texture& w() const { return w_; }
+  const Target& target() const { return target_; }
+
+ private:
+  void find_triangles(const Texture& vertices) const;
+
+  Size tof_size_;
+  Texture w_, depth_;
+  Target target_;
+  BufferHandle arguments_, indices_;
+  VertexArrayHandle vertex_array_;
+  Program cells_, warp_;
+};
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of a take: rays, plate map, key limit, background normals.
+#include "host/render/prepare.h"
+
+#include <cmath>
+#include <limits>
+
+namespace mixrig::render {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
+  Image<glm::vec2> rays(tof.size_px());
+  for (int y = 0; y < rays.height(); ++y)
+    for (int x = 0; x < rays.width(); ++x) {
+      const auto ray = tof.unproject({x, y});
+      rays.row(y)[x] = ray ? glm::vec2(ray->x(), ray->y()) : glm::vec2(kNan);
+    }
+  return rays;
+}
+
+Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::Pinhole& view) {
+  Image<glm::vec2> map(view.size_px);
+  for (int y = 0; y < map.height(); ++y)
+    for (int x = 0; x < map.width(); ++x) {
+      const Eigen::Vector2d ray = view.unproject({x, y});
+      const auto px = target.project({ray.x(), ray.y(), 1.0});
+      // Past the lens' domain there is no picture: the corner stands in.
+      map.row(y)[x] = px ? glm::vec2(px->x(), px->y()) : glm::vec2(0);
+    }
+  return map;
+}
+
+glm::mat4 to_glm(const Eigen::Matrix4d& m) {
+  glm::mat4 out;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(m(row, column));
+  return out;
+}
+
+/// Rows, then columns: the largest value within `radius`, which for inverse depth is the nearest.
+Image<float> largest_within(const Image<float>& image, int radius) {
+  Image<float> rows(image.size()), out(image.size());
+  const int w = image.width(), h = image.height();
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      float best = 0;
+      for (int i = std::max(0, x - radius); i <= std::min(w - 1, x + radius); ++i)
+        best = std::max(best, image.row(y)[i]);
+      rows.row(y)[x] = best;
+    }
+  for (int y = 0; y < h; ++y)
+    for (int j = std::max(0, y - radius); j <= std::min(h - 1, y + radius); ++j)
+      for (int x = 0; x < w; ++x)
+        out.row(y)[x] =
+            std::max(j == std::max(0, y - radius) ? 0.0F : out.row(y)[x], rows.row(j)[x]);
+  return out;
+}
+
+/// Normal of the plane w = a x + b y + c (x, y: ray) that fits the samples around a pixel.
+PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& view, int u, int v,
+                       int radius_px) {
+  const float z0 = depth_m.row(v)[u];
+  if (!(z0 > 0)) return {};
+  const float w0 = 1 / z0;
+  const int step = std::max(1, radius_px / 2);
+  double n = 0, sx = 0, sy = 0, sw = 0, sxx = 0, sxy = 0, syy = 0, sxw = 0, syw = 0;
+  for (int dv = -2 * step; dv <= 2 * step; dv += step)
+    for (int du = -2 * step; du <= 2 * step; du += step) {
+      if (u + du < 0 || v + dv < 0 || u + du >= depth_m.size.width || v + dv >= depth_m.size.height)
+        continue;
+      const float z = depth_m.row(v + dv)[u + du];
+      // A sample from beyond a depth step belongs to another surface.
+      if (!(z > 0) || std::abs(z - z0) > 0.1F * z0) continue;
+      const double x = du / view.fx_px, y = dv / view.fy_px, w = 1 / z - w0;
+      n += 1, sx += x, sy += y, sw += w, sxx += x * x, sxy += x * y, syy += y * y;
+      sxw += x * w, syw += y * w;
+    }
+  sxx -= sx * sx / n, sxy -= sx * sy / n, syy -= sy * sy / n, sxw -= sx * sw / n,
+      syw -= sy * sw / n;
+  const double det = sxx * syy - sxy * sxy;
+  const double size = step / view.fx_px;
+  if (n < 6 || !(det > size * size * size * size)) return {};
+  const double a = (sxw * syy - syw * sxy) / det, b = (syw * sxx - sxw * sxy) / det;
+  const Eigen::Vector2d ray = view.unproject({u, v});
+  const Eigen::Vector3d normal =
+      -Eigen::Vector3d(a, b, w0 - a * ray.x() - b * ray.y()).normalized();
+  const auto pack = [](double value) { return static_cast<std::int8_t>(std::lround(127 * value)); };
+  return {pack(normal.x()), pack(normal.y()), pack(normal.z()), 0};
+}
+
+}  // namespace
+
+Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
+                       const NoiseParams& noise, int radius_px) {
+  const Size size = background.depth_m.size;
+  Image<float> w(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const float z = background.depth_m.row(y)[x];
+      w.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
+    }
+  Image<float> limit = largest_within(w, radius_px);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      float& value = limit.row(y)[x];
+      if (!(value > 0) || !(w.row(y)[x] > 0)) {
+        value = kInfinity;
+        continue;
+      }
+      const float z = 1 / value;
+      const float spread =
+          background.depth_sigma_m.empty() ? 0 : background.depth_sigma_m.row(y)[x];
+      const float sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
+      const float threshold =
+          std::max(key.threshold_m, key.noise_factor * std::sqrt(spread * spread + sigma * sigma));
+      value = threshold < z ? 1 / (z - threshold) : kInfinity;
+    }
+  return limit;
+}
+
+Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                            int radius_px) {
+  Image<PackedNormal> out(depth_m.size);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) out.row(y)[x] = normal_at(depth_m, view, x, y, radius_px);
+  return out;
+}
+
+Tables make_tables(const CompositorSetup& setup) {
+  Tables t;
+  t.tof_size = setup.tof.size_px();
+  t.plate_size = setup.target.size_px();
+  t.view_size = setup.view.size_px;
+  t.tof_ray = tof_rays(setup.tof);
+  t.plate_is_view = setup.target.lens.is_ideal() && setup.view == setup.target.pinhole;
+  if (!t.plate_is_view) t.plate_px = plate_map(setup.target, setup.view);
+
+  t.correct.depth_is_distance = setup.depth_is_distance;
+  t.correct.noise_floor_m = setup.noise.floor_m;
+  t.correct.noise_linear = setup.noise.linear;
+  t.correct.noise_quadratic_per_m = setup.noise.quadratic_per_m;
+  t.warp.camera_from_tof = to_glm(setup.target_from_tof.matrix());
+  t.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
+  t.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
+  t.tof_footprint_px =
+      static_cast<float>(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px));
+
+  t.has_background = !setup.background.depth_m.empty();
+  if (!t.has_background) return t;
+  const int radius_px = static_cast<int>(std::ceil(t.tof_footprint_px));
+  t.key_limit_w = key_limit(setup.background, setup.key, setup.noise, radius_px);
+  t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
+  return t;
+}
+
+}  // namespace mixrig::render

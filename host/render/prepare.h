@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What both back ends compute alike on the host: tables of a take, transforms of a frame.
+// Poses are combined in double and rounded to float once they are relative to the camera.
+#pragma once
+
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "hal/base/image.h"
+#include "host/render/compositor.h"
+#include "host/render/passes.h"
+
+namespace mixrig::render {
+
+/// Normal as three signed bytes, n = xyz / 127; (0,0,0) is unknown. GL_RGBA8_SNORM takes it as is.
+struct PackedNormal {
+  std::int8_t x = 0, y = 0, z = 0, w = 0;
+};
+
+/// Tables that hold for a take. Built once; plain images, so that a GPU can take them as textures.
+struct Tables {
+  Size tof_size, plate_size, view_size;
+  Image<glm::vec2> tof_ray;     ///< (x/z, y/z) of a ToF pixel; NaN where the lens has no ray
+  bool plate_is_view = false;   ///< ideal lens and view = plate: plate_px is empty then
+  Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
+  bool has_background = false;  ///< the images below are empty without
+  Image<float> key_limit_w;     ///< foreground is w > this, 1/m; infinite without background depth
+  Image<PackedNormal> background_normal;  ///< camera axes, towards the camera
+  CorrectParams correct;
+  WarpParams warp;
+  float tof_footprint_px = 1;  ///< view pixels that a ToF pixel spans, at least 1
+};
+
+/// Precondition: validate(setup) holds.
+Tables make_tables(const CompositorSetup& setup);
+
+/// Nearest background within `radius_px`, moved towards the camera by the key threshold, as
+/// inverse depth; infinity where the background is unknown. Pure, for tests.
+Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
+                       const NoiseParams& noise, int radius_px);
+/// Normals of a depth map by planes through its inverse depth. Pure, for tests.
+Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                            int radius_px);
+
+/// Half-open pixel rectangle.
+struct Rect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+
+/// One mesh of one object, in a frame.
+struct Draw {
+  const MeshView* mesh = nullptr;
+  int object = 0;
+  bool casts_shadow = true;
+  VirtualParams params;
+};
+
+/// All that depends on the pose. Lamps and objects stand still in the world: while the pose stays,
+/// so do virtual pixels; shadow maps stay while their size does (`lamps[i].map_size_texel`).
+struct FrameParams {
+  bool pose_changed = true;  ///< since the last update(); true at first
+  bool maps_changed = true;  ///< shadow maps must be drawn again
+  KeyPassParams key;
+  LightParams light;
+  std::vector<LampParams> lamps;                         ///< as Light::lamps
+  std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
+  std::vector<Draw> draws;
+  Rect virtual_rect;  ///< view pixels that virtual objects may touch
+};
+
+/// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
+class FramePreparer {
+ public:
+  explicit FramePreparer(const CompositorSetup& setup);
+  /// Brings `params` to this pose. Allocates on the first call only.
+  void update(const geometry::Pose& world_from_target);
+  const FrameParams& params() const { return params_; }
+
+ private:
+  struct MapFit {  ///< world-fixed frame of a lamp's map
+    glm::dmat4 lamp_from_world{1};
+    double tan_half = 0;  ///< of its field; 0: no shadow
+    double near_m = 0;    ///< z of the nearest caster
+  };
+  void fit_maps();
+  int map_size(const glm::dmat4& camera_from_world) const;
+  void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
+
+  const CompositorSetup& setup_;
+  FrameParams params_;
+  bool has_pose_ = false;
+  geometry::Pose last_pose_;
+  int map_size_ = 0;
+  std::vector<MapFit> fits_;
+  std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
+};
+
+/// Vertex in camera or lamp axes.
+inline glm::vec3 transform(const glm::mat4& m, const glm::vec3& p) {
+  return glm::vec3(m * glm::vec4(p, 1));
+}
+
+}  // namespace mixrig::render

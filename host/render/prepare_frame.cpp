@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Transforms of a frame: lamps, their shadow maps and the virtual objects in camera axes.
+#include <algorithm>
+#include <cmath>
+
+#include <glm/gtc/matrix_inverse.hpp>
+
+#include "host/render/prepare.h"
+
+namespace mixrig::render {
+namespace {
+
+constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
+constexpr int kSmallestMap = 64, kLargestMap = 1024;
+constexpr double kNearM = 0.01;
+
+glm::dmat4 to_glm(const Eigen::Matrix4d& m) {
+  glm::dmat4 out;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) out[column][row] = m(row, column);
+  return out;
+}
+
+glm::dmat4 world_from(const VirtualObject& object) {
+  glm::dmat4 m = to_glm(object.world_from_object.matrix());
+  for (int column = 0; column < 3; ++column) m[column] *= object.scale;
+  return m;
+}
+
+/// World to lamp axes: z from the lamp towards `target`.
+glm::dmat4 lamp_from_world(const glm::dvec3& lamp, const glm::dvec3& target) {
+  const glm::dvec3 z = glm::normalize(target - lamp);
+  const glm::dvec3 other = std::abs(z.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 x = glm::normalize(glm::cross(other, z));
+  const glm::dvec3 y = glm::cross(z, x);
+  glm::dmat4 m(1);
+  for (int i = 0; i < 3; ++i) m[i] = glm::dvec4(x[i], y[i], z[i], 0);
+  m[3] = glm::dvec4(-glm::dot(x, lamp), -glm::dot(y, lamp), -glm::dot(z, lamp), 1);
+  return m;
+}
+
+glm::dvec3 apply(const glm::dmat4& m, const glm::dvec3& p) {
+  return glm::dvec3(m * glm::dvec4(p, 1));
+}
+
+/// Corners of an object's box, in world.
+void append_corners(const VirtualObject& object, std::vector<glm::dvec3>& corners) {
+  glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
+  for (const MeshView& mesh : object.meshes)
+    for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
+  if (!(low.x <= high.x)) return;
+  const glm::dmat4 m = world_from(object);
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(
+        apply(m, {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}));
+}
+
+/// View pixels of a box; the whole view where it reaches behind the camera.
+void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_from_world,
+                 const geometry::Pinhole& view, Rect& rect) {
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
+  int behind = 0;
+  for (const glm::dvec3& corner : corners) {
+    const glm::dvec3 p = apply(camera_from_world, corner);
+    if (p.z < kNearM) {
+      ++behind;
+      continue;
+    }
+    const Eigen::Vector2d px = view.project({p.x, p.y, p.z});
+    x0 = std::min(x0, px.x()), x1 = std::max(x1, px.x());
+    y0 = std::min(y0, px.y()), y1 = std::max(y1, px.y());
+  }
+  if (behind == static_cast<int>(corners.size())) return;
+  if (behind > 0) x0 = y0 = -1e9, x1 = y1 = 1e9;
+  const auto clip = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  const Rect box{
+      clip(std::floor(x0), view.size_px.width), clip(std::floor(y0), view.size_px.height),
+      clip(std::ceil(x1) + 1, view.size_px.width), clip(std::ceil(y1) + 1, view.size_px.height)};
+  if (box.empty()) return;
+  if (rect.empty()) rect = box;
+  rect = {std::min(rect.x0, box.x0), std::min(rect.y0, box.y0), std::max(rect.x1, box.x1),
+          std::max(rect.y1, box.y1)};
+}
+
+}  // namespace
+
+FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
+  std::size_t objects = setup.objects.size();
+  for (std::size_t i = 0; i < objects; ++i) {
+    const VirtualObject& object = setup.objects[i];
+    append_corners(object, corners_m_);
+    if (object.casts_shadow) append_corners(object, caster_corners_m_);
+    for (const MeshView& mesh : object.meshes)
+      params_.draws.push_back({&mesh, static_cast<int>(i), object.casts_shadow, {}});
+  }
+  params_.lamps.resize(setup.light.lamps.size());
+  params_.lamp_from_object.assign(setup.light.lamps.size(), std::vector<glm::mat4>(objects));
+  fits_.resize(setup.light.lamps.size());
+  fit_maps();
+
+  params_.light = {setup.light.ambient, setup.light.exposure};
+  KeyPassParams& key = params_.key;
+  key.threshold_m = setup.key.threshold_m;
+  key.noise_factor = setup.key.noise_factor;
+  key.noise_floor_m = setup.noise.floor_m;
+  key.noise_linear = setup.noise.linear;
+  key.noise_quadratic_per_m = setup.noise.quadratic_per_m;
+  key.color = setup.key.color;
+  key.crop = setup.capture_box.has_value();
+  if (key.crop)
+    key.crop_min_m = setup.capture_box->min_m, key.crop_max_m = setup.capture_box->max_m;
+}
+
+void FramePreparer::fit_maps() {
+  if (caster_corners_m_.empty()) return;
+  glm::dvec3 low = caster_corners_m_[0], high = low;
+  for (const glm::dvec3& p : caster_corners_m_) low = glm::min(low, p), high = glm::max(high, p);
+  const glm::dvec3 center = 0.5 * (low + high);
+  for (std::size_t i = 0; i < fits_.size(); ++i) {
+    const Lamp& lamp = setup_.light.lamps[i];
+    const bool dark = lamp.intensity == glm::vec3(0);
+    const bool all_behind =
+        lamp.direction &&
+        std::all_of(caster_corners_m_.begin(), caster_corners_m_.end(),
+                    [&](auto& p) { return glm::dot(p - lamp.position_m, *lamp.direction) <= 0; });
+    if (dark || all_behind) continue;
+    // A lamp inside its casters has no way to look at them all: it looks on past the centre.
+    const bool at_center = glm::distance(center, lamp.position_m) < kNearM;
+    const glm::dvec3 fallback = lamp.direction ? *lamp.direction : glm::dvec3(0, 0, -1);
+    MapFit& fit = fits_[i];
+    fit.lamp_from_world =
+        lamp_from_world(lamp.position_m, at_center ? lamp.position_m + fallback : center);
+    fit.near_m = 1e9;
+    for (const glm::dvec3& corner : caster_corners_m_) {
+      const glm::dvec3 p = apply(fit.lamp_from_world, corner);
+      const double tan =
+          p.z > kNearM ? std::max(std::abs(p.x), std::abs(p.y)) / p.z : kLargestTanHalf;
+      fit.tan_half = std::min(kLargestTanHalf, std::max(fit.tan_half, tan));
+      fit.near_m = std::max(kNearM, std::min(fit.near_m, p.z));
+    }
+  }
+}
+
+/// Texels across: as many as view pixels across the casters, as a power of two, so that a moving
+/// camera seldom changes it.
+int FramePreparer::map_size(const glm::dmat4& camera_from_world) const {
+  Rect rect;
+  include_box(caster_corners_m_, camera_from_world, setup_.view, rect);
+  const int wanted = std::max(rect.x1 - rect.x0, rect.y1 - rect.y0);
+  int size = kSmallestMap;
+  while (size < wanted && size < kLargestMap) size *= 2;
+  return size;
+}
+
+void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
+                                 const glm::dmat4& camera_from_world) {
+  const int wanted = caster_corners_m_.empty() ? 0 : map_size(camera_from_world);
+  params_.maps_changed = wanted != map_size_;
+  map_size_ = wanted;
+  for (std::size_t i = 0; i < params_.lamps.size(); ++i) {
+    const Lamp& lamp = setup_.light.lamps[i];
+    const MapFit& fit = fits_[i];
+    LampParams& out = params_.lamps[i];
+    out.position_m = apply(camera_from_world, lamp.position_m);
+    out.direction =
+        lamp.direction ? glm::vec3(glm::dmat3(camera_from_world) * *lamp.direction) : glm::vec3(0);
+    out.radius_m = static_cast<float>(std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI));
+    out.intensity = lamp.intensity;
+    out.map_size_texel = fit.tan_half > 0 ? map_size_ : 0;
+    if (out.map_size_texel == 0) continue;
+    out.lamp_from_camera = glm::mat4(fit.lamp_from_world * world_from_camera);
+    out.map_center_texel = 0.5F * static_cast<float>(map_size_ - 1);
+    // One texel of margin, so that what lies outside the map is lit.
+    out.map_focal_texel = (out.map_center_texel - 1) / static_cast<float>(fit.tan_half);
+    out.casters_near_m = static_cast<float>(fit.near_m);
+    for (std::size_t k = 0; k < setup_.objects.size(); ++k)
+      params_.lamp_from_object[i][k] =
+          glm::mat4(fit.lamp_from_world * world_from(setup_.objects[k]));
+  }
+}
+
+void FramePreparer::update(const geometry::Pose& world_from_target) {
+  params_.pose_changed = !has_pose_ ||
+                         world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
+                         world_from_target.translation_m != last_pose_.translation_m;
+  params_.maps_changed = false;
+  if (!params_.pose_changed) return;
+  has_pose_ = true;
+  last_pose_ = world_from_target;
+  const glm::dmat4 world_from_camera = to_glm(world_from_target.matrix());
+  const glm::dmat4 camera_from_world = to_glm(geometry::inverse(world_from_target).matrix());
+  params_.key.world_from_camera = glm::mat4(world_from_camera);
+  update_lamps(world_from_camera, camera_from_world);
+
+  for (Draw& draw : params_.draws) {
+    const VirtualObject& object = setup_.objects[static_cast<std::size_t>(draw.object)];
+    const glm::dmat4 camera_from_object = camera_from_world * world_from(object);
+    draw.params.camera_from_object = glm::mat4(camera_from_object);
+    draw.params.camera_from_object_normal =
+        glm::mat3(camera_from_object) / static_cast<float>(object.scale);
+    draw.params.base_color = draw.mesh->base_color;
+    draw.params.view = {glm::vec2(setup_.view.fx_px, setup_.view.fy_px),
+                        glm::vec2(setup_.view.cx_px, setup_.view.cy_px)};
+  }
+  params_.virtual_rect = {};
+  for (std::size_t first = 0; first + 8 <= corners_m_.size(); first += 8)
+    include_box(std::span(corners_m_).subspan(first, 8), camera_from_world, setup_.view,
+                params_.virtual_rect);
+}
+
+}  // namespace mixrig::render

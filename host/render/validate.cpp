@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <string>
+
+#include "host/render/compositor.h"
+
+namespace mixrig::render {
+namespace {
+
+Error bad(const std::string& what) { return {ErrorCode::kData, "compositor: " + what}; }
+
+std::string text(Size size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height);
+}
+
+bool finite(const geometry::Pose& pose) {
+  return pose.rotation.coeffs().allFinite() && pose.translation_m.allFinite() &&
+         std::abs(pose.rotation.norm() - 1) < 1e-3;
+}
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+template <typename T>
+Result<void> same_size(const ImageView<T>& image, Size view, const char* name) {
+  if (image.empty() || image.size == view) return {};
+  return bad("background " + std::string(name) + " is " + text(image.size) + ", the view " +
+             text(view) + ": learn the background in this view");
+}
+
+Result<void> check_background(const BackgroundView& background, Size view) {
+  MIXRIG_TRY(same_size(background.depth_m, view, "depth"));
+  MIXRIG_TRY(same_size(background.depth_sigma_m, view, "depth spread"));
+  MIXRIG_TRY(same_size(background.color, view, "colour"));
+  MIXRIG_TRY(same_size(background.color_sigma, view, "colour spread"));
+  if (background.depth_m.empty() && !background.color.empty())
+    return bad("the background has colour but no depth: learn it again");
+  return {};
+}
+
+Result<void> check_mesh(const MeshView& mesh, const std::string& where) {
+  const std::size_t n = mesh.positions_m.size();
+  if (mesh.normals.size() != n) return bad(where + " has not one normal a vertex");
+  if (!mesh.uv.empty() && mesh.uv.size() != n) return bad(where + " has not one uv a vertex");
+  if (mesh.indices.size() % 3 != 0) return bad(where + " has indices that are no triangles");
+  for (const std::uint32_t index : mesh.indices)
+    if (index >= n) return bad(where + " has an index past its vertices");
+  for (const glm::vec3& p : mesh.positions_m)
+    if (!finite(glm::dvec3(p))) return bad(where + " has a vertex that is not finite");
+  return {};
+}
+
+Result<void> check_objects(const std::vector<VirtualObject>& objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::string where = "object " + std::to_string(i + 1);
+    if (!finite(objects[i].world_from_object)) return bad(where + " has a pose that is not rigid");
+    if (!(objects[i].scale > 0) || !std::isfinite(objects[i].scale))
+      return bad(where + " has a scale that is not positive");
+    for (const MeshView& mesh : objects[i].meshes) MIXRIG_TRY(check_mesh(mesh, where));
+  }
+  return {};
+}
+
+Result<void> check_light(const Light& light) {
+  const auto color = [](const glm::vec3& c) {
+    return finite(glm::dvec3(c)) && c.r >= 0 && c.g >= 0 && c.b >= 0;
+  };
+  if (!color(light.ambient)) return bad("ambient light is negative or not finite");
+  if (!(light.exposure > 0) || !std::isfinite(light.exposure))
+    return bad("exposure is not positive");
+  for (std::size_t i = 0; i < light.lamps.size(); ++i) {
+    const Lamp& lamp = light.lamps[i];
+    const std::string where = "lamp " + std::to_string(i + 1);
+    if (!finite(lamp.position_m)) return bad(where + " has a position that is not finite");
+    if (lamp.direction &&
+        !(finite(*lamp.direction) && std::abs(glm::length(*lamp.direction) - 1) < 1e-3))
+      return bad(where + " has a direction whose length is not 1");
+    if (!(lamp.size_m.x >= 0 && lamp.size_m.y >= 0 && std::isfinite(lamp.size_m.x + lamp.size_m.y)))
+      return bad(where + " has a negative size");
+    if (!color(lamp.intensity)) return bad(where + " has a negative intensity");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view name(Stage stage) {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(Stage::kCount)> kNames = {
+      "upload", "plate", "correct", "warp", "virtual", "shadow", "key", "light", "mix", "readback"};
+  return kNames[static_cast<std::size_t>(stage)];
+}
+
+Result<void> validate(const CompositorSetup& setup) {
+  MIXRIG_TRY(geometry::validate(setup.target));
+  MIXRIG_TRY(geometry::validate(setup.tof));
+  MIXRIG_TRY(geometry::validate(geometry::CameraModel{setup.view, {}}));
+  if (!finite(setup.target_from_tof)) return bad("target_from_tof is not a rigid transform");
+  const NoiseParams& n = setup.noise;
+  if (!(n.floor_m >= 0 && n.linear >= 0 && n.quadratic_per_m >= 0) ||
+      !std::isfinite(n.floor_m + n.linear + n.quadratic_per_m))
+    return bad("depth noise is negative or not finite");
+  if (!(setup.key.threshold_m >= 0) || !(setup.key.noise_factor >= 0))
+    return bad("key threshold or noise factor is negative");
+  if (setup.capture_box &&
+      !(glm::all(glm::lessThan(setup.capture_box->min_m, setup.capture_box->max_m))))
+    return bad("capture volume is empty: its min must be below its max");
+  MIXRIG_TRY(check_background(setup.background, setup.view.size_px));
+  MIXRIG_TRY(check_objects(setup.objects));
+  return check_light(setup.light);
+}
+
+}  // namespace mixrig::render

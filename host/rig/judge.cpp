@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limits of mixrig diag, in one place.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "host/rig/diagnose.h"
+
+namespace mixrig::rig {
+namespace {
+
+constexpr double kRateWarn = 0.02, kRateFail = 0.10;   // relative to nominal
+constexpr double kLostWarn = 0.001, kLostFail = 0.02;  // share of the frames
+constexpr double kDriftWarn_ppm = 200, kDriftFail_ppm = 1000;
+constexpr double kResidualWarn_ms = 2, kResidualFail_ms = 10;
+constexpr double kPairedWarn = 0.99, kPairedFail = 0.9;  // share of the frames after locking
+
+Verdict grade(double value, double warn, double fail) {
+  return value > fail ? Verdict::kFail : value > warn ? Verdict::kWarn : Verdict::kPass;
+}
+
+template <typename... T>
+std::string format(const char* pattern, T... values) {
+  char text[160];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+Check make(const std::string& device, const char* what, Verdict verdict, std::string value,
+           const char* advice) {
+  return {device, what, verdict, std::move(value), verdict == Verdict::kPass ? "" : advice};
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "pass";
+    case Verdict::kWarn:
+      return "warn";
+    case Verdict::kFail:
+      return "fail";
+  }
+  return "fail";
+}
+
+std::vector<Check> judge_stream(const StreamReport& report, double nominal_rate_hz,
+                                double watched_s, bool triggered) {
+  std::vector<Check> checks;
+  const auto add = [&](const char* what, Verdict verdict, std::string value, const char* advice) {
+    checks.push_back(make(report.name, what, verdict, std::move(value), advice));
+  };
+  const device::StreamHealth& health = report.health;
+  const double frames = static_cast<double>(health.frames);
+  const double rate_hz = watched_s > 0 ? frames / watched_s : 0;
+  if (health.frames == 0) {
+    add("rate", Verdict::kFail, "no frames",
+        triggered ? "check the trigger line and its divider" : "check cable, power and bandwidth");
+    return checks;
+  }
+  const double off = nominal_rate_hz > 0 ? std::abs(rate_hz / nominal_rate_hz - 1) : 0;
+  // A frame more or less within the window is no fault.
+  const double slack = nominal_rate_hz > 0 ? 2 / (nominal_rate_hz * watched_s) : 0;
+  add("rate", grade(off - slack, kRateWarn, kRateFail),
+      format("%.2f Hz of %.2f", rate_hz, nominal_rate_hz),
+      "shorten the exposure, or check bandwidth and the trigger's divider");
+  const double missing = static_cast<double>(health.lost + health.incomplete + health.overrun);
+  add("lost", grade(missing / (frames + missing), kLostWarn, kLostFail),
+      format("%llu lost, %llu incomplete, %llu overrun",
+             static_cast<unsigned long long>(health.lost),
+             static_cast<unsigned long long>(health.incomplete),
+             static_cast<unsigned long long>(health.overrun)),
+      "check cable, bus bandwidth and the load of the host");
+  add("link", health.link_errors > 0 || health.returns > 0 ? Verdict::kWarn : Verdict::kPass,
+      format("%llu errors, %llu returns", static_cast<unsigned long long>(health.link_errors),
+             static_cast<unsigned long long>(health.returns)),
+      "check the cable and its plugs");
+  if (report.drift_ppm != 0)
+    add("clock", grade(std::abs(report.drift_ppm), kDriftWarn_ppm, kDriftFail_ppm),
+        format("%.1f ppm, jitter %.2f ms", report.drift_ppm, report.jitter_ms),
+        "the camera's clock is out of order");
+  const double usable = static_cast<double>(report.pairing.of(sync::PairStatus::kPaired) +
+                                            report.pairing.of(sync::PairStatus::kReordered));
+  const double judged =
+      std::max(1.0, frames - static_cast<double>(report.pairing.of(sync::PairStatus::kLocking)));
+  const double residual_ms =
+      triggered ? std::abs(report.residual_mean_ms) + report.residual_sd_ms : 0;
+  const double unpaired = 1 - usable / judged;
+  const Verdict pairing = std::max(grade(unpaired, 1 - kPairedWarn, 1 - kPairedFail),
+                                   grade(residual_ms, kResidualWarn_ms, kResidualFail_ms));
+  add("pairing", usable == 0 ? Verdict::kFail : pairing,
+      format("%.1f %% paired, residual %.2f +- %.2f ms, %llu relocks", 100 * usable / judged,
+             report.residual_mean_ms, report.residual_sd_ms,
+             static_cast<unsigned long long>(report.pairing.relocks)),
+      "check the trigger wire; set delay_ms to the mean residual");
+  return checks;
+}
+
+Check judge_repeatability(const std::vector<device::PanTiltAngles>& positions,
+                          device::PanTiltAngles step) {
+  double pan_low = 1e9, pan_high = -1e9, tilt_low = 1e9, tilt_high = -1e9;
+  for (const auto& p : positions) {
+    pan_low = std::min(pan_low, p.pan_rad), pan_high = std::max(pan_high, p.pan_rad);
+    tilt_low = std::min(tilt_low, p.tilt_rad), tilt_high = std::max(tilt_high, p.tilt_rad);
+  }
+  const double spread =
+      std::max((pan_high - pan_low) / step.pan_rad, (tilt_high - tilt_low) / step.tilt_rad);
+  return make("pan_tilt", "repeatability", grade(spread, 1.01, 3.01),
+              format("%.1f steps over %zu visits", spread, positions.size()),
+              "check load, speed and power of the head");
+}
+
+Verdict worst(const std::vector<Check>& checks) {
+  Verdict verdict = Verdict::kPass;
+  for (const Check& check : checks) verdict = std::max(verdict, check.verdict);
+  return verdict;
+}
+
+}  // namespace mixrig::rig

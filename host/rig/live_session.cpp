@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/rig/live_session.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixrig::rig {
+namespace {
+
+constexpr Duration kWait = std::chrono::milliseconds(50);
+constexpr Duration kStatusEvery = std::chrono::milliseconds(250);
+constexpr Duration kTickPeriod = std::chrono::milliseconds(10);
+constexpr Duration kAfterError = std::chrono::milliseconds(200);
+// Frames of one moment lie at most this far apart where streams run free.
+constexpr int kFarthestFree_ticks = 3;
+
+}  // namespace
+
+LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock)
+    : config_(config), devices_(devices), clock_(clock) {
+  for (std::size_t i = 0; i < devices.cameras.size(); ++i)
+    add_stream(config.cameras[i], devices.cameras[i]->info().stamp_clock);
+  if (devices.depth) add_stream(*config.depth, devices.depth->info().stamp_clock);
+  std::vector<int> farthest;
+  for (const Stream& stream : streams_) {
+    const TriggerLine* line = config.line_of(*stream.config);
+    farthest.push_back(line != nullptr ? std::max(1, line->channel.divider / 2)
+                                       : kFarthestFree_ticks);
+  }
+  builder_.emplace(farthest, [this](const sync::FrameSet& set) { emit(set); });
+}
+
+void LiveSession::add_stream(const CameraConfig& config, device::StampClock stamp_clock) {
+  sync::StreamTiming timing{.divider = 0, .phase = 0, .delay = config.delay};
+  if (const TriggerLine* line = config_.line_of(config); line != nullptr && devices_.trigger) {
+    // A phase of whole ticks moves the tick; what is left of it delays the exposure.
+    timing.divider = line->channel.divider;
+    timing.phase = static_cast<int>(line->channel.phase / kTickPeriod) % timing.divider;
+    timing.delay += line->channel.phase % kTickPeriod;
+  }
+  streams_.emplace_back();
+  streams_.back().config = &config;
+  streams_.back().stamp_clock = stamp_clock;
+  streams_.back().pairer = sync::FramePairer(timing);
+}
+
+Result<void> LiveSession::start() {
+  if (running_) return Error{ErrorCode::kUsage, "the session runs already"};
+  stop_ = false;
+  events_.open();
+  sets_.open();
+  running_ = true;
+  sync_thread_ = std::thread([this] { run_sync(); });
+  // Cameras first: what waits for a trigger must not miss the first one.
+  auto started = start_cameras();
+  if (started && devices_.trigger) started = start_trigger();
+  if (!started) {
+    stop();
+    return started;
+  }
+  if (devices_.trigger) trigger_thread_ = std::thread([this] { run_trigger(); });
+  if (devices_.pan_tilt) pan_tilt_thread_ = std::thread([this] { run_pan_tilt(); });
+  return {};
+}
+
+Result<void> LiveSession::start_cameras() {
+  const auto sink = [this](std::size_t stream) {
+    return [this, stream](const device::FramePtr& frame) {
+      Event event;
+      event.kind = Event::Kind::kFrame;
+      event.stream = stream;
+      event.frame = frame;
+      events_.push(std::move(event));
+    };
+  };
+  for (std::size_t i = 0; i < devices_.cameras.size(); ++i)
+    MIXRIG_TRY(devices_.cameras[i]->start(sink(i)));
+  if (devices_.depth) MIXRIG_TRY(devices_.depth->start(sink(devices_.cameras.size())));
+  return {};
+}
+
+Result<void> LiveSession::start_trigger() {
+  MIXRIG_ASSIGN(const device::TriggerStatus status, devices_.trigger->status());
+  if (status.state != device::TriggerState::kIdle) MIXRIG_TRY(devices_.trigger->stop());
+  for (const TriggerLine& line : config_.lines)
+    MIXRIG_TRY(devices_.trigger->configure(line.line, line.channel));
+  return devices_.trigger->start();
+}
+
+void LiveSession::stop() {
+  if (!running_) return;
+  for (auto& camera : devices_.cameras) camera->stop();
+  if (devices_.depth) devices_.depth->stop();
+  stop_ = true;
+  events_.close();
+  for (std::thread* thread : {&trigger_thread_, &pan_tilt_thread_, &sync_thread_})
+    if (thread->joinable()) thread->join();
+  if (devices_.trigger) (void)devices_.trigger->stop();
+  sets_.close();
+  running_ = false;
+}
+
+void LiveSession::run_trigger() {
+  HostTime next_status = clock_.now();
+  while (!stop_) {
+    if (follow_trigger(next_status)) continue;
+    {
+      const std::lock_guard lock(mutex_);
+      ++counts_.trigger_errors;
+    }
+    clock_.sleep_until(clock_.now() + kAfterError);
+  }
+}
+
+/// One look at the master: its clock, whether it still runs, its ticks. False after an error.
+bool LiveSession::follow_trigger(HostTime& next_status) {
+  if (clock_.now() >= next_status) {
+    next_status = clock_.now() + kStatusEvery;
+    const auto status = devices_.trigger->status();
+    if (!status) return false;
+    if (status->state != device::TriggerState::kRunning) {
+      // It was reset. Its tick numbers and its clock begin anew.
+      if (!start_trigger()) return false;
+      events_.push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
+      const std::lock_guard lock(mutex_);
+      ++counts_.trigger_restarts;
+      return true;
+    }
+    const std::lock_guard lock(mutex_);
+    (void)trigger_clock_.add(status->now, status->asked, status->answered);
+  }
+  std::array<device::TriggerTick, 16> ticks;
+  const auto count = devices_.trigger->read_ticks(ticks, kWait);
+  if (!count) return false;
+  for (std::size_t i = 0; i < *count; ++i) {
+    std::optional<HostTime> at;
+    {
+      const std::lock_guard lock(mutex_);
+      at = trigger_clock_.to_host(ticks[i].at);
+    }
+    if (at)
+      events_.push(
+          {.kind = Event::Kind::kTick, .tick = {ticks[i].tick, *at}, .stream = 0, .frame = {}});
+  }
+  return true;
+}
+
+void LiveSession::run_pan_tilt() {
+  while (!stop_) {
+    const auto sample = devices_.pan_tilt->sample();
+    const auto health = devices_.pan_tilt->health();
+    {
+      const std::lock_guard lock(mutex_);
+      counts_.pan_tilt = health;
+      if (sample) {
+        track_.add(*sample);
+        ++counts_.pan_tilt_samples;
+        continue;
+      }
+      ++counts_.pan_tilt_errors;
+    }
+    clock_.sleep_until(clock_.now() + kAfterError);
+  }
+}
+
+void LiveSession::run_sync() {
+  while (!stop_) {
+    const auto event = events_.pop(kWait);
+    if (!event) continue;
+    const std::lock_guard lock(mutex_);
+    switch (event->kind) {
+      case Event::Kind::kTick:
+        ticks_.add(event->tick);
+        ++counts_.ticks;
+        break;
+      case Event::Kind::kTickRestart:
+        for (Stream& stream : streams_) stream.pairer.restart();
+        builder_->restart();
+        break;
+      case Event::Kind::kFrame:
+        on_frame(*event);
+        break;
+      case Event::Kind::kNone:
+        break;
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  builder_->flush();
+}
+
+void LiveSession::on_frame(const Event& event) {
+  Stream& stream = streams_[event.stream];
+  const device::Frame& frame = *event.frame;
+  if ((frame.flags & device::kFrameRestarted) != 0) stream.pairer.restart();
+  const HostTime stamp = stamp_of(stream, frame);
+  if (!devices_.trigger) {
+    // No master is fitted: the host's clock divided by ten milliseconds stands in for it.
+    const auto number = static_cast<std::uint64_t>(stamp.time_since_epoch() / kTickPeriod);
+    const sync::Tick tick{number, HostTime(static_cast<long>(number) * kTickPeriod)};
+    const auto known = ticks_.number_at(tick.at);
+    if (!known || *known < static_cast<double>(number) - 1) ticks_.add(tick);
+  }
+  const sync::Pairing pairing = stream.pairer.pair(ticks_, frame.sequence, stamp);
+  if (!pairing.usable() || (frame.flags & device::kFrameIncomplete) != 0) return;
+  ++stream.paired;
+  stream.residual_sum_s += seconds(pairing.residual);
+  stream.residual_square_s2 += seconds(pairing.residual) * seconds(pairing.residual);
+  // Where a master fires, its tick is the better clock; else the stamp is all there is.
+  const bool triggered = devices_.trigger && stream.config->trigger_line >= 0;
+  const auto tick_time = triggered ? ticks_.time_of(pairing.tick) : std::nullopt;
+  builder_->add(event.stream,
+                {event.frame, pairing, tick_time ? *tick_time + stream.config->delay : stamp});
+}
+
+HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
+  switch (stream.stamp_clock) {
+    case device::StampClock::kHost:
+      return HostTime(frame.device_time.time_since_epoch());
+    case device::StampClock::kDevice:
+      (void)stream.clock.add(frame.device_time, frame.received);
+      return stream.clock.to_host(frame.device_time).value_or(frame.received);
+    case device::StampClock::kNone:
+      break;
+  }
+  return frame.received;
+}
+
+void LiveSession::emit(const sync::FrameSet& set) {
+  sets_.push({set, track_.at(set.frames[0].mid_exposure)});
+}
+
+SessionReport LiveSession::report() const {
+  std::vector<device::StreamHealth> health;
+  for (const auto& camera : devices_.cameras) health.push_back(camera->health());
+  if (devices_.depth) health.push_back(devices_.depth->health());
+  const std::lock_guard lock(mutex_);
+  SessionReport report = counts_;
+  report.ticks_lost = ticks_.lost();
+  report.trigger_drift_ppm = trigger_clock_.drift_ppm();
+  report.sets = builder_->sets();
+  report.incomplete_sets = builder_->incomplete();
+  report.dropped_events = events_.dropped();
+  report.dropped_sets = sets_.dropped();
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    const Stream& stream = streams_[i];
+    const double count = std::max<double>(1, static_cast<double>(stream.paired));
+    const double mean_s = stream.residual_sum_s / count;
+    const double variance = std::max(0.0, stream.residual_square_s2 / count - mean_s * mean_s);
+    report.streams.push_back({.name = stream.config->name,
+                              .uri = stream.config->uri,
+                              .health = health[i],
+                              .pairing = stream.pairer.counts(),
+                              .drift_ppm = stream.clock.drift_ppm(),
+                              .jitter_ms = milliseconds(stream.clock.jitter()),
+                              .residual_mean_ms = mean_s * 1e3,
+                              .residual_sd_ms = std::sqrt(variance) * 1e3});
+  }
+  return report;
+}
+
+}  // namespace mixrig::rig

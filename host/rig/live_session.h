@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// The devices of a rig, running: one thread per device, one that pairs, sets of frames out.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/device/depth_camera.h"
+#include "host/rig/bounded_queue.h"
+#include "host/rig/devices.h"
+#include "host/rig/rig_config.h"
+#include "host/sync/clock_map.h"
+#include "host/sync/device_clock.h"
+#include "host/sync/frame_set.h"
+#include "host/sync/pairing.h"
+#include "host/sync/pan_tilt_track.h"
+
+namespace mixrig::rig {
+
+/// One moment of the rig.
+struct LiveSet {
+  sync::FrameSet frames;  ///< 0 is the leading camera, then the others, the depth camera last
+  std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure, where it is known
+};
+
+/// What is known of one camera's stream. Counts since start.
+struct StreamReport {
+  std::string name, uri;
+  device::StreamHealth health;
+  sync::PairingCounts pairing;
+  double drift_ppm = 0, jitter_ms = 0;              ///< of the device's clock, where it has one
+  double residual_mean_ms = 0, residual_sd_ms = 0;  ///< stamp against tick
+};
+
+struct SessionReport {
+  std::vector<StreamReport> streams;
+  std::uint64_t ticks = 0, ticks_lost = 0, trigger_restarts = 0, trigger_errors = 0;
+  double trigger_drift_ppm = 0;
+  std::uint64_t sets = 0, incomplete_sets = 0;
+  std::uint64_t dropped_events = 0;  ///< the pairing thread could not follow
+  std::uint64_t dropped_sets = 0;    ///< the consumer could not follow
+  std::uint64_t pan_tilt_samples = 0, pan_tilt_errors = 0;
+  device::PanTiltHealth pan_tilt;
+};
+
+/// Borrows config, devices and clock; they outlive it. Methods for one thread.
+class LiveSession {
+ public:
+  LiveSession(const RigConfig& config, Devices& devices, Clock& clock);
+  ~LiveSession() { stop(); }
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  /// Errors: those of the devices; what had been started is stopped.
+  Result<void> start();
+  /// Devices first, then the threads, in the order of the data. Harmless when stopped.
+  void stop();
+  /// The next moment; empty when none came in time. The oldest is lost when two wait already.
+  std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
+  SessionReport report() const;
+
+ private:
+  struct Event {
+    enum class Kind { kNone, kTick, kTickRestart, kFrame } kind = Kind::kNone;
+    sync::Tick tick;
+    std::size_t stream = 0;
+    device::FramePtr frame;
+  };
+  struct Stream {
+    const CameraConfig* config = nullptr;
+    device::StampClock stamp_clock = device::StampClock::kNone;
+    sync::FramePairer pairer{{}};
+    sync::DeviceClock clock;
+    std::uint64_t paired = 0;
+    double residual_sum_s = 0, residual_square_s2 = 0;
+  };
+  static constexpr std::size_t kEvents = 64, kSets = 2;
+
+  void add_stream(const CameraConfig& config, device::StampClock stamp_clock);
+  Result<void> start_trigger();
+  Result<void> start_cameras();
+  void run_trigger();
+  bool follow_trigger(HostTime& next_status);
+  void run_pan_tilt();
+  void run_sync();
+  void on_frame(const Event& event);
+  HostTime stamp_of(Stream& stream, const device::Frame& frame);
+  void emit(const sync::FrameSet& set);
+
+  const RigConfig& config_;
+  Devices& devices_;
+  Clock& clock_;
+  BoundedQueue<Event, kEvents> events_;
+  BoundedQueue<LiveSet, kSets> sets_;
+  std::thread trigger_thread_, pan_tilt_thread_, sync_thread_;
+  std::atomic<bool> stop_ = false;
+  bool running_ = false;
+
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::vector<Stream> streams_;
+  sync::TickHistory ticks_{std::chrono::milliseconds(10)};
+  std::optional<sync::FrameSetBuilder> builder_;
+  sync::ClockMap trigger_clock_;
+  sync::PanTiltTrack track_;
+  SessionReport counts_;
+};
+
+}  // namespace mixrig::rig

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Live devices into a take.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "hal/base/result.h"
+#include "host/rig/live_session.h"
+#include "host/take/take.h"
+
+namespace mixrig::rig {
+
+struct RecordOptions {
+  std::filesystem::path out;
+  Duration duration = std::chrono::seconds(10);
+  take::StreamFormat format = take::StreamFormat::kMatroska;
+  std::uint64_t least_free_bytes = 512ULL
+                                   << 20;  ///< recording ends, whole, before the disk is full
+  /// Free bytes where `out` lies; std::filesystem::space by default.
+  std::function<std::uint64_t(const std::filesystem::path&)> free_bytes;
+  std::function<void(double share)> progress;
+};
+
+struct RecordReport {
+  int frames = 0;
+  std::uint64_t left_out = 0;  ///< sets without a depth frame, or with one that could not be read
+  std::string ended;           ///< "duration", "stopped", "disk almost full", or "no frames"
+  SessionReport session;
+};
+
+/// Starts the session, records until the time is over or `stop` is set, stops it, and finishes the
+/// take: colour and depth as docs/formats.md says, further cameras as pictures in folders of their
+/// names, ticks.csv with tick and times of every frame, poses of the head in pan_tilt.csv.
+/// Errors: kUsage for a rig without a camera or depth camera, kDevice when no frame ever came,
+/// kData for pictures of another size than the calibration, kIo; those of the devices.
+Result<RecordReport> record(LiveSession& session, const RigConfig& config, const Devices& devices,
+                            const RecordOptions& options, const std::atomic<bool>& stop,
+                            Clock& clock);
+
+/// The cameras of the take: rig.toml's calibration, else what the devices tell, else a guess of
+/// 60 degrees that `mixrig calibrate` replaces.
+take::TakeInfo take_info(const RigConfig& config, const Devices& devices);
+
+}  // namespace mixrig::rig

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// rig.toml: which devices a rig has, how they are triggered, how their cameras see.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+#include "hal/device/trigger.h"
+#include "host/geometry/camera_model.h"
+#include "host/geometry/pose.h"
+
+namespace mixrig::rig {
+
+struct CameraConfig {
+  std::string name, uri;
+  device::StreamRequest request;
+  int trigger_line = -1;  ///< line of the trigger that fires it; -1 runs free
+  Duration delay{};  ///< from the tick to the stamp: trigger latency, half the exposure, transport
+  std::optional<double> exposure_s, gain, focus, white_balance_k;
+};
+
+struct TriggerLine {
+  int line = 0;
+  device::TriggerChannel channel;
+};
+
+struct RigConfig {
+  std::string name;
+  std::string trigger_uri;  ///< empty: everything runs free
+  std::vector<TriggerLine> lines;
+  std::vector<CameraConfig> cameras;  ///< the first one leads: it is the target camera
+  std::optional<CameraConfig> depth;
+  std::string pan_tilt_uri;
+  std::optional<geometry::CameraModel> target, tof;  ///< calibration, where it is known
+  geometry::Pose target_from_tof;
+
+  const TriggerLine* line_of(const CameraConfig& camera) const;
+};
+
+/// Errors: kNotFound, kFormat (file:line: key ...).
+Result<RigConfig> read_rig(const std::filesystem::path& path);
+/// The same from text; pure.
+Result<RigConfig> parse_rig(std::string_view text, const std::string& name);
+/// As rig.toml; reads back as the same rig, calibration left out.
+std::string rig_text(const RigConfig& rig);
+
+}  // namespace mixrig::rig

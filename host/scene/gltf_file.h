@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// A glTF file as tinygltf parses it, with its pictures still encoded. Private to this room.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tiny_gltf.h>
+
+#include "hal/base/result.h"
+
+namespace mixrig::scene {
+
+struct GltfFile {
+  tinygltf::Model gltf;
+  std::vector<std::vector<std::uint8_t>> pictures;  ///< external ones; those in a buffer are empty
+};
+
+/// Parses .gltf or .glb bytes; files that it names are read from `folder` and nowhere else.
+/// Errors: kFormat, without the file's name.
+Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes,
+                            const std::filesystem::path& folder);
+
+/// Error{kFormat, why}: the lines of this room, which load_gltf() completes with the file's name.
+Error bad_gltf(const std::string& why);
+
+}  // namespace mixrig::scene

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene: what to composite into a take. Parsed once from scene.toml into plain structs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/geometry/pose.h"
+
+namespace mixrig::scene {
+
+/// Triangles of one material. Vertex arrays are of equal length; normals have length 1.
+struct Mesh {
+  std::vector<Eigen::Vector3f> positions_m;
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<Eigen::Vector2f> uv;      ///< empty where there is no texture; v grows downwards
+  std::vector<std::uint32_t> indices;   ///< three a triangle, counter-clockwise seen from outside
+  Eigen::Vector3f base_color{1, 1, 1};  ///< linear, multiplies the texture
+  int texture = -1;                     ///< index into Model::textures, -1 for none
+  bool double_sided = false;
+};
+
+/// A glTF file with node transforms applied, in object axes: z up. glTF's (x, y, z), y up,
+/// becomes (x, -z, y).
+struct Model {
+  std::vector<Mesh> meshes;
+  std::vector<Image<Rgb8>> textures;  ///< sRGB
+};
+
+/// Reads .gltf or .glb (told apart by content): meshes, node transforms, base colour and texture.
+/// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles).
+Result<Model> load_gltf(const std::filesystem::path& path);
+
+/// The box around all vertices, in the model's axes. Precondition: the model has a vertex.
+struct Bounds {
+  Eigen::Vector3f min_m, max_m;
+};
+Bounds bounds(const Model& model);
+
+struct Object {
+  std::string name;
+  std::filesystem::path model_path;
+  Model model;
+  geometry::Pose world_from_object;
+  double scale = 1.0;
+  bool casts_shadow = true;
+};
+
+/// A lamp: irradiance at distance d is intensity cos(receiver) [cos(emitter)] / d^2, the bracket
+/// only where it has a direction. Its size softens shadows.
+struct Lamp {
+  std::string name;
+  Eigen::Vector3d position_m{0, 0, 0};       ///< world
+  std::optional<Eigen::Vector3d> direction;  ///< unit, world; a panel that faces this way
+  Eigen::Vector2d size_m{0, 0};              ///< extent of the panel; 0 for a point
+  Eigen::Vector3f intensity{1, 1, 1};        ///< linear RGB
+};
+
+/// Light of the set. A diffuse surface of albedo a shows the linear plate value
+/// exposure * a * (ambient + sum of lamp irradiances).
+struct Light {
+  Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
+  double exposure = 1.0;
+  std::vector<Lamp> lamps;
+};
+
+enum class PoseSource { kTake, kFloor, kIdentity };
+
+/// A box in world axes; real points outside it are cropped (paper C, section 3.1 "Cropping").
+struct CaptureVolume {
+  Eigen::Vector3d min_m, max_m;
+};
+
+struct Background {
+  std::optional<std::pair<int, int>> learn;    ///< first and last frame number, 1-based, inclusive
+  std::optional<std::filesystem::path> model;  ///< folder written by `mixrig scan --static`
+};
+
+struct KeySettings {
+  double threshold_m = 0.05;  ///< least depth step that is keyed
+  double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
+  bool color = true;          ///< decide pixels in doubt by colour
+};
+
+struct Scene {
+  std::filesystem::path path;
+  PoseSource pose_source = PoseSource::kTake;
+  std::optional<CaptureVolume> capture_volume;
+  Background background;
+  std::vector<Object> objects;
+  Light light;
+  KeySettings key;
+};
+
+/// Reads scene.toml and the models it names; relative paths start at the file's folder.
+/// Errors: kNotFound, kFormat; the line holds file:line, the key, and for an unknown key the
+/// nearest known one.
+Result<Scene> load_scene(const std::filesystem::path& path);
+
+}  // namespace mixrig::scene

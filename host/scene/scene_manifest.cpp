@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading of scene.toml.
+#include "host/scene/scene_manifest.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "host/config/table.h"
+
+namespace mixrig::scene {
+namespace {
+
+using config::Range;
+using config::Table;
+
+constexpr Range kPlace_m{-1e4, 1e4};
+constexpr Range kLight{0.0, 1e6};
+
+Eigen::Vector3d vector_or(const Table& table, const char* key, const Eigen::Vector3d& fallback,
+                          Range range) {
+  if (!table.has(key)) return fallback;
+  const auto v = table.numbers(key, 3, 3, range);
+  return {v[0], v[1], v[2]};
+}
+
+Eigen::Vector3d vector(const Table& table, const char* key) {
+  const auto v = table.numbers(key, 3, 3, kPlace_m);
+  return {v[0], v[1], v[2]};
+}
+
+/// Three numbers, or one for all three.
+Eigen::Vector3f color_or(const Table& table, const char* key, const Eigen::Vector3f& fallback) {
+  if (!table.has(key)) return fallback;
+  if (table.is_number(key))
+    return Eigen::Vector3f::Constant(static_cast<float>(table.number(key, kLight)));
+  return vector_or(table, key, {}, kLight).cast<float>();
+}
+
+/// A file or folder beside the scene; the environment may name where.
+std::filesystem::path path_at(const Table& table, const char* key,
+                              const std::filesystem::path& folder) {
+  const auto expanded = config::expand_environment(table.text(key));
+  if (expanded) return (folder / *expanded).lexically_normal();
+  table.fail(key, expanded.error());
+  return {};
+}
+
+Eigen::Quaterniond read_rotation(const Table& table) {
+  const double yaw_rad = table.number_or("yaw_deg", 0.0, {-3600, 3600}) * std::numbers::pi / 180.0;
+  if (!table.has("rotation_xyzw"))
+    return Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+  const auto q = table.numbers("rotation_xyzw", 4, 4, {-2, 2});
+  const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (table.has("yaw_deg")) table.fail("yaw_deg", "given beside rotation_xyzw: remove one of them");
+  if (std::abs(rotation.norm() - 1.0) > 0.01)
+    table.fail("rotation_xyzw", "its length is not 1: give a unit quaternion");
+  return rotation.norm() > 0 ? rotation.normalized() : Eigen::Quaterniond::Identity();
+}
+
+Object read_object(const Table& table, std::size_t number, const std::filesystem::path& folder,
+                   bool load_model) {
+  Object object;
+  object.name = table.text_or("name", "object " + std::to_string(number));
+  object.model_path = path_at(table, "model", folder);
+  object.world_from_object = {read_rotation(table), vector(table, "position_m")};
+  object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
+  object.casts_shadow = table.boolean_or("casts_shadow", true);
+  if (!load_model || !table.has("model")) return object;
+  auto model = load_gltf(object.model_path);
+  if (model)
+    object.model = *std::move(model);
+  else
+    table.fail("model", model.error());
+  return object;
+}
+
+Lamp read_lamp(const Table& table, std::size_t number) {
+  Lamp lamp;
+  lamp.name = table.text_or("name", "lamp " + std::to_string(number));
+  lamp.position_m = vector(table, "position_m");
+  if (table.has("direction")) {
+    const Eigen::Vector3d direction = vector(table, "direction");
+    if (direction.norm() < 1e-9)
+      table.fail("direction", "has no length: give where the lamp faces");
+    lamp.direction = direction.normalized();
+  }
+  if (table.has("size_m")) {
+    const auto size = table.numbers("size_m", 2, 2, {0.0, 100.0});
+    lamp.size_m = {size[0], size[1]};
+  }
+  lamp.intensity = color_or(table, "intensity", lamp.intensity);
+  return lamp;
+}
+
+Light read_light(const Table& table) {
+  Light light;
+  light.ambient = color_or(table, "ambient", light.ambient);
+  light.exposure = table.number_or("exposure", light.exposure, {1e-6, 1e6});
+  for (const Table& lamp : table.tables("lamp"))
+    light.lamps.push_back(read_lamp(lamp, light.lamps.size() + 1));
+  return light;
+}
+
+void read_camera(const Table& table, Scene& scene) {
+  scene.pose_source =
+      static_cast<PoseSource>(table.one_of("pose", {"take", "floor", "identity"}, 0));
+  const Table box = table.table("capture_volume");
+  const Eigen::Vector3d min_m = vector(box, "min_m"), max_m = vector(box, "max_m");
+  if (!box.present()) return;
+  if (!(min_m.array() < max_m.array()).all())
+    box.fail("min_m", "must lie below max_m on every axis: swap them");
+  scene.capture_volume = CaptureVolume{min_m, max_m};
+}
+
+Background read_background(const Table& table, const std::filesystem::path& folder) {
+  Background background;
+  if (table.has("learn")) {
+    const auto frames = table.numbers("learn", 2, 2, {1, 1e7});
+    background.learn = {static_cast<int>(frames[0]), static_cast<int>(frames[1])};
+    if (frames[0] != std::floor(frames[0]) || frames[1] != std::floor(frames[1]) ||
+        frames[0] > frames[1])
+      table.fail("learn", "must be the first and the last frame: write [1, 25]");
+  }
+  if (table.has("model")) background.model = path_at(table, "model", folder);
+  if (table.present() && background.learn.has_value() == background.model.has_value())
+    table.fail("learn", "give either learn or model");
+  return background;
+}
+
+KeySettings read_key(const Table& table) {
+  KeySettings key;
+  key.threshold_m = table.number_or("threshold_m", key.threshold_m, {0.0, 10.0});
+  key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
+  key.color = table.boolean_or("color", key.color);
+  return key;
+}
+
+}  // namespace
+
+Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& path,
+                          bool load_models) {
+  MIXRIG_ASSIGN(auto document, config::Document::parse(text, path.string()));
+  const Table root = document.root();
+  const std::filesystem::path folder = path.parent_path();
+  Scene scene;
+  scene.path = path;
+  read_camera(root.table("camera"), scene);
+  scene.background = read_background(root.table("background"), folder);
+  for (const Table& object : root.tables("object"))
+    scene.objects.push_back(read_object(object, scene.objects.size() + 1, folder, load_models));
+  scene.light = read_light(root.table("light"));
+  scene.key = read_key(root.table("key"));
+  MIXRIG_TRY(document.finish());
+  return scene;
+}
+
+}  // namespace mixrig::scene

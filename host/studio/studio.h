@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// The virtual studio: a ray-traced room, person and rig that know the truth of every frame.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/geometry/pose.h"
+
+namespace mixrig::studio {
+
+/// What happens. The camera stands still except in pan, handheld and pendulum.
+enum class Scenario { kStill, kWalk, kTalk, kPan, kHandheld, kPendulum, kEdges, kFar, kDark };
+/// The depth camera beside the target camera.
+enum class RigPreset { kSr3000, kKinect2, kHelios2 };
+
+std::string_view name(Scenario scenario);
+std::string_view name(RigPreset rig);
+/// Errors: kUsage; the line lists the names that exist.
+Result<Scenario> parse_scenario(std::string_view text);
+Result<RigPreset> parse_rig(std::string_view text);
+
+struct StudioOptions {
+  Scenario scenario = Scenario::kWalk;
+  RigPreset rig = RigPreset::kKinect2;
+  unsigned seed = 1;
+  int frames = 60;           ///< length of the take, 2..100000
+  Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
+  int threads = 0;           ///< 0: one per core
+  bool raw_depth = false;    ///< leave the ToF camera's systematic error in
+  bool fisheye = false;      ///< render Frame::fisheye
+  bool cache = true;         ///< keep what is static between frames; the pictures are the same
+};
+
+/// A camera in OpenCV's terms. Pixel (0,0) is the centre of the top-left pixel.
+struct Optics {
+  Size size_px;
+  double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+};
+
+/// Standard deviation of a depth value on a surface of albedo 0.5 that faces the camera:
+/// floor + linear z + quadratic z^2.
+struct DepthNoise {
+  double floor_m = 0, linear = 0, quadratic_per_m = 0;
+};
+
+struct TofInfo {
+  Optics optics;
+  geometry::Pose target_from_tof;
+  double depth_unit_m = 0.001;  ///< step of the sensor's output
+  DepthNoise noise;
+};
+
+/// The equidistant camera that looks for lamps: angle to the axis = radius / focal length; the
+/// circle touches the picture's shorter side.
+struct FisheyeInfo {
+  Size size_px;
+  double field_rad = 0;
+  geometry::Pose target_from_fisheye;
+};
+
+/// A lamp panel: irradiance is the mean over the panel of intensity cos cos / d^2.
+struct Panel {
+  std::string name;
+  Eigen::Vector3d position_m;  ///< of the centre, world
+  Eigen::Vector3d direction;   ///< unit, world
+  Eigen::Vector2d size_m;
+  Eigen::Vector3f intensity;  ///< linear RGB
+};
+
+struct Light {
+  Eigen::Vector3f ambient;
+  double exposure = 1;
+  std::vector<Panel> lamps;
+};
+
+/// Triangles of one texture in object axes, z up; counter-clockwise seen from outside.
+struct ObjectMesh {
+  std::vector<Eigen::Vector3f> positions_m, normals;
+  std::vector<Eigen::Vector2f> uv;  ///< v grows downwards
+  std::vector<std::uint32_t> indices;
+  Image<Rgb8> texture;  ///< sRGB
+};
+
+struct VirtualObject {
+  std::string name;
+  std::vector<ObjectMesh> meshes;
+  geometry::Pose world_from_object;
+};
+
+/// What holds for the whole take.
+struct StudioInfo {
+  std::string name;  ///< "walk 7, kinect2"
+  double rate_hz = 25;
+  int frames = 0;
+  int empty_frames = 0;  ///< frames 1..empty_frames show nobody
+  Optics target;
+  Optics view;  ///< ideal view in which truth is given: target without distortion
+  TofInfo tof;
+  FisheyeInfo fisheye;
+  Light light;
+  VirtualObject object;
+  bool camera_moves = false;
+};
+
+/// What the sensors deliver for one moment.
+struct Frame {
+  int number = 0;     ///< 1-based
+  double time_s = 0;  ///< mid-exposure
+  Image<Rgb8> color;
+  Image<float> tof_distance_m;  ///< along the ray, in whole depth units; 0 = unknown
+  Image<float> tof_amplitude;   ///< counts, 65535 = a full tap
+  Image<Rgb8> fisheye;          ///< equidistant, 185 degrees; empty unless asked for
+  geometry::Pose world_from_target;
+  double pan_rad = 0, tilt_rad = 0;  ///< of the pan-tilt unit, whole steps
+};
+
+/// What really is there, in the ideal view.
+struct Truth {
+  static constexpr std::uint8_t kBackground = 0, kPerson = 1, kVirtual = 2;  ///< visible layer
+  static constexpr std::uint8_t kTofSees = 4;     ///< ToF camera sees the real surface
+  static constexpr std::uint8_t kSilhouette = 8;  ///< inside the object's silhouette
+  Image<float> depth_m;                           ///< z of the real scene at the pixel's centre
+  Image<float> background_depth_m;                ///< the same without people
+  Image<std::uint8_t> matte;                      ///< coverage by people, 255 = all
+  Image<float> light;                             ///< luminance of light with / without the object
+  Image<Rgb8> composite;       ///< noise-free picture with the object in it, sRGB
+  Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
+  std::optional<Eigen::Vector2d> person_on_floor_m;  ///< below the pelvis, world x y
+};
+
+/// Renders frames in any order; a frame's bytes depend on the options alone, not on threads,
+/// order or cache. Memory is reused. Not thread-safe; works on threads of its own.
+class Studio {
+ public:
+  /// Errors: kUsage for options out of range, kUnsupported where Embree does not start.
+  static Result<Studio> create(const StudioOptions& options);
+  Studio(Studio&&) noexcept;
+  Studio& operator=(Studio&&) noexcept;
+  ~Studio();
+
+  const StudioInfo& info() const;
+  /// Renders frame `number` (1..frames), and its truth unless `truth` is null.
+  void render(int number, Frame& frame, Truth* truth = nullptr);
+
+ private:
+  struct State;
+  explicit Studio(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mixrig::studio

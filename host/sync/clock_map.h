@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps the trigger controller's clock to host time, from round trips.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "hal/base/clock.h"
+
+namespace mixrig::sync {
+
+/// Every round trip says for certain that the controller read its clock after the question left
+/// and before the answer was here. Lines (offset, drift) that satisfy all of these bounds form a
+/// convex polygon; the estimate is its centroid. This is a regression on the shortest delays either
+/// way: longer ones, however long, do not touch the polygon, so that it is robust without weights.
+/// Each second keeps its tightest two bounds: minutes are remembered. The bounds hold whatever the
+/// delays are like; the centroid assumes that the least delay of both ways is alike. Nothing
+/// allocates. One thread.
+class ClockMap {
+ public:
+  enum class Verdict {
+    kOk,
+    kRestarted,  ///< no line fits any more: what was learned before this sample is forgotten
+  };
+  /// The controller read `mcu`, in whole microseconds, between `sent` and `received`.
+  Verdict add(McuTime mcu, HostTime sent, HostTime received);
+
+  /// Empty before the first sample.
+  std::optional<HostTime> to_host(McuTime mcu) const;
+  /// How far to_host(mcu) can be off at most, were the drift constant over the window.
+  std::optional<Duration> bound(McuTime mcu) const;
+  /// (host rate / controller rate - 1) * 1e6.
+  double drift_ppm() const { return line_.slope * 1e6; }
+  std::uint64_t restarts() const { return restarts_; }
+
+ private:
+  /// Host minus controller time, seconds, at `at_s` of the controller.
+  struct Line {
+    double offset_s = 0, slope = 0;
+    double at(double at_s) const { return offset_s + slope * at_s; }
+  };
+  struct Trip {
+    double at_s = 0;               ///< controller time since the first sample
+    double low_s = 0, high_s = 0;  ///< host minus controller time lies between these
+  };
+  /// The best of a second: greatest lower bound, least upper bound.
+  struct Span {
+    double begin_s = 0;
+    Trip low, high;
+  };
+  static constexpr int kSpans = 256;
+  static constexpr double kSpan_s = 1;
+  static constexpr int kCorners = 64;
+
+  void reset(McuTime mcu, HostTime sent);
+  void keep(const Trip& trip);
+  bool fit();
+  bool fit_bounds();
+  void clip(double at_s, double limit_s, double sign);
+  Line centroid() const;
+  const Span& span(int i) const { return spans_[(first_ + i) % kSpans]; }
+  double since_first_s(McuTime mcu) const { return seconds(mcu - first_mcu_); }
+
+  std::array<Span, kSpans> spans_{};
+  int first_ = 0, count_ = 0;
+  std::array<Line, kCorners> corners_{};  ///< of the polygon, slopes and offsets at pivot_s_
+  int corner_count_ = 0;
+  double pivot_s_ = 0;  ///< middle of the window: offsets in corners_ and line_ are taken there
+  McuTime first_mcu_{}, last_mcu_{};
+  HostTime first_host_{};
+  Line line_;
+  std::uint64_t restarts_ = 0;
+};
+
+}  // namespace mixrig::sync

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames of several cameras that belong to one moment.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "hal/device/frame.h"
+#include "host/sync/pairing.h"
+
+namespace mixrig::sync {
+
+inline constexpr std::size_t kMaxStreams = 6;
+
+/// A frame with its place in time.
+struct TimedFrame {
+  device::FramePtr frame;
+  Pairing pairing;
+  HostTime mid_exposure{};
+};
+
+/// One moment: stream 0 leads; the others are the nearest to it, or empty.
+struct FrameSet {
+  std::uint64_t tick = 0;
+  std::array<TimedFrame, kMaxStreams> frames;
+  bool complete = false;  ///< every stream has a frame
+};
+
+using FrameSetSink = std::function<void(const FrameSet&)>;
+
+/// Joins streams by tick. A set leaves when every stream has reached its tick, or when the leading
+/// stream is two frames further: a camera that fell silent costs its frames, not the others'.
+/// Nothing allocates after construction. One thread.
+class FrameSetBuilder {
+ public:
+  /// Frames of stream k join the leading one if at most `farthest_ticks[k]` ticks away; the number
+  /// of entries is the number of streams, entry 0 is not used.
+  FrameSetBuilder(std::span<const int> farthest_ticks, FrameSetSink sink);
+
+  /// Takes a usable frame; others are refused and counted.
+  void add(std::size_t stream, TimedFrame frame);
+  /// Emits what waits.
+  void flush();
+  /// Emits what waits and forgets the rest: tick numbers begin anew.
+  void restart();
+
+  std::uint64_t sets() const { return sets_; }
+  std::uint64_t incomplete() const { return incomplete_; }
+  std::uint64_t refused() const { return refused_; }
+
+ private:
+  static constexpr std::size_t kKept = 4;
+  static constexpr std::size_t kWaiting = 2;
+  struct Stream {
+    int farthest_ticks = 0;
+    std::array<TimedFrame, kKept> kept;
+    std::size_t next = 0;
+    std::uint64_t newest_tick = 0;
+    bool any = false;
+  };
+  bool all_reached(std::uint64_t tick) const;
+  void emit_first();
+  void pick(const Stream& stream, std::uint64_t tick, TimedFrame& into) const;
+
+  std::vector<Stream> streams_;
+  FrameSetSink sink_;
+  std::array<TimedFrame, kWaiting + 1> waiting_;
+  std::size_t waiting_count_ = 0;
+  std::uint64_t sets_ = 0, incomplete_ = 0, refused_ = 0;
+};
+
+}  // namespace mixrig::sync

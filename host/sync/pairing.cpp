@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/sync/pairing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixrig::sync {
+namespace {
+
+constexpr double kFarthest_s = 0.5;
+constexpr int kAgree = 3;
+constexpr std::uint64_t kWindow = 64;  // counters that may still come late
+
+}  // namespace
+
+std::string_view name(PairStatus status) {
+  constexpr std::array<std::string_view, kPairStatuses> kNames = {
+      "paired", "late", "reordered", "duplicate", "locking", "no_tick"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+void TickHistory::add(Tick tick) {
+  if (count_ > 0) {
+    const Tick& last = kept(count_ - 1);
+    if (tick.sequence <= last.sequence || tick.at <= last.at) {
+      ++restarts_;
+      begin_ = count_ = 0;
+    } else {
+      lost_ += tick.sequence - last.sequence - 1;
+    }
+  }
+  if (count_ == kKept) {
+    begin_ = (begin_ + 1) % kKept;
+    --count_;
+  }
+  ticks_[(begin_ + count_) % kKept] = tick;
+  ++count_;
+  const Tick &first = kept(0), &last = kept(count_ - 1);
+  // The master is a crystal: its period is what the kept span says, once that is long enough.
+  if (last.sequence - first.sequence >= 50)
+    period_s_ = seconds(last.at - first.at) / static_cast<double>(last.sequence - first.sequence);
+}
+
+std::optional<double> TickHistory::number_at(HostTime at) const {
+  if (count_ == 0) return std::nullopt;
+  std::size_t low = 0, high = count_;  // first tick after `at` is in [low, high]
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    if (kept(middle).at <= at)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const Tick& before = kept(low > 0 ? low - 1 : 0);
+  const Tick& after = kept(std::min(low, count_ - 1));
+  const Tick& near = at - before.at <= after.at - at || low == count_ ? before : after;
+  const double away_s = seconds(at - near.at);
+  if (std::abs(away_s) > kFarthest_s) return std::nullopt;
+  return static_cast<double>(near.sequence) + away_s / period_s_;
+}
+
+std::optional<HostTime> TickHistory::time_of(std::uint64_t sequence) const {
+  if (count_ == 0) return std::nullopt;
+  std::size_t low = 0, high = count_ - 1;
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    if (kept(middle).sequence < sequence)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const Tick& near = kept(low);
+  const double away_s =
+      (static_cast<double>(sequence) - static_cast<double>(near.sequence)) * period_s_;
+  if (std::abs(away_s) > kFarthest_s) return std::nullopt;
+  return near.at + Duration(std::llround(away_s * 1e9));
+}
+
+Pairing FramePairer::pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
+  if (timing_.divider <= 0) return done(pair_free(ticks, sequence, at));
+  if (!remember(sequence)) return done({.status = PairStatus::kDuplicate});
+  const auto by_time = ticks.number_at(at - timing_.delay);
+  if (!by_time) return done({.status = PairStatus::kNoTick});
+  return done(locked_ ? pair_locked(sequence, *by_time, ticks.period_s())
+                      : lock(sequence, *by_time, ticks.period_s()));
+}
+
+void FramePairer::restart() {
+  if (locked_) ++counts_.relocks;
+  locked_ = any_ = false;
+  agreeing_ = disagreeing_ = repeats_ = 0;
+  seen_ = newest_ = 0;
+}
+
+Pairing FramePairer::pair_free(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
+  if (!remember(sequence)) return {.status = PairStatus::kDuplicate};
+  const auto number = ticks.number_at(at - timing_.delay);
+  if (!number || *number < -0.5) return {.status = PairStatus::kNoTick};
+  const double tick = std::round(*number);
+  return {.status = sequence == newest_ ? PairStatus::kPaired : PairStatus::kReordered,
+          .tick = static_cast<std::uint64_t>(tick),
+          .residual = Duration(std::llround((*number - tick) * ticks.period_s() * 1e9))};
+}
+
+Pairing FramePairer::pair_locked(std::uint64_t sequence, double by_time, double period_s) {
+  const std::int64_t tick = tie_ + timing_.divider * static_cast<std::int64_t>(sequence);
+  const double off_ticks = by_time - static_cast<double>(tick);
+  if (tick < 0) return {.status = PairStatus::kNoTick};
+  Pairing pairing{.status = PairStatus::kPaired,
+                  .tick = static_cast<std::uint64_t>(tick),
+                  .residual = Duration(std::llround(off_ticks * period_s * 1e9))};
+  if (sequence != newest_) pairing.status = PairStatus::kReordered;
+  if (std::abs(off_ticks) <= 0.5 * timing_.divider) {
+    disagreeing_ = 0;
+    return pairing;
+  }
+  // One frame may be held up; that the next one is as well means that the tie is broken.
+  if (++disagreeing_ == 1) {
+    agreeing_ = 0;
+    (void)lock(sequence, by_time, period_s);
+    pairing.status = PairStatus::kLate;
+    return pairing;
+  }
+  locked_ = false;
+  ++counts_.relocks;
+  disagreeing_ = 0;
+  return lock(sequence, by_time, period_s);
+}
+
+/// Looks for the tie: the nearest tick that fires this stream, the same for three frames in a row.
+Pairing FramePairer::lock(std::uint64_t sequence, double by_time, double period_s) {
+  const double divider = timing_.divider;
+  const double tick = std::round((by_time - timing_.phase) / divider) * divider + timing_.phase;
+  const auto tie =
+      static_cast<std::int64_t>(tick) - timing_.divider * static_cast<std::int64_t>(sequence);
+  agreeing_ = agreeing_ > 0 && tie == candidate_ ? agreeing_ + 1 : 1;
+  candidate_ = tie;
+  if (agreeing_ < kAgree || tick < 0) return {.status = PairStatus::kLocking};
+  locked_ = true;
+  tie_ = tie;
+  agreeing_ = disagreeing_ = 0;
+  return {.status = PairStatus::kPaired,
+          .tick = static_cast<std::uint64_t>(tick),
+          .residual = Duration(std::llround((by_time - tick) * period_s * 1e9))};
+}
+
+/// False when the counter was seen before. A counter far behind, or one that repeats for several
+/// frames, is no straggler: the camera counts anew.
+bool FramePairer::remember(std::uint64_t sequence) {
+  const bool known = any_ && sequence <= newest_ && newest_ - sequence < kWindow &&
+                     (seen_ & 1ULL << (newest_ - sequence)) != 0;
+  repeats_ = known ? repeats_ + 1 : 0;
+  if (any_ && (sequence + kWindow <= newest_ || repeats_ >= kAgree))
+    restart();
+  else if (known)
+    return false;
+  if (!any_ || sequence > newest_) {
+    const std::uint64_t step = any_ ? sequence - newest_ : kWindow;
+    if (any_) counts_.missing += step - 1;
+    seen_ = step < kWindow ? (seen_ << step) | 1 : 1;
+    newest_ = sequence;
+    any_ = true;
+    return true;
+  }
+  seen_ |= 1ULL << (newest_ - sequence);
+  if (counts_.missing > 0) --counts_.missing;
+  return true;
+}
+
+Pairing FramePairer::done(Pairing pairing) {
+  ++counts_.by_status[static_cast<std::size_t>(pairing.status)];
+  return pairing;
+}
+
+}  // namespace mixrig::sync

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which tick of the master made a frame: by the camera's counter, with time as the standing check.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "hal/base/clock.h"
+
+namespace mixrig::sync {
+
+/// A tick of the 100 Hz master.
+struct Tick {
+  std::uint64_t sequence = 0;
+  HostTime at{};
+};
+
+/// The last ticks, and where those lie that were not told. Sequences rise; a tick that is not newer
+/// than the last one means that the master restarted, and the older ones are forgotten.
+class TickHistory {
+ public:
+  explicit TickHistory(Duration nominal_period) : period_s_(seconds(nominal_period)) {}
+  void add(Tick tick);
+
+  /// Fractional tick number at a time; empty when the nearest known tick is half a second away.
+  std::optional<double> number_at(HostTime at) const;
+  /// Time of a tick, told or interpolated; empty as above.
+  std::optional<HostTime> time_of(std::uint64_t sequence) const;
+  double period_s() const { return period_s_; }
+  std::uint64_t lost() const { return lost_; }
+  std::uint64_t restarts() const { return restarts_; }
+
+ private:
+  static constexpr std::size_t kKept = 512;
+  const Tick& kept(std::size_t i) const { return ticks_[(begin_ + i) % kKept]; }
+  std::array<Tick, kKept> ticks_{};
+  std::size_t begin_ = 0, count_ = 0;
+  double period_s_;
+  std::uint64_t lost_ = 0, restarts_ = 0;
+};
+
+/// How a stream hangs on the master. divider 0: it runs free and is only stamped.
+struct StreamTiming {
+  int divider = 4;   ///< one frame every so many ticks
+  int phase = 0;     ///< the tick numbers that fire it are phase mod divider
+  Duration delay{};  ///< from the tick to the stamp of the frame: exposure, transport
+};
+
+enum class PairStatus {
+  kPaired,     ///< counter and time agree
+  kLate,       ///< counter and time contradict each other: held up, or a trigger was missed
+  kReordered,  ///< paired by its counter; a later frame came first
+  kDuplicate,  ///< the counter was seen before: drop it
+  kLocking,    ///< counter and ticks are not tied together yet: do not use it
+  kNoTick,     ///< no tick is known near its time
+};
+inline constexpr int kPairStatuses = 6;
+std::string_view name(PairStatus status);
+
+struct Pairing {
+  PairStatus status = PairStatus::kNoTick;
+  std::uint64_t tick = 0;  ///< valid for kPaired and kReordered
+  Duration residual{};     ///< stamp less the tick's time less delay
+  bool usable() const { return status == PairStatus::kPaired || status == PairStatus::kReordered; }
+};
+
+struct PairingCounts {
+  std::array<std::uint64_t, kPairStatuses> by_status{};
+  std::uint64_t missing = 0;  ///< ticks of this stream that have no frame
+  std::uint64_t relocks = 0;  ///< times the tie of counter and ticks had to be found again
+  std::uint64_t of(PairStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
+};
+
+/// Pairs the frames of one stream. Three frames in a row must agree about the tie between counter
+/// and tick before it is believed, at start and whenever it breaks: a camera that missed or doubled
+/// a trigger is found out by time, and meanwhile its frames are kLate and kLocking, never wrongly
+/// paired.
+/// Nothing allocates. One thread.
+class FramePairer {
+ public:
+  explicit FramePairer(StreamTiming timing) : timing_(timing) {}
+  /// `sequence` is the camera's counter, `at` the frame's stamp in host time.
+  Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at);
+  /// The device came back: its counter is new.
+  void restart();
+  const PairingCounts& counts() const { return counts_; }
+
+ private:
+  Pairing pair_free(const TickHistory& ticks, std::uint64_t sequence, HostTime at);
+  Pairing pair_locked(std::uint64_t sequence, double by_time, double period_s);
+  Pairing lock(std::uint64_t sequence, double by_time, double period_s);
+  Pairing done(Pairing pairing);
+  bool remember(std::uint64_t sequence);
+
+  StreamTiming timing_;
+  PairingCounts counts_;
+  bool locked_ = false;
+  std::int64_t tie_ = 0;  ///< tick - divider * counter
+  std::int64_t candidate_ = 0;
+  int agreeing_ = 0, disagreeing_ = 0, repeats_ = 0;
+  bool any_ = false;
+  std::uint64_t newest_ = 0;  ///< largest counter
+  std::uint64_t seen_ = 0;    ///< bit k: counter newest_ - k was seen
+};
+
+}  // namespace mixrig::sync

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading of take.toml.
+#include "host/take/manifest.h"
+
+#include <algorithm>
+
+#include "host/config/table.h"
+#include "host/take/picture_files.h"
+
+namespace mixrig::take {
+namespace {
+
+using config::Range;
+using config::Table;
+
+constexpr Range kCount{1, 10'000'000};
+constexpr Range kFocal{1.0, 1e6}, kCenter{-1e5, 1e5}, kLens{-1e4, 1e4};
+
+StreamInfo read_stream(const Table& table) {
+  StreamInfo stream;
+  stream.path = table.text("path");
+  stream.rate_hz = table.number_or("rate_hz", 0.0, {0.0, 1e6});
+  stream.first = table.integer_or("first", 1, {0, 1e9});
+  const bool counted = !is_list(stream);
+  stream.count = counted ? table.integer("count", kCount) : table.integer_or("count", 0, kCount);
+  if (table.present() && counted && !is_matroska(stream))
+    if (const auto name = NumberedName::parse(stream.path); !name) table.fail("path", name.error());
+  if (is_matroska(stream) && stream.rate_hz <= 0)
+    table.fail("rate_hz", "missing: a Matroska stream is read by its rate, add it");
+  return stream;
+}
+
+geometry::CameraModel read_camera(const Table& table) {
+  geometry::CameraModel camera;
+  const auto size = table.numbers("size_px", 2, 2, {1, 16384});
+  camera.pinhole.size_px = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+  camera.pinhole.fx_px = table.number("fx", kFocal);
+  camera.pinhole.fy_px = table.number("fy", kFocal);
+  camera.pinhole.cx_px = table.number("cx", kCenter);
+  camera.pinhole.cy_px = table.number("cy", kCenter);
+  geometry::Lens::Coefficients k{};
+  if (table.has("distortion")) {
+    const auto values = table.numbers("distortion", 4, k.size(), kLens);
+    std::copy(values.begin(), values.end(), k.begin());
+  }
+  camera.lens = geometry::Lens(k);
+  if (!table.present()) return camera;
+  if (const auto valid = geometry::validate(camera); !valid) table.fail("fx", valid.error());
+  return camera;
+}
+
+std::optional<geometry::Pinhole> read_view(const Table& target, Size size) {
+  if (!target.has("view")) return std::nullopt;
+  const auto v = target.numbers("view", 4, 4);
+  const geometry::Pinhole view{size, v[0], v[1], v[2], v[3]};
+  if (const auto valid = geometry::validate({view, {}}); !valid) target.fail("view", valid.error());
+  return view;
+}
+
+geometry::Pose read_pose(const Table& table) {
+  const auto r = table.matrix("rotation", 3, 3);
+  const auto t = table.numbers("translation_m", 3, 3, {-1e6, 1e6});
+  if (!table.present()) return {};
+  const Eigen::Matrix3d rotation =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
+  auto pose = geometry::pose_from_matrix(rotation, {t[0], t[1], t[2]});
+  if (pose) return *pose;
+  table.fail("rotation", pose.error());
+  return {};
+}
+
+void read_depth(const Table& table, TakeInfo& info) {
+  info.depth = read_stream(table);
+  info.depth_unit_m = table.number_or("unit_m", info.depth_unit_m, {1e-7, 10.0});
+  info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
+  info.depth_kind = static_cast<DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
+  if (!table.has("noise")) return;
+  const auto noise = table.numbers("noise", 3, 3, {0.0, 10.0});
+  info.noise = {noise[0], noise[1], noise[2]};
+}
+
+void read_pose_source(const Table& table, Manifest& manifest) {
+  manifest.pose_file = table.text_or("file", "");
+  const Table fixed = table.table("world_from_target");
+  if (fixed.present()) manifest.fixed_pose = read_pose(fixed);
+  if (table.present() && fixed.present() == !manifest.pose_file.empty())
+    table.fail("file", "give either file or world_from_target");
+}
+
+std::filesystem::path read_root(const Table& root, const std::filesystem::path& folder) {
+  const auto expanded = config::expand_environment(root.text_or("root", "."));
+  if (expanded) return (folder / *expanded).lexically_normal();
+  root.fail("root", expanded.error());
+  return folder;
+}
+
+}  // namespace
+
+bool is_list(const StreamInfo& stream) { return stream.path.ends_with(".txt"); }
+bool is_matroska(const StreamInfo& stream) { return stream.path.ends_with(".mkv"); }
+
+Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path) {
+  MIXRIG_ASSIGN(auto document, config::Document::parse(text, path.string()));
+  const Table root = document.root();
+  Manifest manifest;
+  TakeInfo& info = manifest.info;
+  info.path = path;
+  root.integer("format", {1, 1});
+  info.name = root.text_or("name", path.parent_path().filename().string());
+  info.root = read_root(root, path.parent_path());
+  info.color = read_stream(root.required_table("color"));
+  read_depth(root.required_table("depth"), info);
+  if (const Table amplitude = root.table("amplitude"); amplitude.present())
+    info.amplitude = read_stream(amplitude);
+  if (is_list(info.color) != is_list(info.depth) || (info.amplitude && is_list(info.color)))
+    root.fail("depth", "lists (.txt) must name both colour and depth, and no amplitude");
+  const Table target = root.required_table("target");
+  info.target = read_camera(target);
+  info.view = read_view(target, info.target.size_px());
+  info.tof = read_camera(root.required_table("tof"));
+  info.target_from_tof = read_pose(root.required_table("target_from_tof"));
+  read_pose_source(root.table("pose"), manifest);
+  info.has_poses = !manifest.pose_file.empty() || manifest.fixed_pose.has_value();
+  const Table truth = root.table("truth");
+  info.has_truth = truth.present();
+  if (info.has_truth) manifest.truth_path = truth.text_or("path", "truth");
+  info.truth_depth_unit_m = truth.number_or("depth_unit_m", info.truth_depth_unit_m, {1e-7, 10.0});
+  MIXRIG_TRY(document.finish());
+  return manifest;
+}
+
+}  // namespace mixrig::take

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lossless Matroska streams (FFV1) through GStreamer. Private to this room.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <gst/gst.h>
+
+#include "host/take/picture_stream.h"
+
+namespace mixrig::take {
+
+/// What a stream's pixels are: 8-bit colour, or 16-bit grey.
+enum class PixelKind { kRgb8, kGray16 };
+
+/// GStreamer's name of the raw format that FFV1 stores without loss.
+const char* raw_format(PixelKind kind);
+
+struct GstUnref {
+  void operator()(void* object) const { gst_object_unref(object); }
+};
+using GstElementPtr = std::unique_ptr<GstElement, GstUnref>;
+
+/// Builds a pipeline from a fixed description; stops it and frees it at the end.
+class Pipeline {
+ public:
+  /// `file` goes to the element named "file". Errors: kUnsupported where a plug-in is missing.
+  static Result<Pipeline> create(const std::string& description, const std::filesystem::path& file);
+  Pipeline(Pipeline&&) noexcept = default;
+  Pipeline& operator=(Pipeline&& other) noexcept;
+  ~Pipeline();
+
+  GstElement* get() const { return pipeline_.get(); }
+  GstElement* element(const char* name) const;
+  /// Errors: kIo with the pipeline's own words.
+  Result<void> play();
+  /// The last error that the pipeline posted, as "WHAT: WHY".
+  Error error(ErrorCode code, const std::string& what) const;
+  bool has_failed() const;
+  /// Waits for a message; "cannot VERB FILE" else. Errors: kFormat after an error of the pipeline
+  /// or ten seconds of silence.
+  Result<void> wait_for(GstMessageType message, const char* verb) const;
+
+ private:
+  explicit Pipeline(GstElementPtr pipeline, std::string name)
+      : pipeline_(std::move(pipeline)), name_(std::move(name)) {}
+  GstElementPtr pipeline_;
+  std::string name_;
+};
+
+/// Opens a file of `count` frames at `rate_hz`. Errors: kNotFound, kUnsupported.
+Result<std::unique_ptr<PictureStream>> open_matroska(const std::filesystem::path& path,
+                                                     PixelKind kind, int count, double rate_hz);
+
+/// Writes one stream. Frames of one size. Not thread-safe.
+class MatroskaWriter {
+ public:
+  /// Errors: kUnsupported, kIo.
+  static Result<MatroskaWriter> create(const std::filesystem::path& path, PixelKind kind, Size size,
+                                       double rate_hz);
+  /// Errors: kData for another size, kIo.
+  Result<void> write(ImageView<const Rgb8> image);
+  Result<void> write(ImageView<const std::uint16_t> image);
+  /// Errors: kIo. The file is whole only after this.
+  Result<void> finish();
+
+ private:
+  MatroskaWriter(Pipeline pipeline, GstElementPtr source, Size size, double rate_hz,
+                 std::string name)
+      : pipeline_(std::move(pipeline)),
+        source_(std::move(source)),
+        size_(size),
+        rate_hz_(rate_hz),
+        name_(std::move(name)) {}
+  template <typename T, typename Fill>
+  Result<void> push(ImageView<const T> image, std::size_t bytes_per_pixel, Fill fill_row);
+
+  Pipeline pipeline_;
+  GstElementPtr source_;
+  Size size_;
+  double rate_hz_;
+  std::string name_;
+  int frames_ = 0;
+};
+
+}  // namespace mixrig::take

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes, read frame by frame.
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "hal/base/log.h"
+#include "host/config/table.h"
+#include "host/image_io/image_io.h"
+#include "host/take/manifest.h"
+#include "host/take/matroska.h"
+#include "host/take/picture_files.h"
+#include "host/take/trajectory.h"
+#include "host/take/tum_folder.h"
+
+namespace mixrig::take {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMaxManifestBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
+constexpr double kMaxPairDifference_s = 0.02;  // as TUM's own tools pair
+constexpr double kMaxPoseGap_s = 0.1;
+
+/// Where a frame's parts are in their streams.
+struct FrameIndex {
+  int color = 0, depth = 0;
+  double time_s = 0;
+  geometry::Pose world_from_target;
+};
+
+/// Colour and depth of TUM lists that belong together, and their files.
+struct Lists {
+  std::vector<StampedFile> color, depth;
+};
+
+}  // namespace
+
+struct TakeReader::State {
+  Manifest manifest;
+  std::unique_ptr<PictureStream> color, depth, amplitude;
+  std::vector<FrameIndex> frames;
+  Image<std::uint16_t> steps;  ///< reused from frame to frame
+
+  TakeInfo& info() { return manifest.info; }
+  Result<void> open_streams();
+  Result<std::unique_ptr<PictureStream>> open_stream(const StreamInfo& stream, PixelKind kind);
+  Result<Lists> read_lists();
+  Result<void> index_numbered();
+  Result<void> index_lists(const Lists& lists);
+  Result<std::vector<StampedPose>> read_poses();
+  Result<void> read_steps(PictureStream& stream, int index, double unit, int unknown,
+                          Image<float>& out);
+  fs::path truth_file(const char* what, int number) const;
+};
+
+Result<std::unique_ptr<PictureStream>> TakeReader::State::open_stream(const StreamInfo& stream,
+                                                                      PixelKind kind) {
+  const fs::path path = info().root / stream.path;
+  if (is_matroska(stream)) return open_matroska(path, kind, stream.count, stream.rate_hz);
+  MIXRIG_ASSIGN(NumberedName name, NumberedName::parse(path.string()));
+  return std::unique_ptr<PictureStream>(
+      std::make_unique<PictureFiles>([name = std::move(name), first = stream.first](int index) {
+        return fs::path(name.with(first + index));
+      }));
+}
+
+Result<Lists> TakeReader::State::read_lists() {
+  Lists lists;
+  for (const auto& [stream, files] :
+       {std::pair(&info().color, &lists.color), std::pair(&info().depth, &lists.depth)}) {
+    const fs::path path = info().root / stream->path;
+    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(*files, parse_file_list(text, path.string()));
+    stream->count = static_cast<int>(files->size());
+  }
+  return lists;
+}
+
+Result<void> TakeReader::State::open_streams() {
+  if (is_list(info().color)) {
+    MIXRIG_ASSIGN(const Lists lists, read_lists());
+    const auto stream_of = [root = info().root](std::vector<StampedFile> files) {
+      return std::make_unique<PictureFiles>([root, files = std::move(files)](int index) {
+        return root / files[static_cast<std::size_t>(index)].path;
+      });
+    };
+    color = stream_of(lists.color);
+    depth = stream_of(lists.depth);
+    return index_lists(lists);
+  }
+  MIXRIG_ASSIGN(color, open_stream(info().color, PixelKind::kRgb8));
+  MIXRIG_ASSIGN(depth, open_stream(info().depth, PixelKind::kGray16));
+  if (info().amplitude) {
+    MIXRIG_ASSIGN(amplitude, open_stream(*info().amplitude, PixelKind::kGray16));
+  }
+  return index_numbered();
+}
+
+Result<std::vector<StampedPose>> TakeReader::State::read_poses() {
+  const fs::path path = info().root / manifest.pose_file;
+  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+  return parse_trajectory(text, path.string());
+}
+
+Result<void> TakeReader::State::index_numbered() {
+  int count = std::min(info().color.count, info().depth.count);
+  if (info().amplitude) count = std::min(count, info().amplitude->count);
+  std::vector<StampedPose> poses;
+  if (!manifest.pose_file.empty()) {
+    MIXRIG_ASSIGN(poses, read_poses());
+    count = std::min(count, static_cast<int>(poses.size()));
+  }
+  for (int i = 0; i < count; ++i) {
+    const double rate_hz = info().color.rate_hz;
+    FrameIndex frame{i, i, rate_hz > 0 ? i / rate_hz : 0.0,
+                     manifest.fixed_pose.value_or(geometry::Pose{})};
+    if (!poses.empty()) {
+      const StampedPose& pose = poses[static_cast<std::size_t>(i)];
+      frame.time_s = pose.time_s;
+      frame.world_from_target = pose.world_from_target;
+    }
+    frames.push_back(frame);
+  }
+  return {};
+}
+
+Result<void> TakeReader::State::index_lists(const Lists& lists) {
+  std::vector<StampedPose> poses;
+  if (!manifest.pose_file.empty()) {
+    MIXRIG_ASSIGN(poses, read_poses());
+    // Not stable_sort: libstdc++'s buffer for it is not aligned as Eigen's types need.
+    std::sort(poses.begin(), poses.end(),
+              [](const StampedPose& a, const StampedPose& b) { return a.time_s < b.time_s; });
+  }
+  for (const auto& [c, d] : associate(lists.color, lists.depth, kMaxPairDifference_s)) {
+    const double time_s = lists.color[static_cast<std::size_t>(c)].time_s;
+    std::optional<geometry::Pose> pose = manifest.fixed_pose.value_or(geometry::Pose{});
+    if (!manifest.pose_file.empty()) pose = pose_at(poses, time_s, kMaxPoseGap_s);
+    if (pose) frames.push_back({c, d, time_s, *pose});
+  }
+  return {};
+}
+
+/// 16-bit steps (or EXR metres) as floats; `unknown` becomes 0.
+Result<void> TakeReader::State::read_steps(PictureStream& stream, int index, double unit,
+                                           int unknown, Image<float>& out) {
+  if (stream.holds_float()) return stream.read(index, out);
+  MIXRIG_TRY(stream.read(index, steps));
+  if (out.size() != steps.size()) out.reset(steps.size());
+  for (int y = 0; y < steps.height(); ++y)
+    std::transform(steps.row(y), steps.row(y) + steps.width(), out.row(y), [=](std::uint16_t step) {
+      return step == unknown ? 0.0F : static_cast<float>(step * unit);
+    });
+  return {};
+}
+
+fs::path TakeReader::State::truth_file(const char* what, int number) const {
+  char name[16];
+  std::snprintf(name, sizeof(name), "%06d.png", number);
+  return manifest.info.root / manifest.truth_path / what / name;
+}
+
+namespace {
+
+Result<Manifest> open_manifest(const fs::path& path) {
+  std::error_code error;
+  fs::path file = path;
+  if (fs::is_directory(path, error)) {
+    file = path / "take.toml";
+    if (!fs::exists(file, error) && is_tum_folder(path)) return tum_manifest(path);
+  }
+  MIXRIG_ASSIGN(const std::string text, config::read_text(file, kMaxManifestBytes));
+  return parse_manifest(text, file);
+}
+
+template <typename T>
+Result<void> check_size(const Image<T>& image, Size wanted, const std::string& name,
+                        const char* table) {
+  if (image.size() == wanted) return {};
+  const auto words = [](Size s) {
+    return std::to_string(s.width) + "x" + std::to_string(s.height);
+  };
+  return Error{ErrorCode::kData, "picture '" + name + "' is " + words(image.size()) + " but [" +
+                                     table + "] size_px is " + words(wanted) +
+                                     ": correct one of them"};
+}
+
+}  // namespace
+
+TakeReader::TakeReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TakeReader::TakeReader(TakeReader&&) noexcept = default;
+TakeReader& TakeReader::operator=(TakeReader&&) noexcept = default;
+TakeReader::~TakeReader() = default;
+
+Result<TakeReader> TakeReader::open(const fs::path& path) {
+  auto state = std::make_unique<State>();
+  MIXRIG_ASSIGN(state->manifest, open_manifest(path));
+  MIXRIG_TRY(state->open_streams());
+  TakeInfo& info = state->info();
+  info.path = path;
+  info.frames = static_cast<int>(state->frames.size());
+  if (info.frames == 0)
+    return Error{
+        ErrorCode::kData,
+        "take '" + path.string() + "' has no frame with colour, depth and pose: check its streams"};
+  const int longest = std::max(info.color.count, info.depth.count);
+  if (longest > info.frames)
+    log_warning("take", path.string() + ": " + std::to_string(longest - info.frames) +
+                            " frames have no partner and are left out");
+  return TakeReader(std::move(state));
+}
+
+const TakeInfo& TakeReader::info() const { return state_->manifest.info; }
+
+Result<void> TakeReader::read(int number, TakeFrame& frame) {
+  State& s = *state_;
+  const TakeInfo& info = s.info();
+  if (number < 1 || number > info.frames)
+    return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no frame " +
+                                           std::to_string(number) + ": it has 1 to " +
+                                           std::to_string(info.frames)};
+  const FrameIndex& index = s.frames[static_cast<std::size_t>(number - 1)];
+  frame.number = number;
+  frame.time_s = index.time_s;
+  frame.world_from_target = index.world_from_target;
+  MIXRIG_TRY(s.color->read(index.color, frame.color));
+  MIXRIG_TRY(check_size(frame.color, info.target.size_px(), s.color->name(index.color), "target"));
+  MIXRIG_TRY(
+      s.read_steps(*s.depth, index.depth, info.depth_unit_m, info.depth_unknown, frame.depth_m));
+  MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(), s.depth->name(index.depth), "tof"));
+  if (!s.amplitude) return {};
+  MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, 1.0, 0, frame.amplitude));
+  return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
+}
+
+Result<void> TakeReader::read_truth(int number, TruthFrame& truth) {
+  State& s = *state_;
+  const TakeInfo& info = s.info();
+  if (!info.has_truth || number < 1 || number > info.frames)
+    return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no truth of frame " +
+                                           std::to_string(number)};
+  const int file = info.color.first + s.frames[static_cast<std::size_t>(number - 1)].color;
+  const auto read_scaled = [&](const char* what, double unit, Image<float>& out) -> Result<void> {
+    PictureFiles stream([&](int) { return s.truth_file(what, file); });
+    MIXRIG_TRY(s.read_steps(stream, 0, unit, 0, out));
+    return check_size(out, info.target.size_px(), stream.name(0), "target");
+  };
+  MIXRIG_TRY(read_scaled("depth", info.truth_depth_unit_m, truth.depth_m));
+  MIXRIG_TRY(read_scaled("light", 1.0 / 65535.0, truth.light));
+  MIXRIG_TRY(image_io::read_gray8(s.truth_file("matte", file), truth.matte));
+  MIXRIG_TRY(check_size(truth.matte, info.target.size_px(), s.truth_file("matte", file).string(),
+                        "target"));
+  MIXRIG_TRY(image_io::read_rgb8(s.truth_file("composite", file), truth.composite));
+  MIXRIG_TRY(check_size(truth.composite, info.target.size_px(),
+                        s.truth_file("composite", file).string(), "target"));
+  MIXRIG_TRY(image_io::read_gray8(s.truth_file("labels", file), truth.labels));
+  return check_size(truth.labels, info.target.size_px(), s.truth_file("labels", file).string(),
+                    "target");
+}
+
+}  // namespace mixrig::take

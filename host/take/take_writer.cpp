@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes, written frame by frame into a folder that appears at the end.
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include "host/image_io/image_io.h"
+#include "host/image_io/partial_path.h"
+#include "host/take/manifest.h"
+#include "host/take/matroska.h"
+#include "host/take/trajectory.h"
+
+namespace mixrig::take {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A rate that players take where none is known; Matroska stamps need one.
+constexpr double kDefaultRate_hz = 25.0;
+
+Result<void> make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error)
+    return system_error(ErrorCode::kIo, "cannot make folder '" + path.string() + "'",
+                        error.value());
+  return {};
+}
+
+std::string number_name(int number) {
+  char name[16];
+  std::snprintf(name, sizeof(name), "%06d.png", number);
+  return name;
+}
+
+/// One 16-bit or colour stream, as pictures or as a Matroska file.
+class StreamWriter {
+ public:
+  StreamWriter(fs::path folder, const char* name, PixelKind kind, StreamFormat format,
+               double rate_hz)
+      : folder_(std::move(folder)), name_(name), kind_(kind), format_(format), rate_hz_(rate_hz) {}
+
+  template <typename T>
+  Result<void> write(ImageView<const T> image) {
+    ++count_;
+    if (format_ == StreamFormat::kPng) {
+      if (count_ == 1) MIXRIG_TRY(make_folder(folder_ / name_));
+      return image_io::write_png(folder_ / name_ / number_name(count_), image);
+    }
+    if (!matroska_) {
+      MIXRIG_ASSIGN(auto writer, MatroskaWriter::create(folder_ / (name_ + ".mkv"), kind_,
+                                                        image.size, rate_hz_));
+      matroska_ = std::make_unique<MatroskaWriter>(std::move(writer));
+    }
+    return matroska_->write(image);
+  }
+
+  Result<void> finish() { return matroska_ ? matroska_->finish() : Result<void>(); }
+
+  StreamInfo info() const {
+    return {format_ == StreamFormat::kPng ? name_ + "/%06d.png" : name_ + ".mkv", 1, count_,
+            rate_hz_};
+  }
+
+ private:
+  fs::path folder_;
+  std::string name_;
+  PixelKind kind_;
+  StreamFormat format_;
+  double rate_hz_;
+  int count_ = 0;
+  std::unique_ptr<MatroskaWriter> matroska_;
+};
+
+/// Floats in steps of `unit`, rounded; not finite, negative or too large becomes `unknown`.
+void to_steps(const Image<float>& image, double unit, int unknown, Image<std::uint16_t>& steps) {
+  if (steps.size() != image.size()) steps.reset(image.size());
+  const auto step_of = [=](float value) {
+    const double step = std::round(value / unit);
+    return static_cast<std::uint16_t>(step >= 0.5 && step <= 65535.0 ? step : unknown);
+  };
+  for (int y = 0; y < image.height(); ++y)
+    std::transform(image.row(y), image.row(y) + image.width(), steps.row(y), step_of);
+}
+
+}  // namespace
+
+struct TakeWriter::State {
+  State(const fs::path& folder, const TakeInfo& take_info, StreamFormat format)
+      : partial(folder),
+        info(take_info),
+        color(partial.path(), "color", PixelKind::kRgb8, format, rate(info.color)),
+        depth(partial.path(), "depth", PixelKind::kGray16, format, rate(info.depth)),
+        amplitude(partial.path(), "amplitude", PixelKind::kGray16, format, rate(info.depth)) {}
+
+  static double rate(const StreamInfo& stream) {
+    return stream.rate_hz > 0 ? stream.rate_hz : kDefaultRate_hz;
+  }
+  Result<void> write_text(const char* name, const std::string& text) const;
+
+  image_io::PartialPath partial;
+  TakeInfo info;
+  StreamWriter color, depth, amplitude;
+  std::string poses;
+  Image<std::uint16_t> steps;
+  int frames = 0;
+};
+
+Result<void> TakeWriter::State::write_text(const char* name, const std::string& text) const {
+  const fs::path path = partial.path() / name;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (file) return {};
+  return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
+}
+
+TakeWriter::TakeWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TakeWriter::TakeWriter(TakeWriter&&) noexcept = default;
+TakeWriter& TakeWriter::operator=(TakeWriter&&) noexcept = default;
+TakeWriter::~TakeWriter() = default;
+
+Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& info,
+                                      StreamFormat format) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::exists(folder / "take.toml", error) &&
+      !fs::is_empty(folder, error))
+    return Error{ErrorCode::kUsage,
+                 "'" + folder.string() + "' exists and is not a take: give another folder"};
+  auto state = std::make_unique<State>(folder, info, format);
+  MIXRIG_TRY(make_folder(state->partial.path()));
+  return TakeWriter(std::move(state));
+}
+
+Result<void> TakeWriter::write(const TakeFrame& frame) {
+  State& s = *state_;
+  MIXRIG_TRY(s.color.write(frame.color.view()));
+  to_steps(frame.depth_m, s.info.depth_unit_m, s.info.depth_unknown, s.steps);
+  MIXRIG_TRY(s.depth.write(std::as_const(s.steps).view()));
+  if (!frame.amplitude.empty()) {
+    to_steps(frame.amplitude, 1.0, 0, s.steps);
+    MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
+  }
+  s.poses += trajectory_line({frame.time_s, frame.world_from_target});
+  ++s.frames;
+  return {};
+}
+
+Result<void> TakeWriter::write_truth(const TruthFrame& truth) {
+  State& s = *state_;
+  s.info.has_truth = true;
+  const fs::path folder = s.partial.path() / "truth";
+  for (const char* name : {"depth", "matte", "light", "composite", "labels"})
+    MIXRIG_TRY(make_folder(folder / name));
+  const std::string name = number_name(s.frames);
+  to_steps(truth.depth_m, s.info.truth_depth_unit_m, 0, s.steps);
+  MIXRIG_TRY(image_io::write_png(folder / "depth" / name, std::as_const(s.steps).view()));
+  to_steps(truth.light, 1.0 / 65535.0, 0, s.steps);
+  MIXRIG_TRY(image_io::write_png(folder / "light" / name, std::as_const(s.steps).view()));
+  MIXRIG_TRY(image_io::write_png(folder / "matte" / name, truth.matte.view()));
+  MIXRIG_TRY(image_io::write_png(folder / "composite" / name, truth.composite.view()));
+  return image_io::write_png(folder / "labels" / name, truth.labels.view());
+}
+
+const fs::path& TakeWriter::staging() const { return state_->partial.path(); }
+
+Result<void> TakeWriter::finish() {
+  State& s = *state_;
+  if (s.frames == 0) return Error{ErrorCode::kData, "a take needs at least one frame"};
+  for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude}) MIXRIG_TRY(stream->finish());
+  s.info.color = s.color.info();
+  s.info.depth = s.depth.info();
+  s.info.amplitude.reset();
+  if (s.amplitude.info().count > 0) s.info.amplitude = s.amplitude.info();
+  if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
+  MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));
+  return s.partial.commit();
+}
+
+}  // namespace mixrig::take

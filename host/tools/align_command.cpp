@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig align: time offset and rotation between two trajectories of one rig.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "host/app/output_folder.h"
+#include "host/app/plot.h"
+#include "host/image_io/image_io.h"
+#include "host/sync/align.h"
+#include "host/tools/command.h"
+
+namespace mixrig::tools {
+namespace {
+
+struct Words {
+  std::string a, b, json, plot;
+  sync::AlignOptions options;
+};
+
+constexpr double kDegrees = 57.29577951308232;
+
+/// Exactly the documented keys; null where there is no answer.
+nlohmann::json report_of(const estimation::Estimate<sync::Alignment>& estimate) {
+  const sync::Alignment& v = estimate.value;
+  nlohmann::json report = {{"time_offset_s", nullptr},       {"time_offset_sigma_s", nullptr},
+                           {"rotation_xyzw", nullptr},       {"rotation_sigma_deg", nullptr},
+                           {"median_residual_deg", nullptr}, {"verdict", nullptr}};
+  report["verdict"] = estimation::name_of(estimate.verdict.standing);
+  if (!estimate.usable()) return report;
+  report["time_offset_s"] = v.time_offset_s;
+  report["time_offset_sigma_s"] = v.time_offset_sigma_s;
+  report["rotation_xyzw"] = {v.a_from_b.x(), v.a_from_b.y(), v.a_from_b.z(), v.a_from_b.w()};
+  report["rotation_sigma_deg"] = v.rotation_sigma_rad * kDegrees;
+  report["median_residual_deg"] = v.median_residual_rad * kDegrees;
+  return report;
+}
+
+void print(const estimation::Estimate<sync::Alignment>& estimate) {
+  const sync::Alignment& v = estimate.value;
+  std::printf("time offset   t_A = t_B %+.6f s  (sigma %.6f s)\n", v.time_offset_s,
+              v.time_offset_sigma_s);
+  std::printf("rotation      A from B  xyzw %.6f %.6f %.6f %.6f  (sigma %.4f deg)\n",
+              v.a_from_b.x(), v.a_from_b.y(), v.a_from_b.z(), v.a_from_b.w(),
+              v.rotation_sigma_rad * kDegrees);
+  std::printf("residual      median %.4f deg over %zu relative rotations\n",
+              v.median_residual_rad * kDegrees, v.residuals.size());
+  const auto& lever = v.lever_and_scale;
+  if (lever.usable()) {
+    const auto sigma = [&](int i) { return std::sqrt(lever.covariance(i, i)); };
+    std::printf("lever arm     %.4f %.4f %.4f m  (sigma %.4f %.4f %.4f)\n", lever.value.lever_m.x(),
+                lever.value.lever_m.y(), lever.value.lever_m.z(), sigma(0), sigma(1), sigma(2));
+    std::printf("scale         %.5f  (sigma %.5f)\n", lever.value.scale, sigma(3));
+  } else {
+    std::printf("lever, scale  not observable: %s\n", lever.verdict.reason.c_str());
+  }
+  std::printf("verdict       %s%s%s\n", estimation::name_of(estimate.verdict.standing),
+              estimate.verdict.reason.empty() ? "" : ": ", estimate.verdict.reason.c_str());
+}
+
+Result<void> write_plot(const std::string& path, const sync::Alignment& alignment) {
+  app::Plot plot{"Residual of the aligned relative rotations",
+                 "time of A from its start, s",
+                 "residual, deg",
+                 {{"residual", {}}}};
+  const double start_s = alignment.residuals.empty() ? 0 : alignment.residuals.front().t_s;
+  for (const auto& r : alignment.residuals)
+    plot.series[0].points.push_back({r.t_s - start_s, r.angle_rad * kDegrees, {}});
+  return image_io::write_png(path, app::draw(plot, {960, 480}));
+}
+
+Result<sync::Trajectory> read(const std::string& path) {
+  MIXRIG_ASSIGN(sync::Trajectory trajectory, sync::read_trajectory(path));
+  if (trajectory.empty())
+    return Error{ErrorCode::kData, path + ": holds no usable pose: give t x y z qx qy qz qw lines"};
+  return trajectory;
+}
+
+Result<nlohmann::json> act(const Words& words) {
+  MIXRIG_ASSIGN(const sync::Trajectory a, read(words.a));
+  MIXRIG_ASSIGN(const sync::Trajectory b, read(words.b));
+  const auto estimate = sync::align(a, b, words.options);
+  const nlohmann::json report = report_of(estimate);
+  if (words.json == "-")
+    std::printf("%s\n", report.dump(2).c_str());
+  else if (!words.json.empty())
+    MIXRIG_TRY(app::write_text(words.json, report.dump(2) + "\n"));
+  if (!estimate.usable())
+    return Error{ErrorCode::kData,
+                 words.a + " and " + words.b + " cannot be aligned: " + estimate.verdict.reason};
+  if (words.json != "-") print(estimate);
+  if (!words.plot.empty()) MIXRIG_TRY(write_plot(words.plot, estimate.value));
+  return report;
+}
+
+}  // namespace
+
+void add_align_command(CLI::App& app, Context& context) {
+  auto words = std::make_shared<Words>();
+  CLI::App* command = app.add_subcommand(
+      "align", "time offset and rotation between two trajectories of one rigid body");
+  command->add_option("A", words->a, "trajectory, TUM or CSV: t x y z qx qy qz qw")->required();
+  command->add_option("B", words->b, "trajectory of the other sensor: t_A = t_B + offset")
+      ->required();
+  command->add_option("--window", words->options.window_s, "relative motions are over this time, s")
+      ->check(CLI::Range(0.05, 10.0));
+  command->add_option("--plot", words->plot, "PNG of the residuals over time");
+  command->add_option("--json", words->json, "FILE that the report is written to; none: stdout")
+      ->expected(0, 1)
+      ->default_str("-");
+  command->callback([&context, words, command] {
+    if (command->count("--json") > 0 && words->json.empty()) words->json = "-";
+    context.action = [words] { return act(*words); };
+  });
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig info: describes a take.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "host/app/contact_sheet.h"
+#include "host/app/report.h"
+#include "host/app/source.h"
+#include "host/measure/percentile.h"
+#include "host/tools/command.h"
+
+namespace mixrig::tools {
+namespace {
+
+/// Depth statistics over frames spread through the take.
+struct DepthStatistics {
+  int frames = 0;
+  double unknown_pct = 0;
+  double nearest_m = 0, median_m = 0, farthest_m = 0;  ///< 1st, 50th and 99th percentile
+};
+
+Result<DepthStatistics> depth_statistics(app::FrameSource& source) {
+  constexpr int kFrames = 10;
+  take::TakeFrame frame;
+  std::vector<float> known_m;
+  std::size_t pixels = 0, unknown = 0;
+  DepthStatistics out;
+  for (int number : app::spread(1, source.info().frames, kFrames)) {
+    MIXRIG_TRY(source.read(number, frame));
+    ++out.frames;
+    for (int y = 0; y < frame.depth_m.height(); ++y) {
+      for (int x = 0; x < frame.depth_m.width(); ++x, ++pixels) {
+        const float z = frame.depth_m.row(y)[x];
+        if (!std::isfinite(z) || z <= 0.0F)
+          ++unknown;
+        else if ((x + y) % 4 == 0)
+          known_m.push_back(z);
+      }
+    }
+  }
+  out.unknown_pct = 100.0 * static_cast<double>(unknown) / static_cast<double>(pixels);
+  out.nearest_m = measure::quantile(known_m, 0.01);
+  out.median_m = measure::quantile(known_m, 0.5);
+  out.farthest_m = measure::quantile(known_m, 0.99);
+  return out;
+}
+
+double field_deg(const geometry::Pinhole& p) {
+  return 2.0 * std::atan(0.5 * p.size_px.width / p.fx_px) * 180.0 / std::numbers::pi;
+}
+
+nlohmann::json camera_json(const geometry::CameraModel& camera) {
+  const geometry::Pinhole& p = camera.pinhole;
+  return {{"size", app::text(p.size_px)},
+          {"fx", p.fx_px},
+          {"fy", p.fy_px},
+          {"cx", p.cx_px},
+          {"cy", p.cy_px},
+          {"horizontal_field_deg", field_deg(p)},
+          {"distortion", camera.lens.coefficients()}};
+}
+
+nlohmann::json stream_json(const take::StreamInfo& stream) {
+  return {{"path", stream.path}, {"count", stream.count}, {"rate_hz", stream.rate_hz}};
+}
+
+nlohmann::json report_of(const take::TakeInfo& info, const DepthStatistics& depth) {
+  nlohmann::json report = {
+      {"name", info.name},
+      {"frames", info.frames},
+      {"streams", {{"color", stream_json(info.color)}, {"depth", stream_json(info.depth)}}},
+      {"target", camera_json(info.target)},
+      {"tof", camera_json(info.tof)},
+      {"depth_kind", info.depth_kind == take::DepthKind::kZ ? "z" : "distance"},
+      {"depth_unit_m", info.depth_unit_m},
+      {"has_poses", info.has_poses},
+      {"has_truth", info.has_truth},
+      {"depth",
+       {{"frames", depth.frames},
+        {"unknown_pct", depth.unknown_pct},
+        {"p1_m", depth.nearest_m},
+        {"p50_m", depth.median_m},
+        {"p99_m", depth.farthest_m}}}};
+  if (info.amplitude) report["streams"]["amplitude"] = stream_json(*info.amplitude);
+  return report;
+}
+
+void print_stream(const char* name, const take::StreamInfo& stream) {
+  std::printf("  %-10s %5d pictures, %s, %s\n", name, stream.count,
+              stream.rate_hz > 0 ? (std::to_string(std::lround(stream.rate_hz)) + " Hz").c_str()
+                                 : "rate unknown",
+              stream.path.c_str());
+}
+
+void print_camera(const char* name, const geometry::CameraModel& camera) {
+  const geometry::Pinhole& p = camera.pinhole;
+  std::printf("  %-10s %s, f %.1f %.1f, centre %.1f %.1f px, %.1f degrees wide, %s\n", name,
+              app::text(p.size_px).c_str(), p.fx_px, p.fy_px, p.cx_px, p.cy_px, field_deg(p),
+              camera.lens.is_ideal() ? "no distortion" : "distorted");
+}
+
+void print(const take::TakeInfo& info, const DepthStatistics& depth) {
+  std::printf("%s: %d frames\n", info.name.c_str(), info.frames);
+  print_stream("color", info.color);
+  print_stream("depth", info.depth);
+  if (info.amplitude) print_stream("amplitude", *info.amplitude);
+  print_camera("target", info.target);
+  print_camera("tof", info.tof);
+  std::printf("  base line  %.1f mm, %.2f degrees apart\n",
+              info.target_from_tof.translation_m.norm() * 1e3,
+              info.target_from_tof.rotation.angularDistance(Eigen::Quaterniond::Identity()) *
+                  180.0 / std::numbers::pi);
+  std::printf(
+      "  depth      %s, steps of %g mm, %.1f %% unknown, %.2f / %.2f / %.2f m "
+      "(1st, 50th, 99th percentile of %d frames)\n",
+      info.depth_kind == take::DepthKind::kZ ? "z" : "distance", info.depth_unit_m * 1e3,
+      depth.unknown_pct, depth.nearest_m, depth.median_m, depth.farthest_m, depth.frames);
+  std::printf("  poses      %s\n  truth      %s\n", info.has_poses ? "yes" : "none",
+              info.has_truth ? "yes" : "none");
+}
+
+Result<nlohmann::json> info(const std::string& take) {
+  MIXRIG_ASSIGN(const auto source, app::open_take_source(take));
+  MIXRIG_ASSIGN(const DepthStatistics depth, depth_statistics(*source));
+  print(source->info(), depth);
+  return report_of(source->info(), depth);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Context& context) {
+  auto take = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("info", "describe a take: streams, cameras, depth");
+  command->add_option("TAKE", *take, "folder or take.toml")->required();
+  command->callback([&context, take] { context.action = [take] { return info(*take); }; });
+}
+
+}  // namespace mixrig::tools

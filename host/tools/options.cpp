@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/tools/options.h"
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+
+#include "host/tools/command.h"
+
+namespace mixrig::tools {
+namespace {
+
+/// "A<mark>B" as two whole numbers; nullopt for anything else.
+std::optional<std::pair<int, int>> pair_of(const std::string& text, char mark) {
+  std::pair<int, int> out;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, out.first);
+  if (first.ec != std::errc{} || first.ptr == end || *first.ptr != mark) return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, out.second);
+  if (second.ec != std::errc{} || second.ptr != end) return std::nullopt;
+  return out;
+}
+
+/// The source that was named, else the take that the scene lies in.
+Result<std::string> source_of(const SessionWords& words) {
+  if (!words.source.empty()) return words.source;
+  const auto folder = (std::filesystem::path(".") / words.scene).parent_path();
+  std::error_code code;
+  if (std::filesystem::exists(folder / "take.toml", code)) return "take:" + folder.string();
+  return Error{ErrorCode::kUsage,
+               "no --source given and no take.toml beside " + words.scene + ": name a --source"};
+}
+
+}  // namespace
+
+Result<app::FrameRange> parse_range(const std::string& text, const std::string& option) {
+  const bool single = text.find('-') == std::string::npos;
+  const auto range = pair_of(single ? text + "-" + text : text, '-');
+  if (!range || range->first < 1 || range->second < range->first)
+    return Error{ErrorCode::kUsage,
+                 option + " \"" + text + "\" is not a range of frames: give FIRST-LAST, from 1 on"};
+  return *range;
+}
+
+Result<Size> parse_size(const std::string& text, const std::string& option) {
+  const auto sides = pair_of(text, 'x');
+  if (!sides || sides->first < 1 || sides->second < 1 || sides->first > 16384 ||
+      sides->second > 16384)
+    return Error{ErrorCode::kUsage,
+                 option + " \"" + text + "\" is not a size: give WIDTHxHEIGHT, 1 to 16384 each"};
+  return Size{sides->first, sides->second};
+}
+
+void add_backend_options(CLI::App& command, SessionWords& words) {
+  command
+      .add_option("--backend", words.backend,
+                  "auto, gles or cpu: auto takes gles on a real GPU, else cpu")
+      ->check(CLI::IsMember({"auto", "gles", "cpu"}));
+  command.add_option("--threads", words.threads, "threads of the cpu back end, 0 = one per core")
+      ->check(CLI::Range(0, 256));
+}
+
+void add_session_options(CLI::App& command, SessionWords& words) {
+  command.add_option("SCENE", words.scene, "scene.toml: what to composite")->required();
+#ifdef MIXRIG_HAS_STUDIO
+  constexpr const char* kSources = "take:DIR, or studio[:SCENARIO,SEED,RIG] rendered on the fly";
+#else
+  constexpr const char* kSources = "take:DIR";
+#endif
+  command.add_option("--source", words.source,
+                     std::string(kSources) + "; the take beside SCENE if not given");
+  command.add_option("--size", words.size, "WxH to composite at; the take's own size if not given");
+  add_backend_options(command, words);
+}
+
+Result<std::optional<Size>> view_size(const SessionWords& words) {
+  if (words.size.empty()) return std::optional<Size>();
+  MIXRIG_ASSIGN(const Size size, parse_size(words.size, "--size"));
+  return std::optional(size);
+}
+
+app::BackendChoice backend_choice(const SessionWords& words) {
+  const render::Backend backend = words.backend == "gles"  ? render::Backend::kGles
+                                  : words.backend == "cpu" ? render::Backend::kCpu
+                                                           : render::Backend::kAuto;
+  return {backend, words.threads};
+}
+
+Result<app::SessionOptions> session_options(const SessionWords& words) {
+  app::SessionOptions options;
+  options.scene = words.scene;
+  MIXRIG_ASSIGN(options.source, source_of(words));
+  MIXRIG_ASSIGN(options.view_size, view_size(words));
+  options.backend = backend_choice(words);
+  return options;
+}
+
+app::ProgressFn progress_bar() {
+  struct Bar {
+    std::string what;
+    std::optional<Progress> progress;
+  };
+  return [bar = std::make_shared<Bar>()](std::string_view what, int done, int total) {
+    if (!bar->progress || bar->what != what) {
+      bar->what = what;
+      bar->progress.emplace(bar->what, total);
+    }
+    bar->progress->step(done);
+    if (done >= total) bar->progress.reset();
+  };
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig scan: learns the background of a static camera from empty frames of a take.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+
+#include "host/app/session.h"
+#include "host/tools/command.h"
+#include "host/tools/options.h"
+
+namespace mixrig::tools {
+namespace {
+
+struct Words {
+  SessionWords session;
+  std::string take, frames, out;
+};
+
+struct Coverage {
+  double known_pct = 0;
+  double median_sigma_mm = 0;
+};
+
+Coverage coverage_of(const model::StaticBackground& background) {
+  std::vector<float> sigma_m;
+  for (int y = 0; y < background.depth_m.height(); ++y)
+    for (int x = 0; x < background.depth_m.width(); ++x)
+      if (background.depth_m.row(y)[x] > 0.0F)
+        sigma_m.push_back(background.depth_sigma_m.row(y)[x]);
+  if (sigma_m.empty()) return {};
+  const auto middle = sigma_m.begin() + static_cast<std::ptrdiff_t>(sigma_m.size() / 2);
+  std::nth_element(sigma_m.begin(), middle, sigma_m.end());
+  return {100.0 * static_cast<double>(sigma_m.size()) /
+              static_cast<double>(background.depth_m.size().area()),
+          *middle * 1e3};
+}
+
+/// Angle by which the camera looks down onto the floor, 0 for a level one.
+double look_down_deg(const geometry::Plane& floor) {
+  return -std::asin(std::clamp(floor.normal.z(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+}
+
+nlohmann::json report_of(const model::StaticBackground& background) {
+  const Coverage coverage = coverage_of(background);
+  nlohmann::json report = {{"frames", background.frames},
+                           {"size", std::to_string(background.view.size_px.width) + "x" +
+                                        std::to_string(background.view.size_px.height)},
+                           {"coverage_pct", coverage.known_pct},
+                           {"median_sigma_mm", coverage.median_sigma_mm},
+                           {"floor", nullptr}};
+  if (const auto& floor = background.floor)
+    report["floor"] = {{"normal", {floor->normal.x(), floor->normal.y(), floor->normal.z()}},
+                       {"camera_height_m", floor->offset_m},
+                       {"look_down_deg", look_down_deg(*floor)}};
+  return report;
+}
+
+void print(const model::StaticBackground& background) {
+  const Coverage coverage = coverage_of(background);
+  std::printf("%d frames, %dx%d: depth known on %.1f %%, median sigma %.1f mm\n", background.frames,
+              background.view.size_px.width, background.view.size_px.height, coverage.known_pct,
+              coverage.median_sigma_mm);
+  if (background.floor)
+    std::printf("floor %.3f m below the camera, which looks down by %.1f degrees\n",
+                background.floor->offset_m, look_down_deg(*background.floor));
+  else
+    std::printf("no floor found\n");
+}
+
+Result<nlohmann::json> scan(const Words& words) {
+  MIXRIG_ASSIGN(const auto size, view_size(words.session));
+  MIXRIG_ASSIGN(const app::FrameRange range, parse_range(words.frames, "--frames"));
+  MIXRIG_ASSIGN(const auto source, app::open_take_source(words.take));
+  MIXRIG_ASSIGN(const auto setup, app::setup_of(source->info(), size));
+  MIXRIG_ASSIGN(
+      const model::StaticBackground background,
+      app::learn_background(*source, setup, range, backend_choice(words.session), progress_bar()));
+  MIXRIG_TRY(model::save(background, words.out));
+  print(background);
+  return report_of(background);
+}
+
+}  // namespace
+
+void add_scan_command(CLI::App& app, Context& context) {
+  auto words = std::make_shared<Words>();
+  CLI::App* command =
+      app.add_subcommand("scan", "learn the background of a static camera from empty frames");
+  command->add_option("--static", words->take, "TAKE: folder or take.toml")->required();
+  command->add_option("--frames", words->frames, "FIRST-LAST that show the empty room")->required();
+  command->add_option("OUT", words->out, "background folder to write")->required();
+  command->add_option("--size", words->session.size, "WxH of the view, if not the take's");
+  add_backend_options(*command, words->session);
+  command->callback([&context, words] { context.action = [words] { return scan(*words); }; });
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass key, what its steps share. A state is render::PixelState in a byte; blocks are block_px wide.
+const int unknown = 0, background = 1, foreground = 2, doubt = 3;
+const int block_px = 8;
+
+int to_state(float stored) { return int(stored * 255.0 + 0.5); }
+
+// Two textures, a texel a block.
+struct Block {
+  float foreground;   // pixels
+  float inner;        // of them, those not drawn by a cut cell
+  float w_sum;        // over foreground
+  bool others;        // any pixel that is not foreground
+  bool doubt;         // any pixel measured where the background has no depth
+  bool dropped;       // its foreground was a speckle
+  vec3 color_sum;     // linear, over inner
+  float square_sum;   // of all channels' squares, over inner
+};
+
+Block read_block(sampler2D counts, sampler2D colors, ivec2 at) {
+  vec4 count = texelFetch(counts, at, 0), color = texelFetch(colors, at, 0);
+  int flags = int(count.w);
+  return Block(count.x, count.y, count.z, (flags & 1) != 0, (flags & 2) != 0, (flags & 4) != 0,
+               color.rgb, color.a);
+}
+
+vec4 counts_of(Block b) {
+  int flags = (b.others ? 1 : 0) + (b.doubt ? 2 : 0) + (b.dropped ? 4 : 0);
+  return vec4(b.foreground, b.inner, b.w_sum, flags);
+}

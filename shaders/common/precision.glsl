@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth and positions need 32 bits; colour does not mind.
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp sampler2DArray;

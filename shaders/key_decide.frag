@@ -1,0 +1,68 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass key: where votes decide (only such blocks are drawn) depth and colour vote together.
+//   state         of key_state.frag
+//   counts        blocks without speckles (common/key.glsl)
+//   band          of key_band.frag
+//   votes         of key_votes.frag, blocks with a border of one
+//   w             1/m, sign aside; 0 unknown
+//   matte         people, 0..1
+//   visible_w     of the visible real surface, 1/m, 0 unknown
+#include "common/precision.glsl"
+#include "common/key.glsl"
+layout(binding = 0) uniform sampler2D state;
+layout(binding = 1) uniform sampler2D counts;
+layout(binding = 2) uniform sampler2D band;
+layout(binding = 3) uniform sampler2D votes;
+layout(binding = 4) uniform sampler2D w;
+uniform bool use_color;
+uniform ivec2 tap_px;  // half a footprint and a whole one
+layout(location = 0) out float matte;
+layout(location = 1) out float visible_w;
+
+int state_at(ivec2 at) {
+  at = clamp(at, ivec2(0), textureSize(state, 0) - 1);
+  int s = to_state(texelFetch(state, at, 0).r);
+  if (s != foreground) return s;
+  bool dropped = (int(texelFetch(counts, at / block_px, 0).w) & 4) != 0;
+  return dropped ? background : foreground;
+}
+
+int tap(int i) { return i == 0 ? 0 : sign(i) * (abs(i) == 1 ? tap_px.x : tap_px.y); }
+
+float depth_vote(ivec2 at) {
+  // Measured background is sure, colour may be a shadow; measured people lag and reach over edges.
+  const float foreground_weight = 3.0, background_weight = 5.0;
+  float sum = 0.0;
+  for (int j = -2; j <= 2; ++j)
+    for (int i = -2; i <= 2; ++i) {
+      int s = state_at(at + ivec2(tap(i), tap(j)));
+      sum += s == foreground ? 1.0 : s == background ? 0.0 : 0.4;
+    }
+  float balance = 2.0 * sum / 25.0 - 1.0;
+  return (balance > 0.0 ? foreground_weight : background_weight) * balance;
+}
+
+float color_vote(ivec2 at, ivec2 block) {
+  if (!use_color) return 0.0;
+  ivec2 first = at + 2 * block;  // block * (block_px + 2) + at - block * block_px, less the border
+  float sum = 0.0;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) sum += texelFetch(votes, first + ivec2(i, j), 0).r;
+  return sum / 9.0;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
+  vec4 near = texelFetch(band, block, 0);
+  int flags = int(near.x);
+  visible_w = abs(texelFetch(w, at, 0).r);
+  int s = state_at(at);
+  bool is_foreground = s == foreground;
+  matte = is_foreground ? 1.0 : 0.0;
+  if ((flags & 2) != 0 || s == doubt || ((flags & 1) != 0 && s == unknown))
+    matte = clamp(0.5 + 0.5 * (color_vote(at, block) + depth_vote(at)), 0.0, 1.0);
+  matte = floor(255.0 * matte + 0.5) / 255.0;
+  bool is_person = matte > 0.0;
+  if (is_person != is_foreground) visible_w = is_person ? near.y : 0.0;
+}

@@ -1,0 +1,24 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass key, a pixel a block: foreground too small to be a person becomes background.
+//   counts, colors  blocks, in and out (common/key.glsl)
+#include "common/precision.glsl"
+#include "common/key.glsl"
+layout(binding = 0) uniform sampler2D counts;
+layout(binding = 1) uniform sampler2D colors;
+uniform float least_foreground_px;
+layout(location = 0) out vec4 kept_counts;
+layout(location = 1) out vec4 kept_colors;
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(counts, 0) - 1;
+  Block b = read_block(counts, colors, at);
+  float sum = 0.0;
+  for (int y = max(0, at.y - 2); y <= min(last.y, at.y + 2); ++y)
+    for (int x = max(0, at.x - 2); x <= min(last.x, at.x + 2); ++x)
+      sum += texelFetch(counts, ivec2(x, y), 0).x;
+  if (b.foreground > 0.0 && sum < least_foreground_px)
+    b = Block(0.0, 0.0, 0.0, true, b.doubt, true, vec3(0), 0.0);
+  kept_counts = counts_of(b);
+  kept_colors = vec4(b.color_sum, b.square_sum);
+}

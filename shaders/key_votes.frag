@@ -1,0 +1,43 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass key, by colour: log odds of foreground. The target holds each block's pixels with a border
+// of one, since a block's neighbours compare with other people.
+//   plate         linear light, view
+//   learned       background colour, linear, and its spread (0 where not learned)
+//   band, person  blocks, of key_band.frag
+//   vote          -4..4; only blocks where votes decide are drawn
+#include "common/precision.glsl"
+#include "common/key.glsl"
+#include "common/color.glsl"
+layout(binding = 0) uniform sampler2D plate;
+layout(binding = 1) uniform sampler2D learned;
+layout(binding = 2) uniform sampler2D learned_sigma;
+layout(binding = 3) uniform sampler2D band;
+layout(binding = 4) uniform sampler2D person;
+uniform bool has_sigma;
+uniform vec3 gain;  // of the camera since the background was learned
+out float vote;
+
+void main() {
+  const float darkest = 0.85, dark_sigma = 0.3, cap = 4.0;
+  ivec2 tile = ivec2(gl_FragCoord.xy), block = tile / (block_px + 2);
+  vec4 near = texelFetch(band, block, 0);
+  int flags = int(near.x);
+  ivec2 at = block * block_px + tile - block * (block_px + 2) - 1;
+  at = clamp(at, ivec2(0), textureSize(plate, 0) - 1);
+  vec3 p = texelFetch(plate, at, 0).rgb, b = min(gain * texelFetch(learned, at, 0).rgb, 1.0);
+  float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
+  float variance = spread * spread + floor_variance(b);
+  // A shadow darkens the background without changing its hue.
+  float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest, 1.0);
+  vec3 off = p - k * b;
+  float dark = (1.0 - k) / dark_sigma;
+  float background2 = dot(off, off) / variance + dark * dark;
+  float odds = 0.5 * background2 - cap;
+  if ((flags & 8) != 0) {
+    vec3 from_person = p - texelFetch(person, block, 0).rgb;
+    float person2 = dot(from_person, from_person) / near.z;
+    odds = 0.5 * (background2 - person2) + 1.5 * log(variance / near.z);
+  }
+  vote = clamp(odds, -cap, cap);
+}

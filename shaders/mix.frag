@@ -1,0 +1,63 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass mix: the composite, after README.md of host/render.
+//   plate, learned      linear light; learned is the background's colour
+//   matte               people, 0..1
+//   visible_w           of the visible real surface, 1/m, 0 unknown
+//   background_m        z in metres, 0 unknown
+//   light_map           0..1
+//   virtual_color       linear, premultiplied by the coverage in alpha; virtual_w 1/m
+//   color               linear (the target encodes to sRGB), the matte in alpha
+//   mixed_m, segmented_m  z in metres, 0 unknown or nobody; layer render::Layer / 255
+#include "common/precision.glsl"
+layout(binding = 0) uniform sampler2D plate;
+layout(binding = 1) uniform sampler2D matte;
+layout(binding = 2) uniform sampler2D visible_w;
+layout(binding = 3) uniform sampler2D background_m;
+layout(binding = 4) uniform sampler2D learned;
+layout(binding = 5) uniform sampler2D light_map;
+layout(binding = 6) uniform sampler2D virtual_color;
+layout(binding = 7) uniform sampler2D virtual_w;
+uniform bool has_background, has_color, has_light, has_objects;
+uniform float contact_slack_m;
+uniform vec3 gain;  // of the camera since the background was learned
+layout(location = 0) out vec4 color;
+layout(location = 1) out float mixed_m;
+layout(location = 2) out float segmented_m;
+layout(location = 3) out float layer;
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float a = has_background ? texelFetch(matte, at, 0).r : 0.0;
+  bool is_person = a >= 0.5;
+  float w = abs(texelFetch(visible_w, at, 0).r);
+  float measured = w > 0.0 ? 1.0 / w : 0.0;
+  float known = has_background ? texelFetch(background_m, at, 0).r : 0.0;
+  float behind = known > 0.0 ? known : a > 0.0 ? 0.0 : measured;
+  float light = has_light ? texelFetch(light_map, at, 0).r : 1.0;
+  vec3 real = texelFetch(plate, at, 0).rgb * light;
+  color = vec4(real, a);
+  segmented_m = is_person ? measured : 0.0;
+  mixed_m = is_person ? measured : behind;
+  layer = is_person ? 1.0 / 255.0 : 0.0;
+  if (!has_objects) return;
+  vec4 shaded = texelFetch(virtual_color, at, 0);
+  if (shaded.a == 0.0) return;
+  shaded.rgb *= gain;
+  float z = 1.0 / texelFetch(virtual_w, at, 0).r;
+  // A surface that the object touches does not hide it; unknown depth never does.
+  if (behind > 0.0 && z > behind + contact_slack_m) return;
+  bool person_before = a > 0.0 && measured > 0.0 && measured < z;
+  vec3 empty = has_color ? min(gain * texelFetch(learned, at, 0).rgb, 1.0) * light : real;
+  // A wrong matte takes no more background out of a pixel than is in it.
+  vec3 most = real / max(empty, 1e-10);
+  float empty_share = min(1.0 - a, min(most.r, min(most.g, most.b)));
+  if (!person_before)
+    color.rgb = shaded.rgb + (1.0 - shaded.a) * real;
+  else if (a < 1.0)
+    color.rgb = real + empty_share * (shaded.rgb - shaded.a * empty);
+  float share = shaded.a * (person_before ? 1.0 - a : 1.0);
+  if (share < 0.5) return;
+  mixed_m = z;
+  layer = 2.0 / 255.0;
+}
