@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames of the cpu back end, milliseconds a stage as counters. Run on an idle machine:
+//   render_bench --benchmark_repetitions=5
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "host/render/cpu/compositor_cpu.h"
+#include "tests/gl/room_setup.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{1920, 1080};
+
+/// range(0): threads; range(1): whether the camera moves, so that nothing is kept between frames.
+void compose(benchmark::State& state, Size view, Size tof) {
+  const RoomSetup room({.view = view, .tof = tof, .lens_k1 = -0.05});
+  auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)));
+  if (!compositor) {
+    state.SkipWithError(compositor.error().context.c_str());
+    return;
+  }
+  render::FrameOutput output;
+  render::FrameInput frame = room.frame();
+  render::StageTimes sum{};
+  for (auto _ : state) {
+    if (state.range(1)) frame.world_from_target.translation_m.x() += 1e-4;
+    if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*compositor)->stage_times()[i];
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    state.counters[std::string(render::name(static_cast<render::Stage>(i))) + "_ms"] =
+        benchmark::Counter(sum[i], benchmark::Counter::kAvgIterations);
+}
+
+void arguments(benchmark::internal::Benchmark* bench) {
+  bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->ArgNames({"threads", "moving"});
+  bench->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+BENCHMARK_CAPTURE(compose, kinect2_1280x1024, kXga, kKinect2)->Apply(arguments);
+BENCHMARK_CAPTURE(compose, sr3000_1280x1024, kXga, kSr3000)->Apply(arguments);
+BENCHMARK_CAPTURE(compose, kinect2_1920x1080, kFullHd, kKinect2)->Apply(arguments);
+
+}  // namespace
+}  // namespace mixrig::test
+
+BENCHMARK_MAIN();

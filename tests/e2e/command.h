@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the real `mixrig` in a folder of its own that vanishes with the test.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace mixrig::test {
+
+class CommandTest : public ::testing::Test {
+ protected:
+  CommandTest() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "mixrig-e2e-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~CommandTest() override { std::filesystem::remove_all(folder_); }
+
+  /// Exit status of `mixrig WORDS`, its output kept out of the log unless it fails.
+  int mixrig(const std::string& words) const {
+    const std::string line =
+        std::string(MIXRIG_COMMAND) + " " + words + " >" + (folder_ / "log").string() + " 2>&1";
+    const int status = std::system(line.c_str());
+    if (status != 0) {
+      std::ifstream log(folder_ / "log");
+      ADD_FAILURE() << "mixrig " << words << "\n"
+                    << std::string(std::istreambuf_iterator<char>(log), {});
+    }
+    return status;
+  }
+  nlohmann::json report(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return nlohmann::json::parse(file);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main job on studio takes: what the report says must hold for seeds that nobody tuned to.
+#include <gtest/gtest.h>
+
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+struct Row {
+  const char* scenario;
+  const char* rig;
+  int seed;
+  double least_key_iou;
+};
+
+class StudioRun : public CommandTest, public ::testing::WithParamInterface<Row> {};
+
+TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
+  const Row& row = GetParam();
+  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario " + row.scenario + " --rig " + row.rig +
+                   " --seed " + std::to_string(row.seed) + " --frames 36 --size 1280x1024"),
+            0);
+  ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
+                   path("out") + " --backend cpu --format none --json " + path("report.json")),
+            0);
+  const auto report = this->report("report.json");
+  const auto& error = report.at("error");
+  EXPECT_GE(error.at("key_iou").get<double>(), row.least_key_iou);
+  EXPECT_LE(error.at("order_wrong_pct").get<double>(), 2.0);
+  EXPECT_LE(error.at("light_rmse").get<double>(), 0.06);
+  EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);
+  EXPECT_LE(report.at("rss_mb").get<double>(), 400.0);
+  EXPECT_EQ(report.at("frames").get<int>(), report.at("foreground_pct").size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, StudioRun,
+                         ::testing::Values(Row{"walk", "kinect2", 21, 0.95},
+                                           Row{"talk", "kinect2", 22, 0.95},
+                                           Row{"walk", "sr3000", 23, 0.90}));
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as an image file, and as the memory layout of a USB bootloader.
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "hal/linux/dfuse.h"
+#include "hal/linux/firmware_image.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig::device;
+  (void)check_image({data, data + size}, "fuzz");
+  (void)worth_keeping({data, size});
+  (void)parse_memory_layout({reinterpret_cast<const char*>(data), size});
+  return 0;
+}

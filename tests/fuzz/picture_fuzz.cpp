@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// PNG and JPEG decoding of any bytes.
+#include <cstdint>
+#include <cstdlib>
+
+#include "host/image_io/codecs.h"
+#include "host/image_io/image_io.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig;
+  Image<Rgb8> color;
+  if (image_io::decode_rgb8(data, size, "x", color) && color.empty()) std::abort();
+  if (!image_io::is_png({data, size})) return 0;
+  Image<std::uint16_t> deep;
+  if (image_io::decode_png({data, size}, "x", deep) && deep.empty()) std::abort();
+  return 0;
+}

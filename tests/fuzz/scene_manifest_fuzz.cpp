@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// scene.toml of any bytes, without the models that it names.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "host/scene/scene_manifest.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig;
+  const auto scene =
+      scene::parse_scene({reinterpret_cast<const char*>(data), size}, "scene.toml", false);
+  if (!scene && scene.error().context.find('\n') != std::string::npos) std::abort();
+  return 0;
+}

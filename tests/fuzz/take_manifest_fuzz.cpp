@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// take.toml of any bytes; one that is accepted is written and read again.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "host/take/manifest.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig;
+  const auto manifest =
+      take::parse_manifest({reinterpret_cast<const char*>(data), size}, "t/take.toml");
+  if (!manifest) return 0;
+  const auto again = take::parse_manifest(take::manifest_text(manifest->info), "t/take.toml");
+  if (!again || again->info.color != manifest->info.color) std::abort();
+  return 0;
+}

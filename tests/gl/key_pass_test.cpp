@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/key_pass.h"
+
+#include "tests/gl/gl_fixture.h"
+
+namespace mixrig::test {
+namespace {
+
+using namespace render::gles;
+
+constexpr Size kView{64, 64};
+
+/// A wall at 4 m (w = 0.25, limit 0.3), dark red; people are bright green.
+class KeyPassTest : public GlTest {
+ protected:
+  KeyPassTest() {
+    tables_.view_size = kView;
+    tables_.has_background = true;
+    tables_.key_limit_w.reset(kView, 0.3F);
+    tables_.warp.view = {{64, 64}, {31.5F, 31.5F}};
+    w_.reset(kView, 0.25F);
+    plate_.reset(kView, kWall);
+    learned_.reset(kView, {kWallLinear, 0, 0});
+  }
+  /// A person at 2 m: w in [x0, x1) x [y0, y1), and what the plate shows there.
+  void put(int x0, int y0, int x1, int y1, bool depth = true, bool color = true) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) {
+        if (depth) w_.at(x, y) = 0.5F;
+        if (color) plate_.at(x, y) = kGreen;
+      }
+  }
+  void draw() {
+    render::BackgroundView background;
+    if (use_color_) background.color = learned_;
+    auto pass = KeyPass::create(tables_, background, params_);
+    ASSERT_TRUE(pass) << pass.error().context;
+    const Texture w = make_texture(w_.view(), GL_R32F), none;
+    const Texture plate = make_texture(plate_.view(), GL_SRGB8);
+    const Texture learned = make_texture(learned_.view(), GL_RGB16F);
+    pass->draw(params_, {w, plate, learned, none});
+    matte_ = read(pass->matte());
+    visible_w_ = read(pass->visible_w());
+  }
+  float matte(int x, int y) const { return matte_.at(x, y).r; }
+
+  static constexpr Rgb8 kWall{120, 0, 0}, kGreen{20, 200, 20};
+  static constexpr float kWallLinear = 0.1878F;
+  render::Tables tables_;
+  render::KeyPassParams params_;
+  bool use_color_ = true;
+  Image<float> w_;
+  Image<Rgb8> plate_;
+  Image<Rgbf> learned_;
+  Image<glm::vec4> matte_, visible_w_;
+};
+
+TEST_F(KeyPassTest, person_before_the_limit_is_keyed) {
+  put(16, 16, 40, 64);
+  draw();
+  EXPECT_EQ(matte(28, 40), 1);
+  EXPECT_EQ(matte(18, 40), 1);
+  EXPECT_EQ(matte(5, 40), 0);
+  EXPECT_EQ(matte(60, 8), 0);
+  EXPECT_FLOAT_EQ(visible_w_.at(28, 40).r, 0.5F);
+  EXPECT_FLOAT_EQ(visible_w_.at(5, 40).r, 0.25F);
+}
+
+TEST_F(KeyPassTest, unknown_and_background_depth_never_key_alone) {
+  w_.fill(0);
+  plate_.fill(kGreen);  // colour alone, far from any measured person, is no person
+  draw();
+  for (int x = 0; x < 64; x += 7) EXPECT_EQ(matte(x, 30), 0) << x;
+}
+
+TEST_F(KeyPassTest, speckles_are_dropped) {
+  put(20, 20, 22, 22);  // 4 pixels; six ToF pixels of one view pixel each would stay
+  draw();
+  EXPECT_EQ(matte(20, 20), 0);
+  put(20, 20, 24, 24);
+  draw();
+  EXPECT_GT(matte(22, 22), 0.5F);
+}
+
+TEST_F(KeyPassTest, color_moves_the_border_where_depth_reaches_too_far) {
+  put(16, 0, 40, 64);
+  put(40, 0, 42, 64, true, false);  // depth says person, colour shows the wall
+  put(13, 0, 16, 64, false, true);  // depth says wall, colour shows the person
+  for (int y = 0; y < 64; ++y) w_.at(14, y) = w_.at(15, y) = w_.at(13, y) = 0;  // or nothing
+  draw();
+  EXPECT_EQ(matte(41, 30), 0);
+  EXPECT_EQ(matte(15, 30), 1);
+  EXPECT_FLOAT_EQ(visible_w_.at(15, 30).r, 0.5F);  // the depth of the person around
+  EXPECT_EQ(visible_w_.at(41, 30).r, 0);           // what reached over is no depth of the wall
+  use_color_ = false;
+  draw();
+  EXPECT_GT(matte(40, 30), 0.5F);  // without colour depth decides
+}
+
+TEST_F(KeyPassTest, shadow_on_the_wall_is_no_person) {
+  put(16, 0, 40, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 40; x < 64; ++x) plate_.at(x, y) = {100, 0, 0};  // 0.67 of the light
+  draw();
+  EXPECT_EQ(matte(44, 30), 0);
+}
+
+TEST_F(KeyPassTest, points_outside_the_capture_box_are_cropped) {
+  put(0, 0, 64, 64);
+  params_.crop = true;
+  params_.crop_min_m = {0, -9, 0};  // world axes are the camera's: only the right half
+  params_.crop_max_m = {9, 9, 9};
+  draw();
+  EXPECT_EQ(matte(10, 30), 0);
+  EXPECT_EQ(matte(54, 30), 1);
+}
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/mix_pass.h"
+
+#include <cmath>
+
+#include "tests/gl/gl_fixture.h"
+
+namespace mixrig::test {
+namespace {
+
+using namespace render::gles;
+
+constexpr Size kView{16, 16};
+
+float srgb_byte(float linear) {
+  return 255 *
+         (linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F);
+}
+
+/// All pixels alike: plate 0.5 grey, wall at 4 m, virtual layer and person as each test says.
+class MixPassTest : public GlTest {
+ protected:
+  struct Out {
+    glm::vec4 color;  ///< bytes; matte in alpha
+    float mixed_m = 0, segmented_m = 0;
+    int layer = 0;
+  };
+  Out draw() {
+    render::Tables tables;
+    tables.view_size = kView;
+    tables.has_background = true;
+    render::CompositorSetup setup;
+    setup.objects.resize(1);
+    const Image<Rgbf> learned_color(kView, {0.2F, 0.2F, 0.2F});
+    setup.background.color = learned_color;
+    auto pass = MixPass::create(tables, setup);
+    EXPECT_TRUE(pass);
+    const Image<std::uint8_t> matte_bytes(kView, matte);
+    const Texture plate = make_texture(Image<Rgb8>(kView, plate_bytes).view(), GL_SRGB8);
+    const Texture visible_w = make_texture(Image<float>(kView, w).view(), GL_R32F);
+    const Texture mattes = make_texture(matte_bytes.view(), GL_R8);
+    const Texture wall = make_texture(Image<float>(kView, wall_m).view(), GL_R32F);
+    const Texture learned = make_texture(learned_color.view(), GL_RGB16F);
+    const Texture lights = make_texture(Image<float>(kView, light).view(), GL_R32F);
+    Texture virtual_color = make_texture(kView, GL_RGBA16F);
+    Texture virtual_w = make_texture(Image<float>(kView, 1 / virtual_m).view(), GL_R32F);
+    auto target = make_target({&virtual_color});
+    EXPECT_TRUE(target);
+    bind(*target);
+    glClearColor(shaded.r, shaded.g, shaded.b, shaded.a);
+    glClear(GL_COLOR_BUFFER_BIT);
+    const MixInput input{&plate,  &visible_w,     &mattes,    &wall, &learned,
+                         &lights, &virtual_color, &virtual_w, gain};
+    EXPECT_TRUE(pass->draw(input, true));
+    Scratch scratch, rgba;
+    read_back_rgba(pass->target(), kMixColor, rgba);
+    Image<float> mixed(kView), segmented(kView);
+    Image<std::uint8_t> layer(kView);
+    read_back(pass->target(), kMixDepth, mixed, scratch);
+    read_back(pass->target(), kMixSegmented, segmented, scratch);
+    read_back(pass->target(), kMixLayer, layer, scratch);
+    const auto* p = reinterpret_cast<const std::uint8_t*>(&rgba[17]);
+    return {glm::vec4(p[0], p[1], p[2], p[3]), mixed.at(3, 2), segmented.at(3, 2), layer.at(3, 2)};
+  }
+
+  Rgb8 plate_bytes{188, 188, 188};  // 0.5029 in linear light
+  std::uint8_t matte = 0;
+  glm::vec3 gain{1};
+  float w = 0.25F, wall_m = 4, light = 1, virtual_m = 3;
+  glm::vec4 shaded{0.1F, 0.3F, 0.05F, 1};  // premultiplied
+};
+
+TEST_F(MixPassTest, virtual_before_the_wall_hides_it) {
+  const Out out = draw();
+  EXPECT_NEAR(out.color.r, srgb_byte(0.1F), 1);
+  EXPECT_NEAR(out.color.g, srgb_byte(0.3F), 1);
+  EXPECT_EQ(out.color.a, 0);
+  EXPECT_NEAR(out.mixed_m, 3, 1e-5F);
+  EXPECT_EQ(out.segmented_m, 0);
+  EXPECT_EQ(out.layer, static_cast<int>(render::Layer::kVirtual));
+}
+
+TEST_F(MixPassTest, virtual_behind_the_wall_is_hidden_but_may_touch_it) {
+  virtual_m = 4.1F;
+  EXPECT_NEAR(draw().color.r, 188, 1);
+  EXPECT_NEAR(draw().mixed_m, 4, 1e-5F);
+  virtual_m = 4.01F;  // within the slack of learned depth
+  EXPECT_EQ(draw().layer, static_cast<int>(render::Layer::kVirtual));
+}
+
+TEST_F(MixPassTest, unknown_depth_never_occludes) {
+  wall_m = 0;
+  w = 0;
+  EXPECT_EQ(draw().layer, static_cast<int>(render::Layer::kVirtual));
+}
+
+TEST_F(MixPassTest, person_before_hides_the_object_and_behind_is_hidden) {
+  matte = 255;
+  w = 0.5F;
+  const Out before = draw();
+  EXPECT_NEAR(before.color.g, 188, 1);
+  EXPECT_EQ(before.color.a, 255);
+  EXPECT_NEAR(before.mixed_m, 2, 1e-5F);
+  EXPECT_NEAR(before.segmented_m, 2, 1e-5F);
+  EXPECT_EQ(before.layer, static_cast<int>(render::Layer::kPerson));
+  virtual_m = 1.5F;
+  const Out behind = draw();
+  EXPECT_NEAR(behind.color.g, srgb_byte(0.3F), 1);
+  EXPECT_NEAR(behind.mixed_m, 1.5F, 1e-5F);
+  EXPECT_NEAR(behind.segmented_m, 2, 1e-5F);
+  EXPECT_EQ(behind.layer, static_cast<int>(render::Layer::kVirtual));
+}
+
+TEST_F(MixPassTest, half_covered_pixel_of_a_person_is_matted_with_the_learned_wall) {
+  matte = 51;  // 0.2
+  w = 0.5F;
+  light = 0.5F;
+  shaded = {0.1F, 0.15F, 0.025F, 0.5F};
+  // P s + (1 - a) (C - v B s) = 0.25 + 0.8 (0.15 - 0.5 x 0.1) = 0.33 in green; P = 0.5029.
+  const Out out = draw();
+  EXPECT_NEAR(out.color.g, srgb_byte(0.2514F + 0.8F * (0.15F - 0.05F)), 1);
+  EXPECT_EQ(out.layer, static_cast<int>(render::Layer::kBackground));  // 0.4 of it is virtual
+  EXPECT_NEAR(out.mixed_m, 4, 1e-5F);
+}
+
+TEST_F(MixPassTest, wrong_matte_takes_no_more_wall_out_of_a_pixel_than_is_in_it) {
+  matte = 51;
+  w = 0.5F;
+  plate_bytes = {188, 89, 188};  // green 0.1: half of the wall's 0.2, so b = 0.5 and not 0.8
+  const Out out = draw();
+  EXPECT_NEAR(out.color.g, srgb_byte(0.5F * 0.3F), 1);
+  EXPECT_NEAR(out.color.r, srgb_byte(0.5029F + 0.5F * (0.1F - 0.2F)), 1);
+}
+
+TEST_F(MixPassTest, gain_of_the_camera_brightens_the_object) {
+  gain = {2, 1, 0.5F};
+  const Out out = draw();
+  EXPECT_NEAR(out.color.r, srgb_byte(0.2F), 1);
+  EXPECT_NEAR(out.color.g, srgb_byte(0.3F), 1);
+  EXPECT_NEAR(out.color.b, srgb_byte(0.025F), 1);
+}
+
+TEST_F(MixPassTest, light_map_scales_the_plate_in_linear_light) {
+  shaded = glm::vec4(0);
+  light = 0.25F;
+  EXPECT_NEAR(draw().color.b, srgb_byte(0.25F * 0.5029F), 1);
+}
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// The analytic room as a compositor's setup: learned background, a virtual box, two lamps.
+#pragma once
+
+#include <vector>
+
+#include "host/render/compositor.h"
+#include "tests/support/analytic_scene.h"
+
+namespace mixrig::test {
+
+/// Owns what a CompositorSetup borrows. World axes are those of the camera's first pose.
+struct RoomSetup {
+  struct Options {
+    Size view{320, 240};
+    Size tof{128, 96};
+    bool objects = true, lamps = true, background = true, background_color = true;
+    double lens_k1 = 0;
+    Eigen::Vector3d box_m{0.3, 0.9, 2.9};  ///< centre of the virtual box, 0.6 m wide
+  };
+  explicit RoomSetup(const Options& options);
+  RoomSetup(const RoomSetup&) = delete;
+  RoomSetup& operator=(const RoomSetup&) = delete;
+
+  AnalyticScene scene;
+  Camera target, tof;
+  render::CompositorSetup setup;
+  Image<Rgb8> plate;   ///< with the person
+  Image<float> depth;  ///< with the person
+  render::FrameInput frame() const { return {plate, depth, {}}; }
+
+ private:
+  void learn(bool with_color);
+  void add_box(const Eigen::Vector3d& center_m);
+
+  Image<float> background_m_, background_sigma_m_, color_sigma_;
+  Image<Rgbf> color_;
+  Image<Rgb8> texture_;
+  std::vector<glm::vec3> positions_, normals_;
+  std::vector<glm::vec2> uv_;
+  std::vector<std::uint32_t> indices_;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both back ends draw the same frame.
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host/render/cpu/compositor_cpu.h"
+#include "host/render/gles/compositor_gles.h"
+#include "tests/gl/room_setup.h"
+
+namespace mixrig::test {
+namespace {
+
+using render::FrameOutput;
+
+double psnr_db(const Image<Rgb8>& a, const Image<Rgb8>& b) {
+  double sum = 0;
+  for (int y = 0; y < a.height(); ++y)
+    for (int x = 0; x < a.width(); ++x) {
+      const Rgb8 p = a.at(x, y), q = b.at(x, y);
+      sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
+    }
+  const double mean = sum / (3.0 * static_cast<double>(a.size().area()));
+  return mean > 0 ? 10 * std::log10(255 * 255 / mean) : 99;
+}
+
+/// Share of pixels whose values lie within `tolerance`.
+template <typename T>
+double share_within(const Image<T>& a, const Image<T>& b, double tolerance) {
+  std::size_t good = 0;
+  for (int y = 0; y < a.height(); ++y)
+    for (int x = 0; x < a.width(); ++x)
+      good +=
+          std::abs(static_cast<double>(a.at(x, y)) - static_cast<double>(b.at(x, y))) <= tolerance;
+  return static_cast<double>(good) / static_cast<double>(a.size().area());
+}
+
+struct Pair {
+  std::unique_ptr<render::Compositor> cpu, gles;
+  FrameOutput cpu_frame, gles_frame;
+};
+
+Pair make_pair(const RoomSetup& room) {
+  Pair pair;
+  auto cpu = render::make_cpu_compositor(room.setup, 2);
+  auto gles = render::make_gles_compositor(room.setup);
+  EXPECT_TRUE(cpu) << cpu.error().context;
+  EXPECT_TRUE(gles) << gles.error().context;
+  if (cpu && gles) pair.cpu = std::move(*cpu), pair.gles = std::move(*gles);
+  pair.cpu_frame.inspect = pair.gles_frame.inspect = true;
+  return pair;
+}
+
+/// Both draw the frame, and what they draw agrees.
+void expect_agreement(Pair& pair, const render::FrameInput& frame) {
+  ASSERT_TRUE(pair.cpu && pair.gles);
+  const auto first = pair.cpu->compose(frame, pair.cpu_frame);
+  const auto second = pair.gles->compose(frame, pair.gles_frame);
+  ASSERT_TRUE(first) << first.error().context;
+  ASSERT_TRUE(second) << second.error().context;
+  const FrameOutput &cpu = pair.cpu_frame, &gles = pair.gles_frame;
+  EXPECT_GE(psnr_db(cpu.color, gles.color), 45);
+  EXPECT_GE(share_within(cpu.warped_depth_m, gles.warped_depth_m, 0.002), 0.995);
+  EXPECT_GE(share_within(cpu.mixed_depth_m, gles.mixed_depth_m, 0.002), 0.995);
+  EXPECT_GE(share_within(cpu.segmented_depth_m, gles.segmented_depth_m, 0.002), 0.995);
+  EXPECT_GE(share_within(cpu.matte, gles.matte, 8), 0.995);
+  EXPECT_GE(share_within(cpu.state, gles.state, 0), 0.995);
+  EXPECT_GE(share_within(cpu.light, gles.light, 0.02), 0.995);
+  EXPECT_GE(share_within(cpu.layer, gles.layer, 0), 0.998);
+  testing::Test::RecordProperty("psnr_db", std::to_string(psnr_db(cpu.color, gles.color)));
+}
+
+void expect_agreement(const RoomSetup::Options& options) {
+  const RoomSetup room(options);
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+}
+
+bool shows(const FrameOutput& frame, render::Layer layer) {
+  for (int y = 0; y < frame.layer.height(); ++y)
+    for (int x = 0; x < frame.layer.width(); ++x)
+      if (frame.layer.at(x, y) == static_cast<std::uint8_t>(layer)) return true;
+  return false;
+}
+
+float time_of(const Pair& pair, render::Stage stage) {
+  return pair.gles->stage_times()[static_cast<std::size_t>(stage)];
+}
+
+TEST(WholeFrame, agrees_with_person_object_and_shadows) {
+  const RoomSetup room({});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
+}
+
+TEST(WholeFrame, agrees_through_a_lens_at_odd_sizes) {
+  expect_agreement({.view = {327, 245}, .tof = {121, 87}, .lens_k1 = -0.12});
+}
+
+TEST(WholeFrame, agrees_without_background) { expect_agreement({.background = false}); }
+TEST(WholeFrame, agrees_without_learned_color) { expect_agreement({.background_color = false}); }
+TEST(WholeFrame, agrees_without_objects) { expect_agreement({.objects = false}); }
+TEST(WholeFrame, agrees_without_lamps) { expect_agreement({.lamps = false}); }
+
+TEST(WholeFrame, agrees_with_distances_and_a_capture_box) {
+  RoomSetup room({});
+  room.setup.depth_is_distance = true;
+  for (int y = 0; y < room.depth.height(); ++y)
+    for (int x = 0; x < room.depth.width(); ++x) {
+      const auto ray = room.setup.tof.unproject({x, y});
+      room.depth.at(x, y) *= static_cast<float>(std::sqrt(1 + ray->squaredNorm()));
+    }
+  room.setup.capture_box = render::CaptureBox{{-5, -0.4, 0}, {5, 5, 9}};  // cuts off the head
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+}
+
+TEST(WholeFrame, agrees_when_the_camera_brightens_by_itself) {
+  RoomSetup room({});
+  for (int y = 0; y < room.plate.height(); ++y)
+    for (int x = 0; x < room.plate.width(); ++x)
+      room.plate.at(x, y).r = static_cast<std::uint8_t>(room.plate.at(x, y).r * 0.9);
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+}
+
+TEST(WholeFrame, follows_the_camera_and_comes_back) {
+  const RoomSetup room({});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  const Image<Rgb8> first = pair.gles_frame.color;
+  render::FrameInput moved = room.frame();
+  moved.world_from_target.translation_m = {0.2, -0.1, 0.3};
+  expect_agreement(pair, moved);
+  EXPECT_LT(psnr_db(first, pair.gles_frame.color), 40);  // the object moved in the picture
+  expect_agreement(pair, room.frame());
+  EXPECT_EQ(psnr_db(first, pair.gles_frame.color), 99);
+}
+
+TEST(WholeFrame, object_out_of_sight_leaves_nothing_behind) {
+  const RoomSetup room({});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  render::FrameInput away = room.frame();
+  away.world_from_target.translation_m = {0, 0, 10};
+  expect_agreement(pair, away);
+  EXPECT_FALSE(shows(pair.gles_frame, render::Layer::kVirtual));
+}
+
+TEST(WholeFrame, draws_only_what_the_scene_needs) {
+  const RoomSetup room({}), bare({.objects = false});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  EXPECT_GT(time_of(pair, render::Stage::kVirtual), 0);
+  EXPECT_GT(time_of(pair, render::Stage::kShadow), 0);
+  EXPECT_EQ(time_of(pair, render::Stage::kPlate), 0);  // no lens: nothing to resample
+  expect_agreement(pair, room.frame());                // the camera stands still
+  EXPECT_EQ(time_of(pair, render::Stage::kVirtual), 0);
+  EXPECT_EQ(time_of(pair, render::Stage::kShadow), 0);
+  Pair without = make_pair(bare);
+  expect_agreement(without, bare.frame());
+  EXPECT_EQ(time_of(without, render::Stage::kVirtual), 0);
+  EXPECT_EQ(time_of(without, render::Stage::kLight), 0);
+  EXPECT_GT(time_of(without, render::Stage::kWarp), 0);
+}
+
+TEST(WholeFrame, bad_pictures_are_one_line_and_change_nothing) {
+  RoomSetup room({});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  const Image<Rgb8> before = pair.gles_frame.color;
+  const Image<float> wrong({3, 3});
+  render::FrameInput frame = room.frame();
+  frame.tof_depth_m = wrong;
+  const auto result = pair.gles->compose(frame, pair.gles_frame);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kData);
+  EXPECT_EQ(psnr_db(before, pair.gles_frame.color), 99);
+  room.depth.fill(std::numeric_limits<float>::quiet_NaN());  // a camera that sees nothing
+  expect_agreement(pair, room.frame());
+  EXPECT_FALSE(shows(pair.gles_frame, render::Layer::kPerson));
+}
+
+TEST(WholeFrame, more_lamps_than_a_uniform_block_holds_is_an_error) {
+  RoomSetup room({});
+  room.setup.light.lamps.resize(33, room.setup.light.lamps[0]);
+  const auto made = render::make_gles_compositor(room.setup);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(made.error().context.find("32"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mixrig::test

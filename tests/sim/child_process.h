@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// A program started by a test: ended with it, and after a limit in any case.
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+#include <vector>
+
+namespace mixrig::test {
+
+class ChildProcess {
+ public:
+  /// Runs `words` under timeout(1); its output goes to `log`.
+  ChildProcess(std::vector<std::string> words, int limit_s, const std::string& log = "/dev/null") {
+    words.insert(words.begin(), {"timeout", std::to_string(limit_s)});
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const int in = open("/dev/null", O_RDONLY);
+    dup2(in, 0);
+    dup2(out, 1);
+    dup2(out, 2);
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  ~ChildProcess() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGTERM);  // timeout(1) passes it on
+    wait();
+  }
+
+  /// Exit status; 124 where the limit ended it.
+  int wait() {
+    int status = 0;
+    if (pid_ > 0) waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Least squares in 50-digit arithmetic with numeric derivatives: shares no code with what it
+// judges.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
+#include "host/geometry/pose.h"
+
+namespace mixrig::stability {
+
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
+                                           boost::multiprecision::et_off>;
+using Reals = std::vector<Real>;
+/// Whitened residuals of parameters, which are 0 at the truth.
+using Residuals = std::function<Reals(const Reals&)>;
+
+/// A rotation matrix and translation.
+struct Motion {
+  Real r[3][3];
+  Real t[3];
+};
+/// exp(w) * pose.rotation and pose.translation + dt, from parameters x[at .. at+5].
+Motion moved(const geometry::Pose& pose, const Reals& x, std::size_t at = 0);
+/// rotation * p + translation.
+Reals mapped(const Motion& motion, const Reals& p);
+/// rotation^T * (p - translation).
+Reals mapped_back(const Motion& motion, const Reals& p);
+Reals reals(const Eigen::Vector3d& v);
+Real length(const Reals& v);
+
+/// Inverse of the Fisher information at the truth: the Cramer-Rao bound. In 50 digits, so that
+/// nothing is lost far from the origin.
+Eigen::MatrixXd cramer_rao(const Residuals& residuals, int parameters);
+/// The minimum next to the truth, by Gauss-Newton.
+Eigen::VectorXd minimum(const Residuals& residuals, int parameters);
+
+}  // namespace mixrig::stability

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/count_allocations.h"
+
+#include <cstdlib>
+#include <new>
+
+namespace mixrig::test {
+
+std::atomic<long> allocations{0};
+
+}  // namespace mixrig::test
+
+// In a file of their own, so that the compiler does not set them against each other when inlined.
+void* operator new(std::size_t size) {
+  ++mixrig::test::allocations;
+  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counts calls of operator new in this program; add count_allocations.cpp to the test's sources.
+#pragma once
+
+#include <atomic>
+
+namespace mixrig::test {
+
+extern std::atomic<long> allocations;
+
+}  // namespace mixrig::test

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tiny source: a grey wall, before which a red box appears after some empty frames.
+#pragma once
+
+#include "host/app/source.h"
+
+namespace mixrig::app::test {
+
+/// 64x48 px, both cameras the same ideal one; wall at 3 m; from frame `empty` + 1 on a box of
+/// 24x24 px at 2 m with its top left corner at (20, 12).
+class BoxSource final : public FrameSource {
+ public:
+  static constexpr int kLeft = 20, kTop = 12, kSide = 24;
+  explicit BoxSource(int empty, int frames) : empty_(empty) {
+    info_.name = "box";
+    info_.target.pinhole = {{64, 48}, 60, 60, 31.5, 23.5};
+    info_.tof = info_.target;
+    info_.noise = {0.002, 0, 0};
+    info_.frames = frames;
+    info_.has_truth = true;
+  }
+  const take::TakeInfo& info() const override { return info_; }
+  int fails_at = 0;  ///< frame that cannot be read
+
+  Result<void> read(int number, take::TakeFrame& frame) override {
+    if (number == fails_at) return Error{ErrorCode::kData, "depth/000005.png: truncated"};
+    frame.number = number;
+    frame.color.reset(info_.target.size_px(), {128, 128, 128});
+    frame.depth_m.reset(info_.tof.size_px(), 3.0F);
+    if (number > empty_) {
+      paint(frame.color, Rgb8{200, 30, 30});
+      paint(frame.depth_m, 2.0F);
+    }
+    return {};
+  }
+  Result<void> read_truth(int number, take::TruthFrame& truth) override {
+    take::TakeFrame frame;
+    MIXRIG_TRY(read(number, frame));
+    truth.composite = frame.color;
+    truth.depth_m = frame.depth_m;
+    truth.light.reset(frame.color.size(), 1.0F);
+    truth.matte.reset(frame.color.size());
+    truth.labels.reset(frame.color.size(), take::TruthFrame::kTofSees);
+    if (number > empty_) {
+      paint(truth.matte, std::uint8_t{255});
+      paint(truth.labels, std::uint8_t{take::TruthFrame::kTofSees | 1});
+    }
+    return {};
+  }
+
+ private:
+  template <typename T>
+  static void paint(Image<T>& image, T value) {
+    for (int y = kTop; y < kTop + kSide; ++y) std::fill_n(image.row(y) + kLeft, kSide, value);
+  }
+  int empty_;
+  take::TakeInfo info_;
+};
+
+}  // namespace mixrig::app::test

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/device/depth_camera.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+namespace mixrig::device {
+namespace {
+
+// Steps 0, 1000, 4660 (0x1234) and 65535, rows padded to 6 bytes.
+constexpr std::array<std::uint8_t, 10> kBytes = {0,    0,    0xE8, 0x03, 0xAA,
+                                                 0xAA, 0x34, 0x12, 0xFF, 0xFF};
+
+Frame frame() {
+  return {.format = PixelFormat::kDepth16, .size = {2, 2}, .stride_bytes = 6, .bytes = kBytes};
+}
+
+TEST(DepthMetres, StepsAreScaledAndUnknownStaysUnknown) {
+  Image<float> out;
+  ASSERT_TRUE(to_metres(frame(), {.metres_per_step = 0.001, .unknown_step = 0}, out));
+  EXPECT_EQ(out.at(0, 0), 0.0F);
+  EXPECT_FLOAT_EQ(out.at(1, 0), 1.0F);
+  EXPECT_FLOAT_EQ(out.at(0, 1), 4.66F);
+  EXPECT_FLOAT_EQ(out.at(1, 1), 65.535F);
+}
+
+TEST(DepthMetres, OffsetAndOtherUnknownValue) {
+  Image<float> out;
+  ASSERT_TRUE(to_metres(frame(),
+                        {.metres_per_step = 0.00025, .offset_m = 0.5, .unknown_step = 65535}, out));
+  EXPECT_FLOAT_EQ(out.at(0, 0), 0.5F);
+  EXPECT_FLOAT_EQ(out.at(1, 0), 0.75F);
+  EXPECT_EQ(out.at(1, 1), 0.0F);
+}
+
+TEST(DepthMetres, NegativeDepthIsUnknown) {
+  Image<float> out;
+  ASSERT_TRUE(
+      to_metres(frame(), {.metres_per_step = 0.001, .offset_m = -2.0, .unknown_step = 0}, out));
+  EXPECT_EQ(out.at(1, 0), 0.0F);
+}
+
+TEST(DepthMetres, ShortOrForeignFramesAreRefused) {
+  Image<float> out;
+  Frame bad = frame();
+  bad.bytes = bad.bytes.first(9);
+  EXPECT_FALSE(to_metres(bad, {}, out));
+  bad = frame();
+  bad.format = PixelFormat::kRgb8;
+  EXPECT_FALSE(to_metres(bad, {}, out));
+  bad = frame();
+  bad.stride_bytes = 3;
+  EXPECT_FALSE(to_metres(bad, {}, out));
+}
+
+TEST(PixelFormats, SizesOfAPicture) {
+  EXPECT_EQ(image_bytes(PixelFormat::kYuyv, {640, 480}, row_bytes(PixelFormat::kYuyv, 640)),
+            614400U);
+  EXPECT_EQ(image_bytes(PixelFormat::kNv12, {640, 480}, row_bytes(PixelFormat::kNv12, 640)),
+            460800U);
+  EXPECT_EQ(image_bytes(PixelFormat::kRgb8, {3, 2}, row_bytes(PixelFormat::kRgb8, 3)), 18U);
+  EXPECT_EQ(image_bytes(PixelFormat::kMjpeg, {640, 480}, 0), 0U);
+}
+
+}  // namespace
+}  // namespace mixrig::device

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// A board, a line and a flasher for tests.
+#pragma once
+
+#include <algorithm>
+
+#include "hal/fake/emulated_board.h"
+#include "hal/linux/flash_image.h"
+#include "hal/linux/mcu_link.h"
+#include "hal/linux/stm32_rom.h"
+#include "make_image.h"
+
+namespace mixrig::device {
+
+struct FlashBoard {
+  ManualClock clock;
+  fake::EmulatedBoard board;
+  fake::BoardStream stream{board, clock};
+  Stm32Rom rom{stream, clock};
+  FlashProgress quiet = [](const char*, std::size_t, std::size_t) {};
+
+  /// The whole of it, from whatever runs, as `mixrig flash` does.
+  Result<void> flash(std::span<const std::uint8_t> image) {
+    MIXRIG_TRY(enter_bootloader(stream, clock, "test"));
+    MIXRIG_ASSIGN(const BootloaderInfo info, rom.connect());
+    MIXRIG_TRY(write_flash(rom, info, image, quiet));
+    return rom.go(protocol::kFlashBase);
+  }
+  bool holds(std::span<const std::uint8_t> image) {
+    const auto flash = board.flash().bytes().first(image.size());
+    return std::equal(flash.begin(), flash.end(), image.begin());
+  }
+  /// Power-up without BOOT0: an image that runs is whole, or knows that it is not.
+  bool boots_half_an_image_silently(std::span<const std::uint8_t> before,
+                                    std::span<const std::uint8_t> after) {
+    board.power_cycle(false);
+    return board.mode() == fake::BoardMode::kFirmware && !holds(before) && !holds(after);
+  }
+};
+
+}  // namespace mixrig::device

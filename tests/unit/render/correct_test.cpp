@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/correct.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/unit/render/helpers.h"
+
+namespace mixrig::test {
+namespace {
+
+using render::cpu::kDown;
+using render::cpu::kRight;
+constexpr Size kSize{16, 12};
+
+TEST(Correct, bad_values_are_unknown_where_too_few_neighbours_know_better) {
+  const float bad[] = {0,
+                       -1,
+                       std::numeric_limits<float>::quiet_NaN(),
+                       std::numeric_limits<float>::infinity(),
+                       -std::numeric_limits<float>::infinity(),
+                       2e4F};
+  for (const float value : bad) {
+    const Corrected c(make_image<float>(kSize, [&](int x, int) { return x < 8 ? 2.0F : value; }));
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) EXPECT_EQ(c.z(x, y), x < 8 ? 2.0F : 0.0F) << value;
+  }
+}
+
+TEST(Correct, distance_along_the_ray_becomes_z) {
+  render::CorrectParams params;
+  params.depth_is_distance = true;
+  const Corrected c(make_image<float>(kSize,
+                                      [](int x, int y) {
+                                        const double u = (x - 7.5) / 100, v = (y - 5.5) / 100;
+                                        return static_cast<float>(3 * std::sqrt(1 + u * u + v * v));
+                                      }),
+                    params);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) EXPECT_NEAR(c.z(x, y), 3, 1e-5);
+}
+
+TEST(Correct, floor_that_grazes_the_view_stays_whole) {
+  // A floor 0.6 m below the camera: rows 4 m away lie 0.27 m apart.
+  const auto floor = [](int, int y) { return 60.0F / (static_cast<float>(y) + 9.5F); };
+  const Corrected c(make_image<float>({16, 40}, floor));
+  for (int y = 2; y < 37; ++y)
+    for (int x = 2; x < 13; ++x) {
+      EXPECT_TRUE(c.links(x, y) & kDown) << x << "," << y;
+      EXPECT_TRUE(c.links(x, y) & kRight) << x << "," << y;
+      EXPECT_NEAR(c.z(x, y), floor(x, y), 0.02F * floor(x, y));
+    }
+}
+
+TEST(Correct, silhouette_is_cut_and_keeps_both_depths) {
+  const Corrected c(make_image<float>(kSize, [](int x, int) { return x < 8 ? 1.5F : 3.0F; }));
+  for (int y = 0; y < kSize.height; ++y) {
+    EXPECT_FALSE(c.links(7, y) & kRight);
+    EXPECT_FLOAT_EQ(c.z(7, y), 1.5F);
+    EXPECT_FLOAT_EQ(c.z(8, y), 3.0F);
+  }
+}
+
+TEST(Correct, flying_pixel_goes_to_the_surface_that_fills_most_of_it) {
+  // Amplitudes fall with z^2, so the near surface at 1.5 m pulls four times as hard as that at 3 m:
+  // at half of the pixel, the mean lies at (4 * 1.5 + 3) / 5 = 1.8 m.
+  const auto with = [](float flying) {
+    return Corrected(make_image<float>(kSize, [&](int x, int) {
+      return x < 8 ? 1.5F : x == 8 ? flying : 3.0F;
+    }));
+  };
+  EXPECT_FLOAT_EQ(with(1.75F).z(8, 6), 1.5F);
+  EXPECT_FLOAT_EQ(with(1.85F).z(8, 6), 3.0F);
+}
+
+TEST(Correct, lonely_pixel_and_hole_of_one_pixel_take_the_median) {
+  for (const float odd : {0.3F, 0.0F, 6.0F}) {
+    const Corrected c(
+        make_image<float>(kSize, [&](int x, int y) { return x == 5 && y == 5 ? odd : 2.0F; }));
+    EXPECT_FLOAT_EQ(c.z(5, 5), 2.0F) << odd;
+  }
+}
+
+TEST(Correct, line_of_single_pixels_survives) {
+  const Corrected c(make_image<float>(kSize, [](int x, int) { return x == 6 ? 2.0F : 4.0F; }));
+  for (int y = 1; y < kSize.height - 1; ++y) EXPECT_FLOAT_EQ(c.z(6, y), 2.0F);
+}
+
+TEST(Correct, noise_of_a_wall_shrinks_and_cuts_nothing) {
+  std::mt19937 random(1);
+  // Far above the declared noise of 10 mm: a dark wall.
+  std::normal_distribution<float> noise(3.0F, 0.05F);
+  const Size size{64, 64};
+  const Corrected c(make_image<float>(size, [&](int, int) { return noise(random); }));
+  double square = 0;
+  int cut = 0, n = 0;
+  for (int y = 4; y < 60; ++y)
+    for (int x = 4; x < 60; ++x) {
+      square += (c.z(x, y) - 3.0) * (c.z(x, y) - 3.0);
+      cut += (c.links(x, y) & 15) != 15;
+      ++n;
+    }
+  EXPECT_LT(std::sqrt(square / n), 0.05 / 2.2);
+  EXPECT_LT(cut, n / 100);
+}
+
+TEST(Correct, picture_of_one_pixel_has_no_links) {
+  const Corrected c(Image<float>({1, 1}, 2.0F));
+  EXPECT_EQ(c.links(0, 0), 0);
+}
+
+}  // namespace
+}  // namespace mixrig::test

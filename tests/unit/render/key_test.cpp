@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/key.h"
+
+#include <cmath>
+
+#include "tests/unit/render/helpers.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr Size kView{64, 64};
+const Rgbf kWall{0.5F, 0.5F, 0.5F}, kShirt{0.6F, 0.1F, 0.1F};
+
+render::cpu::Rgbx16 linear16(Rgbf c) {
+  const auto fixed = [](float v) { return static_cast<std::uint16_t>(65535 * v); };
+  return {fixed(c.r), fixed(c.g), fixed(c.b), 0};
+}
+
+/// A wall 4 m away; people are painted into depth and plate by the tests.
+struct Keyed {
+  Keyed() : setup(plain_setup(kView, 64, {32, 32}, 32)), depth(kView, 4), sigma(kView, 0.002F) {
+    color.reset(kView, kWall);
+    color_sigma.reset(kView, 0.01F);
+    plate.reset(kView, linear16(kWall));
+    w.reset({kView.width + 3, kView.height + 3}, 0.25F);
+  }
+  void person(int x0, int y0, int x1, int y1, float z_m = 2) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) w.at(x, y) = 1 / z_m;
+  }
+  void paint(int x0, int y0, int x1, int y1, Rgbf c) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) plate.at(x, y) = linear16(c);
+  }
+  void run(bool use_color = true) {
+    setup.background = {depth, sigma, color, color_sigma};
+    setup.key.color = use_color;
+    const render::Tables tables = render::make_tables(setup);
+    render::FramePreparer preparer(setup);
+    preparer.update({});
+    render::cpu::KeyScratch scratch(kView);
+    matte.reset(kView, 77);
+    Crew crew(2);
+    render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,
+                     matte);
+  }
+  bool is_person(int x, int y) const { return matte.at(x, y) >= 128; }
+  int people() const {
+    int n = 0;
+    for (int y = 0; y < kView.height; ++y)
+      for (int x = 0; x < kView.width; ++x) n += is_person(x, y);
+    return n;
+  }
+  render::CompositorSetup setup;
+  Image<float> depth, sigma, color_sigma, w;
+  Image<Rgbf> color;
+  Image<render::cpu::Rgbx16> plate;
+  Image<std::uint8_t> matte;
+};
+
+TEST(Key, empty_room_shows_nobody) {
+  Keyed k;
+  k.run();
+  EXPECT_EQ(k.people(), 0);
+}
+
+TEST(Key, depth_alone_decides_without_colour) {
+  Keyed k;
+  k.person(16, 16, 48, 48);
+  k.run(false);
+  EXPECT_NEAR(k.people(), 32 * 32, 64);
+  EXPECT_TRUE(k.is_person(32, 32));
+}
+
+TEST(Key, less_than_the_threshold_before_the_wall_is_background) {
+  Keyed k;
+  k.person(16, 16, 48, 48, 3.97F);
+  k.run();
+  EXPECT_EQ(k.people(), 0);
+}
+
+TEST(Key, colour_moves_a_border_that_depth_put_a_pixel_off) {
+  Keyed k;
+  k.person(17, 16, 45, 48);
+  k.paint(16, 16, 44, 48, kShirt);
+  k.run();
+  EXPECT_TRUE(k.is_person(16, 32));
+  EXPECT_TRUE(k.is_person(43, 32));
+  EXPECT_FALSE(k.is_person(44, 32));
+  EXPECT_FALSE(k.is_person(15, 32));
+}
+
+TEST(Key, person_in_the_colour_of_the_wall_is_kept_by_depth) {
+  Keyed k;
+  k.person(16, 16, 48, 48);
+  k.run();
+  EXPECT_NEAR(k.people(), 32 * 32, 140);
+  for (int i = 20; i < 44; ++i) EXPECT_TRUE(k.is_person(i, 32));
+}
+
+TEST(Key, shadow_of_a_person_on_the_wall_stays_background) {
+  Keyed k;
+  k.person(16, 16, 40, 48);
+  k.paint(16, 16, 40, 48, kShirt);
+  k.paint(40, 16, 56, 48, {0.35F, 0.35F, 0.35F});
+  k.run();
+  for (int x = 42; x < 64; ++x) EXPECT_FALSE(k.is_person(x, 32)) << x;
+}
+
+TEST(Key, unknown_depth_beside_a_person_is_decided_by_colour) {
+  Keyed k;
+  k.person(16, 16, 32, 48);
+  k.paint(16, 16, 40, 48, kShirt);
+  for (int y = 16; y < 48; ++y)
+    for (int x = 32; x < 48; ++x) k.w.at(x, y) = 0;  // dark half of the shirt, then a blind strip
+  k.run();
+  EXPECT_TRUE(k.is_person(36, 32));
+  EXPECT_FALSE(k.is_person(44, 32));
+  EXPECT_NEAR(k.w.at(36, 32), 0.5F, 1e-3F) << "takes the depth of the person beside it";
+}
+
+TEST(Key, unknown_depth_far_from_people_is_nobody) {
+  Keyed k;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) k.w.at(x, y) = 0;
+  k.paint(0, 0, 64, 64, kShirt);
+  k.run();
+  EXPECT_EQ(k.people(), 0);
+}
+
+TEST(Key, speckles_are_dropped) {
+  Keyed k;  // a ToF pixel spans two view pixels: six of them are 24 pixels
+  k.person(30, 30, 34, 34);
+  k.paint(30, 30, 34, 34, kShirt);
+  k.run();
+  EXPECT_EQ(k.people(), 0);
+}
+
+TEST(Key, points_outside_the_capture_box_are_cropped) {
+  Keyed k;
+  k.setup.capture_box = {glm::dvec3(-10, -10, 2.5), glm::dvec3(10, 10, 10)};
+  k.person(8, 16, 28, 48, 2);
+  k.person(36, 16, 56, 48, 3);
+  k.run(false);
+  EXPECT_FALSE(k.is_person(18, 32));
+  EXPECT_TRUE(k.is_person(46, 32));
+}
+
+TEST(Key, where_the_background_has_no_depth_colour_keys) {
+  Keyed k;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 64; ++x) k.depth.at(x, y) = 0;
+  k.person(20, 16, 48, 48);
+  k.paint(20, 16, 48, 48, kShirt);
+  k.run();
+  EXPECT_TRUE(k.is_person(36, 32));
+  EXPECT_FALSE(k.is_person(56, 32));
+}
+
+TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
+  render::BackgroundView background;
+  const auto depth = make_image<float>({9, 1}, [](int x, int) {
+    return x < 3 ? 2.0F : x < 8 ? 4.0F : 0.0F;
+  });
+  background.depth_m = depth;
+  const auto limit = render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 2);
+  EXPECT_NEAR(1 / limit.at(4, 0), 1.9F, 1e-5F) << "two pixels from the near wall";
+  EXPECT_NEAR(1 / limit.at(5, 0), 3.9F, 1e-5F);
+  EXPECT_TRUE(std::isinf(limit.at(8, 0)));
+}
+
+TEST(Normals, of_a_tilted_plane_are_exact_and_face_the_camera) {
+  const geometry::Pinhole view = ideal_camera({64, 64}, 64).pinhole;
+  const Eigen::Vector3d n = Eigen::Vector3d(0.3, -0.5, -1).normalized();
+  const auto depth = make_image<float>({64, 64}, [&](int x, int y) {
+    const Eigen::Vector2d r = view.unproject({x, y});
+    return static_cast<float>(-3 / n.dot(Eigen::Vector3d(r.x(), r.y(), 1)));
+  });
+  const auto normals = render::normals(depth, view, 4);
+  const render::PackedNormal p = normals.at(32, 32);
+  EXPECT_NEAR(p.x / 127.0, n.x(), 0.01);
+  EXPECT_NEAR(p.y / 127.0, n.y(), 0.01);
+  EXPECT_NEAR(p.z / 127.0, n.z(), 0.01);
+}
+
+}  // namespace
+}  // namespace mixrig::test

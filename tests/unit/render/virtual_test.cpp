@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/virtual.h"
+
+#include <cmath>
+
+#include "tests/unit/render/helpers.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr Size kView{32, 32};
+
+/// One mesh in camera axes before an ideal camera of focal length 32.
+struct Drawn {
+  Drawn(std::vector<glm::vec3> positions_m, std::vector<std::uint32_t> indices,
+        bool double_sided = false, std::vector<glm::vec2> uv = {},
+        ImageView<const Rgb8> texture = {})
+      : positions(std::move(positions_m)),
+        normals(positions.size(), glm::vec3(0, 0, -1)),
+        texture_uv(std::move(uv)),
+        triangles(std::move(indices)),
+        setup(plain_setup(kView, 32, {4, 4}, 4)) {
+    render::VirtualObject object;
+    object.meshes.push_back(
+        {positions, normals, texture_uv, triangles, glm::vec3(0.5F), texture, double_sided});
+    setup.objects.push_back(object);
+    render::FramePreparer preparer(setup);
+    preparer.update({});
+    rect = preparer.params().virtual_rect;
+    Crew crew(2);
+    render::cpu::VirtualScratch scratch(preparer.params(), kView, crew.threads());
+    layer.coverage.reset(kView);
+    layer.w.reset(kView);
+    layer.normal.reset(kView);
+    layer.color.reset(kView);
+    render::cpu::draw_virtual(crew, preparer.params(), scratch, layer);
+  }
+  /// Pixels' worth of coverage.
+  double area() const {
+    double sum = 0;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x) sum += layer.coverage.at(x, y) / 255.0;
+    return sum;
+  }
+  std::vector<glm::vec3> positions, normals;
+  std::vector<glm::vec2> texture_uv;
+  std::vector<std::uint32_t> triangles;
+  render::CompositorSetup setup;
+  render::Rect rect;
+  render::cpu::VirtualLayer layer;
+};
+
+/// A square at z, corners at +-half, that faces the camera.
+std::vector<glm::vec3> square(float half, float z) {
+  return {{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}};
+}
+const std::vector<std::uint32_t> kFront = {0, 2, 1, 0, 3, 2}, kBack = {0, 1, 2, 0, 2, 3};
+
+TEST(Virtual, square_covers_its_pixels_with_its_depth_and_albedo) {
+  const Drawn d(square(0.5F, 2), kFront);  // 8 px to either side of 15.5
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      const bool inside = x >= 8 && x <= 23 && y >= 8 && y <= 23;
+      ASSERT_EQ(d.layer.coverage.at(x, y), inside ? 255 : 0) << x << "," << y;
+      if (!inside) continue;
+      EXPECT_NEAR(d.layer.w.at(x, y), 0.5F, 1e-6F);
+      EXPECT_NEAR(d.layer.color.at(x, y).g, 32768, 1);
+      EXPECT_EQ(d.layer.normal.at(x, y).z, -127);
+    }
+}
+
+TEST(Virtual, border_inside_a_pixel_is_covered_by_halves) {
+  const Drawn d(square(0.53125F, 2), kFront);  // 8.5 px: ends in the middle of pixels 7 and 24
+  EXPECT_EQ(d.layer.coverage.at(7, 15), 128);
+  EXPECT_EQ(d.layer.coverage.at(7, 7), 64);
+  EXPECT_NEAR(d.layer.color.at(7, 15).r, 16384, 1);  // premultiplied
+}
+
+TEST(Virtual, back_faces_are_culled_unless_double_sided) {
+  EXPECT_EQ(Drawn(square(0.5F, 2), kBack).area(), 0);
+  const Drawn both(square(0.5F, 2), kBack, true);
+  EXPECT_EQ(both.area(), 256);
+  EXPECT_LT(both.layer.normal.at(15, 15).z, 0) << "the normal turns to the camera";
+}
+
+TEST(Virtual, object_behind_the_camera_draws_nothing) {
+  const Drawn d(square(0.5F, -2), kBack, true);
+  EXPECT_TRUE(d.rect.empty());
+  EXPECT_EQ(d.area(), 0);
+}
+
+TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
+  // 1 m below the camera, from 5 m behind to 5 m before it, seen from above.
+  const Drawn d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
+  for (int y = 0; y < 32; ++y) {
+    const float expected = (static_cast<float>(y) - 15.5F) / 32;  // w at 1 m below
+    EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 0.01F) << y;
+  }
+}
+
+TEST(Virtual, nearest_triangle_wins) {
+  std::vector<glm::vec3> p = square(0.5F, 2);
+  for (const glm::vec3& q : square(0.5F, 3)) p.push_back(q);
+  const Drawn d(p, {4, 6, 5, 4, 7, 6, 0, 2, 1, 0, 3, 2});
+  EXPECT_NEAR(d.layer.w.at(15, 15), 0.5F, 1e-6F);
+}
+
+TEST(Virtual, texture_is_perspective_correct_and_repeats) {
+  // Columns of light 0, 1, repeated twice over a square: four columns of 4 px, bilinear between.
+  const auto texture = make_image<Rgb8>({2, 1}, [](int x, int) {
+    return x ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
+  });
+  const Drawn d(square(0.5F, 2), kFront, false, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, texture);
+  const auto at = [&](int x) { return d.layer.color.at(x, 15).r / 32767.5; };
+  // u = (x - 7.5) / 8; texel centres lie at u = 0.25 and 0.75: light is linear between.
+  const auto expected = [](double u) { return 1 - std::abs(2 * (u - std::floor(u)) - 1.5); };
+  for (const int x : {10, 11, 12, 13, 18, 19, 20, 21})
+    EXPECT_NEAR(at(x), expected((x - 7.5) / 8), 0.01) << x;
+}
+
+TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(Drawn({}, {}).area(), 0); }
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/warp.h"
+
+#include <cmath>
+
+#include "tests/unit/render/helpers.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr Size kTof{8, 8}, kView{32, 32};
+
+/// ToF pixel x lands at u = 4 x + 1.5 of the view where the cameras stand at one place.
+struct Warped {
+  explicit Warped(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
+                  int threads = 1, Size view = kView) {
+    render::CompositorSetup setup = plain_setup(view, 32, depth_m.size(), 8);
+    setup.target_from_tof = target_from_tof;
+    const render::Tables tables = render::make_tables(setup);
+    Crew crew(threads);
+    render::cpu::TofGrid grid(depth_m.size());
+    render::cpu::WarpScratch scratch(depth_m.size());
+    w.reset({view.width + render::cpu::kViewMargin, view.height + render::cpu::kViewMargin}, 7.0F);
+    render::cpu::correct(crew, tables.correct, tables.tof_ray, depth_m, grid);
+    render::cpu::warp(crew, tables, grid, scratch, w);
+  }
+  Image<float> w;
+};
+
+TEST(Warp, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
+  const Warped warped(Image<float>(kTof, 2.0F));
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      const bool inside = x >= 2 && x <= 29 && y >= 2 && y <= 29;
+      EXPECT_NEAR(warped.w.at(x, y), inside ? 0.5F : 0.0F, 1e-6F) << x << "," << y;
+    }
+}
+
+TEST(Warp, tilted_plane_is_exact_between_samples) {
+  const auto plane = [](double ray_x, double ray_y) { return 0.5 + 0.05 * ray_x - 0.03 * ray_y; };
+  const Warped warped(make_image<float>(kTof, [&](int x, int y) {
+    return static_cast<float>(1 / plane((x - 3.5) / 8, (y - 3.5) / 8));
+  }));
+  // One ToF pixel in from the border, where smoothing has neighbours on all sides.
+  for (int y = 6; y < 26; ++y)
+    for (int x = 6; x < 26; ++x)
+      EXPECT_NEAR(warped.w.at(x, y), plane((x - 15.5) / 32, (y - 15.5) / 32), 1e-5F);
+}
+
+TEST(Warp, step_lies_half_a_tof_pixel_past_the_samples) {
+  const Warped warped(make_image<float>(kTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
+  // Samples 3 and 4 land at 13.5 and 17.5: each owns two view pixels of the cut cell.
+  const float expected[] = {0.5F, 0.5F, 0.5F, 1.0F, 1.0F, 1.0F};
+  for (int x = 13; x <= 18; ++x) {
+    EXPECT_NEAR(warped.w.at(x, 15), expected[x - 13], 1e-6F) << x;
+    EXPECT_EQ(render::cpu::from_cut_cell(warped.w.at(x, 15)), x >= 14 && x <= 17) << x;
+  }
+}
+
+TEST(Warp, pole_of_one_sample_keeps_its_width) {
+  const Warped warped(make_image<float>(kTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
+  int width = 0;
+  for (int x = 0; x < 32; ++x) width += warped.w.at(x, 15) > 0.9F;
+  EXPECT_EQ(width, 4);
+}
+
+TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
+  // The ToF camera stands 0.25 m to the left: a point at z moves left by 32 x 0.25 / z pixels.
+  geometry::Pose pose;
+  pose.translation_m = {-0.25, 0, 0};
+  const Warped warped(
+      make_image<float>(kTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
+  // Near: samples 3 and 4 with half a cell around them, 11.5 .. 19.5, moved by 8 px.
+  EXPECT_NEAR(warped.w.at(4, 15), 1.0F, 1e-6F);
+  EXPECT_NEAR(warped.w.at(11, 15), 1.0F, 1e-6F);
+  // Far: from 19.5 - 2 on; between lies what only the target camera sees.
+  for (int x = 12; x <= 17; ++x) EXPECT_EQ(warped.w.at(x, 15), 0.0F) << x;
+  EXPECT_NEAR(warped.w.at(18, 15), 0.25F, 1e-6F);
+}
+
+TEST(Warp, surface_seen_from_behind_or_behind_the_camera_draws_nothing) {
+  geometry::Pose pose;
+  pose.translation_m = {0, 0, -3};
+  const Warped behind(Image<float>(kTof, 2.0F), pose);
+  pose.translation_m = {0, 0, 4};
+  pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()));
+  const Warped opposite(Image<float>(kTof, 2.0F), pose);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      EXPECT_EQ(behind.w.at(x, y), 0.0F);
+      EXPECT_EQ(opposite.w.at(x, y), 0.0F);
+    }
+}
+
+TEST(Warp, threads_do_not_change_a_bit) {
+  const Size tof{40, 30}, view{97, 83};
+  geometry::Pose pose;
+  pose.translation_m = {0.1, 0.05, 0};
+  pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()));
+  const auto depth = make_image<float>(tof, [](int x, int y) {
+    return (x / 7 + y / 5) % 2 ? 1.0F + 0.02F * static_cast<float>(x) : 3.0F;
+  });
+  const Warped one(depth, pose, 1, view), three(depth, pose, 3, view);
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) EXPECT_EQ(one.w.at(x, y), three.w.at(x, y));
+}
+
+TEST(Warp, single_pixels_of_either_camera_do_no_harm) {
+  const Warped tof(Image<float>({1, 1}, 2.0F));
+  EXPECT_EQ(tof.w.at(15, 15), 0.0F);
+  const Warped view(Image<float>(kTof, 2.0F), {}, 1, {1, 1});
+  EXPECT_NEAR(view.w.at(0, 0), 0.5F, 1e-6F);
+}
+
+}  // namespace
+}  // namespace mixrig::test

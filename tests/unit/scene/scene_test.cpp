@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// scene.toml: its values, and the lines for what is wrong.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/scene_manifest.h"
+#include "tests/support/hand_gltf.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mixrig::scene {
+namespace {
+
+const char* const kGood = R"([camera]
+pose = "floor"
+capture_volume = { min_m = [0.0, 0.0, 0.0], max_m = [5.0, 4.0, 3.0] }
+[background]
+learn = [1, 25]
+[[object]]
+name = "crate"
+model = "models/crate.glb"
+position_m = [2.0, 2.5, 0.0]
+yaw_deg = 90.0
+scale = 2.0
+casts_shadow = false
+[light]
+ambient = 0.25
+exposure = 1.5
+[[light.lamp]]
+position_m = [1.5, 1.2, 2.95]
+direction = [0.0, 0.0, -2.0]
+size_m = [0.6, 0.3]
+intensity = [2.0, 3.0, 4.0]
+[[light.lamp]]
+position_m = [0.0, 0.0, 2.0]
+[key]
+threshold_m = 0.1
+noise_factor = 5
+color = false
+)";
+
+TEST(Scene, HoldsWhatTheFileSays) {
+  const auto scene = parse_scene(kGood, "s/scene.toml", false);
+  ASSERT_TRUE(scene) << scene.error().context;
+  EXPECT_EQ(scene->pose_source, PoseSource::kFloor);
+  EXPECT_EQ(scene->capture_volume->max_m, Eigen::Vector3d(5, 4, 3));
+  EXPECT_EQ(scene->background.learn, (std::pair{1, 25}));
+  ASSERT_EQ(scene->objects.size(), 1U);
+  const Object& crate = scene->objects[0];
+  EXPECT_EQ(crate.model_path, "s/models/crate.glb");
+  EXPECT_EQ(crate.scale, 2.0);
+  EXPECT_FALSE(crate.casts_shadow);
+  // A quarter turn about z, up, takes x to y.
+  EXPECT_TRUE((crate.world_from_object * Eigen::Vector3d(1, 0, 0))
+                  .isApprox(Eigen::Vector3d(2, 3.5, 0), 1e-12));
+  EXPECT_EQ(scene->light.ambient, Eigen::Vector3f(0.25F, 0.25F, 0.25F));
+  EXPECT_EQ(scene->light.exposure, 1.5);
+  ASSERT_EQ(scene->light.lamps.size(), 2U);
+  EXPECT_EQ(*scene->light.lamps[0].direction, Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ(scene->light.lamps[0].intensity, Eigen::Vector3f(2, 3, 4));
+  EXPECT_EQ(scene->light.lamps[0].size_m, Eigen::Vector2d(0.6, 0.3));
+  EXPECT_EQ(scene->light.lamps[1].name, "lamp 2");
+  EXPECT_FALSE(scene->light.lamps[1].direction.has_value());
+  EXPECT_EQ(scene->key.noise_factor, 5.0);
+  EXPECT_FALSE(scene->key.color);
+}
+
+TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {
+  const auto scene = parse_scene("", "scene.toml", true);
+  ASSERT_TRUE(scene) << scene.error().context;
+  EXPECT_EQ(scene->pose_source, PoseSource::kTake);
+  EXPECT_TRUE(scene->objects.empty());
+  EXPECT_FALSE(scene->capture_volume.has_value());
+}
+
+TEST(Scene, EachWrongValueIsToldWithLineAndKey) {
+  struct Row {
+    const char *from, *to, *told;
+  };
+  const Row rows[] = {
+      {"threshold_m", "treshold_m",
+       "s/scene.toml:24: key \"key.treshold_m\": not known: did you mean \"threshold_m\"?"},
+      {"[key]", "[kye]", "key \"kye\": not known"},
+      {"\"floor\"", "\"flor\"",
+       "s/scene.toml:2: key \"camera.pose\": \"flor\" is not known: use one of"},
+      {"max_m = [5.0", "max_m = [0.0", "key \"camera.capture_volume.min_m\": must lie below max_m"},
+      {"[1, 25]", "[25, 1]",
+       "s/scene.toml:5: key \"background.learn\": must be the first and the last frame"},
+      {"[1, 25]", "[1, 2.5]", "key \"background.learn\""},
+      {"learn = [1, 25]", "", "give either learn or model"},
+      {"position_m = [2.0, 2.5, 0.0]", "", "key \"object.position_m\": missing"},
+      {"position_m = [2.0, 2.5, 0.0]", "position_m = [2.0, nan, 0.0]",
+       "s/scene.toml:9: key \"object.position_m\": nan is out of range"},
+      {"yaw_deg = 90.0", "yaw_deg = 90.0\nrotation_xyzw = [0, 0, 0, 1]",
+       "given beside rotation_xyzw"},
+      {"yaw_deg = 90.0", "rotation_xyzw = [0, 0, 0, 0]", "its length is not 1"},
+      {"scale = 2.0", "scale = 0", "s/scene.toml:11: key \"object.scale\": 0 is out of range"},
+      {"direction = [0.0, 0.0, -2.0]", "direction = [0, 0, 0]",
+       "key \"light.lamp.direction\": has no length"},
+      {"ambient = 0.25", "ambient = -1", "key \"light.ambient\": -1 is out of range"},
+      {"ambient = 0.25", "ambient = [1, 2]",
+       "key \"light.ambient\": must be an array of 3 numbers"},
+      {"models/crate.glb", "${MIXRIG_NO_SUCH_FOLDER}/c.glb",
+       "environment variable MIXRIG_NO_SUCH_FOLDER is not set"},
+  };
+  for (const Row& row : rows) {
+    std::string text = kGood;
+    text.replace(text.find(row.from), std::string(row.from).size(), row.to);
+    const auto scene = parse_scene(text, "s/scene.toml", false);
+    ASSERT_FALSE(scene) << row.to;
+    EXPECT_NE(scene.error().context.find(row.told), std::string::npos) << scene.error().context;
+    EXPECT_EQ(scene.error().context.find('\n'), std::string::npos);
+  }
+}
+
+TEST(Scene, ModelsAreReadFromBesideTheFileAndAMissingOneIsToldWithItsKey) {
+  const test::TemporaryFolder folder;
+  const auto path =
+      folder.write("scene.toml", "[[object]]\nmodel = \"m/t.glb\"\nposition_m = [0, 0, 0]\n");
+  const auto missing = load_scene(path);
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().context.find("scene.toml:2: key \"object.model\": cannot read"),
+            std::string::npos)
+      << missing.error().context;
+  folder.write("m/t.glb", test::glb(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})",
+                                    test::floats({0, 0, 0, 1, 0, 0, 0, 2, 0})));
+  const auto scene = load_scene(path);
+  ASSERT_TRUE(scene) << scene.error().context;
+  EXPECT_EQ(scene->objects[0].model.meshes.size(), 1U);
+  EXPECT_EQ(load_scene(folder / "none.toml").error().code, ErrorCode::kNotFound);
+}
+
+TEST(Scene, AnyBytesEndInASceneOrOneLine) {
+  std::mt19937 random(8);
+  const std::string whole = kGood;
+  for (int i = 0; i < 1500; ++i) {
+    std::string text = whole.substr(0, i % 3 == 0 ? random() % whole.size() : whole.size());
+    for (unsigned flips = random() % 4; flips > 0 && !text.empty(); --flips)
+      text[random() % text.size()] = static_cast<char>(32 + random() % 95);
+    if (const auto scene = parse_scene(text, "scene.toml", false); !scene) {
+      EXPECT_EQ(scene.error().context.find('\n'), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::scene

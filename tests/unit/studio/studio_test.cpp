@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole frames: the same bytes every time, options, sensors that agree with the truth.
+#include "host/studio/studio.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "host/studio/lens.h"
+
+namespace mixrig::studio {
+namespace {
+
+StudioOptions small(Scenario scenario = Scenario::kWalk) {
+  StudioOptions o;
+  o.scenario = scenario;
+  o.rig = RigPreset::kSr3000;
+  o.seed = 7;
+  o.frames = 12;
+  o.size_px = {80, 64};
+  o.threads = 1;
+  return o;
+}
+
+struct Shot {
+  Frame frame;
+  Truth truth;
+};
+
+Shot shoot(const StudioOptions& options, std::initializer_list<int> numbers) {
+  auto studio = Studio::create(options);
+  EXPECT_TRUE(studio) << studio.error().context;
+  Shot shot;
+  for (const int number : numbers) studio->render(number, shot.frame, &shot.truth);
+  return shot;
+}
+
+template <typename T>
+void expect_same(const Image<T>& a, const Image<T>& b, const char* what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  for (int y = 0; y < a.height(); ++y)
+    ASSERT_EQ(std::memcmp(a.row(y), b.row(y), sizeof(T) * static_cast<std::size_t>(a.width())), 0)
+        << what << " row " << y;
+}
+
+void expect_same(const Shot& a, const Shot& b) {
+  expect_same(a.frame.color, b.frame.color, "color");
+  expect_same(a.frame.tof_distance_m, b.frame.tof_distance_m, "distance");
+  expect_same(a.frame.tof_amplitude, b.frame.tof_amplitude, "amplitude");
+  expect_same(a.truth.depth_m, b.truth.depth_m, "depth");
+  expect_same(a.truth.background_depth_m, b.truth.background_depth_m, "background");
+  expect_same(a.truth.matte, b.truth.matte, "matte");
+  expect_same(a.truth.light, b.truth.light, "light");
+  expect_same(a.truth.composite, b.truth.composite, "composite");
+  expect_same(a.truth.labels, b.truth.labels, "labels");
+}
+
+TEST(Studio, gives_the_same_bytes_on_one_thread_and_on_two) {
+  StudioOptions two = small();
+  two.threads = 2;
+  expect_same(shoot(small(), {9}), shoot(two, {9}));
+}
+
+TEST(Studio, gives_the_same_bytes_in_any_order) {
+  expect_same(shoot(small(), {9}), shoot(small(), {2, 11, 9}));
+}
+
+TEST(Studio, keeping_what_is_static_changes_nothing) {
+  StudioOptions slow = small();
+  slow.cache = false;
+  expect_same(shoot(small(), {8, 10}), shoot(slow, {8, 10}));
+}
+
+TEST(Studio, seeds_differ) {
+  StudioOptions other = small();
+  other.seed = 8;
+  const Shot a = shoot(small(), {9}), b = shoot(other, {9});
+  int different = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 80; ++x) different += a.truth.matte.at(x, y) != b.truth.matte.at(x, y);
+  EXPECT_GT(different, 100);
+}
+
+TEST(Studio, noise_changes_from_frame_to_frame) {
+  const Shot a = shoot(small(), {1}), b = shoot(small(), {2});
+  int different = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 80; ++x) different += !(a.frame.color.at(x, y) == b.frame.color.at(x, y));
+  EXPECT_GT(different, 80 * 64 / 2);
+  expect_same(a.truth.composite, b.truth.composite, "composite");
+}
+
+/// Least and greatest known distance of the pixels around a place; low > high for none.
+struct Reach {
+  double low = 1e9, high = 0;
+};
+Reach around(const Image<float>& distance_m, const Eigen::Vector2d& px) {
+  Reach reach;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      const int x = static_cast<int>(std::lround(px.x())) + i,
+                y = static_cast<int>(std::lround(px.y())) + j;
+      if (x < 0 || y < 0 || x >= distance_m.width() || y >= distance_m.height()) continue;
+      const double d = distance_m.at(x, y);
+      if (d > 0) reach = {std::min(reach.low, d), std::max(reach.high, d)};
+    }
+  return reach;
+}
+
+// Independent of the renderer's own ToF rays: truth of the view, carried over by its definition.
+TEST(Studio, tof_distances_agree_with_the_truth_of_the_view) {
+  for (const RigPreset rig : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2}) {
+    StudioOptions options = small();
+    options.rig = rig;
+    auto studio = Studio::create(options);
+    ASSERT_TRUE(studio);
+    Frame frame;
+    Truth truth;
+    studio->render(1, frame, &truth);
+    const StudioInfo& info = studio->info();
+    const geometry::Pose tof_from_target = geometry::inverse(info.tof.target_from_tof);
+    int near = 0, known = 0, seen = 0;
+    for (int y = 2; y < 62; ++y)
+      for (int x = 2; x < 78; ++x) {
+        seen += (truth.labels.at(x, y) & Truth::kTofSees) != 0;
+        if ((truth.labels.at(x, y) & Truth::kTofSees) == 0) continue;
+        const double z = truth.depth_m.at(x, y);
+        const Eigen::Vector3d p =
+            tof_from_target * Eigen::Vector3d((x - info.view.cx_px) / info.view.fx_px * z,
+                                              (y - info.view.cy_px) / info.view.fy_px * z, z);
+        const Eigen::Vector2d px = project(info.tof.optics, p);
+        const Reach reach = around(frame.tof_distance_m, px);
+        if (reach.low > reach.high) continue;
+        ++known;
+        near += p.norm() > reach.low - 0.06 && p.norm() < reach.high + 0.06 ? 1 : 0;
+      }
+    EXPECT_GT(seen, 0.95 * 60 * 76) << name(rig);
+    EXPECT_GT(known, 0.9 * seen) << name(rig);
+    EXPECT_GT(near, 0.98 * known) << name(rig);
+  }
+}
+
+TEST(Studio, pan_stops_at_whole_steps_of_the_unit) {
+  auto studio = Studio::create(small(Scenario::kPan));
+  ASSERT_TRUE(studio);
+  Frame frame;
+  constexpr double kStep_rad = 0.0514 * 3.14159265358979 / 180;
+  double widest = 0;
+  for (const int number : {1, 5, 9, 12}) {
+    studio->render(number, frame);
+    EXPECT_NEAR(frame.pan_rad / kStep_rad, std::round(frame.pan_rad / kStep_rad), 1e-6);
+    widest = std::max(widest, std::abs(frame.pan_rad));
+  }
+  EXPECT_GT(widest, 10 * kStep_rad);
+}
+
+TEST(Studio, fisheye_shows_saturated_lamps_in_a_circle) {
+  StudioOptions options = small();
+  options.fisheye = true;
+  auto studio = Studio::create(options);
+  ASSERT_TRUE(studio);
+  Frame frame;
+  studio->render(1, frame);
+  ASSERT_FALSE(frame.fisheye.empty());
+  int saturated = 0;
+  for (int y = 0; y < frame.fisheye.height(); ++y)
+    for (int x = 0; x < frame.fisheye.width(); ++x)
+      saturated += frame.fisheye.at(x, y) == Rgb8{255, 255, 255};
+  EXPECT_GT(saturated, 50);
+  EXPECT_EQ(frame.fisheye.at(0, 0), Rgb8{});
+}
+
+TEST(Studio, wrong_options_are_one_line) {
+  StudioOptions options = small();
+  options.frames = 1;
+  EXPECT_EQ(Studio::create(options).error().code, ErrorCode::kUsage);
+  options = small();
+  options.size_px = {8, 8};
+  EXPECT_NE(Studio::create(options).error().context.find("8x8"), std::string::npos);
+  EXPECT_EQ(parse_scenario("dance").error().context,
+            "unknown scenario 'dance': use one of still, walk, talk, pan, handheld, pendulum, "
+            "edges, far, dark");
+  EXPECT_EQ(*parse_rig("helios2"), RigPreset::kHelios2);
+}
+
+}  // namespace
+}  // namespace mixrig::studio

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/sync/pan_tilt_track.h"
+
+#include <gtest/gtest.h>
+
+namespace mixrig::sync {
+namespace {
+
+using namespace std::chrono_literals;
+
+HostTime at(Duration t) { return HostTime(t); }
+
+TEST(PanTiltTrack, InterpolatesEachAxisByItsOwnTimes) {
+  PanTiltTrack track;
+  track.add({{0.0, 1.0}, at(100ms), at(110ms)});
+  track.add({{0.2, 0.0}, at(200ms), at(210ms)});
+  const auto angles = track.at(at(150ms));
+  ASSERT_TRUE(angles);
+  EXPECT_NEAR(angles->pan_rad, 0.1, 1e-12);
+  EXPECT_NEAR(angles->tilt_rad, 0.6, 1e-12);
+}
+
+TEST(PanTiltTrack, DoesNotGuessWhereAMovingHeadIs) {
+  PanTiltTrack track;
+  EXPECT_FALSE(track.at(at(0ms)));
+  track.add({{0.0, 0.0}, at(100ms), at(100ms)});
+  track.add({{0.2, 0.0}, at(200ms), at(200ms)});
+  EXPECT_FALSE(track.at(at(99ms)));
+  EXPECT_TRUE(track.at(at(200ms)));
+  EXPECT_FALSE(track.at(at(201ms)));
+}
+
+TEST(PanTiltTrack, AHeadThatStandsStillStaysThereForAWhile) {
+  PanTiltTrack track;
+  for (int i = 0; i < 200; ++i) track.add({{0.2, 0.1}, at(i * 50ms), at(i * 50ms)});
+  EXPECT_NEAR(track.at(at(9950ms + 400ms))->pan_rad, 0.2, 1e-12);
+  EXPECT_FALSE(track.at(at(9950ms + 600ms)));
+  EXPECT_FALSE(track.at(at(3000ms))) << "older than what is kept";
+}
+
+}  // namespace
+}  // namespace mixrig::sync

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A small take with pixels that a test can compute.
+#pragma once
+
+#include <random>
+
+#include "host/take/take.h"
+
+namespace mixrig::take {
+
+inline constexpr Size kColorSize{33, 20}, kDepthSize{17, 12};
+
+inline TakeInfo made_info() {
+  TakeInfo info;
+  info.name = "a \"made\" take\n";
+  info.color.rate_hz = info.depth.rate_hz = 30.0;
+  info.target.pinhole = {kColorSize, 30.0, 30.5, 16.0, 9.5};
+  info.target.lens = geometry::Lens({-0.1, 0.01, 0.001, -0.002, 0, 0, 0, 0});
+  info.tof.pinhole = {kDepthSize, 15.0, 15.0, 8.0, 5.5};
+  info.view = geometry::Pinhole{kColorSize, 31.0, 31.0, 16.0, 9.5};
+  info.target_from_tof = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                          {-0.05, 0.01, 0.002}};
+  info.noise = {0.003, 0.001, 0.0007};
+  info.has_poses = true;
+  return info;
+}
+
+/// Noise as pixels: nothing that an encoder could smooth survives it.
+inline TakeFrame made_frame(int number) {
+  std::mt19937 random(static_cast<unsigned>(number));
+  TakeFrame frame;
+  frame.number = number;
+  frame.time_s = (number - 1) / 30.0;
+  frame.color.reset(kColorSize);
+  frame.depth_m.reset(kDepthSize);
+  frame.amplitude.reset(kDepthSize);
+  for (int y = 0; y < kColorSize.height; ++y)
+    for (int x = 0; x < kColorSize.width; ++x)
+      frame.color.at(x, y) = {static_cast<std::uint8_t>(random()),
+                              static_cast<std::uint8_t>(random()),
+                              static_cast<std::uint8_t>(random())};
+  for (int y = 0; y < kDepthSize.height; ++y)
+    for (int x = 0; x < kDepthSize.width; ++x) {
+      frame.depth_m.at(x, y) = static_cast<float>(random() % 8000) * 0.001F;
+      frame.amplitude.at(x, y) = static_cast<float>(random() % 65536);
+    }
+  frame.world_from_target = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * number, Eigen::Vector3d::UnitZ())),
+      {1.0 * number, 2, 3}};
+  return frame;
+}
+
+inline TruthFrame made_truth() {
+  TruthFrame truth;
+  truth.depth_m.reset(kColorSize, 2.5F);
+  truth.light.reset(kColorSize, 0.5F);
+  truth.matte.reset(kColorSize, 200);
+  truth.composite.reset(kColorSize, {1, 2, 3});
+  truth.labels.reset(kColorSize, 13);
+  return truth;
+}
+
+}  // namespace mixrig::take

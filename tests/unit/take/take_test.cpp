@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole takes: what is written is what is read, and nothing is half-written.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "host/image_io/image_io.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/take/made_take.h"
+
+namespace mixrig::take {
+namespace {
+
+void write_take(const std::filesystem::path& folder, StreamFormat format, int frames, bool truth) {
+  auto writer = TakeWriter::create(folder, made_info(), format);
+  ASSERT_TRUE(writer) << writer.error().context;
+  for (int number = 1; number <= frames; ++number) {
+    ASSERT_TRUE(writer->write(made_frame(number)));
+    if (truth) {
+      ASSERT_TRUE(writer->write_truth(made_truth()));
+    }
+  }
+  const auto finished = writer->finish();
+  ASSERT_TRUE(finished) << finished.error().context;
+}
+
+void expect_same(const TakeFrame& read, const TakeFrame& written) {
+  ASSERT_EQ(read.color.size(), kColorSize);
+  ASSERT_EQ(read.depth_m.size(), kDepthSize);
+  ASSERT_EQ(read.amplitude.size(), kDepthSize);
+  EXPECT_EQ(read.number, written.number);
+  EXPECT_EQ(read.time_s, written.time_s);
+  EXPECT_TRUE(read.world_from_target.matrix().isApprox(written.world_from_target.matrix(), 1e-12));
+  for (int y = 0; y < kColorSize.height; ++y)
+    for (int x = 0; x < kColorSize.width; ++x)
+      ASSERT_EQ(read.color.at(x, y), written.color.at(x, y));
+  for (int y = 0; y < kDepthSize.height; ++y)
+    for (int x = 0; x < kDepthSize.width; ++x) {
+      ASSERT_NEAR(read.depth_m.at(x, y), written.depth_m.at(x, y), 1e-6);
+      ASSERT_EQ(read.amplitude.at(x, y), written.amplitude.at(x, y));
+    }
+}
+
+class TakeRoundTrip : public ::testing::TestWithParam<StreamFormat> {};
+
+TEST_P(TakeRoundTrip, FramesAndCalibrationComeBackInAnyOrder) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", GetParam(), 12, false);
+  EXPECT_FALSE(std::filesystem::exists(folder / "take.partial"));
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader) << reader.error().context;
+  const TakeInfo& info = reader->info();
+  const TakeInfo made = made_info();
+  EXPECT_EQ(info.name, made.name);
+  EXPECT_EQ(info.frames, 12);
+  EXPECT_EQ(info.target.pinhole, made.target.pinhole);
+  EXPECT_EQ(info.target.lens.coefficients(), made.target.lens.coefficients());
+  EXPECT_EQ(info.tof.pinhole, made.tof.pinhole);
+  EXPECT_EQ(info.view, made.view);
+  EXPECT_EQ(info.noise.quadratic_per_m, made.noise.quadratic_per_m);
+  EXPECT_TRUE(info.target_from_tof.matrix().isApprox(made.target_from_tof.matrix(), 1e-12));
+  EXPECT_TRUE(info.has_poses);
+  EXPECT_FALSE(info.has_truth);
+  TakeFrame frame;
+  for (const int number : {1, 2, 3, 12, 5, 4, 6, 1}) {
+    const auto read = reader->read(number, frame);
+    ASSERT_TRUE(read) << read.error().context;
+    expect_same(frame, made_frame(number));
+  }
+  EXPECT_EQ(reader->read(0, frame).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(reader->read(13, frame).error().code, ErrorCode::kNotFound);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, TakeRoundTrip,
+                         ::testing::Values(StreamFormat::kPng, StreamFormat::kMatroska),
+                         [](const auto& row) {
+                           return row.param == StreamFormat::kPng ? "Png" : "Matroska";
+                         });
+
+TEST(Take, TruthComesBackInItsUnits) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", StreamFormat::kPng, 2, true);
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader) << reader.error().context;
+  TruthFrame truth;
+  ASSERT_TRUE(reader->read_truth(2, truth));
+  EXPECT_FLOAT_EQ(truth.depth_m.at(32, 19), 2.5F);
+  EXPECT_NEAR(truth.light.at(0, 0), 0.5F, 1e-5);
+  EXPECT_EQ(truth.matte.at(1, 1), 200);
+  EXPECT_EQ(truth.composite.at(2, 2), (Rgb8{1, 2, 3}));
+  EXPECT_EQ(truth.labels.at(3, 3), 13);
+  EXPECT_EQ(reader->read_truth(3, truth).error().code, ErrorCode::kNotFound);
+}
+
+TEST(Take, DepthThatNoStepCanHoldIsWrittenAsUnknown) {
+  const test::TemporaryFolder folder;
+  TakeFrame odd = made_frame(1);
+  odd.depth_m.at(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  odd.depth_m.at(1, 0) = -1.0F;
+  odd.depth_m.at(2, 0) = 1e9F;
+  odd.depth_m.at(3, 0) = std::numeric_limits<float>::infinity();
+  odd.depth_m.at(4, 0) = 65.535F;
+  auto writer = TakeWriter::create(folder / "take", made_info(), StreamFormat::kPng);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->write(odd));
+  ASSERT_TRUE(writer->finish());
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader);
+  TakeFrame frame;
+  ASSERT_TRUE(reader->read(1, frame));
+  for (int x = 0; x < 4; ++x) EXPECT_EQ(frame.depth_m.at(x, 0), 0.0F);
+  EXPECT_FLOAT_EQ(frame.depth_m.at(4, 0), 65.535F);
+}
+
+TEST(Take, ADroppedWriterLeavesNothingAndAForeignFolderIsRefused) {
+  const test::TemporaryFolder folder;
+  {
+    auto writer = TakeWriter::create(folder / "take", made_info(), StreamFormat::kPng);
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE(writer->write(made_frame(1)));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  folder.write("mine/letter.txt", "dear");
+  const auto refused = TakeWriter::create(folder / "mine", made_info(), StreamFormat::kPng);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(test::read_bytes(folder / "mine/letter.txt"), "dear");
+}
+
+TEST(Take, AnOlderTakeIsReplacedOnlyAtTheEnd) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", StreamFormat::kPng, 3, false);
+  auto writer = TakeWriter::create(folder / "take", made_info(), StreamFormat::kPng);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->write(made_frame(1)));
+  EXPECT_EQ(TakeReader::open(folder / "take")->info().frames, 3);
+  ASSERT_TRUE(writer->finish());
+  EXPECT_EQ(TakeReader::open(folder / "take")->info().frames, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "take/color/000002.png"));
+}
+
+TEST(Take, PicturesOfAnotherSizeThanTheCalibrationAreRefusedByName) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", StreamFormat::kPng, 1, false);
+  ASSERT_TRUE(
+      image_io::write_png(folder / "take/color/000001.png", Image<Rgb8>(Size{32, 20}).view()));
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader);
+  TakeFrame frame;
+  const auto read = reader->read(1, frame);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kData);
+  EXPECT_NE(read.error().context.find("000001.png' is 32x20 but [target] size_px is 33x20"),
+            std::string::npos)
+      << read.error().context;
+  std::filesystem::remove(folder / "take/color/000001.png");
+  EXPECT_EQ(reader->read(1, frame).error().code, ErrorCode::kNotFound);
+}
+
+TEST(Take, FloatDepthPicturesAreMetresAsTheyAre) {
+  const test::TemporaryFolder folder;
+  write_take(folder / "take", StreamFormat::kPng, 1, false);
+  std::vector<image_io::Channel> channels{{"Z", Image<float>(kDepthSize, 3.25F)},
+                                          {"other", Image<float>(kDepthSize)}};
+  channels[0].pixels.at(0, 0) = -1.0F;
+  ASSERT_TRUE(image_io::write_exr(folder / "take/depth/000001.exr", channels));
+  std::string manifest = test::read_bytes(folder / "take/take.toml");
+  const std::size_t at = manifest.find("depth/%06d.png");
+  manifest.replace(at, 14, "depth/%06d.exr");
+  folder.write("take/take.toml", manifest);
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader) << reader.error().context;
+  TakeFrame frame;
+  ASSERT_TRUE(reader->read(1, frame));
+  EXPECT_EQ(frame.depth_m.at(5, 5), 3.25F);
+  EXPECT_EQ(frame.depth_m.at(0, 0), -1.0F) << "what is unknown is for the compositor to say";
+}
+
+}  // namespace
+}  // namespace mixrig::take

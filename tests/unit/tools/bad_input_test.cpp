@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bad input through the real command: one line, the right exit status, nothing left behind.
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/tiny_take.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr const char* kRun = "run scene.toml --source take:take --out out --backend cpu";
+
+struct Row {
+  const char* name;
+  std::function<void(const TinyTake&)> spoil;
+  std::string words;
+  int status;
+  std::vector<std::string> told;  ///< each must stand in the line
+  std::string environment;
+};
+
+void PrintTo(const Row& row, std::ostream* out) { *out << row.words; }
+
+void nothing(const TinyTake&) {}
+
+std::vector<Row> rows() {
+  std::vector<Row> all{
+      {"MissingScene", nothing, "run no.toml --source take:take --out out", 2, {"no.toml"}, ""},
+      {"MissingTake", nothing, "run scene.toml --source take:no --out out", 2, {"no"}, ""},
+      {"UnknownSource",
+       nothing,
+       "run scene.toml --source tape:x --out out",
+       2,
+       {"tape:x", "take:DIR"},
+       ""},
+      {"TruncatedColor",
+       [](const TinyTake& t) { t.cut("take/color/000004.png", 60); },
+       kRun,
+       1,
+       {"000004.png"},
+       ""},
+      {"TruncatedDepth",
+       [](const TinyTake& t) { t.cut("take/depth/000002.png", 60); },
+       kRun,
+       1,
+       {"000002.png"},
+       ""},
+      {"EmptyPicture",
+       [](const TinyTake& t) { t.cut("take/color/000004.png", 0); },
+       kRun,
+       1,
+       {"000004.png"},
+       ""},
+      {"MissingPicture",
+       [](const TinyTake& t) { fs::remove(t.path("take/color/000004.png")); },
+       kRun,
+       1,
+       {"000004.png"},
+       ""},
+      {"SizeAgainstCalibration",
+       [](const TinyTake& t) {
+         t.edit("take/take.toml", "size_px = [32, 24]", "size_px = [32, 20]");
+       },
+       kRun,
+       1,
+       {"32x24", "32x20"},
+       ""},
+      {"ZeroLength",
+       [](const TinyTake& t) {
+         t.edit("take/take.toml", "count = 4", "count = 0");
+         t.edit("take/take.toml", "count = 4", "count = 0");
+       },
+       kRun,
+       2,
+       {"take"},
+       ""},
+      {"SingularRotation",
+       [](const TinyTake& t) {
+         t.edit("take/take.toml", "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]",
+                "[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]");
+       },
+       kRun,
+       2,
+       {"rotation"},
+       ""},
+      {"NegativeFocalLength",
+       [](const TinyTake& t) { t.edit("take/take.toml", "fx = 30.0", "fx = -30.0"); },
+       kRun,
+       2,
+       {"fx"},
+       ""},
+      {"NotToml",
+       [](const TinyTake& t) { t.text("scene.toml", "[camera\n"); },
+       kRun,
+       2,
+       {"scene.toml:1"},
+       ""},
+      {"UnknownKey",
+       [](const TinyTake& t) { t.edit("scene.toml", "threshold_m", "treshold_m"); },
+       kRun,
+       2,
+       {"scene.toml:8", "treshold_m", "threshold_m"},
+       ""},
+      {"GltfWithoutItsBuffer",
+       [](const TinyTake& t) {
+         t.text(
+             "crate.gltf",
+             R"({"asset":{"version":"2.0"},"buffers":[{"uri":"crate.bin","byteLength":36}],)"
+             R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
+             R"("componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":)"
+             R"([{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]})");
+         t.text("scene.toml", t.text_of("scene.toml") +
+                                  "[[object]]\nname = \"crate\"\nmodel = \"crate.gltf\"\n"
+                                  "position_m = [0.0, 0.0, 0.0]\n");
+       },
+       kRun,
+       2,
+       {"crate.bin"},
+       ""},
+      {"LearnedFramesThatAreNotThere",
+       [](const TinyTake& t) { t.edit("scene.toml", "[1, 3]", "[1, 9]"); },
+       kRun,
+       2,
+       {"background.learn", "1-9", "1-4"},
+       ""},
+      {"FloorWithoutBackground",
+       [](const TinyTake& t) {
+         t.edit("scene.toml", "\"identity\"", "\"floor\"");
+         t.edit("scene.toml", "[background]\nlearn = [1, 3]\n", "");
+       },
+       kRun,
+       2,
+       {"floor"},
+       ""},
+      {"FramesOutOfRange", nothing, std::string(kRun) + " --frames 3-9", 2, {"3-9", "1-4"}, ""},
+      {"FramesThatAreNoRange", nothing, std::string(kRun) + " --frames 4-x", 2, {"4-x"}, ""},
+      {"SizeThatIsNone", nothing, std::string(kRun) + " --size 640", 2, {"640"}, ""},
+      {"OutIsAFile", [](const TinyTake& t) { t.text("out", "mine"); }, kRun, 2, {"out"}, ""},
+      {"OutIsAFolderOfOthers",
+       [](const TinyTake& t) {
+         fs::create_directory(t.path("out"));
+         t.text("out/thesis.tex", "mine");
+       },
+       kRun,
+       2,
+       {"out"},
+       ""},
+      {"JsonIntoNoFolder", nothing, std::string(kRun) + " --json no/report.json", 2, {"no"}, ""},
+      {"ScanOfFramesThatAreNotThere",
+       nothing,
+       "scan --static take --frames 1-9 bg",
+       2,
+       {"1-9", "1-4"},
+       ""},
+      {"ScanOfTooFewFrames", nothing, "scan --static take --frames 1-2 bg", 1, {"3"}, ""},
+      {"InfoOfNothing", nothing, "info no", 2, {"no"}, ""},
+      {"InfoOfATruncatedTake",
+       [](const TinyTake& t) { t.cut("take/depth/000001.png", 60); },
+       "info take",
+       1,
+       {"000001.png"},
+       ""},
+      {"ExplainWithoutASource", nothing, "explain scene.toml", 2, {"--source"}, ""},
+  };
+#ifdef MIXRIG_HAS_GLES
+  all.push_back({"AbsentEgl",
+                 nothing,
+                 "run scene.toml --source take:take --out out --backend gles",
+                 1,
+                 {"EGL"},
+                 "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent"});
+#endif
+#ifdef MIXRIG_HAS_STUDIO
+  const std::pair<const char*, const char*> sources[] = {
+      {"studio:wolk", "wolk"},
+      {"studio:walk,x", "seed"},
+      {"studio:walk,1,kinect2,9,64", "WxH"},
+      {"studio:walk,1,kinect2,9,64x48,1", "at most"}};
+  for (const auto& [source, told] : sources)
+    all.push_back({"StudioSource",
+                   nothing,
+                   std::string("run scene.toml --out out --source ") + source,
+                   2,
+                   {told},
+                   ""});
+#endif
+  return all;
+}
+
+class BadInput : public ::testing::TestWithParam<Row> {};
+
+TEST_P(BadInput, IsOneLineAndLeavesNothing) {
+  const Row& row = GetParam();
+  const TinyTake take;
+  row.spoil(take);
+  const auto before = take.contents();
+  const Outcome outcome = take.mixrig(row.words, row.environment);
+  EXPECT_EQ(outcome.status, row.status) << outcome.err;
+  EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+  for (const std::string& word : row.told)
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " is not in: " << outcome.err;
+  EXPECT_EQ(take.contents(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cli, BadInput, ::testing::ValuesIn(rows()), [](const auto& row) {
+  return row.param.name + std::to_string(row.index);
+});
+
+TEST(Cli, ComposesATakeOfFramesWithoutPartnerUpToThem) {
+  const TinyTake take;
+  fs::remove(take.path("take/depth/000004.png"));
+  take.edit("take/take.toml", "count = 4\nrate_hz = 25.0\n[target]",
+            "count = 3\nrate_hz = 25.0\n[target]");
+  const Outcome outcome =
+      take.mixrig("run scene.toml --source take:take --out out --backend cpu --frames 3-3");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.error_lines(), 1) << "one warning: " << outcome.err;
+  EXPECT_NE(outcome.err.find("partner"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace mixrig::test

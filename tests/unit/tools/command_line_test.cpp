@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of the command: help, version, unknown ones, and a run that succeeds.
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/tiny_take.h"
+
+namespace mixrig::test {
+namespace {
+
+TEST(CommandLine, HelpStandsBehindEveryCommand) {
+  const TinyTake take;
+  for (const char* words :
+       {"--help", "run --help", "scan --help", "explain --help", "info --help"}) {
+    const Outcome outcome = take.mixrig(words);
+    EXPECT_EQ(outcome.status, 0) << words;
+    EXPECT_NE(outcome.out.find("--help"), std::string::npos) << words;
+    EXPECT_EQ(outcome.err, "") << words;
+  }
+}
+
+TEST(CommandLine, VersionIsOneLine) {
+  const Outcome outcome = TinyTake().mixrig("--version");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out.rfind("mixrig ", 0), 0U);
+}
+
+TEST(CommandLine, WrongWordsAreOneLineAndStatusTwo) {
+  const TinyTake take;
+  for (const char* words :
+       {"", "composit", "run", "run scene.toml --source take:take --out out --bakend cpu",
+        "run scene.toml --source take:take --out out --backend vulkan", "info", "info a b",
+        "run scene.toml --source take:take --out out --threads many"}) {
+    const Outcome outcome = take.mixrig(words);
+    EXPECT_EQ(outcome.status, 2) << words << ": " << outcome.err;
+    EXPECT_EQ(outcome.error_lines(), 1) << words << ": " << outcome.err;
+  }
+  EXPECT_NE(take.mixrig("composit").err.find("composit"), std::string::npos);
+  EXPECT_NE(take.mixrig("run").err.find("SCENE"), std::string::npos);
+}
+
+TEST(CommandLine, RunWritesItsFolderAndReportAndIsSilentOnStderr) {
+  const TinyTake take;
+  const std::string words =
+      "run scene.toml --source take:take --out out --backend cpu --json report.json";
+  for (int times = 0; times < 2; ++times) {  // the second replaces the first
+    const Outcome outcome = take.mixrig(words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NE(outcome.out.find("fps"), std::string::npos);
+  }
+  for (const char* name : {"out/report.json", "out/contact_sheet.png", "out/composite/take.toml"})
+    EXPECT_TRUE(fs::exists(take.path(name))) << name;
+  EXPECT_EQ(take.text_of("report.json"), take.text_of("out/report.json"));
+}
+
+TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
+  const TinyTake take;
+  const Outcome scan = take.mixrig("scan --static take --frames 1-3 bg --backend cpu");
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  EXPECT_NE(scan.out.find("100.0 %"), std::string::npos) << scan.out;
+  take.edit("scene.toml", "learn = [1, 3]", "model = \"bg\"");
+  const std::string words = "run scene.toml --source take:take --out out --backend cpu";
+  EXPECT_EQ(take.mixrig(words).status, 0);
+  const Outcome other_size = take.mixrig(words + " --size 16x12");
+  EXPECT_EQ(other_size.status, 1);
+  EXPECT_NE(other_size.err.find("scan it again"), std::string::npos) << other_size.err;
+}
+
+TEST(CommandLine, InfoAndExplainTellAboutATake) {
+  const TinyTake take;
+  const Outcome info = take.mixrig("info take --json info.json");
+  EXPECT_EQ(info.status, 0) << info.err;
+  EXPECT_NE(info.out.find("tiny: 4 frames"), std::string::npos) << info.out;
+  EXPECT_NE(take.text_of("info.json").find("\"unknown_pct\": 0.0"), std::string::npos);
+  fs::copy(take.path("scene.toml"), take.path("take/scene.toml"));
+  const Outcome explain = take.mixrig("explain take/scene.toml --backend cpu");  // finds its take
+  EXPECT_EQ(explain.status, 0) << explain.err;
+  EXPECT_NE(explain.out.find("no object"), std::string::npos) << explain.out;
+}
+
+}  // namespace
+}  // namespace mixrig::test
