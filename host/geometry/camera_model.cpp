@@ -5,32 +5,20 @@
 #include <limits>
 #include <string>
 
+#include "host/geometry/lens_equations.h"
+
 namespace mixrig::geometry {
 namespace {
 
-struct Radial {
-  double gain;        // radial factor
-  double derivative;  // d gain / d r2
-};
-
-Radial radial(const Lens::Coefficients& d, double r2) {
-  const double numerator = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-  const double denominator = 1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
-  const double numerator_d = d[0] + r2 * (2 * d[1] + r2 * 3 * d[4]);
-  const double denominator_d = d[5] + r2 * (2 * d[6] + r2 * 3 * d[7]);
-  return {numerator / denominator,
-          (numerator_d * denominator - numerator * denominator_d) / (denominator * denominator)};
-}
-
 /// d (r gain(r2)) / dr: the mapping is one-to-one while this is positive.
 double radial_slope(const Lens::Coefficients& d, double r2) {
-  const Radial at = radial(d, r2);
+  const Radial at = radial(d.data(), r2);
   return at.gain + 2 * r2 * at.derivative;
 }
 
 Eigen::Vector2d distort_unchecked(const Lens::Coefficients& d, const Eigen::Vector2d& p) {
   const double r2 = p.squaredNorm();
-  const double gain = radial(d, r2).gain;
+  const double gain = radial(d.data(), r2).gain;
   const double xy = p.x() * p.y();
   return {p.x() * gain + 2 * d[2] * xy + d[3] * (r2 + 2 * p.x() * p.x()),
           p.y() * gain + d[2] * (r2 + 2 * p.y() * p.y()) + 2 * d[3] * xy};
@@ -43,7 +31,7 @@ double radial_limit_r2(const Lens::Coefficients& distortion) {
   double good = 0.0;
   for (double r = kStep; r < kMax; r += kStep) {
     const double slope = radial_slope(distortion, r * r);
-    if (slope > 0 && std::isfinite(slope) && radial(distortion, r * r).gain > 0) {
+    if (slope > 0 && std::isfinite(slope) && radial(distortion.data(), r * r).gain > 0) {
       good = r;
       continue;
     }
@@ -73,7 +61,7 @@ std::optional<Eigen::Vector2d> Lens::distort(const Eigen::Vector2d& ideal) const
 
 Eigen::Matrix2d Lens::jacobian(const Eigen::Vector2d& p) const {
   const double x = p.x(), y = p.y(), r2 = p.squaredNorm();
-  const Radial at = radial(coefficients_, r2);
+  const Radial at = radial(coefficients_.data(), r2);
   const double p1 = coefficients_[2], p2 = coefficients_[3];
   Eigen::Matrix2d j;
   j(0, 0) = at.gain + 2 * x * x * at.derivative + 2 * p1 * y + 6 * p2 * x;

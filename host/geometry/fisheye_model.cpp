@@ -3,30 +3,22 @@
 
 #include <cmath>
 
+#include "host/geometry/lens_equations.h"
+
 namespace mixrig::geometry {
 namespace {
 
 using Coefficients = std::array<double, 4>;
 
-double bend(const Coefficients& k, double theta) {
-  const double t2 = theta * theta;
-  return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
-}
-
-double bend_slope(const Coefficients& k, double theta) {
-  const double t2 = theta * theta;
-  return 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
-}
-
 /// The angle where the mapping stops growing, or pi.
 double find_domain(const Coefficients& k) {
   constexpr double kStep = 1e-3;
   for (double theta = kStep; theta < M_PI; theta += kStep) {
-    if (bend_slope(k, theta) > 0) continue;
+    if (bend_slope(k.data(), theta) > 0) continue;
     double low = theta - kStep, high = theta;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (low + high);
-      (bend_slope(k, middle) > 0 ? low : high) = middle;
+      (bend_slope(k.data(), middle) > 0 ? low : high) = middle;
     }
     return low;
   }
@@ -38,14 +30,14 @@ double find_domain(const Coefficients& k) {
 FisheyeModel::FisheyeModel(const Parameters& parameters)
     : parameters_(parameters),
       domain_rad_(find_domain(parameters.k)),
-      rim_(bend(parameters.k, domain_rad_)) {}
+      rim_(bend(parameters.k.data(), domain_rad_)) {}
 
 std::optional<Eigen::Vector2d> FisheyeModel::project(const Eigen::Vector3d& p) const {
   const double r = std::hypot(p.x(), p.y());
   const double theta = std::atan2(r, p.z());
   if (!(theta <= domain_rad_) || (r == 0 && !(p.z() > 0))) return std::nullopt;
   // Near the axis theta_d / r tends to 1 / z.
-  const double gain = r > 0 ? bend(parameters_.k, theta) / r : 1 / p.z();
+  const double gain = r > 0 ? bend(parameters_.k.data(), theta) / r : 1 / p.z();
   return Eigen::Vector2d(parameters_.fx_px * gain * p.x() + parameters_.cx_px,
                          parameters_.fy_px * gain * p.y() + parameters_.cy_px);
 }
@@ -59,9 +51,9 @@ std::optional<Eigen::Vector3d> FisheyeModel::unproject(const Eigen::Vector2d& px
   // The mapping grows over the domain: Newton, held between bounds by bisection.
   double low = 0, high = domain_rad_, theta = std::min(target, domain_rad_);
   for (int i = 0; i < 100; ++i) {
-    const double error = bend(parameters_.k, theta) - target;
+    const double error = bend(parameters_.k.data(), theta) - target;
     (error > 0 ? high : low) = theta;
-    const double newton = theta - error / bend_slope(parameters_.k, theta);
+    const double newton = theta - error / bend_slope(parameters_.k.data(), theta);
     const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
     if (std::abs(next - theta) < 1e-15) break;
     theta = next;
@@ -80,9 +72,9 @@ Eigen::Matrix<double, 2, 3> FisheyeModel::jacobian(const Eigen::Vector3d& p) con
     return focal.asDiagonal() * j;
   }
   const double theta = std::atan2(r, p.z());
-  const double gain = bend(parameters_.k, theta) / r;
+  const double gain = bend(parameters_.k.data(), theta) / r;
   const double n2 = r2 + p.z() * p.z();
-  const double slope = bend_slope(parameters_.k, theta);
+  const double slope = bend_slope(parameters_.k.data(), theta);
   // d gain / d r and d gain / d z through theta = atan2(r, z).
   const double gain_r = (slope * p.z() / n2 - gain) / r, gain_z = -slope / n2;
   const Eigen::Vector2d xy = p.head<2>();

@@ -16,6 +16,8 @@ set(RULES
   "host/estimation:hal/base|host/geometry"
   "host/sync:hal/base|hal/device|host/geometry|host/estimation"
   "host/image_io:hal/base"
+  "host/camera_io:hal/base|host/geometry|host/image_io"
+  "host/calibration:hal/base|host/geometry|host/estimation|host/image_io"
   "host/scene:hal/base|host/config|host/geometry|host/image_io"
   "host/take:hal/base|host/config|host/geometry|host/image_io"
   "host/model:hal/base|host/config|host/geometry|host/image_io"
@@ -31,6 +33,7 @@ set(VENDORS
   "embree:host/studio"
   "GLES|EGL/:host/render/gles|tests/gl"
   "linux/|libusb|gpiod|libserialport|arv\\.h:hal/linux|hal/fake"
+  "yaml-cpp:host/camera_io"
   "toml\\+\\+|toml\\.hpp:host/config"
   "tiny_gltf:host/scene|tests"
   "gst/:host/take|host/stream")

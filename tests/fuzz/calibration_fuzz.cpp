@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// calibration.yaml and camera files of other tools, of any bytes. What is read must be written and
+// read again as the same.
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "host/camera_io/calibration.h"
+#include "host/camera_io/exchange.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig::camera_io;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  if (const auto calibration = parse_calibration(text, "c")) {
+    const std::string once = calibration_text(*calibration);
+    const auto again = parse_calibration(once, "again");
+    if (!again) std::abort();
+  }
+  (void)parse_opencv(text, "o");
+  (void)parse_kalibr(text, "k");
+  if (const auto camera = parse_mrcal(text, "m"))
+    if (const auto again = mrcal_text(*camera); !again || !parse_mrcal(*again, "again"))
+      std::abort();
+  return 0;
+}
