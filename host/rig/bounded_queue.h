@@ -53,6 +53,10 @@ class BoundedQueue {
     const std::lock_guard lock(mutex_);
     closed_ = false;
   }
+  std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return count_;
+  }
   std::uint64_t dropped() const {
     const std::lock_guard lock(mutex_);
     return dropped_;

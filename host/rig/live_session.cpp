@@ -241,6 +241,7 @@ SessionReport LiveSession::report() const {
   report.incomplete_sets = builder_->incomplete();
   report.dropped_events = events_.dropped();
   report.dropped_sets = sets_.dropped();
+  report.waiting_sets = sets_.size();
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     const Stream& stream = streams_[i];
     const double count = std::max<double>(1, static_cast<double>(stream.paired));

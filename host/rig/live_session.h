@@ -44,6 +44,7 @@ struct SessionReport {
   std::uint64_t ticks = 0, ticks_lost = 0, trigger_restarts = 0, trigger_errors = 0;
   double trigger_drift_ppm = 0;
   std::uint64_t sets = 0, incomplete_sets = 0;
+  std::uint64_t waiting_sets = 0;    ///< in the consumer's queue now
   std::uint64_t dropped_events = 0;  ///< the pairing thread could not follow
   std::uint64_t dropped_sets = 0;    ///< the consumer could not follow
   std::uint64_t pan_tilt_samples = 0, pan_tilt_errors = 0;
