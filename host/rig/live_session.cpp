@@ -13,24 +13,37 @@ constexpr Duration kTickPeriod = std::chrono::milliseconds(10);
 constexpr Duration kAfterError = std::chrono::milliseconds(200);
 // Frames of one moment lie at most this far apart where streams run free.
 constexpr int kFarthestFree_ticks = 3;
+constexpr double kMuchSlower = 1.5;
 
 }  // namespace
 
 LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock)
     : config_(config), devices_(devices), clock_(clock) {
   for (std::size_t i = 0; i < devices.cameras.size(); ++i)
-    add_stream(config.cameras[i], devices.cameras[i]->info().stamp_clock);
-  if (devices.depth) add_stream(*config.depth, devices.depth->info().stamp_clock);
-  std::vector<int> farthest;
-  for (const Stream& stream : streams_) {
-    const TriggerLine* line = config.line_of(*stream.config);
-    farthest.push_back(line != nullptr ? std::max(1, line->channel.divider / 2)
-                                       : kFarthestFree_ticks);
-  }
-  builder_.emplace(farthest, [this](const sync::FrameSet& set) { emit(set); });
+    add_stream(config.cameras[i], devices.cameras[i]->info());
+  if (devices.depth) add_stream(*config.depth, devices.depth->info());
+  std::vector<sync::Join> joins;
+  for (const Stream& stream : streams_) joins.push_back(join_of(stream));
+  builder_.emplace(joins, [this](const sync::FrameSet& set) { emit(set); });
 }
 
-void LiveSession::add_stream(const CameraConfig& config, device::StampClock stamp_clock) {
+/// A stream much slower than the leading one is not awaited: its last frame is at hand.
+sync::Join LiveSession::join_of(const Stream& stream) const {
+  const double ticks = period_ticks(stream), leading_ticks = period_ticks(streams_.front());
+  if (leading_ticks > 0 && ticks > kMuchSlower * leading_ticks)
+    return {.farthest_ticks = static_cast<int>(std::ceil(ticks)), .awaited = false};
+  const bool triggered = config_.line_of(*stream.config) != nullptr;
+  return {.farthest_ticks =
+              triggered ? std::max(1, static_cast<int>(ticks) / 2) : kFarthestFree_ticks};
+}
+
+/// Ticks from frame to frame; 0 where nobody tells.
+double LiveSession::period_ticks(const Stream& stream) const {
+  if (const TriggerLine* line = config_.line_of(*stream.config)) return line->channel.divider;
+  return stream.rate_hz > 0 ? 100 / stream.rate_hz : 0;
+}
+
+void LiveSession::add_stream(const CameraConfig& config, const device::CameraInfo& info) {
   sync::StreamTiming timing{.divider = 0, .phase = 0, .delay = config.delay};
   if (const TriggerLine* line = config_.line_of(config); line != nullptr && devices_.trigger) {
     // A phase of whole ticks moves the tick; what is left of it delays the exposure.
@@ -40,7 +53,8 @@ void LiveSession::add_stream(const CameraConfig& config, device::StampClock stam
   }
   streams_.emplace_back();
   streams_.back().config = &config;
-  streams_.back().stamp_clock = stamp_clock;
+  streams_.back().stamp_clock = info.stamp_clock;
+  streams_.back().rate_hz = info.rate_hz;
   streams_.back().pairer = sync::FramePairer(timing);
 }
 

@@ -77,6 +77,7 @@ class LiveSession {
   struct Stream {
     const CameraConfig* config = nullptr;
     device::StampClock stamp_clock = device::StampClock::kNone;
+    double rate_hz = 0;
     sync::FramePairer pairer{{}};
     sync::DeviceClock clock;
     std::uint64_t paired = 0;
@@ -84,7 +85,9 @@ class LiveSession {
   };
   static constexpr std::size_t kEvents = 64, kSets = 2;
 
-  void add_stream(const CameraConfig& config, device::StampClock stamp_clock);
+  void add_stream(const CameraConfig& config, const device::CameraInfo& info);
+  sync::Join join_of(const Stream& stream) const;
+  double period_ticks(const Stream& stream) const;
   Result<void> start_trigger();
   Result<void> start_cameras();
   void run_trigger();

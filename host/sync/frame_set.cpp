@@ -11,11 +11,11 @@ std::uint64_t apart(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b
 
 }  // namespace
 
-FrameSetBuilder::FrameSetBuilder(std::span<const int> farthest_ticks, FrameSetSink sink)
+FrameSetBuilder::FrameSetBuilder(std::span<const Join> streams, FrameSetSink sink)
     : sink_(std::move(sink)) {
-  for (const int farthest : farthest_ticks.first(std::min(farthest_ticks.size(), kMaxStreams))) {
+  for (const Join& join : streams.first(std::min(streams.size(), kMaxStreams))) {
     streams_.emplace_back();
-    streams_.back().farthest_ticks = farthest;
+    streams_.back().join = join;
   }
 }
 
@@ -48,8 +48,9 @@ void FrameSetBuilder::restart() {
 }
 
 bool FrameSetBuilder::all_reached(std::uint64_t tick) const {
-  return std::all_of(streams_.begin() + 1, streams_.end(),
-                     [&](const Stream& s) { return s.any && s.newest_tick >= tick; });
+  return std::all_of(streams_.begin() + 1, streams_.end(), [&](const Stream& s) {
+    return !s.join.awaited || (s.any && s.newest_tick >= tick);
+  });
 }
 
 void FrameSetBuilder::emit_first() {
@@ -70,7 +71,7 @@ void FrameSetBuilder::emit_first() {
 }
 
 void FrameSetBuilder::pick(const Stream& stream, std::uint64_t tick, TimedFrame& into) const {
-  std::uint64_t best = static_cast<std::uint64_t>(stream.farthest_ticks) + 1;
+  std::uint64_t best = static_cast<std::uint64_t>(stream.join.farthest_ticks) + 1;
   for (const TimedFrame& candidate : stream.kept) {
     if (!candidate.frame || apart(candidate.pairing.tick, tick) >= best) continue;
     best = apart(candidate.pairing.tick, tick);

@@ -31,14 +31,22 @@ struct FrameSet {
 
 using FrameSetSink = std::function<void(const FrameSet&)>;
 
-/// Joins streams by tick. A set leaves when every stream has reached its tick, or when the leading
-/// stream is two frames further: a camera that fell silent costs its frames, not the others'.
+/// How a stream joins the leading one.
+struct Join {
+  int farthest_ticks = 0;  ///< its frame is at most so many ticks away
+  /// A set waits until the stream has reached its tick. Not for slower streams: sets would pile up
+  /// until their next frame and then leave in one burst.
+  bool awaited = true;
+};
+
+/// Joins streams by tick. A set leaves when every awaited stream has reached its tick, or when the
+/// leading stream is two frames further: a camera that fell silent costs its frames, not the
+/// others'. Of each stream it takes the nearest frame that is there.
 /// Nothing allocates after construction. One thread.
 class FrameSetBuilder {
  public:
-  /// Frames of stream k join the leading one if at most `farthest_ticks[k]` ticks away; the number
-  /// of entries is the number of streams, entry 0 is not used.
-  FrameSetBuilder(std::span<const int> farthest_ticks, FrameSetSink sink);
+  /// One entry a stream; entry 0, the leading stream, is not looked at.
+  FrameSetBuilder(std::span<const Join> streams, FrameSetSink sink);
 
   /// Takes a usable frame; others are refused and counted.
   void add(std::size_t stream, TimedFrame frame);
@@ -55,7 +63,7 @@ class FrameSetBuilder {
   static constexpr std::size_t kKept = 4;
   static constexpr std::size_t kWaiting = 2;
   struct Stream {
-    int farthest_ticks = 0;
+    Join join;
     std::array<TimedFrame, kKept> kept;
     std::size_t next = 0;
     std::uint64_t newest_tick = 0;

@@ -30,7 +30,7 @@ class FrameSets : public ::testing::Test {
   std::array<Seen, 512> seen_{};
   std::size_t count_ = 0;
   FrameSetBuilder builder_{
-      std::array{0, 2, 5}, [this](const FrameSet& set) {
+      std::array{Join{}, Join{2}, Join{5}}, [this](const FrameSet& set) {
         seen_[count_++ % 512] = {
             set.tick,
             {tick_of(set.frames[0]), tick_of(set.frames[1]), tick_of(set.frames[2])},
@@ -68,6 +68,27 @@ TEST_F(FrameSets, ASilentCameraDoesNotHoldUpTheOthers) {
   builder_.flush();
   ASSERT_EQ(count_, 5U);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(seen_[i].tick, 4 * (i + 1));
+}
+
+TEST(FrameSetsOfUnequalRates, ASlowerStreamIsNotAwaitedAndNothingLeavesInABurst) {
+  device::FramePool pool(32, 1);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> sets;  // tick, tick of the slower stream
+  FrameSetBuilder builder(std::array{Join{}, Join{10, false}}, [&](const FrameSet& set) {
+    EXPECT_TRUE(set.complete) << set.tick;
+    sets.emplace_back(set.tick, set.frames[1].pairing.tick);
+  });
+  for (std::uint64_t tick = 0; tick < 400; ++tick) {
+    const auto frame = [&] {
+      return TimedFrame{pool.take().publish({.sequence = tick}, 1),
+                        {.status = PairStatus::kPaired, .tick = tick},
+                        {}};
+    };
+    const std::size_t before = sets.size();
+    if (tick % 10 == 0) builder.add(1, frame());
+    if (tick % 4 == 0) builder.add(0, frame());
+    EXPECT_EQ(sets.size() - before, tick % 4 == 0 ? 1U : 0U);
+  }
+  for (const auto& [tick, slower] : sets) EXPECT_EQ(slower, tick / 10 * 10);
 }
 
 TEST_F(FrameSets, UnusableFramesAreRefused) {
