@@ -29,6 +29,8 @@ class App {
 
   /// Interrupt: a received byte.
   void on_rx_byte(std::uint8_t byte);
+  /// Interrupt: the receiver lost a byte.
+  void on_rx_lost() { count(protocol::Fault::kRxOverrun); }
   /// Interrupt or main loop, never both at once: the next byte to send, false where none.
   bool next_tx_byte(std::uint8_t& byte) { return tx_.pop(byte); }
   /// Interrupt, once a master tick, at `now_us`, `late_ns` after the hardware's tick.

@@ -30,7 +30,9 @@ class Bootloader {
   virtual ~Bootloader() = default;
   /// Must come first.
   virtual Result<BootloaderInfo> connect() = 0;
+  /// A UART carries no check sum of what is read: read twice where it matters.
   virtual Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) = 0;
+  /// One of those that connect() told, no other.
   virtual Result<void> erase(const FlashSector& sector) = 0;
   /// Address and size are multiples of 4; the sectors have been erased.
   virtual Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) = 0;

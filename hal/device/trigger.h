@@ -31,9 +31,13 @@ struct TriggerInfo {
   std::string reset_cause;  ///< why the controller last started
   std::string clock;        ///< what it counts time with
   std::uint32_t image_crc = 0;
-  int channels = 0;
+  int channels = 0, max_divider = 0;
   Duration tick{}, slot{};  ///< period of the master; what phases and widths are multiples of
 };
+
+/// Whether a master of this kind can play it: phase and width are multiples of a slot, width at
+/// least one, and the pulse ends before the next begins. Errors: kUsage.
+Result<void> check_channel(const TriggerInfo& info, int channel, const TriggerChannel& settings);
 
 enum class TriggerState { kIdle, kArmed, kRunning };
 
@@ -63,11 +67,11 @@ class TriggerMaster {
   virtual ~TriggerMaster() = default;
   virtual const TriggerInfo& info() const = 0;
   virtual Result<TriggerStatus> status() = 0;
-  /// Not while running. kUsage where phase or width are no multiple of a slot or do not fit.
+  /// Not while running (kDevice). kUsage as check_channel() says.
   virtual Result<void> configure(int channel, const TriggerChannel& settings) = 0;
-  /// Runs from the next master tick on, which is tick 0.
+  /// Runs from the next master tick on, which is tick 0. Where it runs already it begins anew.
   virtual Result<void> start() = 0;
-  /// Lines go inactive at once.
+  /// Lines go inactive at once. Harmless where nothing runs.
   virtual Result<void> stop() = 0;
   /// Takes ticks that were reported, at least one, waiting at most `timeout`; 0 when none came.
   virtual Result<std::size_t> read_ticks(std::span<TriggerTick> out, Duration timeout) = 0;

@@ -3,20 +3,34 @@
 
 namespace mixrig::fake {
 
+FakeTrigger::FakeTrigger(Clock& clock) : clock_(clock) {
+  info_.uri = "fake:trigger";
+  info_.version = "fake";
+  info_.clock = "of the test";
+  info_.channels = kChannels;
+  info_.max_divider = 600;
+  info_.tick = std::chrono::milliseconds(10);
+  info_.slot = std::chrono::microseconds(100);
+}
+
 Result<device::TriggerStatus> FakeTrigger::status() {
   const std::lock_guard lock(mutex_);
   device::TriggerStatus status;
   status.state = state_;
+  for (unsigned i = 0; i < kChannels; ++i)
+    if (channels_[i].divider > 0) status.enabled |= 1U << i;
   status.tick = next_;
   status.asked = status.answered = clock_.now();
   status.now = McuTime(status.asked.time_since_epoch());
   return status;
 }
 
-Result<void> FakeTrigger::configure(int, const device::TriggerChannel&) {
+Result<void> FakeTrigger::configure(int channel, const device::TriggerChannel& settings) {
+  MIXRIG_TRY(check_channel(info_, channel, settings));
   const std::lock_guard lock(mutex_);
   if (state_ == device::TriggerState::kRunning)
     return Error{ErrorCode::kDevice, "fake:trigger: runs; stop it first"};
+  channels_[static_cast<std::size_t>(channel)] = settings;
   return {};
 }
 
@@ -49,7 +63,16 @@ Result<std::size_t> FakeTrigger::read_ticks(std::span<device::TriggerTick> out, 
 
 std::uint64_t FakeTrigger::tick() {
   const std::lock_guard lock(mutex_);
-  ticks_.push_back({next_, McuTime(clock_.now().time_since_epoch()), 1});
+  if (state_ != device::TriggerState::kRunning) return next_;
+  std::uint32_t fired = 0;
+  for (unsigned i = 0; i < kChannels; ++i) {
+    const device::TriggerChannel& channel = channels_[i];
+    const auto first = static_cast<std::uint64_t>(channel.phase / info_.tick);
+    if (channel.divider > 0 && next_ >= first &&
+        (next_ - first) % static_cast<std::uint64_t>(channel.divider) == 0)
+      fired |= 1U << i;
+  }
+  ticks_.push_back({next_, McuTime(clock_.now().time_since_epoch()), fired});
   changed_.notify_all();
   return next_++;
 }

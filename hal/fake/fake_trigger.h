@@ -2,10 +2,10 @@
 // A trigger master that a test ticks by hand.
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <vector>
 
 #include "hal/device/trigger.h"
 
@@ -14,7 +14,7 @@ namespace mixrig::fake {
 /// Its clock is the host's. Any threads.
 class FakeTrigger final : public device::TriggerMaster {
  public:
-  explicit FakeTrigger(Clock& clock) : clock_(clock) { info_.uri = "fake:trigger"; }
+  explicit FakeTrigger(Clock& clock);
   const device::TriggerInfo& info() const override { return info_; }
   Result<device::TriggerStatus> status() override;
   Result<void> configure(int channel, const device::TriggerChannel& settings) override;
@@ -22,7 +22,7 @@ class FakeTrigger final : public device::TriggerMaster {
   Result<void> stop() override;
   Result<std::size_t> read_ticks(std::span<device::TriggerTick> out, Duration timeout) override;
 
-  /// The next tick happens now; returns its number.
+  /// The next tick happens now, where it runs; returns its number.
   std::uint64_t tick();
   /// As after a brown-out: idle, and tick numbers begin anew.
   void reset();
@@ -31,11 +31,14 @@ class FakeTrigger final : public device::TriggerMaster {
   bool wait_for_start(int count, Duration timeout);
 
  private:
+  static constexpr int kChannels = 16;
+
   Clock& clock_;
   device::TriggerInfo info_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<device::TriggerTick> ticks_;
+  std::array<device::TriggerChannel, kChannels> channels_{};
   device::TriggerState state_ = device::TriggerState::kIdle;
   std::uint64_t next_ = 0;
   int starts_ = 0;

@@ -140,11 +140,15 @@ Result<BootloaderInfo> Dfuse::connect() {
     return Error{ErrorCode::kDevice, "wrong board: flash layout \"" + dfu.memory_layout +
                                          "\" is not that of an STM32F405; nothing was erased"};
   }
-  return BootloaderInfo{"STM32 USB bootloader (DfuSe)", 0, std::move(sectors)};
+  sectors_ = std::move(sectors);
+  return BootloaderInfo{"STM32 USB bootloader (DfuSe)", 0, sectors_};
 }
 
 Result<void> Dfuse::erase(const FlashSector& sector) {
-  return command(kErase, sector.address, "erase flash");
+  // The device would erase whatever sector the address lies in.
+  const bool known = std::find(sectors_.begin(), sectors_.end(), sector) != sectors_.end();
+  return known ? command(kErase, sector.address, "erase flash")
+               : refused("erase what is no sector");
 }
 
 Result<void> Dfuse::write(std::uint32_t address, std::span<const std::uint8_t> data) {

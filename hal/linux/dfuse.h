@@ -38,6 +38,7 @@ class Dfuse final : public Bootloader {
 
   UsbControl& usb_;
   Clock& clock_;
+  std::vector<FlashSector> sectors_;
 };
 
 }  // namespace mixrig::device

@@ -18,8 +18,12 @@ using protocol::kVectorBlock;
 
 namespace {
 
-constexpr std::size_t kStep = 256;
-constexpr int kReadTries = 8;
+constexpr std::size_t kLongestPiece = 256, kShortestPiece = 16;
+constexpr int kReadTries = 32;
+/// A bootloader's check sum is one byte: noise may slip through and be written.
+constexpr int kRounds = 4;
+/// Asking running firmware for its bootloader.
+constexpr int kEntryTries = 8;
 /// Stack and entry: the last words written. Without them nothing runs.
 constexpr std::size_t kEntryWords = 8;
 
@@ -39,51 +43,77 @@ std::vector<FlashSector> sectors_under(const BootloaderInfo& info, std::size_t s
   return sectors;
 }
 
-Result<void> read_range(Bootloader& bootloader, std::size_t begin, std::span<std::uint8_t> out,
-                        const char* what, const FlashProgress& progress) {
-  for (std::size_t done = 0; done < out.size(); done += kStep) {
-    const std::size_t size = std::min(kStep, out.size() - done);
-    const auto address = static_cast<std::uint32_t>(kFlashBase + begin + done);
-    MIXRIG_TRY(bootloader.read(address, out.subspan(done, size)));
-    progress(what, done + size, out.size());
+/// Goes through `size` bytes piece by piece. `attempt(at, n)` tells whether a piece came right; one
+/// that did not is tried again, shorter: a noisy line lets short ones through. Returns where a
+/// piece stayed wrong, or `size`.
+template <typename Attempt>
+Result<std::size_t> in_pieces(std::size_t size, const char* what, const FlashProgress& progress,
+                              Attempt attempt) {
+  std::size_t longest = kLongestPiece, at = 0;
+  for (int tries = 0; at < size;) {
+    const std::size_t n = std::min(longest, size - at);
+    MIXRIG_ASSIGN(const bool right, attempt(at, n));
+    if (right) {
+      at += n;
+      tries = 0;
+      longest = std::min(2 * longest, kLongestPiece);
+      progress(what, at, size);
+    } else if (++tries == kReadTries) {
+      return at;
+    } else {
+      longest = std::max(longest / 2, kShortestPiece);
+    }
   }
-  return {};
+  return size;
 }
 
-/// A UART carries no check sum of what is read: a difference must stay one when looked at again.
-Result<void> verify_range(Bootloader& bootloader, std::span<const std::uint8_t> bytes,
-                          std::size_t begin, std::size_t end, const FlashProgress& progress) {
-  std::array<std::uint8_t, kStep> got;
-  for (std::size_t at = begin; at < end; at += kStep) {
-    const std::size_t size = std::min(kStep, end - at);
-    const auto wanted = bytes.subspan(at, size);
-    const auto here = std::span(got).first(size);
-    bool same = false;
-    for (int i = 0; i < kReadTries && !same; ++i) {
-      MIXRIG_TRY(bootloader.read(static_cast<std::uint32_t>(kFlashBase + at), here));
-      same = std::equal(wanted.begin(), wanted.end(), here.begin());
-    }
-    if (!same) {
-      const auto differs = std::mismatch(wanted.begin(), wanted.end(), here.begin()).first;
-      const auto address = kFlashBase + at + static_cast<std::size_t>(differs - wanted.begin());
-      char text[16];
-      std::snprintf(text, sizeof text, "0x%08zx", address);
-      return Error{ErrorCode::kData, std::string("flash differs from the image at ") + text};
-    }
-    progress("verify", at + size - begin, end - begin);
-  }
-  return {};
+std::uint32_t address_of(std::size_t offset) {
+  return static_cast<std::uint32_t>(kFlashBase + offset);
+}
+
+/// From the start of flash. Each byte is read until two readings agree.
+Result<void> read_surely(Bootloader& bootloader, std::span<std::uint8_t> out,
+                         const FlashProgress& progress) {
+  std::array<std::uint8_t, kLongestPiece> again;
+  const auto attempt = [&](std::size_t at, std::size_t n) -> Result<bool> {
+    const auto once = out.subspan(at, n), twice = std::span(again).first(n);
+    MIXRIG_TRY(bootloader.read(address_of(at), once));
+    MIXRIG_TRY(bootloader.read(address_of(at), twice));
+    return std::equal(once.begin(), once.end(), twice.begin());
+  };
+  MIXRIG_ASSIGN(const std::size_t read, in_pieces(out.size(), "read old image", progress, attempt));
+  if (read == out.size()) return {};
+  return Error{ErrorCode::kDevice,
+               "flash reads differently each time: check cable and ground; nothing was erased"};
+}
+
+/// Compares flash from `begin` on. A difference must stay one when looked at again.
+Result<void> verify_range(Bootloader& bootloader, std::span<const std::uint8_t> wanted,
+                          std::size_t begin, const FlashProgress& progress) {
+  std::array<std::uint8_t, kLongestPiece> got;
+  std::size_t differs = 0;
+  const auto attempt = [&](std::size_t at, std::size_t n) -> Result<bool> {
+    const auto here = wanted.subspan(at, n);
+    MIXRIG_TRY(bootloader.read(address_of(begin + at), std::span(got).first(n)));
+    const auto end = std::mismatch(here.begin(), here.end(), got.begin()).first;
+    differs = at + static_cast<std::size_t>(end - here.begin());
+    return end == here.end();
+  };
+  MIXRIG_ASSIGN(const std::size_t same, in_pieces(wanted.size(), "verify", progress, attempt));
+  if (same == wanted.size()) return {};
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%08x", address_of(begin + differs));
+  return Error{ErrorCode::kData, std::string("flash differs from the image at ") + text};
 }
 
 Result<void> write_range(Bootloader& bootloader, std::span<const std::uint8_t> bytes,
                          std::size_t begin, std::size_t end, const FlashProgress& progress) {
   for (std::size_t at = begin; at < end; at += kVectorBlock) {
     const std::size_t size = std::min(kVectorBlock, end - at);
-    const auto address = static_cast<std::uint32_t>(kFlashBase + at);
-    MIXRIG_TRY(bootloader.write(address, bytes.subspan(at, size)));
+    MIXRIG_TRY(bootloader.write(address_of(at), bytes.subspan(at, size)));
     progress("write", at + size - begin, end - begin);
   }
-  return verify_range(bootloader, bytes, begin, end, progress);
+  return verify_range(bootloader, bytes.subspan(begin, end - begin), begin, progress);
 }
 
 Result<void> rewrite(Bootloader& bootloader, const std::vector<FlashSector>& sectors,
@@ -106,7 +136,7 @@ Result<PreviousFlash> read_previous(Bootloader& bootloader, const BootloaderInfo
                                     std::size_t size, const FlashProgress& progress) {
   PreviousFlash previous;
   previous.bytes.resize(kHeaderOffset + sizeof(protocol::ImageHeader));
-  MIXRIG_TRY(read_range(bootloader, 0, previous.bytes, "read old image", progress));
+  MIXRIG_TRY(read_surely(bootloader, previous.bytes, progress));
   protocol::ImageHeader header;
   std::memcpy(&header, previous.bytes.data() + kHeaderOffset, sizeof header);
   previous.blank = std::all_of(previous.bytes.begin(), previous.bytes.end(),
@@ -120,7 +150,7 @@ Result<PreviousFlash> read_previous(Bootloader& bootloader, const BootloaderInfo
   const bool ours = header.magic == protocol::kImageMagic && header.size > previous.bytes.size() &&
                     header.size <= protocol::kMaxImage && header.size % 4 == 0;
   previous.bytes.resize(ours ? header.size : total);
-  MIXRIG_TRY(read_range(bootloader, 0, previous.bytes, "read old image", progress));
+  MIXRIG_TRY(read_surely(bootloader, previous.bytes, progress));
   return previous;
 }
 
@@ -134,40 +164,44 @@ Result<void> write_flash(Bootloader& bootloader, const BootloaderInfo& info,
     return Error{ErrorCode::kUsage, "image of " + std::to_string(bytes.size()) +
                                         " bytes does not fit the chip's flash; nothing was erased"};
   }
-  if (auto done = rewrite(bootloader, sectors, bytes, progress); !done) {
-    return unfinished(done.error());
+  Result<void> done;
+  for (int round = 0; round < kRounds; ++round) {
+    done = rewrite(bootloader, sectors, bytes, progress);
+    if (done || done.error().code != ErrorCode::kData) break;
   }
-  return {};
+  return done ? done : unfinished(done.error());
 }
 
 Result<void> verify_flash(Bootloader& bootloader, std::span<const std::uint8_t> bytes,
                           const FlashProgress& progress) {
-  return verify_range(bootloader, bytes, 0, bytes.size(), progress);
+  return verify_range(bootloader, bytes, 0, progress);
 }
 
 Result<void> enter_bootloader(ByteStream& stream, Clock& clock, const std::string& name) {
   Stm32Rom rom(stream, clock);
-  MIXRIG_ASSIGN(const bool there, rom.answers());
-  if (there) return {};
-  MIXRIG_TRY(stream.set_line({}));
-  protocol::Verdict verdict = protocol::Verdict::kOk;
-  McuLink link(stream, clock, name);
-  const McuLink::Patience patience{std::chrono::milliseconds(100), 10};
   const protocol::Reboot reboot{protocol::RebootTarget::kBootloader, protocol::kRebootKey};
-  auto asked = link.ask(reboot, patience, nullptr, &verdict);
-  if (!asked && asked.error().code == ErrorCode::kTimeout) {
-    return Error{ErrorCode::kTimeout, "neither firmware nor bootloader answers at " + name +
-                                          ": check cable and power, or hold BOOT0 at reset"};
+  // Each try asks for the bootloader first: were it there, a second frame would spoil its search
+  // for the baud rate. So the link's own repeats are not for this command.
+  const McuLink::Patience once{std::chrono::milliseconds(200), 1};
+  for (int i = 0; i < kEntryTries; ++i) {
+    MIXRIG_ASSIGN(const bool there, rom.answers());
+    if (there) return {};
+    MIXRIG_TRY(stream.set_line({}));
+    protocol::Verdict verdict = protocol::Verdict::kOk;
+    McuLink link(stream, clock, name);
+    const auto asked = link.ask(reboot, once, nullptr, &verdict);
+    if (asked && verdict == protocol::Verdict::kOk) return {};
+    if (asked && verdict == protocol::Verdict::kState) {
+      return Error{ErrorCode::kDevice,
+                   "triggers are running at " + name + ": stop them first (mixrig trigger stop)"};
+    }
+    if (asked) {
+      return Error{ErrorCode::kDevice, "trigger controller at " + name + " " + meaning(verdict)};
+    }
+    if (asked.error().code != ErrorCode::kTimeout) return asked.error();
   }
-  if (!asked) return std::move(asked).error();
-  if (verdict == protocol::Verdict::kState) {
-    return Error{ErrorCode::kDevice,
-                 "triggers are running at " + name + ": stop them first (mixrig trigger stop)"};
-  }
-  if (verdict != protocol::Verdict::kOk) {
-    return Error{ErrorCode::kDevice, "trigger controller at " + name + " " + meaning(verdict)};
-  }
-  return {};
+  return Error{ErrorCode::kTimeout, "neither firmware nor bootloader answers at " + name +
+                                        ": check cable and power, or hold BOOT0 at reset"};
 }
 
 }  // namespace mixrig::device

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
-#include <condition_variable>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -126,149 +125,27 @@ class GpiodInput final : public TriggerInput {
   StreamHealth health_;
 };
 
-class GpiodTrigger final : public TriggerMaster {
+class GpiodOutputs final : public LineOutputs {
  public:
-  GpiodTrigger(Lines lines, Clock& clock, std::string uri)
-      : lines_(std::move(lines)), clock_(clock) {
-    info_.uri = std::move(uri);
-    info_.version = "software";
-    info_.clock = "CLOCK_MONOTONIC";
-    info_.channels = static_cast<int>(lines_.lines.size());
-    info_.tick = kSoftwareTick;
-    info_.slot = std::chrono::microseconds(1);
-  }
-  ~GpiodTrigger() override { (void)stop(); }
+  GpiodOutputs(Lines lines, std::string uri) : lines_(std::move(lines)), uri_(std::move(uri)) {}
 
-  const TriggerInfo& info() const override { return info_; }
-  Result<TriggerStatus> status() override;
-  Result<void> configure(int channel, const TriggerChannel& settings) override;
-  Result<void> start() override;
-  Result<void> stop() override;
-  Result<std::size_t> read_ticks(std::span<TriggerTick> out, Duration timeout) override;
+  int count() const override { return static_cast<int>(lines_.lines.size()); }
+  Result<void> drive(int line, bool high) override {
+    const auto i = static_cast<std::size_t>(line);
+    const int done = requested_[i] ? gpiod_line_set_value(lines_.lines[i], high)
+                                   : gpiod_line_request_output(lines_.lines[i], kConsumer, high);
+    if (done < 0)
+      return system_error(ErrorCode::kDevice, uri_ + ": a line cannot be driven: is it in use?",
+                          errno);
+    requested_[i] = true;
+    return {};
+  }
 
  private:
-  static constexpr std::size_t kKept = 256;
-  void work();
-  void tell(const SoftwareSchedule::Edge& edge, HostTime at);
-  Result<void> request_outputs();
-
   Lines lines_;
-  Clock& clock_;
-  TriggerInfo info_;
-  SoftwareSchedule schedule_;
-  std::thread thread_;
-  std::atomic<bool> stop_ = false;
-  bool requested_ = false;
-  std::mutex mutex_;
-  std::condition_variable told_;
-  std::array<TriggerTick, kKept> ticks_{};
-  std::size_t first_ = 0, count_ = 0;
-  std::uint64_t tick_ = 0, overrun_ = 0, failed_ = 0;
-  Duration late_max_{};
+  std::string uri_;
+  std::array<bool, kSoftwareChannels> requested_{};
 };
-
-Result<void> GpiodTrigger::configure(int channel, const TriggerChannel& settings) {
-  if (thread_.joinable())
-    return Error{ErrorCode::kDevice, info_.uri + ": stop it before it is configured"};
-  if (channel >= info_.channels)
-    return Error{ErrorCode::kUsage,
-                 info_.uri + ": has " + std::to_string(info_.channels) + " channels"};
-  return schedule_.configure(channel, settings);
-}
-
-Result<void> GpiodTrigger::request_outputs() {
-  if (requested_) return {};
-  for (int i = 0; i < info_.channels; ++i) {
-    const int idle = schedule_.channel(i).active_low ? 1 : 0;
-    if (gpiod_line_request_output(lines_.lines[static_cast<std::size_t>(i)], kConsumer, idle) < 0)
-      return system_error(ErrorCode::kDevice,
-                          info_.uri + ": a line cannot be driven: is it in use?", errno);
-  }
-  requested_ = true;
-  return {};
-}
-
-Result<void> GpiodTrigger::start() {
-  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": runs already"};
-  MIXRIG_TRY(request_outputs());
-  {
-    const std::lock_guard lock(mutex_);
-    count_ = 0;
-    tick_ = 0;
-    late_max_ = {};
-  }
-  schedule_.start(clock_.now() + kSoftwareTick);
-  stop_ = false;
-  thread_ = std::thread([this] { work(); });
-  return {};
-}
-
-Result<void> GpiodTrigger::stop() {
-  stop_ = true;
-  if (!thread_.joinable()) return {};
-  thread_.join();
-  for (int i = 0; i < info_.channels; ++i)
-    (void)gpiod_line_set_value(lines_.lines[static_cast<std::size_t>(i)],
-                               schedule_.channel(i).active_low ? 1 : 0);
-  return {};
-}
-
-void GpiodTrigger::work() {
-  while (!stop_) {
-    const auto edge = schedule_.next();
-    clock_.sleep_until(edge.at);
-    const HostTime at = clock_.now();
-    if (edge.channel >= 0) {
-      const bool high = edge.active != schedule_.channel(edge.channel).active_low;
-      if (gpiod_line_set_value(lines_.lines[static_cast<std::size_t>(edge.channel)], high ? 1 : 0) <
-          0)
-        ++failed_;
-    }
-    tell(edge, at);
-  }
-}
-
-void GpiodTrigger::tell(const SoftwareSchedule::Edge& edge, HostTime at) {
-  const std::lock_guard lock(mutex_);
-  late_max_ = std::max(late_max_, at - edge.at);
-  if (edge.channel >= 0) return;
-  if (count_ == kKept) {
-    first_ = (first_ + 1) % kKept;
-    --count_;
-    ++overrun_;
-  }
-  tick_ = edge.tick;
-  ticks_[(first_ + count_++) % kKept] = {edge.tick, McuTime(at.time_since_epoch()),
-                                         schedule_.fired(edge.tick)};
-  told_.notify_one();
-}
-
-Result<TriggerStatus> GpiodTrigger::status() {
-  TriggerStatus status;
-  status.asked = clock_.now();
-  const std::lock_guard lock(mutex_);
-  status.state = thread_.joinable() ? TriggerState::kRunning : TriggerState::kIdle;
-  for (int i = 0; i < info_.channels; ++i)
-    if (schedule_.channel(i).divider > 0) status.enabled |= 1U << i;
-  status.tick = tick_;
-  status.now = McuTime(status.asked.time_since_epoch());
-  status.answered = status.asked;
-  status.late_max = late_max_;
-  status.faults = {{"ticks_dropped", overrun_, "tick reports that nobody fetched"},
-                   {"line_failed", failed_, "a line could not be switched"}};
-  return status;
-}
-
-Result<std::size_t> GpiodTrigger::read_ticks(std::span<TriggerTick> out, Duration timeout) {
-  std::unique_lock lock(mutex_);
-  told_.wait_for(lock, timeout, [this] { return count_ > 0; });
-  std::size_t taken = 0;
-  for (; taken < out.size() && count_ > 0; ++taken, --count_) {
-    out[taken] = ticks_[first_];
-    first_ = (first_ + 1) % kKept;
-  }
-  return taken;
-}
 
 }  // namespace
 
@@ -285,8 +162,9 @@ Result<std::unique_ptr<TriggerMaster>> open_gpiod_trigger(const std::string& tex
   if (lines.lines.size() > static_cast<std::size_t>(kSoftwareChannels))
     return Error{ErrorCode::kUsage,
                  "gpiod:" + text + ": at most " + std::to_string(kSoftwareChannels) + " lines"};
+  auto outputs = std::make_unique<GpiodOutputs>(std::move(lines), "gpiod:" + text);
   return std::unique_ptr<TriggerMaster>(
-      std::make_unique<GpiodTrigger>(std::move(lines), clock, "gpiod:" + text));
+      std::make_unique<SoftwareTrigger>(std::move(outputs), clock, "gpiod:" + text));
 }
 
 }  // namespace mixrig::device

@@ -14,8 +14,6 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-constexpr McuLink::Patience kGreeting{std::chrono::milliseconds(100), 30};
-
 std::string hex(std::span<const std::uint8_t> bytes) {
   std::string out;
   for (const std::uint8_t byte : bytes) {
@@ -42,14 +40,8 @@ const char* text(protocol::ClockSource clock) {
   return i < std::size(kTexts) ? kTexts[i] : "unknown";
 }
 
-Result<std::uint16_t> slots(Duration span, const char* what) {
-  const auto count = span / microseconds(protocol::kSlotUs);
-  if (span < Duration{0} || span % microseconds(protocol::kSlotUs) != Duration{0} ||
-      count > 0xFFFF) {
-    return Error{ErrorCode::kUsage,
-                 std::string("trigger ") + what + " must be a multiple of 0.1 ms, 0 to 6000 ms"};
-  }
-  return static_cast<std::uint16_t>(count);
+std::uint16_t slots(Duration span) {
+  return static_cast<std::uint16_t>(span / microseconds(protocol::kSlotUs));
 }
 
 }  // namespace
@@ -89,8 +81,9 @@ const char* self_test_text(protocol::SelfTestBit bit) {
   return i < std::size(kTexts) ? kTexts[i] : "unknown";
 }
 
-McuTrigger::McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const std::string& name)
-    : stream_(std::move(stream)), link_(*stream_, clock, name) {
+McuTrigger::McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const std::string& name,
+                       McuLink::Patience greeting)
+    : stream_(std::move(stream)), link_(*stream_, clock, name), greeting_(greeting) {
   info_.uri = "mcu:" + name;
   link_.on_telemetry([this](std::uint8_t type, std::span<const std::uint8_t> body) {
     take_telemetry(type, body);
@@ -98,8 +91,9 @@ McuTrigger::McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const s
 }
 
 Result<std::unique_ptr<McuTrigger>> McuTrigger::open(std::unique_ptr<ByteStream> stream,
-                                                     Clock& clock, const std::string& name) {
-  std::unique_ptr<McuTrigger> trigger(new McuTrigger(std::move(stream), clock, name));
+                                                     Clock& clock, const std::string& name,
+                                                     McuLink::Patience greeting) {
+  std::unique_ptr<McuTrigger> trigger(new McuTrigger(std::move(stream), clock, name, greeting));
   MIXRIG_TRY(trigger->greet());
   MIXRIG_TRY(trigger->ask(protocol::Subscribe{protocol::kSubscribeTicks}));
   MIXRIG_TRY(trigger->status());  // sets the clock that ticks are extended by
@@ -109,13 +103,14 @@ Result<std::unique_ptr<McuTrigger>> McuTrigger::open(std::unique_ptr<ByteStream>
 Result<void> McuTrigger::greet() {
   Verdict verdict = Verdict::kOk;
   MIXRIG_ASSIGN(const protocol::HelloReply hello,
-                link_.ask(protocol::Hello{protocol::kTableHash}, kGreeting, nullptr, &verdict));
+                link_.ask(protocol::Hello{protocol::kTableHash}, greeting_, nullptr, &verdict));
   info_.version = version_text(hello.version);
   info_.unique_id = hex(hello.uid);
   info_.reset_cause = text(hello.reset_cause);
   info_.clock = text(hello.clock);
   info_.image_crc = hello.image_crc;
-  info_.channels = hello.channels;
+  info_.channels = std::min<int>(hello.channels, protocol::kChannels);
+  info_.max_divider = protocol::kMaxDivider;
   info_.tick = microseconds(protocol::kTickUs);
   info_.slot = microseconds(protocol::kSlotUs);
   if (verdict == Verdict::kOk && hello.table_hash == protocol::kTableHash) {
@@ -186,29 +181,15 @@ std::vector<TriggerFault> McuTrigger::all_faults(const protocol::StatusReply& re
 }
 
 Result<void> McuTrigger::configure(int channel, const TriggerChannel& settings) {
-  if (channel < 0 || channel >= static_cast<int>(protocol::kChannels)) {
-    return Error{ErrorCode::kUsage,
-                 "no trigger channel " + std::to_string(channel) + ": there are 0 to 15"};
-  }
-  if (settings.divider < 0 || settings.divider > protocol::kMaxDivider) {
-    return Error{ErrorCode::kUsage,
-                 "trigger divider must be 0 (off) to " + std::to_string(protocol::kMaxDivider)};
-  }
+  MIXRIG_TRY(check_channel(info_, channel, settings));
   protocol::SetChannel set;
   set.channel = static_cast<std::uint8_t>(channel);
   if (settings.divider != 0) {
     set.divider = static_cast<std::uint16_t>(settings.divider);
-    MIXRIG_ASSIGN(set.phase_slots, slots(settings.phase, "phase"));
-    MIXRIG_ASSIGN(set.width_slots, slots(settings.width, "width"));
+    set.phase_slots = slots(settings.phase);
+    set.width_slots = slots(settings.width);
     set.flags = static_cast<std::uint8_t>(protocol::kFlagEnable |
                                           (settings.active_low ? protocol::kFlagActiveLow : 0));
-    const int period = settings.divider * static_cast<int>(protocol::kSlotsPerTick);
-    if (set.width_slots == 0 || set.phase_slots + set.width_slots >= period) {
-      return Error{ErrorCode::kUsage,
-                   "trigger channel " + std::to_string(channel) +
-                       ": width must be at least 0.1 ms, and phase + width less than " +
-                       std::to_string(settings.divider * 10) + " ms, its period"};
-    }
   }
   MIXRIG_TRY(ask(set));
   return {};
@@ -227,8 +208,8 @@ Result<TriggerChannel> McuTrigger::channel(int index) {
 
 Result<void> McuTrigger::start() {
   MIXRIG_TRY(ask(protocol::Stop{}));
-  ticks_.clear();
   MIXRIG_TRY(ask(protocol::Arm{}));
+  ticks_.clear();  // reports of the run before may have come behind the answer to stop
   MIXRIG_TRY(ask(protocol::Start{}));
   return {};
 }

@@ -41,7 +41,9 @@ class McuTrigger final : public TriggerMaster {
   /// Greets the controller; refuses another message table and a damaged image. `clock` outlives
   /// it. `name` is the stream's, for error lines.
   static Result<std::unique_ptr<McuTrigger>> open(std::unique_ptr<ByteStream> stream, Clock& clock,
-                                                  const std::string& name);
+                                                  const std::string& name,
+                                                  McuLink::Patience greeting = {
+                                                      std::chrono::milliseconds(100), 30});
 
   const TriggerInfo& info() const override { return info_; }
   /// After a reset of the controller: greets it again, counts `controller_reset`, goes on.
@@ -60,7 +62,8 @@ class McuTrigger final : public TriggerMaster {
  private:
   static constexpr std::size_t kKeptTicks = 1024;
 
-  McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const std::string& name);
+  McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const std::string& name,
+             McuLink::Patience greeting);
   Result<void> greet();
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> body);
   std::vector<TriggerFault> all_faults(const protocol::StatusReply& reply) const;
@@ -69,6 +72,7 @@ class McuTrigger final : public TriggerMaster {
 
   std::unique_ptr<ByteStream> stream_;
   McuLink link_;
+  McuLink::Patience greeting_;
   TriggerInfo info_;
   McuClock mcu_clock_;
   std::deque<TriggerTick> ticks_;

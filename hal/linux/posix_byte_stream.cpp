@@ -54,7 +54,11 @@ Result<bool> wait_for(int fd, short events, Duration timeout, const std::string&
 
 }  // namespace
 
-PosixByteStream::PosixByteStream(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+PosixByteStream::PosixByteStream(int fd, std::string name) : fd_(fd), name_(std::move(name)) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  is_socket_ = getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+}
 
 PosixByteStream::~PosixByteStream() { close(fd_); }
 
@@ -95,7 +99,9 @@ Result<std::size_t> PosixByteStream::read(std::span<std::uint8_t> out, Duration 
 
 Result<void> PosixByteStream::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    // A socket whose other end is gone would end this process by a signal.
+    const ssize_t n = is_socket_ ? ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                 : ::write(fd_, bytes.data(), bytes.size());
     if (n > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(n));
       continue;
@@ -120,12 +126,16 @@ Result<void> PosixByteStream::set_line(const LineSettings& settings) {
                  name_ + ": no such rate, " + std::to_string(settings.baud) + " baud"};
   }
   cfsetspeed(&terminal, speed);
-  // A pty drops the parity flag without a word: its bytes have none.
   terminal.c_cflag &= ~static_cast<tcflag_t>(PARENB | PARODD);
   if (settings.parity == Parity::kEven) terminal.c_cflag |= PARENB;
-  if (tcsetattr(fd_, TCSADRAIN, &terminal) != 0) {
-    return system_error(ErrorCode::kIo, "cannot set up " + name_, errno);
-  }
+  if (tcsetattr(fd_, TCSADRAIN, &terminal) == 0) return {};
+  // A pty drops the parity flag: its bytes have none. Where nothing else changes, that is an error
+  // to the C library, not to us.
+  const int cause = errno;
+  termios now{};
+  const bool all_but_parity = tcgetattr(fd_, &now) == 0 && cfgetospeed(&now) == speed &&
+                              (now.c_cflag | PARENB) == (terminal.c_cflag | PARENB);
+  if (!all_but_parity) return system_error(ErrorCode::kIo, "cannot set up " + name_, cause);
   return {};
 }
 

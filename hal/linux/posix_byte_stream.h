@@ -28,6 +28,7 @@ class PosixByteStream final : public ByteStream {
 
  private:
   int fd_;
+  bool is_socket_ = false;
   std::string name_;
 };
 

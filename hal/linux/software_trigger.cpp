@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/software_trigger.h"
 
-#include <string>
+#include <algorithm>
+#include <utility>
 
 namespace mixrig::device {
 
-Result<void> SoftwareSchedule::configure(int channel, const TriggerChannel& settings) {
-  if (channel < 0 || channel >= kSoftwareChannels)
-    return Error{ErrorCode::kUsage,
-                 "trigger channel must be 0 to " + std::to_string(kSoftwareChannels - 1)};
-  const Duration period = settings.divider * kSoftwareTick;
-  const bool fits = settings.divider == 0 ||
-                    (settings.divider > 0 && settings.phase >= Duration(0) &&
-                     settings.width > Duration(0) && settings.phase + settings.width < period);
-  if (!fits)
-    return Error{ErrorCode::kUsage, "trigger channel " + std::to_string(channel) +
-                                        ": phase and width must fit between two pulses"};
+void SoftwareSchedule::configure(int channel, const TriggerChannel& settings) {
   channels_[static_cast<std::size_t>(channel)] = settings;
-  return {};
 }
 
 void SoftwareSchedule::start(HostTime begin) {
@@ -53,6 +43,111 @@ std::uint32_t SoftwareSchedule::fired(std::uint64_t tick) const {
       mask |= 1U << i;
   }
   return mask;
+}
+
+SoftwareTrigger::SoftwareTrigger(std::unique_ptr<LineOutputs> lines, Clock& clock, std::string uri)
+    : lines_(std::move(lines)), clock_(clock) {
+  info_.uri = std::move(uri);
+  info_.version = "software";
+  info_.clock = "CLOCK_MONOTONIC";
+  info_.channels = std::min(lines_->count(), kSoftwareChannels);
+  info_.max_divider = 600;
+  info_.tick = kSoftwareTick;
+  info_.slot = std::chrono::microseconds(1);
+}
+
+Result<void> SoftwareTrigger::configure(int channel, const TriggerChannel& settings) {
+  MIXRIG_TRY(check_channel(info_, channel, settings));
+  if (thread_.joinable())
+    return Error{ErrorCode::kDevice, info_.uri + ": stop it before it is configured"};
+  schedule_.configure(channel, settings);
+  return {};
+}
+
+/// Every line to its inactive level. All are tried; the first error is told.
+Result<void> SoftwareTrigger::rest_lines() {
+  Result<void> result;
+  for (int i = 0; i < info_.channels; ++i) {
+    auto driven = lines_->drive(i, schedule_.channel(i).active_low);
+    if (!driven && result) result = std::move(driven);
+  }
+  return result;
+}
+
+Result<void> SoftwareTrigger::start() {
+  MIXRIG_TRY(stop());
+  MIXRIG_TRY(rest_lines());
+  first_ = count_ = 0;
+  tick_ = 0;
+  late_max_ = {};
+  schedule_.start(clock_.now() + kSoftwareTick);
+  stop_ = false;
+  thread_ = std::thread([this] { work(); });
+  return {};
+}
+
+Result<void> SoftwareTrigger::stop() {
+  stop_ = true;
+  if (!thread_.joinable()) return {};
+  thread_.join();
+  return rest_lines();
+}
+
+void SoftwareTrigger::work() {
+  while (!stop_) {
+    const auto edge = schedule_.next();
+    clock_.sleep_until(edge.at);
+    const HostTime at = clock_.now();
+    bool failed = false;
+    if (edge.channel >= 0) {
+      const bool high = edge.active != schedule_.channel(edge.channel).active_low;
+      failed = !lines_->drive(edge.channel, high);
+    }
+    tell(edge, at, failed);
+  }
+}
+
+void SoftwareTrigger::tell(const SoftwareSchedule::Edge& edge, HostTime at, bool failed) {
+  const std::lock_guard lock(mutex_);
+  late_max_ = std::max(late_max_, at - edge.at);
+  failed_ += failed;
+  if (edge.channel >= 0) return;
+  if (count_ == kKept) {
+    first_ = (first_ + 1) % kKept;
+    --count_;
+    ++overrun_;
+  }
+  tick_ = edge.tick;
+  ticks_[(first_ + count_++) % kKept] = {edge.tick, McuTime(at.time_since_epoch()),
+                                         schedule_.fired(edge.tick)};
+  told_.notify_one();
+}
+
+Result<TriggerStatus> SoftwareTrigger::status() {
+  TriggerStatus status;
+  status.asked = clock_.now();
+  const std::lock_guard lock(mutex_);
+  status.state = thread_.joinable() ? TriggerState::kRunning : TriggerState::kIdle;
+  for (int i = 0; i < info_.channels; ++i)
+    if (schedule_.channel(i).divider > 0) status.enabled |= 1U << i;
+  status.tick = tick_;
+  status.now = McuTime(status.asked.time_since_epoch());
+  status.answered = status.asked;
+  status.late_max = late_max_;
+  status.faults = {{"ticks_dropped", overrun_, "tick reports that nobody fetched"},
+                   {"line_failed", failed_, "a line could not be switched"}};
+  return status;
+}
+
+Result<std::size_t> SoftwareTrigger::read_ticks(std::span<TriggerTick> out, Duration timeout) {
+  std::unique_lock lock(mutex_);
+  told_.wait_for(lock, timeout, [this] { return count_ > 0; });
+  std::size_t taken = 0;
+  for (; taken < out.size() && count_ > 0; ++taken, --count_) {
+    out[taken] = ticks_[first_];
+    first_ = (first_ + 1) % kKept;
+  }
+  return taken;
 }
 
 }  // namespace mixrig::device

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a software trigger must switch which line: the schedule, without any line.
+// A trigger master where no trigger board is fitted: a thread switches lines on time as well as the
+// scheduler lets it.
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
-#include <optional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
@@ -15,7 +21,7 @@ namespace mixrig::device {
 inline constexpr int kSoftwareChannels = 8;
 inline constexpr Duration kSoftwareTick = std::chrono::milliseconds(10);
 
-/// Edges of all channels in order of time. One thread.
+/// When software must switch which line. One thread.
 class SoftwareSchedule {
  public:
   struct Edge {
@@ -24,8 +30,8 @@ class SoftwareSchedule {
     bool active = false;
     std::uint64_t tick = 0;  ///< valid for the master
   };
-  /// Errors: kUsage where the pulse does not fit between two of its ticks.
-  Result<void> configure(int channel, const TriggerChannel& settings);
+  /// What check_channel() let through.
+  void configure(int channel, const TriggerChannel& settings);
   const TriggerChannel& channel(int index) const {
     return channels_[static_cast<std::size_t>(index)];
   }
@@ -45,6 +51,51 @@ class SoftwareSchedule {
   std::array<Line, kSoftwareChannels> lines_{};
   HostTime begin_{};
   std::uint64_t tick_ = 0;
+};
+
+/// Lines that software drives. One thread at a time.
+class LineOutputs {
+ public:
+  virtual ~LineOutputs() = default;
+  virtual int count() const = 0;
+  /// The first call for a line makes it an output. Errors: kDevice.
+  virtual Result<void> drive(int line, bool high) = 0;
+};
+
+/// `late_max` of its status is the jitter to be judged; its clock is the host's.
+class SoftwareTrigger final : public TriggerMaster {
+ public:
+  /// Of `lines` the first kSoftwareChannels are used. `clock` outlives it.
+  SoftwareTrigger(std::unique_ptr<LineOutputs> lines, Clock& clock, std::string uri);
+  ~SoftwareTrigger() override { (void)stop(); }
+  SoftwareTrigger(const SoftwareTrigger&) = delete;
+  SoftwareTrigger& operator=(const SoftwareTrigger&) = delete;
+
+  const TriggerInfo& info() const override { return info_; }
+  Result<TriggerStatus> status() override;
+  Result<void> configure(int channel, const TriggerChannel& settings) override;
+  Result<void> start() override;
+  Result<void> stop() override;
+  Result<std::size_t> read_ticks(std::span<TriggerTick> out, Duration timeout) override;
+
+ private:
+  static constexpr std::size_t kKept = 1024;
+  void work();
+  void tell(const SoftwareSchedule::Edge& edge, HostTime at, bool failed);
+  Result<void> rest_lines();
+
+  std::unique_ptr<LineOutputs> lines_;
+  Clock& clock_;
+  TriggerInfo info_;
+  SoftwareSchedule schedule_;
+  std::thread thread_;
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;
+  std::condition_variable told_;
+  std::array<TriggerTick, kKept> ticks_{};  // a ring of count_ from first_ on
+  std::size_t first_ = 0, count_ = 0;
+  std::uint64_t tick_ = 0, overrun_ = 0, failed_ = 0;
+  Duration late_max_{};
 };
 
 }  // namespace mixrig::device

@@ -16,6 +16,10 @@ namespace {
 constexpr std::uint8_t kAck = 0x79;
 constexpr std::uint8_t kNack = 0x1F;
 constexpr std::uint8_t kSync = 0x7F;
+/// No command begins with it, and a row of it makes no right check sum wherever a command was
+/// broken off: taken for the size of a write it asks for an odd number more, which do not cancel.
+/// (A row of 0x7F taken for size, data and check sum would be written.)
+constexpr std::uint8_t kFill = 0x04;
 constexpr std::uint8_t kGetId = 0x02;
 constexpr std::uint8_t kRead = 0x11;
 constexpr std::uint8_t kGo = 0x21;
@@ -25,9 +29,14 @@ constexpr std::uint16_t kF405 = 0x413;
 
 constexpr Duration kAckTimeout = milliseconds(500);
 constexpr Duration kEraseTimeout = seconds(5);  // 128 KiB: 2 s at most by the data sheet
-constexpr std::size_t kBlock = 256;
-constexpr std::size_t kSmallestBlock = 32;
-constexpr int kTries = 8;
+constexpr Duration kQuiet = milliseconds(20);   // longer than a USB adapter holds bytes back
+constexpr std::size_t kBlock = Stm32Rom::kLongestBlock;
+constexpr std::size_t kShortestBlock = 16;
+constexpr int kGrowAfter = 8;
+constexpr std::size_t kLongestCommand = 260;       // a block with its size and check sum
+constexpr std::size_t kLongestList = 2 * 0x10000;  // of sectors, to be erased
+constexpr int kConnectTries = 15;  // 3 s: firmware may just be leaving for the bootloader
+constexpr int kTries = 32;  // at 1 % of bytes damaged, two in three of the shortest blocks pass
 
 std::string hex(std::uint32_t value) {
   char text[16];
@@ -74,10 +83,11 @@ Result<void> Stm32Rom::receive(std::span<std::uint8_t> out, Duration timeout) {
   return {};
 }
 
+/// Until the line is quiet: the rest of a broken-off answer may still be on its way.
 void Stm32Rom::discard_input() {
   std::array<std::uint8_t, 256> waste;
   for (int i = 0; i < 64; ++i) {
-    const auto n = stream_.read(waste, Duration{0});
+    const auto n = stream_.read(waste, kQuiet);
     if (!n || *n == 0) return;
   }
 }
@@ -140,7 +150,7 @@ Result<std::uint16_t> Stm32Rom::read_chip_id() {
 
 Result<BootloaderInfo> Stm32Rom::connect() {
   bool found = false;
-  for (int i = 0; i < 5 && !found; ++i) {
+  for (int i = 0; i < kConnectTries && !found; ++i) {
     MIXRIG_ASSIGN(found, answers());
   }
   if (!found) {
@@ -150,7 +160,9 @@ Result<BootloaderInfo> Stm32Rom::connect() {
   std::uint16_t chip = 0;
   MIXRIG_TRY(repeat([&]() -> Result<void> {
     MIXRIG_ASSIGN(chip, read_chip_id());
-    return {};
+    MIXRIG_ASSIGN(const std::uint16_t again, read_chip_id());
+    if (chip == again) return {};
+    return Error{ErrorCode::kDevice, "bootloader tells another chip each time: noise on the line?"};
   }));
   if (chip != kF405) {
     return Error{ErrorCode::kDevice, "wrong board: chip " + hex(chip) + ", an STM32F405 is " +
@@ -160,18 +172,42 @@ Result<BootloaderInfo> Stm32Rom::connect() {
   return BootloaderInfo{"STM32 ROM bootloader over UART, chip " + hex(chip), chip, sectors_};
 }
 
-/// After a refusal the bootloader waits for a command; after anything else it may be in the middle
-/// of one, whose check sum the sent bytes will not fit.
-Result<void> Stm32Rom::resynchronize() {
-  constexpr int kLongestCommand = 260;
-  discard_input();
-  for (int i = 0; i < kLongestCommand; ++i) {
-    MIXRIG_TRY(send(std::array<std::uint8_t, 1>{kSync}));
+/// Sends fill in bursts until one is refused; false where none was.
+Result<bool> Stm32Rom::fill_until_refused(std::size_t bursts, std::size_t size) {
+  std::array<std::uint8_t, kBlock> fill;
+  fill.fill(kFill);
+  for (std::size_t i = 0; i < bursts; ++i) {
+    MIXRIG_TRY(send(std::span(fill).first(size)));
     std::uint8_t answer = 0;
     MIXRIG_ASSIGN(const std::size_t n, stream_.read({&answer, 1}, milliseconds(5)));
-    if (n == 1 && answer == kNack) return {};
+    if (n == 1 && answer == kNack) return true;
   }
+  return false;
+}
+
+/// After a refusal the bootloader waits for a command; after anything else it may be in the middle
+/// of one.
+Result<void> Stm32Rom::resynchronize() {
+  discard_input();
+  MIXRIG_ASSIGN(bool refused, fill_until_refused(kLongestCommand, 1));
+  if (!refused) {  // a damaged count has it wait for a long list of sectors
+    MIXRIG_ASSIGN(const bool list_refused, fill_until_refused(kLongestList / kBlock, kBlock));
+    discard_input();
+    MIXRIG_ASSIGN(refused, list_refused ? fill_until_refused(kLongestCommand, 1) : false);
+  }
+  if (refused) return {};
   return Error{ErrorCode::kTimeout, "bootloader fell silent: power or cable lost?"};
+}
+
+/// Long blocks are quick, short ones get through a noisy line. There, long ones are also what the
+/// check sum of one byte lets pass damaged.
+void Stm32Rom::adapt_block(bool passed) {
+  passed_in_a_row_ = passed ? passed_in_a_row_ + 1 : 0;
+  if (!passed) block_ = std::max(block_ / 2, kShortestBlock);
+  if (passed_in_a_row_ == kGrowAfter) {
+    passed_in_a_row_ = 0;
+    block_ = std::min(2 * block_, kBlock);
+  }
 }
 
 Result<void> Stm32Rom::repeat(const std::function<Result<void>()>& operation) {
@@ -211,10 +247,11 @@ Result<void> Stm32Rom::write_block(std::uint32_t address, Bytes data) {
 
 Result<void> Stm32Rom::read(std::uint32_t address, std::span<std::uint8_t> out) {
   while (!out.empty()) {
-    std::size_t size = std::min(out.size(), kBlock);
-    MIXRIG_TRY(repeat([&]() -> Result<void> {
+    std::size_t size = 0;
+    MIXRIG_TRY(repeat([&] {
+      size = std::min(out.size(), block_);
       auto result = read_block(address, out.first(size));
-      if (!result && size > kSmallestBlock) size /= 2;  // a noisy line lets short ones through
+      adapt_block(static_cast<bool>(result));
       return result;
     }));
     address += static_cast<std::uint32_t>(size);
@@ -225,10 +262,11 @@ Result<void> Stm32Rom::read(std::uint32_t address, std::span<std::uint8_t> out) 
 
 Result<void> Stm32Rom::write(std::uint32_t address, std::span<const std::uint8_t> data) {
   while (!data.empty()) {
-    std::size_t size = std::min(data.size(), kBlock);
-    MIXRIG_TRY(repeat([&]() -> Result<void> {
+    std::size_t size = 0;
+    MIXRIG_TRY(repeat([&] {
+      size = std::min(data.size(), block_);
       auto result = write_block(address, data.first(size));
-      if (!result && size > kSmallestBlock) size = size / 2 / 4 * 4;
+      adapt_block(static_cast<bool>(result));
       return result;
     }));
     address += static_cast<std::uint32_t>(size);
@@ -255,10 +293,15 @@ Result<void> Stm32Rom::erase(const FlashSector& sector) {
 
 Result<void> Stm32Rom::go(std::uint32_t address) {
   constexpr const char* kWhat = "start the program";
-  return repeat([&]() -> Result<void> {
+  bool told = false;
+  auto done = repeat([&]() -> Result<void> {
     MIXRIG_TRY(command(kGo, kWhat));
+    told = true;
     return send_address(address, kWhat);
   });
+  // Its last word was lost on the way: what it started will not speak as a bootloader.
+  if (!done && told && done.error().code == ErrorCode::kTimeout) return {};
+  return done;
 }
 
 }  // namespace mixrig::device

@@ -11,9 +11,11 @@
 
 namespace mixrig::device {
 
-/// Commands that fail are repeated, blocks halved; the count of repeats is kept.
+/// Commands that fail are repeated, with shorter blocks; the count of repeats is kept.
 class Stm32Rom final : public Bootloader {
  public:
+  static constexpr std::size_t kLongestBlock = 256;
+
   /// Both outlive it. The line is set to even parity by connect() (ptys have none to set).
   Stm32Rom(ByteStream& stream, Clock& clock) : stream_(stream), clock_(clock) {}
 
@@ -21,6 +23,7 @@ class Stm32Rom final : public Bootloader {
   Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) override;
   Result<void> erase(const FlashSector& sector) override;
   Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) override;
+  /// Silence after the command counts as gone: greet what should run then.
   Result<void> go(std::uint32_t address) override;
 
   /// Whether a bootloader answers to one 0x7F. To running firmware that is one bad byte, while
@@ -40,12 +43,16 @@ class Stm32Rom final : public Bootloader {
   Result<void> erase_sector(int sector);
   Result<std::uint16_t> read_chip_id();
   Result<void> repeat(const std::function<Result<void>()>& operation);
+  Result<bool> fill_until_refused(std::size_t bursts, std::size_t size);
   Result<void> resynchronize();
+  void adapt_block(bool passed);
   void discard_input();
 
   ByteStream& stream_;
   Clock& clock_;
   std::vector<FlashSector> sectors_;
+  std::size_t block_ = kLongestBlock;
+  int passed_in_a_row_ = 0;
   int repeats_ = 0;
 };
 

@@ -76,13 +76,19 @@ Result<Target> open_target(const Words& words, Clock& clock) {
   return target;
 }
 
-/// The bytes to write: an image that passed all checks, or what was kept.
-Result<std::vector<std::uint8_t>> wanted_bytes(const Words& words) {
+/// What flash is to hold.
+struct Wanted {
+  std::vector<std::uint8_t> bytes;
+  bool greets = false;  ///< an image of ours with this host's protocol: it must answer when started
+};
+
+/// An image that passed all checks, or what was kept.
+Result<Wanted> find_wanted(const Words& words) {
   if (!words.restore) {
     MIXRIG_ASSIGN(device::FirmwareImage image, device::load_image(words.image));
     std::printf("%s: firmware %s, %zu bytes, crc %08x\n", words.image.c_str(),
                 device::version_text(image.header).c_str(), image.bytes.size(), image.header.crc);
-    return std::move(image.bytes);
+    return Wanted{std::move(image.bytes), true};
   }
   const std::string path = kept_path(words);
   MIXRIG_ASSIGN(std::vector<std::uint8_t> bytes, device::read_image_file(path));
@@ -92,56 +98,79 @@ Result<std::vector<std::uint8_t>> wanted_bytes(const Words& words) {
   if (!device::check_image(bytes, path, {.this_protocol = false})) {
     log_warning("flash", path + " is no mixrig image; restored as it was found");
   }
-  return bytes;
+  const bool greets = static_cast<bool>(device::check_image(bytes, path));
+  return Wanted{std::move(bytes), greets};
 }
 
-Result<void> keep_previous(const Words& words, const device::PreviousFlash& previous) {
+/// Returns whether there was anything to keep.
+Result<bool> keep_previous(const Words& words, const device::PreviousFlash& previous) {
   if (previous.blank || !device::worth_keeping(previous.bytes)) {
     std::printf("nothing bootable in flash: nothing kept\n");
-    return {};
+    return false;
   }
   MIXRIG_TRY(device::write_image_file(kept_path(words), previous.bytes));
   std::printf("kept the old firmware in %s (mixrig flash --restore)\n", kept_path(words).c_str());
-  return {};
+  return true;
+}
+
+/// Nothing was changed: the board goes on with what it has.
+Error leave(Target& target, Error error) {
+  (void)target.bootloader->go(protocol::kFlashBase);
+  return error;
+}
+
+/// Writes what flash does not hold yet, after keeping what it holds.
+Result<nlohmann::json> keep_and_write(Target& target, const Words& words, const Wanted& wanted) {
+  const device::FlashProgress progress = progress_bars();
+  MIXRIG_ASSIGN(const device::PreviousFlash previous,
+                read_previous(*target.bootloader, target.info, wanted.bytes.size(), progress));
+  const bool there = previous.bytes == wanted.bytes;
+  nlohmann::json report{{"written", !there}, {"kept", nullptr}};
+  if (!there) {
+    const auto kept = keep_previous(words, previous);
+    if (!kept) return leave(target, kept.error());
+    if (*kept) report["kept"] = kept_path(words);
+    MIXRIG_TRY(write_flash(*target.bootloader, target.info, wanted.bytes, progress));
+  }
+  std::printf(there ? "flash holds it: %zu bytes\n" : "written and read back: %zu bytes\n",
+              wanted.bytes.size());
+  return report;
 }
 
 /// Leaves the bootloader; over a serial line, greets what runs then.
-Result<void> start_firmware(Target& target, Clock& clock, const Words& words) {
+Result<nlohmann::json> start_firmware(Target& target, Clock& clock, const Words& words,
+                                      const Wanted& wanted) {
   MIXRIG_TRY(target.bootloader->go(protocol::kFlashBase));
-  if (!target.stream || words.restore) return {};
+  if (!target.stream || !wanted.greets) return nlohmann::json(nullptr);
   MIXRIG_TRY(target.stream->set_line({}));
+  // It has only just been started: twice the patience of everyday.
+  const device::McuLink::Patience patience{std::chrono::milliseconds(100), 60};
   MIXRIG_ASSIGN(const auto trigger,
-                device::McuTrigger::open(std::move(target.stream), clock, words.port));
-  std::printf("running: firmware %s, crc %08x\n", trigger->info().version.c_str(),
-              trigger->info().image_crc);
-  return {};
+                device::McuTrigger::open(std::move(target.stream), clock, words.port, patience));
+  const device::TriggerInfo& info = trigger->info();
+  std::printf("running: firmware %s, crc %08x\n", info.version.c_str(), info.image_crc);
+  return nlohmann::json{{"version", info.version}, {"image_crc", info.image_crc}};
 }
 
 Result<nlohmann::json> flash(const Words& words) {
   if (words.image.empty() != words.restore) {
     return Error{ErrorCode::kUsage, "flash: give an IMAGE, or --restore without one"};
   }
-  MIXRIG_ASSIGN(const std::vector<std::uint8_t> bytes, wanted_bytes(words));
+  MIXRIG_ASSIGN(const Wanted wanted, find_wanted(words));
   SystemClock clock;
-  const device::FlashProgress progress = progress_bars();
   MIXRIG_ASSIGN(Target target, open_target(words, clock));
-  bool written = false;
+  nlohmann::json report{{"written", false}, {"kept", nullptr}};
   if (words.verify_only) {
-    MIXRIG_TRY(verify_flash(*target.bootloader, bytes, progress));
+    const auto same = verify_flash(*target.bootloader, wanted.bytes, progress_bars());
+    if (!same) return leave(target, same.error());
+    std::printf("flash holds it: %zu bytes\n", wanted.bytes.size());
   } else {
-    MIXRIG_ASSIGN(const device::PreviousFlash previous,
-                  read_previous(*target.bootloader, target.info, bytes.size(), progress));
-    written = previous.bytes != bytes;
-    if (written) {
-      MIXRIG_TRY(keep_previous(words, previous));
-      MIXRIG_TRY(write_flash(*target.bootloader, target.info, bytes, progress));
-    }
+    MIXRIG_ASSIGN(report, keep_and_write(target, words, wanted));
   }
-  std::printf(written ? "written and read back: %zu bytes\n" : "flash holds it: %zu bytes\n",
-              bytes.size());
-  MIXRIG_TRY(start_firmware(target, clock, words));
-  return nlohmann::json{
-      {"bytes", bytes.size()}, {"written", written}, {"bootloader", target.info.name}};
+  report["bytes"] = wanted.bytes.size();
+  report["bootloader"] = target.info.name;
+  MIXRIG_ASSIGN(report["running"], start_firmware(target, clock, words, wanted));
+  return report;
 }
 
 }  // namespace

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "child_process.h"
 #include "firmware/port/sim/sim_line.h"
 #include "hal/fake/emulated_dfuse.h"
 #include "hal/fake/emulated_rom.h"
 #include "hal/linux/firmware_image.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::device {

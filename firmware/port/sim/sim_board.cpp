@@ -13,6 +13,7 @@ using protocol::kTickUs;
 
 namespace {
 constexpr std::uint64_t kWatchdogUs = 500'000;
+constexpr std::uint32_t kReadingsPerUs = 1000;
 thread_local SimBoard* active = nullptr;
 
 /// The port functions have no object: this one is theirs while its code runs.
@@ -35,7 +36,7 @@ struct PortAccess {
     return *active;
   }
   static port::Identity identity() { return board().identity_; }
-  static std::uint64_t now_us() { return board().time_us_ - board().reset_at_us_; }
+  static std::uint64_t now_us() { return board().read_clock_us(); }
   static void idle(std::uint32_t word) {
     SimBoard& b = board();
     b.words_ = nullptr;
@@ -73,6 +74,14 @@ void SimBoard::reset(protocol::ResetCause cause) {
   ++resets_;
   app_ = std::make_unique<firmware::App>();
   app_->init();
+}
+
+/// Emulated time stands still while code runs. Code that waits for it sees one microsecond go by.
+std::uint64_t SimBoard::read_clock_us() {
+  if (std::exchange(read_at_us_, time_us_) != time_us_) readings_ = 0;
+  readings_ = std::min(readings_ + 1, kReadingsPerUs);
+  const bool moved = readings_ == kReadingsPerUs && !clock_stopped_;
+  return time_us_ - reset_at_us_ + (moved ? 1 : 0);
 }
 
 void SimBoard::set_lines(std::uint32_t word) {

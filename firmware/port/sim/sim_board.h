@@ -43,8 +43,10 @@ class SimBoard {
 
   /// Keeps interrupts from running for so long, as other code with interrupts masked would.
   void block_interrupts(std::uint64_t duration_us) { blocked_until_us_ = time_us_ + duration_us; }
-  /// The main loop hangs until the watchdog bites.
-  void hang_main_loop() { hung_ = true; }
+  /// The main loop hangs until it is let go or the watchdog bites.
+  void hang_main_loop(bool hang = true) { hung_ = hang; }
+  /// The clock that the firmware reads stands still. Else a long row of readings sees it move on.
+  void stop_clock(bool stop) { clock_stopped_ = stop; }
   void reset(protocol::ResetCause cause);
 
   std::uint32_t lines() const { return lines_; }    ///< level of every line that is driven
@@ -63,7 +65,7 @@ class SimBoard {
   void run_interrupt();
   void run_main_loop();
   void set_lines(std::uint32_t word);
-  bool tick_at_slot() const { return next_slot_us_ == next_tick_us_; }
+  std::uint64_t read_clock_us();
 
   port::Identity identity_;
   std::unique_ptr<firmware::App> app_;
@@ -77,6 +79,9 @@ class SimBoard {
   std::uint64_t last_tick_us_ = 0;
   std::uint64_t blocked_until_us_ = 0;
   std::uint64_t fed_at_us_ = 0;
+  std::uint64_t read_at_us_ = 0;
+  std::uint32_t readings_ = 0;
+  bool clock_stopped_ = false;
   bool interrupt_pending_ = false;
 
   const std::uint32_t* words_ = nullptr;

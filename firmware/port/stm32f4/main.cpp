@@ -126,9 +126,12 @@ extern "C" void tim4_handler() { mixrig::stm32::emulated_outputs_slot(); }
 
 extern "C" void usart1_handler() {
   using namespace mixrig::stm32;
-  // Byte or overrun; reading the data register clears both.
-  if ((usart1().sr & (bit(5) | bit(3))) != 0) {
-    app.on_rx_byte(static_cast<std::uint8_t>(usart1().dr));
+  // RM0090 30.6.1: byte (RXNE), overrun (ORE); reading the data register clears both.
+  const std::uint32_t status = usart1().sr;
+  if ((status & (bit(5) | bit(3))) != 0) {
+    const auto byte = static_cast<std::uint8_t>(usart1().dr);
+    if ((status & bit(5)) != 0) app.on_rx_byte(byte);
+    if ((status & bit(3)) != 0) app.on_rx_lost();
   }
   if ((usart1().cr1 & bit(7)) != 0 && (usart1().sr & bit(7)) != 0) send_next_byte();
 }

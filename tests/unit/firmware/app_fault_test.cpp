@@ -100,6 +100,25 @@ TEST_F(AppFault, telemetry_overrun_is_counted_and_replies_still_come) {
   EXPECT_EQ(host.faults(Fault::kTickMissed), 0);
 }
 
+TEST_F(AppFault, received_bytes_that_find_no_room_are_counted) {
+  board.hang_main_loop();
+  board.receive(std::vector<std::uint8_t>(300, 0x55));
+  board.hang_main_loop(false);
+  board.advance_by(1'000);
+  EXPECT_GE(host.faults(Fault::kRxOverrun), 300 - 256);
+}
+
+TEST_F(AppFault, replies_that_find_no_room_are_counted_and_later_ones_come) {
+  std::array<std::uint8_t, protocol::kMaxWire> wire;
+  const std::size_t n = protocol::encode_frame(protocol::Status::kId, 9, {}, wire);
+  board.hold_transmitter(true);
+  for (int i = 0; i < 100; ++i) board.receive({wire.data(), n});
+  board.hold_transmitter(false);
+  board.advance_by(1'000);
+  board.transmitted();
+  EXPECT_GT(host.faults(Fault::kReplyLost), 50);
+}
+
 TEST_F(AppFault, garbage_is_counted_and_commands_still_work) {
   std::mt19937 random(7);
   std::vector<std::uint8_t> garbage(64 * 1024);

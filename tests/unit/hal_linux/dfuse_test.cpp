@@ -6,7 +6,7 @@
 
 #include "hal/fake/emulated_dfuse.h"
 #include "hal/linux/flash_image.h"
-#include "make_image.h"
+#include "tests/support/make_image.h"
 
 namespace mixrig::device {
 namespace {

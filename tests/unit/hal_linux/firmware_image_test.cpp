@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "make_image.h"
+#include "tests/support/make_image.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::device {

@@ -8,7 +8,7 @@
 #include "hal/linux/flash_image.h"
 #include "hal/linux/mcu_link.h"
 #include "hal/linux/stm32_rom.h"
-#include "make_image.h"
+#include "tests/support/make_image.h"
 
 namespace mixrig::device {
 

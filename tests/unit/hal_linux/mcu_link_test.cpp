@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_board.h"
-#include "make_image.h"
+#include "tests/support/make_image.h"
 
 namespace mixrig::device {
 namespace {

@@ -12,9 +12,9 @@ using namespace std::chrono_literals;
 
 TEST(SoftwareSchedule, EdgesAreThoseOfCountingByHand) {
   SoftwareSchedule schedule;
-  ASSERT_TRUE(schedule.configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
-  ASSERT_TRUE(schedule.configure(1, {.divider = 4, .phase = 20ms, .width = 15ms}));
-  ASSERT_TRUE(schedule.configure(5, {.divider = 10, .phase = 3ms, .width = 50ms}));
+  schedule.configure(0, {.divider = 4, .phase = 0ms, .width = 1ms});
+  schedule.configure(1, {.divider = 4, .phase = 20ms, .width = 15ms});
+  schedule.configure(5, {.divider = 10, .phase = 3ms, .width = 50ms});
   const HostTime begin(7s);
   schedule.start(begin);
   std::map<int, std::vector<Duration>> on, off;
@@ -44,20 +44,10 @@ TEST(SoftwareSchedule, EdgesAreThoseOfCountingByHand) {
 
 TEST(SoftwareSchedule, FiredMaskNamesTheTicksOfEveryChannel) {
   SoftwareSchedule schedule;
-  ASSERT_TRUE(schedule.configure(0, {.divider = 4, .width = 1ms}));
-  ASSERT_TRUE(schedule.configure(1, {.divider = 5, .phase = 25ms, .width = 1ms}));
+  schedule.configure(0, {.divider = 4, .width = 1ms});
+  schedule.configure(1, {.divider = 5, .phase = 25ms, .width = 1ms});
   for (std::uint64_t tick = 0; tick < 100; ++tick)
     EXPECT_EQ(schedule.fired(tick), (tick % 4 == 0 ? 1U : 0U) | (tick % 5 == 2 ? 2U : 0U)) << tick;
-}
-
-TEST(SoftwareSchedule, PulsesThatDoNotFitAreRefused) {
-  SoftwareSchedule schedule;
-  EXPECT_FALSE(schedule.configure(0, {.divider = 1, .phase = 5ms, .width = 5ms}));
-  EXPECT_FALSE(schedule.configure(0, {.divider = 4, .phase = -1ms, .width = 5ms}));
-  EXPECT_FALSE(schedule.configure(0, {.divider = 4, .width = 0ms}));
-  EXPECT_FALSE(schedule.configure(0, {.divider = -4, .width = 1ms}));
-  EXPECT_FALSE(schedule.configure(8, {.divider = 4, .width = 1ms}));
-  EXPECT_TRUE(schedule.configure(0, {.divider = 0}));
 }
 
 }  // namespace

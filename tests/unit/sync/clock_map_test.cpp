@@ -10,7 +10,7 @@
 
 #include "hal/fake/emulated_board.h"
 #include "hal/linux/mcu_trigger.h"
-#include "tests/unit/hal_linux/make_image.h"
+#include "tests/support/make_image.h"
 
 namespace mixrig::sync {
 namespace {

@@ -2,31 +2,34 @@
 // A program started by a test: ended with it, and after a limit in any case.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <string>
-#include <vector>
-
 namespace mixrig::test {
 
 class ChildProcess {
  public:
-  /// Runs `words` under timeout(1); its output goes to `log`.
-  ChildProcess(std::vector<std::string> words, int limit_s, const std::string& log = "/dev/null") {
+  /// Runs `words` under timeout(1); its output goes to `log`, its errors too or to `errors`.
+  ChildProcess(std::vector<std::string> words, int limit_s, const std::string& log = "/dev/null",
+               const std::string& errors = "") {
     words.insert(words.begin(), {"timeout", std::to_string(limit_s)});
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     pid_ = fork();
     if (pid_ != 0) return;
-    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    constexpr int kMode = O_WRONLY | O_CREAT | O_TRUNC | O_NOCTTY | O_CLOEXEC;
+    const int out = open(log.c_str(), kMode, 0600);
+    const int err = errors.empty() ? out : open(errors.c_str(), kMode, 0600);
     const int in = open("/dev/null", O_RDONLY);
     dup2(in, 0);
     dup2(out, 1);
-    dup2(out, 2);
+    dup2(err, 2);
     execvp(argv[0], argv.data());
     _exit(127);
   }

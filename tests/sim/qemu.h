@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// One QEMU with the firmware's machine, under an instruction clock (8 ns each).
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/linux/posix_byte_stream.h"
+#include "tests/support/child_process.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mixrig::test {
+
+inline constexpr int kQemuLimit_s = 120;  // of the wall clock, for a machine with much else to do
+
+/// What emulated time does while the processor sleeps: leap to the next event, or pass as on the
+/// wall, which leaves this machine to others.
+enum class IdleTime { kLeaps, kPasses };
+
+/// Its serial line is on a socket. A reset of the chip ends it.
+class Qemu {
+ public:
+  explicit Qemu(const std::string& kernel, const std::vector<std::string>& more = {},
+                IdleTime idle = IdleTime::kLeaps) {
+    const std::string clock = idle == IdleTime::kLeaps ? "shift=3,sleep=off" : "shift=3,sleep=on";
+    std::vector<std::string> words = {"qemu-system-arm", "-M",   "netduinoplus2", "-nographic",
+                                      "-monitor",        "none", "-no-reboot"};
+    words.insert(words.end(), {"-icount", clock, "-kernel", kernel});
+    words.insert(words.end(), {"-serial", "unix:" + socket() + ",server=on,wait=on"});
+    words.insert(words.end(), more.begin(), more.end());
+    process_ = std::make_unique<ChildProcess>(std::move(words), kQemuLimit_s);
+  }
+  std::string socket() const { return folder_ / "serial"; }
+  int wait() { return process_->wait(); }
+
+  /// Waits until it listens; none where it does not come up.
+  std::unique_ptr<device::ByteStream> connect(Clock& clock) {
+    for (int i = 0; i < 12'000; ++i) {
+      auto stream = device::PosixByteStream::connect_unix(socket());
+      if (stream) return *std::move(stream);
+      clock.sleep_until(clock.now() + std::chrono::milliseconds(5));
+    }
+    return nullptr;
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::unique_ptr<ChildProcess> process_;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the built `mixrig` as a child process and takes its words.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "tests/support/child_process.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mixrig::test {
+
+inline constexpr int kCommandLimit_s = 120;  // for a machine with much else to do
+
+struct Outcome {
+  int status = -1;
+  std::string out, err;
+  auto error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
+  bool says(const std::string& what) const { return (out + err).find(what) != std::string::npos; }
+};
+
+inline Outcome run_mixrig(std::vector<std::string> words) {
+  const TemporaryFolder folder;
+  words.insert(words.begin(), MIXRIG_COMMAND);
+  ChildProcess child(std::move(words), kCommandLimit_s, folder / "out", folder / "err");
+  Outcome outcome;
+  outcome.status = child.wait();
+  outcome.out = read_bytes(folder / "out");
+  outcome.err = read_bytes(folder / "err");
+  return outcome;
+}
+
+/// As run_mixrig, with stderr on a terminal.
+inline Outcome run_mixrig_at_terminal(std::vector<std::string> words) {
+  const TemporaryFolder folder;
+  Outcome outcome;
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) return outcome;
+  const int held = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  words.insert(words.begin(), MIXRIG_COMMAND);
+  ChildProcess child(std::move(words), kCommandLimit_s, folder / "out", ptsname(terminal));
+  std::thread reader([&] {
+    char some[512];
+    for (ssize_t n = 0; (n = read(terminal, some, sizeof some)) > 0;)
+      outcome.err.append(some, static_cast<std::size_t>(n));
+  });
+  outcome.status = child.wait();
+  close(held);  // the last holder: what is unread is read, then the reader ends
+  reader.join();
+  close(terminal);
+  outcome.out = read_bytes(folder / "out");
+  return outcome;
+}
+
+/// Until `condition` holds; false where it does not within a minute.
+inline bool wait_until(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace mixrig::test

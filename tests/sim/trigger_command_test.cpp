@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mixrig trigger` as users call it, against the firmware's core in a process of its own.
+#include <cstdio>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware/port/sim/sim_line.h"
+#include "hal/linux/mcu_trigger.h"
+#include "hal/linux/serial_byte_stream.h"
+#include "run_command.h"
+#include "tests/unit/hal_device/trigger_contract.h"
+
+namespace mixrig::test {
+namespace {
+
+/// The process behind a socket or a pty.
+class SimProcess {
+ public:
+  explicit SimProcess(bool pty)
+      : port_((pty ? "" : "unix:") + (folder_ / "line").string()),
+        child_({MIXRIG_TRIGGER_SIM, pty ? "--pty" : "--socket", folder_ / "line"},
+               2 * kCommandLimit_s, folder_ / "log") {
+    up_ = wait_until([this] { return std::filesystem::exists(folder_ / "line"); });
+  }
+  const std::string& port() const { return port_; }
+  bool up() const { return up_; }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+
+ private:
+  TemporaryFolder folder_;
+  std::string port_;
+  ChildProcess child_;
+  bool up_ = false;
+};
+
+class TriggerCommand : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override { ASSERT_TRUE(sim_.up()); }
+  Outcome trigger(std::vector<std::string> words) {
+    words.insert(words.begin(), "trigger");
+    words.insert(words.end(), {"--port", sim_.port()});
+    return run_mixrig(words);
+  }
+  /// Runs it and returns its report.
+  nlohmann::json report(std::vector<std::string> words) {
+    words.insert(words.end(), {"--json", sim_.file("report.json")});
+    const Outcome outcome = trigger(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    return nlohmann::json::parse(read_bytes(sim_.file("report.json")));
+  }
+  void expect_refusal(const Outcome& outcome, int status, const std::string& words) {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+    EXPECT_TRUE(outcome.says(words)) << outcome.err;
+  }
+
+  SimProcess sim_{GetParam()};
+};
+
+TEST_P(TriggerCommand, status_of_a_fresh_controller_is_green) {
+  const Outcome outcome = trigger({"status", "--self-test"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* words : {"firmware 0.1.0", "idle", "no faults", "self-test passed"})
+    EXPECT_TRUE(outcome.says(words)) << words << "\n" << outcome.out;
+  const auto json = report({"status"});
+  EXPECT_EQ(json["state"], "idle");
+  EXPECT_EQ(json["version"], "0.1.0");
+  EXPECT_EQ(json["channels"].size(), 0u);
+  EXPECT_EQ(json["faults"]["tick_missed"], 0);
+  std::printf("round trip of status over a %s: %.2f ms\n", GetParam() ? "pty" : "socket",
+              json["round_trip_ms"].get<double>());
+}
+
+TEST_P(TriggerCommand, channels_are_set_run_on_without_the_host_and_stop) {
+  EXPECT_EQ(report({"set", "0", "--divider", "4"})["channels"].size(), 1u);
+  const auto channels =
+      report({"set", "3", "--divider", "10", "--phase", "2.5", "--width", "5", "--active-low"});
+  EXPECT_EQ(channels["channels"][1], (nlohmann::json{{"channel", 3},
+                                                     {"divider", 10},
+                                                     {"phase_ms", 2.5},
+                                                     {"width_ms", 5.0},
+                                                     {"active_low", true}}));
+  EXPECT_EQ(report({"start"})["state"], "running");
+  const auto running = report({"status"});  // another process, later
+  EXPECT_EQ(running["state"], "running");
+  EXPECT_EQ(running["channels"].size(), 2u);
+  expect_refusal(trigger({"set", "0", "--divider", "5"}), 1, "stop it first");
+  EXPECT_EQ(report({"stop"})["state"], "idle");
+  EXPECT_EQ(report({"set", "0", "--divider", "0"})["channels"].size(), 1u);
+}
+
+TEST_P(TriggerCommand, monitor_tells_ticks_and_clock) {
+  report({"set", "0", "--divider", "2"});
+  report({"start"});
+  const auto json = report({"monitor", "--seconds", "2"});
+  EXPECT_EQ(json["state"], "running");
+  EXPECT_GT(json["reports"], 20);
+  EXPECT_GE(json["tick"], json["reports"].get<int>() - 1);
+  const Outcome ticks = trigger({"monitor", "--seconds", "0.5", "--ticks"});
+  EXPECT_EQ(ticks.status, 0) << ticks.err;
+  EXPECT_TRUE(ticks.says("channels 0001")) << ticks.out;
+}
+
+TEST_P(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
+  expect_refusal(trigger({"set", "16", "--divider", "1"}), 2, "channels 0 to 15");
+  expect_refusal(trigger({"set", "0", "--divider", "601"}), 2, "0 (off) to 600");
+  expect_refusal(trigger({"set", "0", "--divider", "1", "--phase", "0.05"}), 2, "steps of 0.1");
+  expect_refusal(trigger({"set", "0", "--divider", "1", "--width", "10"}), 2, "its period");
+  expect_refusal(trigger({"set", "0", "--divider", "1", "--width", "0"}), 2, "at least 0.1 ms");
+  expect_refusal(trigger({"set", "--divider", "1"}), 2, "channel");
+  expect_refusal(trigger({}), 2, "trigger");
+  EXPECT_EQ(report({"status"})["channels"].size(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lines, TriggerCommand, ::testing::Bool(),
+                         [](const auto& pty) { return pty.param ? "pty" : "socket"; });
+
+TEST(TriggerCommandAlone, a_port_that_is_not_there_is_one_line) {
+  for (const char* port : {"unix:/nonexistent/socket", "/nonexistent/tty"}) {
+    const Outcome outcome = run_mixrig({"trigger", "status", "--port", port});
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+    EXPECT_TRUE(outcome.says("/nonexistent/")) << outcome.err;
+  }
+}
+
+TEST(TriggerCommandAlone, silence_is_a_failure_and_one_line) {
+  const TemporaryFolder folder;
+  std::string error;
+  const auto nobody = sim::SimLine::open_pty(folder / "port", error);
+  ASSERT_TRUE(nobody) << error;
+  const Outcome outcome = run_mixrig({"trigger", "status", "--port", folder / "port"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+  EXPECT_TRUE(outcome.says("no answer from the trigger controller")) << outcome.err;
+}
+
+TriggerUnderTest make_sim_process() {
+  struct Bench {
+    SystemClock clock;
+    SimProcess sim{false};
+  };
+  auto bench = std::make_shared<Bench>();
+  auto stream = device::open_byte_stream(bench->sim.port());
+  if (!stream) return {};
+  auto opened = device::McuTrigger::open(*std::move(stream), bench->clock, bench->sim.port());
+  if (!opened) return {};
+  (*opened)->link().patience.tries = 64;
+  return {bench, *std::move(opened)};
+}
+
+INSTANTIATE_TEST_SUITE_P(SimProcess, TriggerContract,
+                         ::testing::Values(TriggerMaker{"socket", make_sim_process}),
+                         [](const auto& maker) { return maker.param.name; });
+
+}  // namespace
+}  // namespace mixrig::test
