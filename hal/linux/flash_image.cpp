@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 
+#include "hal/base/log.h"
 #include "hal/linux/mcu_link.h"
 #include "hal/linux/stm32_rom.h"
 
@@ -165,11 +166,13 @@ Result<void> write_flash(Bootloader& bootloader, const BootloaderInfo& info,
                                         " bytes does not fit the chip's flash; nothing was erased"};
   }
   Result<void> done;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 1; round <= kRounds; ++round) {
     done = rewrite(bootloader, sectors, bytes, progress);
-    if (done || done.error().code != ErrorCode::kData) break;
+    if (done) return {};
+    if (done.error().code != ErrorCode::kData) break;
+    if (round < kRounds) log_warning("flash", done.error().context + ": writing all of it again");
   }
-  return done ? done : unfinished(done.error());
+  return unfinished(done.error());
 }
 
 Result<void> verify_flash(Bootloader& bootloader, std::span<const std::uint8_t> bytes,

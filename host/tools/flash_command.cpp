@@ -30,6 +30,7 @@ struct Target {
   std::unique_ptr<device::ByteStream> stream;
   std::unique_ptr<device::UsbControl> usb;
   std::unique_ptr<device::Bootloader> bootloader;
+  const device::Stm32Rom* rom = nullptr;  ///< the bootloader, over a serial line
   BootloaderInfo info;
 };
 
@@ -69,7 +70,9 @@ Result<Target> open_target(const Words& words, Clock& clock) {
   } else {
     MIXRIG_ASSIGN(target.stream, device::open_byte_stream(words.port));
     MIXRIG_TRY(device::enter_bootloader(*target.stream, clock, words.port));
-    target.bootloader = std::make_unique<device::Stm32Rom>(*target.stream, clock);
+    auto rom = std::make_unique<device::Stm32Rom>(*target.stream, clock);
+    target.rom = rom.get();
+    target.bootloader = std::move(rom);
   }
   MIXRIG_ASSIGN(target.info, target.bootloader->connect());
   std::printf("%s\n", target.info.name.c_str());
@@ -137,6 +140,15 @@ Result<nlohmann::json> keep_and_write(Target& target, const Words& words, const 
   return report;
 }
 
+/// Returns how many commands had to be said again.
+int tell_noise(const Target& target) {
+  const int repeats = target.rom != nullptr ? target.rom->repeats() : 0;
+  if (repeats > 0) {
+    std::printf("noisy line: %d commands repeated: check cable and ground\n", repeats);
+  }
+  return repeats;
+}
+
 /// Leaves the bootloader; over a serial line, greets what runs then.
 Result<nlohmann::json> start_firmware(Target& target, Clock& clock, const Words& words,
                                       const Wanted& wanted) {
@@ -169,6 +181,7 @@ Result<nlohmann::json> flash(const Words& words) {
   }
   report["bytes"] = wanted.bytes.size();
   report["bootloader"] = target.info.name;
+  report["commands_repeated"] = tell_noise(target);
   MIXRIG_ASSIGN(report["running"], start_firmware(target, clock, words, wanted));
   return report;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -64,14 +65,25 @@ class RealTimeBoard : public fake::EmulatedBoard {
   std::vector<std::uint8_t> step(std::span<const std::uint8_t> from_host) {
     const Duration age = clock_.now() - begin_;
     advance_to(static_cast<std::uint64_t>(age / std::chrono::microseconds(1)));
-    receive(from_host);
+    receive(damaged({from_host.begin(), from_host.end()}));
     std::vector<std::uint8_t> sent = transmitted();
     const std::vector<std::uint8_t> more = transmitted();  // one mode left, the next one speaks
     sent.insert(sent.end(), more.begin(), more.end());
-    return sent;
+    return damaged(std::move(sent));
   }
 
+  double byte_error_share = 0;  ///< of bytes, either way
+
  private:
+  std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes) {
+    std::bernoulli_distribution hit(byte_error_share);
+    for (std::uint8_t& byte : bytes) {
+      if (hit(random_)) byte ^= static_cast<std::uint8_t>(1 + random_() % 255);
+    }
+    return bytes;
+  }
+
+  std::mt19937 random_{1};
   SystemClock clock_;
   HostTime begin_ = clock_.now();
 };

@@ -182,6 +182,9 @@ TEST_F(FlashCommand, words_that_contradict_each_other_are_usage) {
   expect_refusal(flash({}), 2, "give an IMAGE, or --restore");
   expect_refusal(flash({kImage, "--restore"}), 2, "give an IMAGE, or --restore");
   expect_refusal(flash({kImage, "--usb", "0483:df11"}), 2, "--usb");
+  for (const char* id : {"nonsense", "0483:", "99999:1"}) {
+    expect_refusal(run_mixrig({"flash", kImage, "--usb", id}), 2, "VID:PID");
+  }
   expect_refusal(flash({kImage, "--json", folder_ / "no/such/report.json"}), 2, "make it first");
 }
 
@@ -235,6 +238,17 @@ TEST_F(FlashCommand, power_that_fails_is_told_and_mended_with_boot0) {
   EXPECT_EQ(flash({kImage}).status, 0);
   EXPECT_TRUE(flash_holds(image_bytes()));
   EXPECT_EQ(*device::read_image_file(folder_ / "kept.bin"), second_image());
+}
+
+TEST_F(FlashCommand, a_noisy_line_is_ridden_out_counted_and_told) {
+  run(second_image());
+  server_.with([](RealTimeBoard& board) { board.byte_error_share = 0.002; });
+  const Outcome outcome = flash({kImage, "--json", folder_ / "report.json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(flash_holds(image_bytes()));
+  EXPECT_EQ(*device::read_image_file(folder_ / "kept.bin"), second_image());
+  EXPECT_TRUE(outcome.says("noisy line: ")) << outcome.out;
+  EXPECT_GT(report("report.json")["commands_repeated"], 5);
 }
 
 TEST_F(FlashCommand, shows_a_bar_on_a_terminal_and_leaves_none_behind) {
