@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "board_server.h"
 #include "firmware/port/sim/sim_line.h"
 #include "hal/linux/mcu_trigger.h"
 #include "hal/linux/serial_byte_stream.h"
@@ -135,6 +136,44 @@ TEST(TriggerCommandAlone, silence_is_a_failure_and_one_line) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
   EXPECT_TRUE(outcome.says("no answer from the trigger controller")) << outcome.err;
+}
+
+/// Firmware of another message table: it answers hello, whose layout never changes.
+class Stranger {
+ public:
+  std::vector<std::uint8_t> step(std::span<const std::uint8_t> from_host) {
+    std::vector<std::uint8_t> sent;
+    for (const std::uint8_t byte : from_host) {
+      if (decoder_.push(byte) != protocol::FrameEvent::kFrame) continue;
+      protocol::HelloReply hello;
+      hello.table_hash = protocol::kTableHash ^ 1;
+      hello.version = {9, 8, 7};
+      std::array<std::uint8_t, protocol::kMaxBody> body{
+          static_cast<std::uint8_t>(protocol::Verdict::kTableMismatch)};
+      const std::size_t size = 1 + protocol::write_message(hello, std::span(body).subspan(1));
+      std::array<std::uint8_t, protocol::kMaxWire> wire;
+      const auto type = static_cast<std::uint8_t>(decoder_.type() | protocol::kReplyBit);
+      const std::size_t n =
+          protocol::encode_frame(type, decoder_.sequence(), {body.data(), size}, wire);
+      sent.insert(sent.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(n));
+    }
+    return sent;
+  }
+
+ private:
+  protocol::FrameDecoder decoder_;
+};
+
+TEST(TriggerCommandAlone, firmware_of_another_version_is_named_and_not_talked_to) {
+  const TemporaryFolder folder;
+  const PtyServer<Stranger> server(folder / "port");
+  for (const char* what : {"status", "start", "monitor"}) {
+    const Outcome outcome = run_mixrig({"trigger", what, "--port", folder / "port"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+    EXPECT_TRUE(outcome.says("(firmware 9.8.7) runs firmware of another version: mixrig flash"))
+        << outcome.err;
+  }
 }
 
 TriggerUnderTest make_sim_process() {
