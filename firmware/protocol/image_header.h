@@ -13,7 +13,7 @@ namespace mixrig::protocol {
 inline constexpr std::uint32_t kFlashBase = 0x08000000;
 inline constexpr std::size_t kHeaderOffset = 0x200;       ///< after the vector table
 inline constexpr std::size_t kVectorBlock = 256;          ///< written last: no vectors, no boot
-inline constexpr std::size_t kMaxImage = 128 * 1024;      ///< sectors 0..4
+inline constexpr std::size_t kMaxImage = 128u * 1024;     ///< sectors 0..4
 inline constexpr std::uint32_t kImageMagic = 0x4754584D;  ///< "MXTG"
 inline constexpr std::uint16_t kBoardF405 = 405;
 

@@ -33,8 +33,8 @@ constexpr Duration kQuiet = milliseconds(20);   // longer than a USB adapter hol
 constexpr std::size_t kBlock = Stm32Rom::kLongestBlock;
 constexpr std::size_t kShortestBlock = 16;
 constexpr int kGrowAfter = 8;
-constexpr std::size_t kLongestCommand = 260;       // a block with its size and check sum
-constexpr std::size_t kLongestList = 2 * 0x10000;  // of sectors, to be erased
+constexpr std::size_t kLongestCommand = 260;        // a block with its size and check sum
+constexpr std::size_t kLongestList = 2u * 0x10000;  // of sectors, to be erased
 constexpr int kConnectTries = 15;  // 3 s: firmware may just be leaving for the bootloader
 constexpr int kTries = 32;  // at 1 % of bytes damaged, two in three of the shortest blocks pass
 
