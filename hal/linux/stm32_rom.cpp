@@ -33,7 +33,6 @@ constexpr Duration kQuiet = milliseconds(20);   // longer than a USB adapter hol
 constexpr std::size_t kBlock = Stm32Rom::kLongestBlock;
 constexpr std::size_t kShortestBlock = 16;
 constexpr int kGrowAfter = 8;
-constexpr std::size_t kLongestCommand = 260;        // a block with its size and check sum
 constexpr std::size_t kLongestList = 2u * 0x10000;  // of sectors, to be erased
 constexpr int kConnectTries = 15;  // 3 s: firmware may just be leaving for the bootloader
 constexpr int kTries = 32;  // at 1 % of bytes damaged, two in three of the shortest blocks pass
@@ -187,11 +186,11 @@ Result<bool> Stm32Rom::fill_until_refused(std::size_t bursts, std::size_t size) 
 
 /// After a refusal the bootloader waits for a command; after anything else it may be in the middle
 /// of one.
-Result<void> Stm32Rom::resynchronize() {
+Result<void> Stm32Rom::resynchronize(std::size_t longest) {
   discard_input();
   MIXRIG_ASSIGN(bool refused, fill_until_refused(kLongestCommand, 1));
-  if (!refused) {  // a damaged count has it wait for a long list of sectors
-    MIXRIG_ASSIGN(const bool list_refused, fill_until_refused(kLongestList / kBlock, kBlock));
+  if (!refused && longest > kLongestCommand) {
+    MIXRIG_ASSIGN(const bool list_refused, fill_until_refused(longest / kBlock, kBlock));
     discard_input();
     MIXRIG_ASSIGN(refused, list_refused ? fill_until_refused(kLongestCommand, 1) : false);
   }
@@ -210,13 +209,13 @@ void Stm32Rom::adapt_block(bool passed) {
   }
 }
 
-Result<void> Stm32Rom::repeat(const std::function<Result<void>()>& operation) {
+Result<void> Stm32Rom::repeat(const std::function<Result<void>()>& operation, std::size_t longest) {
   Result<void> result = operation();
   for (int i = 1; i < kTries && !result; ++i) {
     const bool gone = result.error().sys_errno != 0;
     if (gone) return result;
     ++repeats_;
-    MIXRIG_TRY(resynchronize());
+    MIXRIG_TRY(resynchronize(longest));
     result = operation();
   }
   return result;
@@ -288,7 +287,8 @@ Result<void> Stm32Rom::erase(const FlashSector& sector) {
   const auto found = std::find(sectors_.begin(), sectors_.end(), sector);
   if (found == sectors_.end()) return refused("erase " + hex(sector.address) + ": no such sector");
   const auto index = static_cast<int>(found - sectors_.begin());
-  return repeat([&] { return erase_sector(index); });
+  // Damage to the count has it wait for a long list of sectors.
+  return repeat([&] { return erase_sector(index); }, kLongestList);
 }
 
 Result<void> Stm32Rom::go(std::uint32_t address) {

@@ -33,6 +33,8 @@ class Stm32Rom final : public Bootloader {
 
  private:
   using Bytes = std::span<const std::uint8_t>;
+  static constexpr std::size_t kLongestCommand = 260;  ///< a block with its size and check sum
+
   Result<void> send(Bytes bytes);
   Result<void> receive(std::span<std::uint8_t> out, Duration timeout);
   Result<void> await_ack(const char* what, Duration timeout);
@@ -42,9 +44,11 @@ class Stm32Rom final : public Bootloader {
   Result<void> write_block(std::uint32_t address, Bytes data);
   Result<void> erase_sector(int sector);
   Result<std::uint16_t> read_chip_id();
-  Result<void> repeat(const std::function<Result<void>()>& operation);
+  /// `longest`: bytes for which the bootloader may be left waiting.
+  Result<void> repeat(const std::function<Result<void>()>& operation,
+                      std::size_t longest = kLongestCommand);
   Result<bool> fill_until_refused(std::size_t bursts, std::size_t size);
-  Result<void> resynchronize();
+  Result<void> resynchronize(std::size_t longest);
   void adapt_block(bool passed);
   void discard_input();
 
