@@ -263,6 +263,21 @@ TEST_F(FlashCommand, shows_a_bar_on_a_terminal_and_leaves_none_behind) {
   EXPECT_EQ(outcome.err.substr(outcome.err.size() - 4), "\r\033[K");
 }
 
+#ifdef MIXRIG_HAVE_STM32FLASH
+TEST_F(FlashCommand, stm32flash_reads_what_was_written) {
+  server_.with([](RealTimeBoard& board) { board.power_cycle(true); });
+  const Outcome outcome = flash({kImage});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  server_.with([](RealTimeBoard& board) { board.power_cycle(true); });
+  const Bytes image = image_bytes();
+  ChildProcess peer({"stm32flash", "-m", "8n1", "-b", "115200", "-r", folder_ / "read.bin", "-S",
+                     "0x08000000:" + std::to_string(image.size()), folder_ / "port"},
+                    kCommandLimit_s, folder_ / "log");
+  ASSERT_EQ(peer.wait(), 0) << read_bytes(folder_ / "log");
+  EXPECT_EQ(*device::read_image_file(folder_ / "read.bin"), image);
+}
+#endif
+
 #ifdef MIXRIG_HAVE_QEMU_ARM
 using FlashToQemu = Bench<QemuBoard>;
 
