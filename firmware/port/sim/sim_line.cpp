@@ -2,6 +2,7 @@
 #include "firmware/port/sim/sim_line.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -50,16 +51,18 @@ std::optional<SimLine> SimLine::open_pty(const std::string& path, std::string& e
 std::optional<SimLine> SimLine::open_socket(const std::string& path, std::string& error) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) {
+  // Listens before it goes by its name: who sees the name may connect.
+  const std::string unnamed = path + "~";
+  if (unnamed.size() >= sizeof address.sun_path) {
     error = "socket path is too long: " + path;
     return std::nullopt;
   }
-  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  std::memcpy(address.sun_path, unnamed.c_str(), unnamed.size() + 1);
   const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   SimLine line(path, listener, -1, -1);
-  unlink(path.c_str());
+  unlink(unnamed.c_str());
   if (listener < 0 || bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 ||
-      listen(listener, 1) != 0) {
+      listen(listener, 1) != 0 || rename(unnamed.c_str(), path.c_str()) != 0) {
     error = system_text("cannot listen at " + path);
     return std::nullopt;
   }
