@@ -19,6 +19,7 @@ namespace mixrig::device {
 namespace {
 
 constexpr int kLibraryBuffers = 8, kBuffers = 6;
+constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
 constexpr Duration kLookAgain = std::chrono::milliseconds(250);
 
@@ -228,8 +229,10 @@ Result<void> AravisCamera::start_stream() {
   stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, fault));
   if (!stream_) return failed("creating the stream", fault);
   if (ARV_IS_GV_STREAM(stream_.get()))
-    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO,
-                 "socket-buffer-size", 0, nullptr);
+    // The library's own choice, one picture's payload, forgets the kernel's overhead a packet:
+    // small pictures then lose packets where reader and network share a core.
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", kSocketBuffer_bytes, nullptr);
   const guint payload = arv_camera_get_payload(camera_.get(), fault);
   if (fault.any()) return failed("reading the payload size", fault);
   const auto bytes = std::max<std::size_t>(payload, declared_bytes(code_, info_.size));

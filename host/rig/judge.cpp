@@ -82,8 +82,10 @@ std::vector<Check> judge_stream(const StreamReport& report, double nominal_rate_
         "the camera's clock is out of order");
   const double usable = static_cast<double>(report.pairing.of(sync::PairStatus::kPaired) +
                                             report.pairing.of(sync::PairStatus::kReordered));
+  std::uint64_t seen = 0;
+  for (const std::uint64_t count : report.pairing.by_status) seen += count;
   const double judged =
-      std::max(1.0, frames - static_cast<double>(report.pairing.of(sync::PairStatus::kLocking)));
+      std::max(1.0, static_cast<double>(seen - report.pairing.of(sync::PairStatus::kLocking)));
   const double residual_ms =
       triggered ? std::abs(report.residual_mean_ms) + report.residual_sd_ms : 0;
   const double unpaired = 1 - usable / judged;

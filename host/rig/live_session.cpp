@@ -10,6 +10,7 @@ namespace {
 constexpr Duration kWait = std::chrono::milliseconds(50);
 constexpr Duration kStatusEvery = std::chrono::milliseconds(250);
 constexpr Duration kTickPeriod = std::chrono::milliseconds(10);
+constexpr Duration kTickAhead = std::chrono::milliseconds(250);  // ticks are known half a second on
 constexpr Duration kAfterError = std::chrono::milliseconds(200);
 // Frames of one moment lie at most this far apart where streams run free.
 constexpr int kFarthestFree_ticks = 3;
@@ -211,9 +212,9 @@ void LiveSession::on_frame(const Event& event) {
     // No master is fitted: the host's clock divided by ten milliseconds stands in for it.
     const auto number = static_cast<std::uint64_t>(stamp.time_since_epoch() / kTickPeriod);
     const sync::Tick tick{number, HostTime(static_cast<long>(number) * kTickPeriod)};
-    const auto known = ticks_.number_at(tick.at);
-    if (!known || *known < static_cast<double>(number) - 1) ticks_.add(tick);
+    if (!ticks_.number_at(tick.at + kTickAhead)) ticks_.add(tick);
   }
+  if (ticks_.empty()) return;  // the stream begins before the master's first word
   const sync::Pairing pairing = stream.pairer.pair(ticks_, frame.sequence, stamp);
   if (!pairing.usable() || (frame.flags & device::kFrameIncomplete) != 0) return;
   ++stream.paired;

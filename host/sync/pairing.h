@@ -28,6 +28,7 @@ class TickHistory {
   std::optional<double> number_at(HostTime at) const;
   /// Time of a tick, told or interpolated; empty as above.
   std::optional<HostTime> time_of(std::uint64_t sequence) const;
+  bool empty() const { return count_ == 0; }
   double period_s() const { return period_s_; }
   std::uint64_t lost() const { return lost_; }
   std::uint64_t restarts() const { return restarts_; }
