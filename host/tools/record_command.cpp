@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "hal/linux/service_notify.h"
 #include "host/rig/record.h"
 #include "host/rig/rig_config.h"
 #include "host/tools/command.h"
@@ -13,6 +14,7 @@
 namespace mixrig::tools {
 namespace {
 
+constexpr Duration kNotifyEvery = std::chrono::seconds(1);
 std::atomic<bool> g_stop = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
@@ -50,7 +52,13 @@ Result<nlohmann::json> record(const Words& words) {
   options.duration = Duration(static_cast<long>(words.duration_s * 1e9));
   options.format = words.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
   Progress progress("recording", 1000);
-  options.progress = [&](double share) { progress.step(static_cast<int>(share * 1000)); };
+  HostTime notified{};
+  options.progress = [&](double share) {
+    progress.step(static_cast<int>(share * 1000));
+    if (clock.now() - notified < kNotifyEvery) return;
+    notified = clock.now();
+    device::notify_service("READY=1\nWATCHDOG=1");  // only while frames come
+  };
   rig::LiveSession session(config, devices, clock);
   const StopOnSignal signals;
   MIXRIG_ASSIGN(const rig::RecordReport report,
