@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The emulated pan-tilt unit behind a Unix socket, for QEMU's serial ports.
 // usage: ptu_emulator SOCKET [silent|stalled|noisy|limits]
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
-
 #include <array>
 #include <cstdio>
 #include <cstring>
 #include <string_view>
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include "hal/fake/flir_ptu_emulator.h"
 
@@ -22,7 +22,8 @@ int listen_on(const char* path) {
   std::strcpy(address.sun_path, path);
   ::unlink(path);
   const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
-  const bool bound = fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool bound =
+      fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   return bound && ::listen(fd, 1) == 0 ? fd : -1;
 }
 

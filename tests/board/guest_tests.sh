@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+# In the guest: modules and udev, then the tests that /host/filter names.
+cp -r /host/bin /tmp/bin; export PATH=/tmp/bin:$PATH  # the share is slow to run programs from
+for module in vhci-hcd uvcvideo cdc-acm xhci-pci ftdi_sio configfs; do
+  modprobe $module || { echo "board: no module $module"; exit 1; }
+done
+modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0 || exit 1
+mount -t configfs none /sys/kernel/config || exit 1
+insmod /host/modules/irq_sim.ko && insmod /host/modules/gpio-sim.ko || exit 1
+sysctl -qp /host/70-mixrig.conf
+/lib/systemd/systemd-udevd --daemon 2>/dev/null  # libusb hears of plugs through it
+udevadm settle
+[ ! -c /dev/ttyS0 ] || [ ! -e /host/ptu.sock ] || export MIXRIG_BOARD_PTU=/dev/ttyS0
+[ ! -c /dev/ttyUSB0 ] || export MIXRIG_BOARD_MCU=/dev/ttyUSB0
+[ ! -f /host/environment ] || . /host/environment
+export GTEST_COLOR=no
+cd /tmp && $(cat /host/tests)

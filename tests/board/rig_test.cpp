@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command on the whole rig: rig init, diag with everything well and with one fault at a time,
+// and a take of which every frame is known to belong to its tick.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <arv.h>
+#include <nlohmann/json.hpp>
+
+#include "host/rig/rig_config.h"
+#include "host/take/take.h"
+#include "tests/board/bench.h"
+#include "tests/board/virtual_rig.h"
+
+namespace mixrig::board {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+SystemClock g_clock;
+
+struct Unref {
+  void operator()(ArvGvFakeCamera* camera) const { g_object_unref(camera); }
+};
+
+Json read_json(const std::string& path) {
+  std::ifstream file(path);
+  return Json::parse(file, nullptr, false);
+}
+
+class Rig : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(rig_.plug());
+    ASSERT_TRUE(arv_gv_fake_camera_is_running(gige_.get()));
+    rig_.write_config(kConfig);
+  }
+
+  /// Verdict by device and check, "color/rate"; what failed is printed.
+  std::map<std::string, std::string> diag(const std::string& more = "") {
+    fs::remove(kReport);
+    const Ran ran = run(std::string("mixrig diag --watch 3 --rig ") + kConfig + " --json " +
+                        kReport + " " + more);
+    std::printf("%s", ran.text.c_str());
+    const Json report = read_json(kReport);
+    std::map<std::string, std::string> verdicts;
+    if (!report.contains("checks")) {
+      ADD_FAILURE() << "no report";
+      return verdicts;
+    }
+    for (const auto& check : report["checks"])
+      verdicts[check["device"].get<std::string>() + "/" + check["check"].get<std::string>()] =
+          check["verdict"];
+    return verdicts;
+  }
+  /// Devices with a check of this verdict.
+  static std::set<std::string> devices(const std::map<std::string, std::string>& verdicts,
+                                       const std::string& wanted) {
+    std::set<std::string> found;
+    for (const auto& [check, verdict] : verdicts)
+      if (verdict == wanted) found.insert(check.substr(0, check.find('/')));
+    return found;
+  }
+
+  static constexpr const char* kConfig = "/tmp/rig.toml";
+  static constexpr const char* kReport = "/tmp/report.json";
+  VirtualRig rig_;
+  std::unique_ptr<ArvGvFakeCamera, Unref> gige_{arv_gv_fake_camera_new("127.0.0.1", "GV01")};
+};
+
+using Names = std::set<std::string>;
+
+TEST_F(Rig, InitFindsEveryDevice) {
+  const Ran ran = run("mixrig rig init /tmp/found.toml --force");
+  ASSERT_EQ(ran.status, 0) << ran.text;
+  const auto found = rig::read_rig("/tmp/found.toml");
+  ASSERT_TRUE(found) << to_line(found.error());
+  Names uris;
+  for (const auto& camera : found->cameras) uris.insert(camera.uri);
+  EXPECT_EQ(uris,
+            (Names{"v4l2:/dev/video0", "v4l2:" + rig_.color_node, "aravis:Aravis-Fake-GV01"}));
+  ASSERT_TRUE(found->depth);
+  EXPECT_EQ(found->depth->uri, "usb:1209:0001");
+  EXPECT_EQ(found->trigger_uri, "mcu:/dev/ttyACM0");
+  EXPECT_EQ(found->pan_tilt_uri, "flir-ptu:/dev/ttyACM1");
+}
+
+TEST_F(Rig, DiagPassesEveryDevice) {
+  const auto verdicts = diag();
+  EXPECT_EQ(devices(verdicts, "fail"), Names{});
+  Names passed = devices(verdicts, "pass");
+  for (const std::string& name : devices(verdicts, "warn"))
+    if (name != "host") passed.erase(name);  // the guest's disk is small
+  passed.erase("host");
+  EXPECT_EQ(passed, (Names{"trigger", "color", "side", "mono", "depth", "pan_tilt"}));
+}
+
+TEST_F(Rig, DiagNamesTheDeviceThatIsMissing) {
+  rig_.color_port.unplug();
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), Names{"color"});
+  ASSERT_TRUE(rig_.plug_color());
+  rig_.depth_port.unplug();
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), Names{"depth"});
+  ASSERT_TRUE(rig_.plug_depth());
+  rig_.head_port.unplug();
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), Names{"pan_tilt"});
+  ASSERT_TRUE(rig_.plug_head());
+  gige_.reset();
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), Names{"mono"});
+}
+
+TEST_F(Rig, DiagNamesTheTriggerThatIsMissingAndTheCamerasThatWaitForIt) {
+  rig_.trigger_port.unplug();
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), (Names{"trigger", "color", "depth"}));
+}
+
+TEST_F(Rig, DiagNamesTheDeviceThatIsFaulty) {
+  rig_.head.set_faults({.silent = true});
+  EXPECT_EQ(devices(diag("--no-move"), "fail"), Names{"pan_tilt"});
+  rig_.head.set_faults({.stalled = true});
+  auto verdicts = diag();
+  EXPECT_EQ(devices(verdicts, "fail"), Names{"pan_tilt"});
+  EXPECT_EQ(verdicts["pan_tilt/repeatability"], "fail");
+  rig_.head.set_faults({});
+  rig_.depth.fail_every(10, TofFault::kLosePacket);
+  verdicts = diag("--no-move");
+  EXPECT_EQ(devices(verdicts, "fail"), Names{"depth"});
+  EXPECT_EQ(verdicts["depth/lost"], "fail");
+  rig_.depth.fail_every(0, TofFault::kNone);
+  rig_.color.miss_every(5);
+  verdicts = diag("--no-move");
+  EXPECT_EQ(devices(verdicts, "fail"), Names{"color"});
+}
+
+/// Ticks of a stream by the frame of the take that carries it.
+std::map<int, std::uint64_t> ticks_of(const std::string& stream) {
+  std::ifstream file("/tmp/take/ticks.csv");
+  std::map<int, std::uint64_t> ticks;
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string frame, name, tick;
+    std::getline(words, frame, ',');
+    std::getline(words, name, ',');
+    std::getline(words, tick, ',');
+    if (name == stream) ticks[std::atoi(frame.c_str())] = std::strtoull(tick.c_str(), nullptr, 10);
+  }
+  return ticks;
+}
+
+TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
+  const char* wish = std::getenv("MIXRIG_BOARD_RECORD_S");
+  const int duration_s = wish != nullptr ? std::atoi(wish) : 10;
+  fs::remove_all("/tmp/take");
+  const Ran ran =
+      run(std::string("mixrig record --format png --duration ") + std::to_string(duration_s) +
+          " --rig " + kConfig + " --json " + kReport + " /tmp/take");
+  ASSERT_EQ(ran.status, 0) << ran.text;
+  const Json report = read_json(kReport);
+  const int frames = report["frames"];
+  EXPECT_GE(frames, duration_s * 25 - 2);
+  EXPECT_EQ(report["left_out"], 0);
+  EXPECT_EQ(report["dropped_sets"], 0);
+  for (const auto& stream : report["streams"])
+    measured("%s: %d frames, %d lost, residual %.2f +- %.2f ms, drift %.0f ppm",
+             stream["name"].get<std::string>().c_str(), stream["frames"].get<int>(),
+             stream["lost"].get<int>(), stream["residual_mean_ms"].get<double>(),
+             stream["residual_sd_ms"].get<double>(), stream["drift_ppm"].get<double>());
+
+  const auto color = ticks_of("color"), depth = ticks_of("depth");
+  ASSERT_EQ(static_cast<int>(color.size()), frames);
+  ASSERT_EQ(static_cast<int>(depth.size()), frames);
+  auto take = take::TakeReader::open("/tmp/take");
+  ASSERT_TRUE(take) << to_line(take.error());
+  take::TakeFrame frame;
+  std::set<long> ties;  // camera's own number less tick: one for all, or a frame is mispaired
+  int steps = 0;
+  for (int number = 1; number <= frames; ++number) {
+    ASSERT_TRUE(take->read(number, frame));
+    const long seen_by_color = read_code(frame.color) % kTofCodes;
+    const long seen_by_depth = std::lround(frame.depth_m.row(0)[0] * 1000) - kTofCodeBase_steps;
+    for (const long tie : {seen_by_color - static_cast<long>(color.at(number)),
+                           seen_by_depth - static_cast<long>(depth.at(number))})
+      ties.insert((tie % kTofCodes + kTofCodes) % kTofCodes);
+    EXPECT_EQ(color.at(number), depth.at(number));
+    if (number > 1) steps += color.at(number) - color.at(number - 1) == kDivider;
+  }
+  EXPECT_EQ(ties.size(), 1U);
+  EXPECT_EQ(steps, frames - 1) << "ticks without a frame";
+  const Ran info = run("mixrig info /tmp/take");
+  EXPECT_EQ(info.status, 0) << info.text;
+  measured("%d frames of %d s, each colour and depth frame on the tick that fired it", frames,
+           duration_s);
+}
+
+}  // namespace
+}  // namespace mixrig::board

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A ToF camera that speaks hal/linux/tof_usb_protocol.md, with faults of its link.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "hal/linux/tof_usb_decoder.h"
+#include "tests/board/usb_device.h"
+
+namespace mixrig::board {
+
+inline constexpr int kTofCodeBase_steps = 1000;  ///< pixel (0, 0) is this plus the code
+inline constexpr int kTofCodes = 1 << 14;
+
+enum class TofFault {
+  kNone,
+  kLosePacket,  ///< the second packet of a frame never comes
+  kTruncate,    ///< the frame ends within its second packet
+  kRowsBeyond,  ///< the second packet's rows lie below the picture, its checks are right
+  kDamage,      ///< a byte of the second packet's payload is another one
+  kStall,       ///< the pipe halts in front of the frame
+};
+
+class TofDevice final : public UsbDevice {
+ public:
+  /// Runs free at `rate_hz`, or waits for fire() where that is 0.
+  TofDevice(Size size, double rate_hz);
+
+  const UsbDescriptors& descriptors() const override { return descriptors_; }
+  int control(const UsbSetup& setup, std::span<std::uint8_t> data) override;
+  int transmit(int endpoint, std::span<std::uint8_t> room, HostTime now) override;
+  std::optional<HostTime> next_event() override;
+  void clear_halt() override;
+  void configured() override;
+
+  /// For any thread: an edge on the trigger line. The caller wakes the port.
+  void fire(std::uint32_t number);
+  /// For any thread: one of the next frames has this fault.
+  void fail_next(TofFault fault);
+  /// For any thread: every n-th frame has this fault; 0 none.
+  void fail_every(int n, TofFault fault);
+  /// What all pixels but the first show, as steps of a millimetre.
+  static int step_at(int x, int y) { return 500 + x + 2 * y; }
+
+ private:
+  bool begin_frame(HostTime now);
+  void add_packets(device::TofKind kind, TofFault fault, HostTime now);
+
+  device::TofDescription description_;
+  bool free_;
+  Duration interval_{};
+  UsbDescriptors descriptors_;
+  std::mutex mutex_;  ///< guards what follows
+  std::vector<std::uint8_t> frame_;
+  std::size_t sent_ = 0;
+  bool streaming_ = false, halted_ = false, end_ = false;
+  HostTime due_{};
+  std::uint32_t counter_ = 0, code_ = 0;
+  std::optional<std::uint32_t> fired_;
+  TofFault fault_ = TofFault::kNone, repeated_ = TofFault::kNone;
+  int every_ = 0;
+};
+
+}  // namespace mixrig::board

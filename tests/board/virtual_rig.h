@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole rig on the bench: the trigger firmware fires a colour and a ToF camera, a pan-tilt unit
+// and two cameras that run free stand beside them.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tests/board/nodes.h"
+#include "tests/board/tof_device.h"
+#include "tests/board/trigger_peer.h"
+
+namespace mixrig::board {
+
+inline constexpr int kColorLine = 0, kDepthLine = 1, kDivider = 4;
+
+struct VirtualRig {
+  static constexpr double kDrift_ppm = 120;
+
+  UvcDevice color{{160, 90}};
+  TofDevice depth{{160, 120}, 0};
+  PtuPeer head{std::chrono::microseconds(1042)};  // 9600 baud
+  TriggerPeer trigger{kDrift_ppm, [this](int line, std::uint32_t tick) { fire(line, tick); }};
+  AcmDevice trigger_line{"Trigger controller", trigger}, head_line{"Pan-tilt unit", head};
+  VhciPort color_port{0, color}, depth_port{1, depth}, trigger_port{2, trigger_line},
+      head_port{3, head_line};
+  std::string color_node;
+
+  ~VirtualRig();
+  /// False, and a failure noted, when something did not appear.
+  bool plug();
+  bool plug_color();
+  bool plug_depth();
+  bool plug_head();
+  /// Writes rig.toml. Errors show as a missing file.
+  void write_config(const std::string& path) const;
+
+ private:
+  void fire(int line, std::uint32_t tick);
+};
+
+}  // namespace mixrig::board
