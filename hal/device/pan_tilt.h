@@ -36,6 +36,7 @@ struct PanTiltHealth {
   std::uint64_t timeouts = 0;     ///< commands without an answer
   std::uint64_t refused = 0;      ///< commands answered by an error
   std::uint64_t limit_hits = 0;   ///< axis limits hit, told by the device unasked
+  std::uint64_t returns = 0;      ///< times the line was lost and came back
   std::uint64_t noise_bytes = 0;  ///< bytes that belonged to no reply
   bool limit_hit = false;         ///< a limit was hit since the last move_to
 };

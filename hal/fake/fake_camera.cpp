@@ -71,6 +71,16 @@ void FakeCamera::emit(int count) {
   for (int i = 0; i < count; ++i) deliver();
 }
 
+void FakeCamera::repeat() {
+  const std::lock_guard lock(mutex_);
+  if (sink_ && plugged_ && last_) deliver();
+}
+
+void FakeCamera::set_clock(Duration ahead) {
+  const std::lock_guard lock(mutex_);
+  clock_ahead_ = ahead;
+}
+
 void FakeCamera::deliver() {
   auto draft = pool_.take();
   if (!draft) {
@@ -82,7 +92,7 @@ void FakeCamera::deliver() {
                       .size = info_.size,
                       .stride_bytes = device::row_bytes(info_.format, info_.size.width),
                       .sequence = sequence_,
-                      .device_time = DeviceTime(clock_.now().time_since_epoch()),
+                      .device_time = DeviceTime(clock_.now().time_since_epoch() + clock_ahead_),
                       .received = clock_.now()};
   if (std::exchange(restarted_, false)) frame.flags |= device::kFrameRestarted;
   if (last_ && sequence_ > *last_ + 1) {

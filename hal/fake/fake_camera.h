@@ -30,6 +30,8 @@ class FakeCamera final : public device::Camera {
   void emit(int count = 1);
   void drop_next(int frames) { drop_ += frames; }  ///< exposed, but lost on the way
   void damage_next() { damage_ = true; }           ///< arrives incomplete
+  void repeat();                                   ///< the last frame arrives once more
+  void set_clock(Duration ahead);  ///< its stamps are the host's time plus this from now on
   void unplug();
   void replug();  ///< the counter starts anew
   void fail_next_start(Error error) { start_error_ = std::move(error); }
@@ -47,6 +49,7 @@ class FakeCamera final : public device::Camera {
   std::optional<Error> start_error_;
   std::uint64_t sequence_ = 0;
   std::optional<std::uint64_t> last_;
+  Duration clock_ahead_{};
   int drop_ = 0;
   bool damage_ = false, plugged_ = true, restarted_ = false;
 };

@@ -3,7 +3,7 @@
 
 namespace mixrig::fake {
 
-FakeTrigger::FakeTrigger(Clock& clock) : clock_(clock) {
+FakeTrigger::FakeTrigger(Clock& clock) : clock_(clock), booted_(clock.now()) {
   info_.uri = "fake:trigger";
   info_.version = "fake";
   info_.clock = "of the test";
@@ -21,7 +21,7 @@ Result<device::TriggerStatus> FakeTrigger::status() {
     if (channels_[i].divider > 0) status.enabled |= 1U << i;
   status.tick = next_;
   status.asked = status.answered = clock_.now();
-  status.now = McuTime(status.asked.time_since_epoch());
+  status.now = McuTime(status.asked - booted_);
   return status;
 }
 
@@ -38,7 +38,7 @@ Result<void> FakeTrigger::start() {
   const std::lock_guard lock(mutex_);
   state_ = device::TriggerState::kRunning;
   next_ = 0;
-  ticks_.clear();
+  count_ = 0;
   ++starts_;
   changed_.notify_all();
   return {};
@@ -52,11 +52,11 @@ Result<void> FakeTrigger::stop() {
 
 Result<std::size_t> FakeTrigger::read_ticks(std::span<device::TriggerTick> out, Duration timeout) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, timeout, [this] { return !ticks_.empty(); });
+  changed_.wait_for(lock, timeout, [this] { return count_ > 0; });
   std::size_t count = 0;
-  for (; count < out.size() && !ticks_.empty(); ++count) {
-    out[count] = ticks_.front();
-    ticks_.pop_front();
+  for (; count < out.size() && count_ > 0; ++count, --count_) {
+    out[count] = ticks_[first_];
+    first_ = (first_ + 1) % kKept;
   }
   return count;
 }
@@ -72,7 +72,11 @@ std::uint64_t FakeTrigger::tick() {
         (next_ - first) % static_cast<std::uint64_t>(channel.divider) == 0)
       fired |= 1U << i;
   }
-  ticks_.push_back({next_, McuTime(clock_.now().time_since_epoch()), fired});
+  if (count_ == kKept) {
+    first_ = (first_ + 1) % kKept;
+    --count_;
+  }
+  ticks_[(first_ + count_++) % kKept] = {next_, mcu_now(), fired};
   changed_.notify_all();
   return next_++;
 }
@@ -80,12 +84,18 @@ std::uint64_t FakeTrigger::tick() {
 void FakeTrigger::reset() {
   const std::lock_guard lock(mutex_);
   state_ = device::TriggerState::kIdle;
-  ticks_.clear();
+  booted_ = clock_.now();
+  count_ = 0;
 }
 
 bool FakeTrigger::running() const {
   const std::lock_guard lock(mutex_);
   return state_ == device::TriggerState::kRunning;
+}
+
+std::size_t FakeTrigger::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return count_;
 }
 
 bool FakeTrigger::wait_for_start(int count, Duration timeout) {

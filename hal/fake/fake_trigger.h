@@ -4,14 +4,13 @@
 
 #include <array>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 
 #include "hal/device/trigger.h"
 
 namespace mixrig::fake {
 
-/// Its clock is the host's. Any threads.
+/// Its clock counts from its start or its last reset. Any threads.
 class FakeTrigger final : public device::TriggerMaster {
  public:
   explicit FakeTrigger(Clock& clock);
@@ -27,17 +26,23 @@ class FakeTrigger final : public device::TriggerMaster {
   /// As after a brown-out: idle, and tick numbers begin anew.
   void reset();
   bool running() const;
+  /// Ticks that nobody has read yet.
+  std::size_t waiting() const;
   /// Waits until start() was called for the `count`-th time.
   bool wait_for_start(int count, Duration timeout);
 
  private:
   static constexpr int kChannels = 16;
+  static constexpr std::size_t kKept = 1024;
+  McuTime mcu_now() const { return McuTime(clock_.now() - booted_); }
 
   Clock& clock_;
+  HostTime booted_;
   device::TriggerInfo info_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<device::TriggerTick> ticks_;
+  std::array<device::TriggerTick, kKept> ticks_{};  ///< a ring: nothing is allocated per tick
+  std::size_t first_ = 0, count_ = 0;
   std::array<device::TriggerChannel, kChannels> channels_{};
   device::TriggerState state_ = device::TriggerState::kIdle;
   std::uint64_t next_ = 0;

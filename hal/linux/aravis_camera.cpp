@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -13,6 +13,7 @@
 
 #include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/linux/aravis_setup.h"
 #include "hal/linux/genicam_buffer.h"
 
 namespace mixrig::device {
@@ -30,24 +31,6 @@ struct Unref {
 template <typename T>
 using Object = std::unique_ptr<T, Unref<T>>;
 
-/// A GError for one call; frees itself.
-class Fault {
- public:
-  Fault() = default;
-  Fault(const Fault&) = delete;
-  Fault& operator=(const Fault&) = delete;
-  ~Fault() { g_clear_error(&error_); }
-  operator GError**() {  // NOLINT(google-explicit-constructor)
-    g_clear_error(&error_);
-    return &error_;
-  }
-  bool any() const { return error_ != nullptr; }
-  std::string text() const { return error_ != nullptr ? error_->message : "no reason given"; }
-
- private:
-  GError* error_ = nullptr;
-};
-
 class AravisCamera final : public Camera {
  public:
   AravisCamera(std::string id, const StreamRequest& request, Clock& clock)
@@ -56,7 +39,7 @@ class AravisCamera final : public Camera {
   }
   ~AravisCamera() override { stop(); }
   Result<void> open();
-  Result<DepthInfo> depth_info();
+  Result<DepthInfo> depth_info() { return aravis_depth_info(camera_.get(), info_.uri); }
 
   const CameraInfo& info() const override { return info_; }
   Result<void> start(FrameSink sink) override;
@@ -67,16 +50,15 @@ class AravisCamera final : public Camera {
 
  private:
   Result<void> connect();
-  Result<void> choose_format();
-  Result<void> choose_trigger();
+  Result<void> set_up();
+  Result<void> apply(CameraControl control, double value);
   Result<void> start_stream();
   void close_stream();
   void work();
   void take(ArvBuffer* buffer);
   void come_back();
-  std::optional<double> feature(const char* name);
-  Error failed(const std::string& what, const Fault& fault) const {
-    return Error{ErrorCode::kDevice, info_.uri + ": " + what + ": " + fault.text()};
+  Error failed(const std::string& what, const AravisFault& fault) const {
+    return fault.error(info_.uri, what);
   }
 
   std::string id_;
@@ -92,32 +74,22 @@ class AravisCamera final : public Camera {
   std::atomic<bool> stop_ = false, gone_ = false;
   mutable std::mutex mutex_;  ///< guards health_ and camera_ against set/get
   StreamHealth health_;
+  std::map<CameraControl, double> settings_;
   std::optional<std::uint64_t> last_id_;
   bool restarted_ = false;
 };
 
 Result<void> AravisCamera::open() {
   MIXRIG_TRY(connect());
-  MIXRIG_TRY(choose_format());
-  MIXRIG_TRY(choose_trigger());
-  Fault fault;
-  const char* model = arv_camera_get_model_name(camera_.get(), fault);
-  info_.model = model != nullptr ? model : "";
-  const char* serial = arv_camera_get_device_serial_number(camera_.get(), fault);
-  info_.serial = serial != nullptr ? serial : "";
+  MIXRIG_TRY(set_up());
+  describe_aravis(camera_.get(), info_);
   info_.stamp_clock = StampClock::kDevice;
-  double low = 0, high = 0;
-  arv_camera_get_exposure_time_bounds(camera_.get(), &low, &high, fault);
-  if (!fault.any() && high > low)
-    info_.controls.push_back({CameraControl::kExposure, low * 1e-6, high * 1e-6, 1e-6});
-  arv_camera_get_gain_bounds(camera_.get(), &low, &high, fault);
-  if (!fault.any() && high > low) info_.controls.push_back({CameraControl::kGain, low, high, 0.1});
   pool_.emplace(kBuffers, declared_bytes(code_, info_.size));
   return {};
 }
 
 Result<void> AravisCamera::connect() {
-  Fault fault;
+  AravisFault fault;
   arv_update_device_list();
   camera_.reset(arv_camera_new(id_.c_str(), fault));
   if (!camera_)
@@ -135,79 +107,16 @@ Result<void> AravisCamera::connect() {
   return {};
 }
 
-Result<void> AravisCamera::choose_format() {
-  Fault fault;
-  arv_camera_stop_acquisition(camera_.get(), fault);  // left running by a client that died
-  if (request_.format != PixelFormat::kUnknown) {
-    const std::uint32_t wanted = pfnc_of_format(request_.format);
-    if (wanted != 0) arv_camera_set_pixel_format(camera_.get(), wanted, fault);
-    if (wanted == 0 || fault.any())
-      return Error{ErrorCode::kUnsupported,
-                   info_.uri + ": does not offer " + std::string(name(request_.format))};
-  }
-  if (!request_.size.empty()) {
-    arv_camera_set_region(camera_.get(), 0, 0, request_.size.width, request_.size.height, fault);
-    if (fault.any()) return failed("setting the picture's size", fault);
-  }
-  code_ = arv_camera_get_pixel_format(camera_.get(), fault);
-  info_.format = format_of_pfnc(code_);
-  if (info_.format == PixelFormat::kUnknown)
-    return Error{ErrorCode::kUnsupported,
-                 info_.uri + ": sends a pixel format that mixrig does not read"};
-  int x = 0, y = 0;
-  arv_camera_get_region(camera_.get(), &x, &y, &info_.size.width, &info_.size.height, fault);
-  if (fault.any() || declared_bytes(code_, info_.size) == 0)
-    return failed("reading the picture's size", fault);
-  if (!request_.size.empty() && info_.size != request_.size)
-    return Error{ErrorCode::kUnsupported, info_.uri + ": does not offer the wished size"};
+Result<void> AravisCamera::set_up() {
+  CameraInfo told = info_;
+  MIXRIG_ASSIGN(const std::uint32_t code, choose_aravis_format(camera_.get(), request_, told));
+  MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, told));
+  if (pool_ && (code != code_ || told.size != info_.size))
+    return Error{ErrorCode::kDevice, info_.uri + ": another camera came back"};
+  for (const auto& [control, value] : settings_) MIXRIG_TRY(apply(control, value));
+  code_ = code;
+  if (!pool_) info_ = told;  // readers hold references to it: it stays as it is from now on
   return {};
-}
-
-Result<void> AravisCamera::choose_trigger() {
-  Fault fault;
-  info_.hardware_trigger = request_.hardware_trigger;
-  if (request_.hardware_trigger) {
-    arv_camera_set_trigger(camera_.get(), "Line0", fault);
-    if (fault.any()) return failed("setting the trigger to Line0", fault);
-    return {};
-  }
-  arv_camera_clear_triggers(camera_.get(), fault);
-  if (request_.rate_hz > 0) {
-    arv_camera_set_frame_rate(camera_.get(), request_.rate_hz, fault);
-    if (fault.any()) return failed("setting the frame rate", fault);
-  }
-  info_.rate_hz = arv_camera_get_frame_rate(camera_.get(), fault);
-  return {};
-}
-
-std::optional<double> AravisCamera::feature(const char* name) {
-  ArvDevice* device = arv_camera_get_device(camera_.get());
-  Fault fault;
-  if (!arv_device_is_feature_available(device, name, fault) || fault.any()) return std::nullopt;
-  const double value = arv_device_get_float_feature_value(device, name, fault);
-  if (!fault.any()) return value;
-  const gint64 integer = arv_device_get_integer_feature_value(device, name, fault);
-  if (fault.any()) return std::nullopt;
-  return static_cast<double>(integer);
-}
-
-Result<DepthInfo> AravisCamera::depth_info() {
-  ArvDevice* device = arv_camera_get_device(camera_.get());
-  Fault fault;
-  if (arv_device_is_feature_available(device, "Scan3dCoordinateSelector", fault))
-    arv_device_set_string_feature_value(device, "Scan3dCoordinateSelector", "CoordinateC", fault);
-  DepthInfo depth;
-  const auto scale = feature("Scan3dCoordinateScale");
-  if (!scale || !(*scale > 0) || !std::isfinite(*scale))
-    return Error{ErrorCode::kDevice,
-                 info_.uri + ": tells no Scan3dCoordinateScale: its depth has no unit"};
-  depth.metres_per_step = *scale * 1e-3;
-  depth.offset_m = feature("Scan3dCoordinateOffset").value_or(0) * 1e-3;
-  depth.unknown_step = static_cast<int>(feature("Scan3dInvalidDataValue").value_or(0));
-  const auto focal = feature("Scan3dFocalLength");
-  const auto u = feature("Scan3dPrincipalPointU"), v = feature("Scan3dPrincipalPointV");
-  if (focal && u && v && *focal > 0) depth.intrinsics = DeviceIntrinsics{*focal, *u, *v};
-  return depth;
 }
 
 Result<void> AravisCamera::start(FrameSink sink) {
@@ -225,7 +134,7 @@ Result<void> AravisCamera::start(FrameSink sink) {
 }
 
 Result<void> AravisCamera::start_stream() {
-  Fault fault;
+  AravisFault fault;
   stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, fault));
   if (!stream_) return failed("creating the stream", fault);
   if (ARV_IS_GV_STREAM(stream_.get()))
@@ -247,7 +156,7 @@ Result<void> AravisCamera::start_stream() {
 }
 
 void AravisCamera::close_stream() {
-  Fault fault;
+  AravisFault fault;
   if (camera_ && !gone_) arv_camera_stop_acquisition(camera_.get(), fault);
   stream_.reset();
 }
@@ -314,7 +223,7 @@ void AravisCamera::come_back() {
   while (!stop_) {
     clock_.sleep_until(clock_.now() + kLookAgain);
     const std::lock_guard lock(mutex_);
-    if (!connect() || !choose_format() || !choose_trigger() || !start_stream()) continue;
+    if (!connect() || !set_up() || !start_stream()) continue;
     health_.state = DeviceState::kStreaming;
     ++health_.returns;
     last_id_.reset();
@@ -334,8 +243,14 @@ Result<void> AravisCamera::set(CameraControl control, double value) {
     return Error{ErrorCode::kUsage, what + " must be " + std::to_string(range->minimum) + " to " +
                                         std::to_string(range->maximum)};
   const std::lock_guard lock(mutex_);
-  Fault fault;
   if (!camera_) return Error{ErrorCode::kDevice, what + ": the camera is not there"};
+  MIXRIG_TRY(apply(control, value));
+  settings_[control] = value;
+  return {};
+}
+
+Result<void> AravisCamera::apply(CameraControl control, double value) {
+  AravisFault fault;
   if (control == CameraControl::kExposure)
     arv_camera_set_exposure_time(camera_.get(), value * 1e6, fault);
   else
@@ -346,7 +261,7 @@ Result<void> AravisCamera::set(CameraControl control, double value) {
 
 Result<double> AravisCamera::get(CameraControl control) {
   const std::lock_guard lock(mutex_);
-  Fault fault;
+  AravisFault fault;
   if (!camera_) return Error{ErrorCode::kDevice, info_.uri + ": the camera is not there"};
   double value = 0;
   if (control == CameraControl::kExposure)

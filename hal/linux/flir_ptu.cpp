@@ -36,9 +36,15 @@ Result<std::unique_ptr<FlirPtu>> FlirPtu::open(std::unique_ptr<ByteStream> strea
   return unit;
 }
 
-Result<void> FlirPtu::configure() {
+/// No echo, verbose replies, independent axes, moves at once.
+Result<void> FlirPtu::set_up_talk() {
   for (const std::string_view words : {"ED ", "FV ", "CI ", "I "})
     MIXRIG_TRY(command(words, kAnswer));
+  return {};
+}
+
+Result<void> FlirPtu::configure() {
+  MIXRIG_TRY(set_up_talk());
   MIXRIG_ASSIGN(const PtuReply version, exchange("V ", kAnswer));
   info_.version = version.view();
   MIXRIG_ASSIGN(const double pan_arcsec, query("PR ", PtuAxis::kPan));
@@ -143,6 +149,23 @@ Result<PtuReply> FlirPtu::exchange(std::string_view words, Duration timeout) {
 }
 
 Result<PtuReply> FlirPtu::exchange_once(std::string_view words, Duration timeout) {
+  if (lost_) MIXRIG_TRY(greet_again());
+  auto reply = send_and_read(words, timeout);
+  if (!reply && reply.error().code == ErrorCode::kDevice) lost_ = true;
+  return reply;
+}
+
+/// The line is back: the unit may have lost its power, and with it how it was set up to talk.
+Result<void> FlirPtu::greet_again() {
+  stale_ = true;
+  lost_ = false;
+  auto done = set_up_talk();
+  lost_ = !done;
+  if (done) ++health_.returns;
+  return done;
+}
+
+Result<PtuReply> FlirPtu::send_and_read(std::string_view words, Duration timeout) {
   if (stale_) MIXRIG_TRY(drain());
   parser_.expect(words);
   ++health_.commands;

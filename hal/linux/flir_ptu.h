@@ -34,6 +34,9 @@ class FlirPtu final : public PanTilt {
  private:
   FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri);
   Result<void> configure();
+  Result<void> set_up_talk();
+  Result<void> greet_again();
+  Result<PtuReply> send_and_read(std::string_view words, Duration timeout);
   Result<void> command(std::string_view words, Duration timeout);
   Result<double> query(std::string_view words, PtuAxis axis);
   Result<PtuReply> exchange(std::string_view words, Duration timeout);
@@ -50,6 +53,7 @@ class FlirPtu final : public PanTilt {
   PanTiltHealth health_;
   std::uint64_t limits_at_move_ = 0;
   bool stale_ = true;  ///< bytes of an earlier exchange may still be on their way
+  bool lost_ = false;  ///< the line failed: greet the unit again when it is back
 };
 
 }  // namespace mixrig::device

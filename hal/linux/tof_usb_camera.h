@@ -7,12 +7,16 @@
 
 #include "hal/base/clock.h"
 #include "hal/device/depth_camera.h"
+#include "hal/device/usb_bulk.h"
 
 namespace mixrig::device {
 
-/// Several transfers are in flight, so that the bus never waits for the host. A stalled pipe is
-/// cleared, a device that went away is looked for four times a second.
+/// A pipe that stalls, or is silent for a second, is cleared and started again (a link error and a
+/// return); a device that went away is looked for four times a second.
 /// `id` is "VVVV:PPPP" in hexadecimal. Errors: kUsage, kNotFound, kDevice.
 Result<std::unique_ptr<DepthCamera>> open_tof_usb(const std::string& id, Clock& clock);
+/// The same over any pipe. Errors: those of the pipe; kDevice for a description that is not sound.
+Result<std::unique_ptr<DepthCamera>> open_tof(std::unique_ptr<UsbBulk> pipe, std::string uri,
+                                              Clock& clock);
 
 }  // namespace mixrig::device

@@ -30,6 +30,7 @@ constexpr std::array<Known, 14> kKnown = {{
 }};
 constexpr Size kLargestUnasked{1920, 1200};
 constexpr int kLargestSide = 16384;
+constexpr std::size_t kJpegHeader = 65536;
 
 const Known* find(std::uint32_t code) {
   const auto* known =
@@ -117,7 +118,9 @@ Result<V4l2Layout> checked_layout(std::uint32_t code, std::uint32_t width, std::
     return Error{ErrorCode::kDevice, "the driver chose a format that mixrig does not read"};
   layout.size = {static_cast<int>(width), static_cast<int>(height)};
   if (layout.format == PixelFormat::kMjpeg) {
-    layout.picture_bytes = size_image > 0 ? size_image : layout.size.area() * 2;
+    // No JPEG file is longer than its pixels; drivers have been seen to name gigabytes.
+    const std::size_t most = layout.size.area() * 3 + kJpegHeader;
+    layout.picture_bytes = size_image > 0 ? std::min<std::size_t>(size_image, most) : most;
     return layout;
   }
   const std::size_t row = row_bytes(layout.format, layout.size.width);

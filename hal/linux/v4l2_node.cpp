@@ -12,51 +12,20 @@
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
+
+#include "hal/base/log.h"
+#include "hal/linux/v4l2_ioctl.h"
 
 namespace mixrig::device {
 namespace {
 
 constexpr std::uint32_t kBuffers = 4;
-constexpr std::uint32_t kMostEntries = 256;  // of any table that a driver enumerates
-
-/// A control, the switch that must be off for it to hold, and the unit of its steps.
-struct Mapped {
-  CameraControl control;
-  std::uint32_t id;
-  std::uint32_t automatic_id;
-  std::int32_t manual_value;
-  double unit;  ///< value = steps * unit
-};
-constexpr std::array<Mapped, kCameraControls> kMapped = {{
-    {CameraControl::kExposure, V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CID_EXPOSURE_AUTO,
-     V4L2_EXPOSURE_MANUAL, 1e-4},
-    {CameraControl::kGain, V4L2_CID_GAIN, V4L2_CID_AUTOGAIN, 0, 1},
-    {CameraControl::kFocus, V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_FOCUS_AUTO, 0, 1},
-    {CameraControl::kWhiteBalance, V4L2_CID_WHITE_BALANCE_TEMPERATURE, V4L2_CID_AUTO_WHITE_BALANCE,
-     0, 1},
-}};
-const Mapped& mapped(CameraControl control) { return kMapped[static_cast<std::size_t>(control)]; }
-
-int ioctl_again(int fd, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ::ioctl(fd, request, argument);
-  } while (result < 0 && errno == EINTR);
-  return result;
-}
 
 double rate(const v4l2_fract& interval) {
   return interval.numerator > 0 ? static_cast<double>(interval.denominator) / interval.numerator
                                 : 0;
-}
-
-template <std::size_t N>
-std::string text(const unsigned char (&bytes)[N]) {
-  const auto* begin = reinterpret_cast<const char*>(bytes);
-  return {begin, ::strnlen(begin, N)};
 }
 
 }  // namespace
@@ -111,22 +80,23 @@ Result<V4l2Layout> V4l2Node::configure(const StreamRequest& request, CameraInfo&
                  "v4l2:" + path_ + ": the driver did not take the mode that it offered"};
   v4l2_capability capability{};
   if (ioctl_again(fd_, VIDIOC_QUERYCAP, &capability) == 0) {
-    info.model = text(capability.card);
-    info.serial = text(capability.bus_info);
+    info.model = v4l2_text(capability.card);
+    info.serial = v4l2_text(capability.bus_info);
   }
   info.size = layout.size;
   info.format = layout.format;
   info.rate_hz = set_rate(request.rate_hz);
   info.hardware_trigger = set_hardware_trigger(request.hardware_trigger);
   if (request.hardware_trigger && !info.hardware_trigger)
-    return Error{ErrorCode::kUnsupported, "v4l2:" + path_ + ": has no hardware trigger control"};
+    log_warning("v4l2",
+                path_ + ": has no trigger control: see that it is set to its trigger input");
   info.controls = controls();
   return layout;
 }
 
 std::vector<V4l2Mode> V4l2Node::modes() const {
   std::vector<V4l2Mode> found;
-  for (std::uint32_t i = 0; i < kMostEntries; ++i) {
+  for (std::uint32_t i = 0; i < kMostV4l2Entries; ++i) {
     v4l2_fmtdesc description{};
     description.index = i;
     description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -138,7 +108,7 @@ std::vector<V4l2Mode> V4l2Node::modes() const {
 }
 
 void V4l2Node::add_sizes(std::uint32_t code, std::vector<V4l2Mode>& found) const {
-  for (std::uint32_t i = 0; i < kMostEntries; ++i) {
+  for (std::uint32_t i = 0; i < kMostV4l2Entries; ++i) {
     v4l2_frmsizeenum entry{};
     entry.index = i;
     entry.pixel_format = code;
@@ -162,7 +132,7 @@ void V4l2Node::add_sizes(std::uint32_t code, std::vector<V4l2Mode>& found) const
 
 double V4l2Node::max_rate(std::uint32_t code, Size size) const {
   double best = 0;
-  for (std::uint32_t i = 0; i < kMostEntries; ++i) {
+  for (std::uint32_t i = 0; i < kMostV4l2Entries; ++i) {
     v4l2_frmivalenum entry{};
     entry.index = i;
     entry.pixel_format = code;
@@ -190,18 +160,6 @@ double V4l2Node::set_rate(double rate_hz) const {
 }
 
 /// No standard control exists; drivers of machine-vision cameras name theirs "Trigger Mode".
-bool V4l2Node::set_hardware_trigger(bool on) const {
-  v4l2_queryctrl query{};
-  for (std::uint32_t i = 0; i < kMostEntries; ++i) {
-    query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
-    if (ioctl_again(fd_, VIDIOC_QUERYCTRL, &query) < 0) return false;
-    const std::string control = text(query.name);
-    if (control == "Trigger Mode" || control == "trigger_mode")
-      return write_control(query.id, on ? 1 : 0) && on;
-  }
-  return false;
-}
-
 Result<void> V4l2Node::start_streaming() {
   v4l2_requestbuffers request{};
   request.count = kBuffers;
@@ -263,41 +221,6 @@ Result<void> V4l2Node::give_back(const V4l2Picture& picture) {
   buffer.memory = V4L2_MEMORY_MMAP;
   if (ioctl_again(fd_, VIDIOC_QBUF, &buffer) < 0) return failed("giving a buffer back");
   return {};
-}
-
-std::vector<ControlRange> V4l2Node::controls() const {
-  std::vector<ControlRange> ranges;
-  for (const Mapped& m : kMapped) {
-    v4l2_queryctrl query{};
-    query.id = m.id;
-    if (ioctl_again(fd_, VIDIOC_QUERYCTRL, &query) < 0 ||
-        (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
-      continue;
-    ranges.push_back(
-        {m.control, query.minimum * m.unit, query.maximum * m.unit, query.step * m.unit});
-  }
-  return ranges;
-}
-
-bool V4l2Node::write_control(std::uint32_t id, std::int32_t value) const {
-  v4l2_control control{id, value};
-  return ioctl_again(fd_, VIDIOC_S_CTRL, &control) == 0;
-}
-
-Result<void> V4l2Node::set(CameraControl control, double value) {
-  const Mapped& m = mapped(control);
-  (void)write_control(m.automatic_id,
-                      m.manual_value);  // cameras without the automatic lack its switch
-  if (!write_control(m.id, static_cast<std::int32_t>(std::lround(value / m.unit))))
-    return failed("setting a control");
-  return {};
-}
-
-Result<double> V4l2Node::get(CameraControl control) const {
-  const Mapped& m = mapped(control);
-  v4l2_control value{m.id, 0};
-  if (ioctl_again(fd_, VIDIOC_G_CTRL, &value) < 0) return failed("reading a control");
-  return value.value * m.unit;
 }
 
 void V4l2Node::close() {

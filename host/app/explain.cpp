@@ -137,7 +137,8 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   options.judge = false;
   MIXRIG_ASSIGN(const RunReport report, run(session, options, clock, progress));
   take::TakeFrame first;
-  MIXRIG_TRY(session.source->read(range.first, first));
+  MIXRIG_ASSIGN(const bool there, session.source->read(range.first, first));
+  if (!there) return Error{ErrorCode::kData, "the source has no frame to look at"};
   const render::Tables tables = render::make_tables(session.setup);
   render::FramePreparer preparer(session.setup);
   preparer.update(session.world_from_target(first));

@@ -45,6 +45,14 @@ std::string line(const char* format, Values... values) {
   return out;
 }
 
+std::string live_line(const nlohmann::json& live) {
+  const auto count = [&](const char* key) { return live.value(key, std::uint64_t{0}); };
+  return line("  live: %llu moments, %llu dropped, %llu without colour or depth\n",
+              static_cast<unsigned long long>(count("sets")),
+              static_cast<unsigned long long>(count("dropped_sets")),
+              static_cast<unsigned long long>(count("left_out")));
+}
+
 }  // namespace
 
 double fps(const RunReport& report) {
@@ -70,6 +78,8 @@ nlohmann::json to_json(const RunReport& report) {
   out["backend"] = report.backend;
   out["renderer"] = report.renderer;
   out["size"] = text(report.size);
+  out["ended"] = report.ended;
+  if (!report.live.is_null()) out["live"] = report.live;
   out["stage_ms"] = nlohmann::json::object();
   for (std::size_t i = 0; i < report.stage_ms.size(); ++i) {
     const std::vector<float>& times = report.stage_ms[i];
@@ -102,6 +112,8 @@ std::string to_table(const RunReport& report) {
       row(std::string(render::name(static_cast<render::Stage>(i))), report.stage_ms[i]);
   row("frame", report.frame_ms);
   out += line("  %.1f fps, %.0f MB\n", fps(report), report.rss_mb);
+  if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
+  if (!report.live.is_null()) out += live_line(report.live);
   if (!report.error) return out;
   out += "  error against truth\n";
   for (const auto& [key, value] : named(*report.error))

@@ -22,6 +22,8 @@ struct RunReport {
   std::vector<float> frame_ms;  ///< decoded frame to finished composite, every frame, the first too
   std::array<std::vector<float>, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
   std::vector<double> foreground_pct;  ///< pixels with matte >= 0.5, a frame
+  std::string ended = "frames";        ///< what ended it: "frames", "stopped", "end of the source"
+  nlohmann::json live;                 ///< as FrameSource::report
   double rss_mb = 0;                   ///< peak
   std::optional<measure::Errors> error;
 };

@@ -13,6 +13,8 @@ namespace mixrig::app {
 namespace {
 
 constexpr const char* kReportName = "report.json";
+constexpr int kSheetStep = 10;              // row k of an endless sheet: frame first + 10 k^2
+constexpr std::size_t kReserved = 100'000;  // frames: an hour of 25 Hz without growing
 
 Result<FrameRange> range_of(const Session& session, const RunOptions& options) {
   const FrameRange range = options.frames.value_or(session.default_frames());
@@ -49,8 +51,9 @@ class Runner {
       : session_(session), options_(options), clock_(clock), sheet_(title()) {}
 
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
-  Result<void> frame(int number);
-  Result<RunReport> finish();
+  /// False when the source has ended.
+  Result<bool> frame(int number);
+  Result<RunReport> finish(std::string ended);
 
  private:
   std::string title() const {
@@ -59,6 +62,8 @@ class Runner {
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
   Result<void> compose(const render::FrameInput& input);
   Result<void> look(int number, const render::FrameInput& input);
+  std::vector<int> sheet_frames(FrameRange range) const;
+  Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
 
   Session& session_;
@@ -82,22 +87,40 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
     MIXRIG_ASSIGN(folder_, OutputFolder::create(*options_.out, kReportName));
     MIXRIG_ASSIGN(writer_, RunWriter::create(folder_->staging(), session_.source->info(),
                                              session_.setup.view, options_.output));
-    sheet_frames_ = spread(range.first, range.second, options_.sheet_rows);
+    sheet_frames_ = sheet_frames(range);
   }
   MIXRIG_TRY(prepare_background(session_, progress));
   MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
   report_.backend = backend_of(*compositor_);
   report_.renderer = compositor_->renderer();
   report_.size = session_.setup.view.size_px;
-  const auto frames = static_cast<std::size_t>(range.second - range.first + 1);
+  const auto frames = std::min(kReserved, static_cast<std::size_t>(range.second - range.first) + 1);
   report_.frame_ms.reserve(frames);
   report_.foreground_pct.reserve(frames);
   for (auto& times : report_.stage_ms) times.reserve(frames);
   return {};
 }
 
-Result<void> Runner::frame(int number) {
-  MIXRIG_TRY(session_.source->read(number, frame_));
+/// Spread over the range; ever farther apart where nobody knows its end.
+std::vector<int> Runner::sheet_frames(FrameRange range) const {
+  if (range.second != kEndless) return spread(range.first, range.second, options_.sheet_rows);
+  std::vector<int> frames;
+  for (int k = 0; k < options_.sheet_rows; ++k) frames.push_back(range.first + kSheetStep * k * k);
+  return frames;
+}
+
+/// A run that was stopped before the first of its sheet's frames shows the last one that it had.
+Result<void> Runner::add_last_to_sheet() {
+  output_.inspect = true;
+  MIXRIG_TRY(compositor_->compose(
+      {frame_.color, frame_.depth_m, session_.world_from_target(frame_)}, output_));
+  sheet_.add_row(frame_.number, frame_.color, output_, judge_.truth().composite);
+  return {};
+}
+
+Result<bool> Runner::frame(int number) {
+  MIXRIG_ASSIGN(const bool there, session_.source->read(number, frame_));
+  if (!there) return false;
   const geometry::Pose world_from_target = session_.world_from_target(frame_);
   watch_camera(world_from_target);
   const render::FrameInput input{frame_.color, frame_.depth_m, world_from_target};
@@ -105,7 +128,7 @@ Result<void> Runner::frame(int number) {
   report_.foreground_pct.push_back(foreground_pct(output_.matte));
   MIXRIG_TRY(look(number, input));
   if (writer_) MIXRIG_TRY(writer_->write(frame_, world_from_target, output_));
-  return {};
+  return true;
 }
 
 Result<void> Runner::compose(const render::FrameInput& input) {
@@ -139,11 +162,16 @@ void Runner::watch_camera(const geometry::Pose& world_from_target) {
               "wrongly away from the first pose");
 }
 
-Result<RunReport> Runner::finish() {
+Result<RunReport> Runner::finish(std::string ended) {
+  if (report_.frame_ms.empty())
+    return Error{ErrorCode::kData, "no frame was composited (" + ended + "): nothing was written"};
+  report_.ended = std::move(ended);
+  report_.live = session_.source->report();
   if (judges()) report_.error = judge_.errors();
   report_.rss_mb = peak_rss_mb();
   if (!folder_) return std::move(report_);
   MIXRIG_TRY(writer_->finish());
+  if (sheet_.empty()) MIXRIG_TRY(add_last_to_sheet());
   MIXRIG_TRY(image_io::write_png(folder_->staging() / "contact_sheet.png", sheet_.draw().view()));
   MIXRIG_TRY(write_text(folder_->staging() / kReportName, to_json(report_).dump(2) + "\n"));
   MIXRIG_TRY(folder_->finish());
@@ -157,11 +185,16 @@ Result<RunReport> run(Session& session, const RunOptions& options, const Clock& 
   MIXRIG_ASSIGN(const FrameRange range, range_of(session, options));
   Runner runner(session, options, clock);
   MIXRIG_TRY(runner.prepare(range, progress));
-  for (int number = range.first; number <= range.second; ++number) {
-    MIXRIG_TRY(runner.frame(number));
-    if (progress) progress("frames", number - range.first + 1, range.second - range.first + 1);
+  const auto stopped = [&] { return options.stop != nullptr && *options.stop; };
+  for (int number = range.first; !stopped(); ++number) {
+    MIXRIG_ASSIGN(const bool there, runner.frame(number));
+    if (!there && !stopped()) return runner.finish("end of the source");
+    if (!there) break;
+    if (progress && range.second != kEndless)
+      progress("frames", number - range.first + 1, range.second - range.first + 1);
+    if (number == range.second) return runner.finish("frames");
   }
-  return runner.finish();
+  return runner.finish("stopped");
 }
 
 }  // namespace mixrig::app

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "host/app/live_source.h"
 #include "host/app/world_frame.h"
 
 namespace mixrig::app {
@@ -87,6 +88,15 @@ std::string text(const geometry::Pinhole& view) {
   return line;
 }
 
+Result<std::unique_ptr<FrameSource>> open_any_source(const SessionOptions& options) {
+  const std::string& uri = options.source;
+  if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri);
+  if (options.clock == nullptr || options.stop == nullptr)
+    return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run takes live devices"};
+  return open_live_source(uri.size() > 4 ? uri.substr(4) : "rig.toml", *options.stop,
+                          *options.clock);
+}
+
 Result<std::optional<model::StaticBackground>> background_of(Session& session,
                                                              const ProgressFn& progress) {
   const scene::Background& wanted = session.scene.background;
@@ -152,7 +162,12 @@ Result<model::StaticBackground> learn_background(FrameSource& source,
   render::FrameOutput output;
   output.inspect = true;
   for (int number = first; number <= last; ++number) {
-    MIXRIG_TRY(source.read(number, frame));
+    MIXRIG_ASSIGN(const bool there, source.read(number, frame));
+    if (!there)
+      return Error{ErrorCode::kData, "the source ended or was stopped after " +
+                                         std::to_string(number - first) + " of " +
+                                         std::to_string(last - first + 1) +
+                                         " frames of the empty room: nothing was learned"};
     MIXRIG_TRY(compositor->compose({frame.color, frame.depth_m, {}}, output));
     MIXRIG_TRY(builder.add(output.warped_depth_m, output.color));
     if (progress) progress("background", number - first + 1, last - first + 1);
@@ -182,7 +197,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   auto session = std::make_unique<Session>();
   session->backend = options.backend;
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
-  MIXRIG_ASSIGN(session->source, open_source(options.source));
+  MIXRIG_ASSIGN(session->source, open_any_source(options));
   MIXRIG_ASSIGN(session->setup, setup_of(session->source->info(), options.view_size));
   if (const auto& learn = session->scene.background.learn) {
     if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)

@@ -2,6 +2,7 @@
 // A session: a scene, the frames it is composited into, and the setup of the compositor.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "host/app/backend.h"
 #include "host/app/source.h"
@@ -27,9 +29,11 @@ using ProgressFn = std::function<void(std::string_view what, int done, int total
 
 struct SessionOptions {
   std::filesystem::path scene;
-  std::string source;             ///< as open_source
+  std::string source;             ///< as open_source, or "rig[:RIG.TOML]": live devices
   std::optional<Size> view_size;  ///< size to composite at; the take's view where absent
   BackendChoice backend;
+  Clock* clock = nullptr;                   ///< of a rig's devices
+  const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
 };
 
 /// A scene's mesh in the back ends' types.

@@ -11,9 +11,9 @@ namespace mixrig::app {
 namespace {
 
 #ifdef MIXRIG_HAS_STUDIO
-constexpr const char* kKnownSources = "take:DIR or studio[:SCENARIO,SEED,RIG]";
+constexpr const char* kKnownSources = "take:DIR, studio[:SCENARIO,SEED,RIG] or rig[:RIG.TOML]";
 #else
-constexpr const char* kKnownSources = "take:DIR";
+constexpr const char* kKnownSources = "take:DIR or rig[:RIG.TOML]";
 #endif
 
 /// A file that fails in the middle of a take is bad data, not a wrong name given by the user.
@@ -28,8 +28,9 @@ class TakeSource final : public FrameSource {
  public:
   explicit TakeSource(take::TakeReader reader) : reader_(std::move(reader)) {}
   const take::TakeInfo& info() const override { return reader_.info(); }
-  Result<void> read(int number, take::TakeFrame& frame) override {
-    return as_data(reader_.read(number, frame));
+  Result<bool> read(int number, take::TakeFrame& frame) override {
+    MIXRIG_TRY(as_data(reader_.read(number, frame)));
+    return true;
   }
   Result<void> read_truth(int number, take::TruthFrame& truth) override {
     return as_data(reader_.read_truth(number, truth));

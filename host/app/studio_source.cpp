@@ -18,10 +18,10 @@ class StudioSource final : public FrameSource {
 
   const take::TakeInfo& info() const override { return info_; }
 
-  Result<void> read(int number, take::TakeFrame& frame) override {
+  Result<bool> read(int number, take::TakeFrame& frame) override {
     studio_.render(number, frame_, &truth_);
     swap_into(frame_, frame);
-    return {};
+    return true;
   }
   Result<void> read_truth(int, take::TruthFrame& truth) override {
     swap_into(truth_, truth);

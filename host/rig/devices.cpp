@@ -6,6 +6,7 @@
 
 #include "hal/linux/flir_ptu.h"
 #include "hal/linux/mcu_trigger.h"
+#include "hal/linux/reopening_byte_stream.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2_camera.h"
@@ -35,40 +36,78 @@ Error unknown(const std::string& uri, const char* what, const char* known) {
   return Error{ErrorCode::kUsage, "'" + uri + "' is no " + what + ": use " + known};
 }
 
+/// A serial line that comes back when its cable does.
+Result<std::unique_ptr<device::ByteStream>> open_line(const std::string& name, Clock& clock) {
+  return device::ReopeningByteStream::make([name] { return device::open_byte_stream(name); },
+                                           clock);
+}
+
+bool is_playable(const Uri& uri) { return uri.scheme == "take" || uri.scheme == "studio"; }
+
+/// One picture stream of a recording: "take:DIR/color" is DIR and "color".
+struct View {
+  std::string recording, name;
+};
+View view_of(const Uri& uri) {
+  const auto slash = uri.rest.rfind('/');
+  if (slash == std::string::npos) return {uri.scheme + ":", uri.rest};
+  return {uri.scheme + ":" + uri.rest.substr(0, slash), uri.rest.substr(slash + 1)};
+}
+
 }  // namespace
 
-Result<std::unique_ptr<device::Camera>> open_camera(const std::string& uri,
-                                                    const device::StreamRequest& request,
-                                                    Clock& clock) {
+Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& recording) {
+  for (const auto& [name, player] : players_)
+    if (name == recording) return player;
+  if (!open_playable_)
+    return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
+  MIXRIG_ASSIGN(Playable playable, open_playable_(recording));
+  MIXRIG_ASSIGN(auto player, Player::create(std::move(playable), recording, clock_));
+  players_.emplace_back(recording, player);
+  return player;
+}
+
+Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
+                                                             const device::StreamRequest& request) {
   const Uri parts = split(uri);
   if (parts.scheme == "v4l2") {
-    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, request, clock));
+    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, request, clock_));
     return std::unique_ptr<device::Camera>(std::move(camera));
   }
 #ifdef MIXRIG_HAVE_ARAVIS
-  if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock);
+  if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
 #endif
-  return unknown(uri, "camera", "v4l2:/dev/videoN or aravis:ID");
+  if (const View view = view_of(parts);
+      is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->camera();
+  }
+  return unknown(uri, "camera", "v4l2:/dev/videoN, aravis:ID, take:DIR/color or studio:target");
 }
 
-Result<std::unique_ptr<device::DepthCamera>> open_depth(const std::string& uri,
-                                                        const device::StreamRequest& request,
-                                                        Clock& clock) {
+Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
+    const std::string& uri, const device::StreamRequest& request) {
   const Uri parts = split(uri);
-  if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock);
+  if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock_);
   if (parts.scheme == "v4l2") {
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
-    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, depth, clock));
+    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, depth, clock_));
     return device::as_depth_camera(std::move(camera), {});
   }
 #ifdef MIXRIG_HAVE_ARAVIS
-  if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock);
+  if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
 #endif
-  return unknown(uri, "depth camera", "usb:VVVV:PPPP, v4l2:/dev/videoN or aravis:ID");
+  if (const View view = view_of(parts);
+      is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->depth();
+  }
+  return unknown(uri, "depth camera",
+                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
 }
 
-Result<std::unique_ptr<device::PanTilt>> open_pan_tilt(const std::string& uri, Clock& clock) {
+Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {
   const Uri parts = split(uri);
   if (parts.scheme != "flir-ptu") return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0");
   const auto at = parts.rest.rfind('@');
@@ -79,21 +118,21 @@ Result<std::unique_ptr<device::PanTilt>> open_pan_tilt(const std::string& uri, C
     if (fault != std::errc() || stop != end || baud < 300 || baud > 4'000'000)
       return Error{ErrorCode::kUsage, uri + ": the baud rate after @ is no such thing"};
   }
-  MIXRIG_ASSIGN(auto stream, device::open_byte_stream(parts.rest.substr(0, at)));
+  MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
   MIXRIG_TRY(stream->set_line({.baud = baud}));
-  MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock, uri));
+  MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri));
   return std::unique_ptr<device::PanTilt>(std::move(unit));
 }
 
-Result<std::unique_ptr<device::TriggerMaster>> open_trigger(const std::string& uri, Clock& clock) {
+Result<std::unique_ptr<device::TriggerMaster>> DeviceOpener::trigger(const std::string& uri) {
   const Uri parts = split(uri);
   if (parts.scheme == "mcu") {
-    MIXRIG_ASSIGN(auto stream, device::open_byte_stream(parts.rest));
-    MIXRIG_ASSIGN(auto trigger, device::McuTrigger::open(std::move(stream), clock, uri));
+    MIXRIG_ASSIGN(auto stream, open_line(parts.rest, clock_));
+    MIXRIG_ASSIGN(auto trigger, device::McuTrigger::open(std::move(stream), clock_, uri));
     return std::unique_ptr<device::TriggerMaster>(std::move(trigger));
   }
 #ifdef MIXRIG_HAVE_GPIOD
-  if (parts.scheme == "gpiod") return device::open_gpiod_trigger(parts.rest, clock);
+  if (parts.scheme == "gpiod") return device::open_gpiod_trigger(parts.rest, clock_);
 #endif
   return unknown(uri, "trigger", "mcu:/dev/ttyACM0 or gpiod:gpiochip0/17,18");
 }
@@ -109,22 +148,23 @@ Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) 
   return set(device::CameraControl::kWhiteBalance, config.white_balance_k);
 }
 
-Result<Devices> open_devices(const RigConfig& rig, Clock& clock) {
+Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   Devices devices;
   if (!rig.trigger_uri.empty()) {
-    MIXRIG_ASSIGN(devices.trigger, open_trigger(rig.trigger_uri, clock));
+    MIXRIG_ASSIGN(devices.trigger, opener.trigger(rig.trigger_uri));
   }
   for (const CameraConfig& config : rig.cameras) {
-    MIXRIG_ASSIGN(auto camera, open_camera(config.uri, config.request, clock));
+    MIXRIG_ASSIGN(auto camera, opener.camera(config.uri, config.request));
     MIXRIG_TRY(apply_controls(config, *camera));
     devices.cameras.push_back(std::move(camera));
   }
   if (rig.depth) {
-    MIXRIG_ASSIGN(devices.depth, open_depth(rig.depth->uri, rig.depth->request, clock));
+    MIXRIG_ASSIGN(devices.depth, opener.depth(rig.depth->uri, rig.depth->request));
   }
   if (!rig.pan_tilt_uri.empty()) {
-    MIXRIG_ASSIGN(devices.pan_tilt, open_pan_tilt(rig.pan_tilt_uri, clock));
+    MIXRIG_ASSIGN(devices.pan_tilt, opener.pan_tilt(rig.pan_tilt_uri));
   }
+  devices.player = opener.player();
   return devices;
 }
 

@@ -33,16 +33,16 @@ struct Opened {
   Devices devices;
 };
 
-Opened open_what_opens(const RigConfig& rig, Clock& clock, std::vector<Check>& checks) {
+Opened open_what_opens(const RigConfig& rig, DeviceOpener opener, std::vector<Check>& checks) {
   Opened out{rig, {}};
   out.config.cameras.clear();
   out.config.depth.reset();
   if (!rig.trigger_uri.empty()) {
-    auto trigger = open_trigger(rig.trigger_uri, clock);
+    auto trigger = opener.trigger(rig.trigger_uri);
     if (note_open("trigger", trigger, checks)) out.devices.trigger = *std::move(trigger);
   }
   for (const CameraConfig& config : rig.cameras) {
-    auto camera = open_camera(config.uri, config.request, clock);
+    auto camera = opener.camera(config.uri, config.request);
     if (camera)
       if (auto applied = apply_controls(config, **camera); !applied)
         camera = std::move(applied).error();
@@ -51,14 +51,14 @@ Opened open_what_opens(const RigConfig& rig, Clock& clock, std::vector<Check>& c
     out.devices.cameras.push_back(*std::move(camera));
   }
   if (rig.depth) {
-    auto depth = open_depth(rig.depth->uri, rig.depth->request, clock);
+    auto depth = opener.depth(rig.depth->uri, rig.depth->request);
     if (note_open(rig.depth->name, depth, checks)) {
       out.config.depth = rig.depth;
       out.devices.depth = *std::move(depth);
     }
   }
   if (!rig.pan_tilt_uri.empty()) {
-    auto head = open_pan_tilt(rig.pan_tilt_uri, clock);
+    auto head = opener.pan_tilt(rig.pan_tilt_uri);
     if (note_open("pan_tilt", head, checks)) out.devices.pan_tilt = *std::move(head);
   }
   return out;
@@ -200,7 +200,7 @@ void check_disk(const std::filesystem::path& path, std::vector<Check>& checks) {
 
 std::vector<Check> diagnose(const RigConfig& rig, const DiagnoseOptions& options, Clock& clock) {
   std::vector<Check> checks;
-  Opened opened = open_what_opens(rig, clock, checks);
+  Opened opened = open_what_opens(rig, DeviceOpener(clock, options.playable), checks);
   if (checks.empty())
     checks.push_back({"host", "devices", Verdict::kFail, "none",
                       "nothing is plugged in or the user may not open it: see board/udev"});

@@ -9,6 +9,7 @@
 
 #include "hal/base/clock.h"
 #include "host/rig/live_session.h"
+#include "host/rig/player.h"
 #include "host/rig/rig_config.h"
 
 namespace mixrig::rig {
@@ -29,6 +30,7 @@ struct DiagnoseOptions {
   Duration watch = std::chrono::seconds(5);
   bool move_head = true;  ///< a few degrees, for repeatability
   std::filesystem::path disk = ".";
+  PlayableOpener playable = {};  ///< of take: and studio: devices
 };
 
 /// Never fails: a device that cannot be opened is a failed check, and the others are still looked

@@ -42,26 +42,26 @@ void add(const std::string& uri, const device::CameraInfo& info, RigConfig& rig)
     rig.depth = camera;
 }
 
-void find_cameras(const DiscoverOptions& options, Clock& clock, RigConfig& rig) {
+void find_cameras(const DiscoverOptions& options, DeviceOpener& opener, RigConfig& rig) {
   for (const std::string& node : nodes({"video"}))
-    if (const auto camera = open_camera("v4l2:" + node, {}, clock))
+    if (const auto camera = opener.camera("v4l2:" + node, {}))
       add("v4l2:" + node, (*camera)->info(), rig);
 #ifdef MIXRIG_HAVE_ARAVIS
   if (options.network)
     for (const std::string& id : device::list_aravis())
-      if (const auto camera = open_camera("aravis:" + id, {}, clock))
+      if (const auto camera = opener.camera("aravis:" + id, {}))
         add("aravis:" + id, (*camera)->info(), rig);
 #else
   (void)options;
 #endif
-  if (const auto tof = open_depth(kTofUsb, {}, clock)) add(kTofUsb, (*tof)->info(), rig);
+  if (const auto tof = opener.depth(kTofUsb, {})) add(kTofUsb, (*tof)->info(), rig);
 }
 
-void find_serial(Clock& clock, RigConfig& rig) {
+void find_serial(DeviceOpener& opener, RigConfig& rig) {
   for (const std::string& node : nodes({"ttyACM", "ttyUSB"})) {
-    if (rig.trigger_uri.empty() && open_trigger("mcu:" + node, clock))
+    if (rig.trigger_uri.empty() && opener.trigger("mcu:" + node))
       rig.trigger_uri = "mcu:" + node;
-    else if (rig.pan_tilt_uri.empty() && open_pan_tilt("flir-ptu:" + node, clock))
+    else if (rig.pan_tilt_uri.empty() && opener.pan_tilt("flir-ptu:" + node))
       rig.pan_tilt_uri = "flir-ptu:" + node;
   }
 }
@@ -71,8 +71,9 @@ void find_serial(Clock& clock, RigConfig& rig) {
 RigConfig discover(const DiscoverOptions& options, Clock& clock) {
   RigConfig rig;
   rig.name = "found";
-  find_cameras(options, clock, rig);
-  find_serial(clock, rig);
+  DeviceOpener opener(clock);
+  find_cameras(options, opener, rig);
+  find_serial(opener, rig);
   return rig;
 }
 

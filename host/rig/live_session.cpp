@@ -15,6 +15,8 @@ constexpr Duration kAfterError = std::chrono::milliseconds(200);
 // Frames of one moment lie at most this far apart where streams run free.
 constexpr int kFarthestFree_ticks = 3;
 constexpr double kMuchSlower = 1.5;
+constexpr int kDoubts = 3;
+constexpr Duration kFuture = std::chrono::milliseconds(20);
 
 }  // namespace
 
@@ -64,6 +66,7 @@ Result<void> LiveSession::start() {
   stop_ = false;
   events_.open();
   sets_.open();
+  for (Stream& stream : streams_) stream.pairer.restart();  // counters may begin anew
   running_ = true;
   sync_thread_ = std::thread([this] { run_sync(); });
   // Cameras first: what waits for a trigger must not miss the first one.
@@ -78,14 +81,15 @@ Result<void> LiveSession::start() {
   return {};
 }
 
+void LiveSession::push(Event event) {
+  ++pushed_;
+  events_.push(std::move(event));
+}
+
 Result<void> LiveSession::start_cameras() {
   const auto sink = [this](std::size_t stream) {
     return [this, stream](const device::FramePtr& frame) {
-      Event event;
-      event.kind = Event::Kind::kFrame;
-      event.stream = stream;
-      event.frame = frame;
-      events_.push(std::move(event));
+      push({.kind = Event::Kind::kFrame, .tick = {}, .stream = stream, .frame = frame});
     };
   };
   for (std::size_t i = 0; i < devices_.cameras.size(); ++i)
@@ -134,10 +138,12 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
     const auto status = devices_.trigger->status();
     if (!status) return false;
     if (status->state != device::TriggerState::kRunning) {
-      // It was reset. Its tick numbers and its clock begin anew.
+      // It was reset. Its tick numbers and its clock begin anew: ask for its time before its ticks.
       if (!start_trigger()) return false;
-      events_.push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
+      next_status = clock_.now();
+      push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
       const std::lock_guard lock(mutex_);
+      trigger_clock_ = {};
       ++counts_.trigger_restarts;
       return true;
     }
@@ -154,8 +160,7 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
       at = trigger_clock_.to_host(ticks[i].at);
     }
     if (at)
-      events_.push(
-          {.kind = Event::Kind::kTick, .tick = {ticks[i].tick, *at}, .stream = 0, .frame = {}});
+      push({.kind = Event::Kind::kTick, .tick = {ticks[i].tick, *at}, .stream = 0, .frame = {}});
   }
   return true;
 }
@@ -183,24 +188,29 @@ void LiveSession::run_sync() {
     const auto event = events_.pop(kWait);
     if (!event) continue;
     const std::lock_guard lock(mutex_);
-    switch (event->kind) {
-      case Event::Kind::kTick:
-        ticks_.add(event->tick);
-        ++counts_.ticks;
-        break;
-      case Event::Kind::kTickRestart:
-        for (Stream& stream : streams_) stream.pairer.restart();
-        builder_->restart();
-        break;
-      case Event::Kind::kFrame:
-        on_frame(*event);
-        break;
-      case Event::Kind::kNone:
-        break;
-    }
+    on_event(*event);
+    ++handled_;
   }
   const std::lock_guard lock(mutex_);
   builder_->flush();
+}
+
+void LiveSession::on_event(const Event& event) {
+  switch (event.kind) {
+    case Event::Kind::kTick:
+      ticks_.add(event.tick);
+      ++counts_.ticks;
+      break;
+    case Event::Kind::kTickRestart:
+      for (Stream& stream : streams_) stream.pairer.restart();
+      builder_->restart();
+      break;
+    case Event::Kind::kFrame:
+      on_frame(event);
+      break;
+    case Event::Kind::kNone:
+      break;
+  }
 }
 
 void LiveSession::on_frame(const Event& event) {
@@ -215,7 +225,8 @@ void LiveSession::on_frame(const Event& event) {
     if (!ticks_.number_at(tick.at + kTickAhead)) ticks_.add(tick);
   }
   if (ticks_.empty()) return;  // the stream begins before the master's first word
-  const sync::Pairing pairing = stream.pairer.pair(ticks_, frame.sequence, stamp);
+  const sync::Pairing pairing = stream.pairer.pair(ticks_, frame.sequence, stamp, frame.received);
+  doubt_clock(stream, pairing.clock_doubted);
   if (!pairing.usable() || (frame.flags & device::kFrameIncomplete) != 0) return;
   ++stream.paired;
   stream.residual_sum_s += seconds(pairing.residual);
@@ -227,13 +238,25 @@ void LiveSession::on_frame(const Event& event) {
                 {event.frame, pairing, tick_time ? *tick_time + stream.config->delay : stamp});
 }
 
+/// A stamp that contradicts counter and arrival again and again: somebody set the camera's clock.
+void LiveSession::doubt_clock(Stream& stream, bool doubted) {
+  stream.doubts = doubted ? stream.doubts + 1 : 0;
+  if (stream.doubts < kDoubts) return;
+  stream.doubts = 0;
+  stream.clock = {};
+}
+
 HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
   switch (stream.stamp_clock) {
     case device::StampClock::kHost:
       return HostTime(frame.device_time.time_since_epoch());
-    case device::StampClock::kDevice:
+    case device::StampClock::kDevice: {
       (void)stream.clock.add(frame.device_time, frame.received);
-      return stream.clock.to_host(frame.device_time).value_or(frame.received);
+      const HostTime at = stream.clock.to_host(frame.device_time).value_or(frame.received);
+      if (at <= frame.received + kFuture) return at;
+      stream.clock = {};  // exposed after it arrived: the camera's clock was set ahead
+      return frame.received;
+    }
     case device::StampClock::kNone:
       break;
   }
@@ -242,6 +265,23 @@ HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
 
 void LiveSession::emit(const sync::FrameSet& set) {
   sets_.push({set, track_.at(set.frames[0].mid_exposure)});
+}
+
+/// Read in this order, the difference is never too small.
+std::uint64_t LiveSession::waiting_events() const {
+  const std::uint64_t handled = handled_, dropped = events_.dropped();
+  return pushed_ - handled - dropped;
+}
+
+bool LiveSession::ended() const {
+  const auto over = [](const device::StreamHealth& health) {
+    return health.state == device::DeviceState::kStopped ||
+           health.state == device::DeviceState::kFailed;
+  };
+  for (const auto& camera : devices_.cameras)
+    if (!over(camera->health())) return false;
+  if (devices_.depth && !over(devices_.depth->health())) return false;
+  return waiting_events() == 0;
 }
 
 SessionReport LiveSession::report() const {
@@ -256,6 +296,7 @@ SessionReport LiveSession::report() const {
   report.incomplete_sets = builder_->incomplete();
   report.dropped_events = events_.dropped();
   report.dropped_sets = sets_.dropped();
+  report.waiting_events = waiting_events();
   report.waiting_sets = sets_.size();
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     const Stream& stream = streams_[i];

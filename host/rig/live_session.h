@@ -44,6 +44,7 @@ struct SessionReport {
   std::uint64_t ticks = 0, ticks_lost = 0, trigger_restarts = 0, trigger_errors = 0;
   double trigger_drift_ppm = 0;
   std::uint64_t sets = 0, incomplete_sets = 0;
+  std::uint64_t waiting_events = 0;  ///< frames and ticks not paired yet
   std::uint64_t waiting_sets = 0;    ///< in the consumer's queue now
   std::uint64_t dropped_events = 0;  ///< the pairing thread could not follow
   std::uint64_t dropped_sets = 0;    ///< the consumer could not follow
@@ -65,6 +66,9 @@ class LiveSession {
   void stop();
   /// The next moment; empty when none came in time. The oldest is lost when two wait already.
   std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
+  /// All cameras have ended by themselves (a recording is over, a device was given up) and all that
+  /// they sent was paired: what next() still holds is the rest.
+  bool ended() const;
   SessionReport report() const;
 
  private:
@@ -80,11 +84,14 @@ class LiveSession {
     double rate_hz = 0;
     sync::FramePairer pairer{{}};
     sync::DeviceClock clock;
+    int doubts = 0;  ///< frames in a row
     std::uint64_t paired = 0;
     double residual_sum_s = 0, residual_square_s2 = 0;
   };
   static constexpr std::size_t kEvents = 64, kSets = 2;
 
+  void push(Event event);
+  std::uint64_t waiting_events() const;
   void add_stream(const CameraConfig& config, const device::CameraInfo& info);
   sync::Join join_of(const Stream& stream) const;
   double period_ticks(const Stream& stream) const;
@@ -94,7 +101,9 @@ class LiveSession {
   bool follow_trigger(HostTime& next_status);
   void run_pan_tilt();
   void run_sync();
+  void on_event(const Event& event);
   void on_frame(const Event& event);
+  static void doubt_clock(Stream& stream, bool doubted);
   HostTime stamp_of(Stream& stream, const device::Frame& frame);
   void emit(const sync::FrameSet& set);
 
@@ -105,6 +114,7 @@ class LiveSession {
   BoundedQueue<LiveSet, kSets> sets_;
   std::thread trigger_thread_, pan_tilt_thread_, sync_thread_;
   std::atomic<bool> stop_ = false;
+  std::atomic<std::uint64_t> pushed_ = 0, handled_ = 0;
   bool running_ = false;
 
   mutable std::mutex mutex_;  ///< guards what follows

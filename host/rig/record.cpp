@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/rig/record.h"
 
-#include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
+
+#include <fcntl.h>
 
 #include "host/image_io/image_io.h"
 #include "host/rig/decode.h"
+#include "host/rig/live_frame.h"
 
 namespace mixrig::rig {
 namespace fs = std::filesystem;
@@ -17,31 +18,12 @@ namespace {
 constexpr Duration kWait = std::chrono::milliseconds(200);
 constexpr Duration kPatience = std::chrono::seconds(5);  // until the first frame
 constexpr int kFramesPerLook = 10;                       // at the free disk
+constexpr long kReserve_bytes = 4L << 20;                // index and manifest of a take
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
-
-geometry::CameraModel guess(Size size) {
-  const double focal_px = 0.5 * size.width / std::tan(std::numbers::pi / 6);
-  return {.pinhole = {.size_px = size,
-                      .fx_px = focal_px,
-                      .fy_px = focal_px,
-                      .cx_px = 0.5 * (size.width - 1),
-                      .cy_px = 0.5 * (size.height - 1)},
-          .lens = {}};
-}
-
-geometry::CameraModel depth_model(const device::DepthCamera& depth) {
-  geometry::CameraModel model = guess(depth.info().size);
-  if (const auto& told = depth.depth().intrinsics) {
-    model.pinhole.fx_px = model.pinhole.fy_px = told->focal_px;
-    model.pinhole.cx_px = told->principal_x_px;
-    model.pinhole.cy_px = told->principal_y_px;
-  }
-  return model;
-}
 
 std::uint64_t free_bytes_at(const fs::path& path) {
   std::error_code error;
@@ -59,6 +41,14 @@ class Recorder {
         writer_(std::move(writer)),
         extra_(config.cameras.size()) {}
 
+  /// Takes room on the disk that finish() gives back: a take on a full disk can still be ended.
+  Result<void> reserve() {
+    reserve_ = writer_.staging() / "reserve";
+    const File file(std::fopen(reserve_.c_str(), "w"));
+    if (file && ::posix_fallocate(::fileno(file.get()), 0, kReserve_bytes) == 0) return {};
+    return Error{ErrorCode::kIo, "no room for a take in '" + writer_.staging().string() + "'"};
+  }
+
   Result<void> open_tables() {
     ticks_.reset(std::fopen((writer_.staging() / "ticks.csv").c_str(), "w"));
     head_.reset(std::fopen((writer_.staging() / "pan_tilt.csv").c_str(), "w"));
@@ -71,22 +61,21 @@ class Recorder {
 
   /// False where the set is not fit for a take.
   Result<bool> write(const LiveSet& set) {
-    const std::size_t depth_stream = devices_.cameras.size();
-    const auto& color = set.frames.frames[0];
-    const auto& depth = set.frames.frames[depth_stream];
-    if (!color.frame || !depth.frame || !decode_rgb8(*color.frame, frame_.color)) return false;
-    if (!device::to_metres(*depth.frame, devices_.depth->depth(), frame_.depth_m)) return false;
-    fill_amplitude(*depth.frame);
-    if (number_ == 0) first_ = color.mid_exposure;
-    frame_.number = ++number_;
-    frame_.time_s = seconds(color.mid_exposure - first_);
+    if (!to_take_frame(set, devices_, frame_)) return false;
+    const HostTime at = set.frames.frames[0].mid_exposure;
+    if (number_ == 0) first_ = at;
+    frame_.number = number_ + 1;
+    frame_.time_s = seconds(at - first_);
     MIXRIG_TRY(writer_.write(frame_));
+    ++number_;
     MIXRIG_TRY(write_others(set));
     return write_rows(set) ? Result<bool>(true)
                            : Error{ErrorCode::kIo, "cannot write ticks.csv: is the disk full?"};
   }
 
   Result<void> finish() {
+    std::error_code ignored;  // what stays is one file too many
+    std::filesystem::remove(reserve_, ignored);
     ticks_.reset();
     head_.reset();
     return writer_.finish();
@@ -94,15 +83,6 @@ class Recorder {
   int frames() const { return number_; }
 
  private:
-  void fill_amplitude(const device::Frame& depth) {
-    if (depth.amplitude.size() < 2 * depth.size.area()) return;
-    if (frame_.amplitude.size() != depth.size) frame_.amplitude.reset(depth.size);
-    const std::uint8_t* in = depth.amplitude.data();
-    for (int y = 0; y < depth.size.height; ++y)
-      for (int x = 0; x < depth.size.width; ++x, in += 2)
-        frame_.amplitude.row(y)[x] = static_cast<float>(in[0] | in[1] << 8);
-  }
-
   /// Further cameras, each new frame of theirs once.
   Result<void> write_others(const LiveSet& set) {
     for (std::size_t i = 1; i < devices_.cameras.size(); ++i) {
@@ -151,6 +131,7 @@ class Recorder {
   take::TakeFrame frame_;
   std::vector<Extra> extra_;
   File ticks_, head_;
+  fs::path reserve_;
   HostTime first_{};
   int number_ = 0;
 };
@@ -167,7 +148,9 @@ Result<std::string> record_sets(LiveSession& session, Recorder& recorder,
     if (recorder.frames() % kFramesPerLook == 0 &&
         free_bytes(options.out) < options.least_free_bytes)
       return std::string("disk almost full");
-    const auto set = session.next(kWait);
+    const bool over = session.ended();
+    const auto set = session.next(over ? Duration(0) : kWait);
+    if (!set && over) return std::string("end of the cameras");
     if (!set) continue;
     const bool first = recorder.frames() == 0;
     MIXRIG_ASSIGN(const bool written, recorder.write(*set));
@@ -181,33 +164,13 @@ Result<std::string> record_sets(LiveSession& session, Recorder& recorder,
 
 }  // namespace
 
-take::TakeInfo take_info(const RigConfig& config, const Devices& devices) {
-  take::TakeInfo info;
-  info.name = config.name;
-  info.target = config.target ? *config.target : guess(devices.cameras.front()->info().size);
-  info.tof = config.tof ? *config.tof : depth_model(*devices.depth);
-  info.target_from_tof = config.target_from_tof;
-  const device::DepthInfo& depth = devices.depth->depth();
-  info.depth_kind =
-      depth.meaning == device::DepthMeaning::kZ ? take::DepthKind::kZ : take::DepthKind::kDistance;
-  info.depth_unit_m = depth.metres_per_step;
-  info.depth_unknown = 0;
-  const TriggerLine* line = config.line_of(config.cameras.front());
-  info.color.rate_hz =
-      line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
-  info.depth.rate_hz = info.color.rate_hz;
-  return info;
-}
-
 Result<RecordReport> record(LiveSession& session, const RigConfig& config, const Devices& devices,
                             const RecordOptions& options, const std::atomic<bool>& stop,
                             Clock& clock) {
-  if (devices.cameras.empty() || !devices.depth)
-    return Error{ErrorCode::kUsage,
-                 "a take needs a [[camera]] and a [depth] camera: add them to rig.toml"};
-  MIXRIG_ASSIGN(auto writer,
-                take::TakeWriter::create(options.out, take_info(config, devices), options.format));
+  MIXRIG_ASSIGN(const take::TakeInfo info, take_info(config, devices));
+  MIXRIG_ASSIGN(auto writer, take::TakeWriter::create(options.out, info, options.format));
   Recorder recorder(config, devices, std::move(writer));
+  MIXRIG_TRY(recorder.reserve());
   MIXRIG_TRY(recorder.open_tables());
   MIXRIG_TRY(session.start());
   RecordReport report;
@@ -220,7 +183,11 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
                  "no frames came from the cameras that could be paired: run mixrig diag"};
   // What was written before an error is kept: a take is whole as far as it goes.
   MIXRIG_TRY(recorder.finish());
-  if (!ended) return std::move(ended).error();
+  if (!ended) {
+    Error error = std::move(ended).error();
+    error.context += ": the take ends after " + std::to_string(report.frames) + " frames";
+    return error;
+  }
   report.ended = *std::move(ended);
   return report;
 }

@@ -28,7 +28,7 @@ struct RecordOptions {
 struct RecordReport {
   int frames = 0;
   std::uint64_t left_out = 0;  ///< sets without a depth frame, or with one that could not be read
-  std::string ended;           ///< "duration", "stopped", "disk almost full", or "no frames"
+  std::string ended;           ///< "duration", "stopped", "disk almost full", "end of the cameras"
   SessionReport session;
 };
 
@@ -36,13 +36,10 @@ struct RecordReport {
 /// take: colour and depth as docs/formats.md says, further cameras as pictures in folders of their
 /// names, ticks.csv with tick and times of every frame, poses of the head in pan_tilt.csv.
 /// Errors: kUsage for a rig without a camera or depth camera, kDevice when no frame ever came,
-/// kData for pictures of another size than the calibration, kIo; those of the devices.
+/// kData for pictures of another size than the calibration, kIo; those of the devices. After an
+/// error in mid-take, a full disk among them, the take holds what came before it.
 Result<RecordReport> record(LiveSession& session, const RigConfig& config, const Devices& devices,
                             const RecordOptions& options, const std::atomic<bool>& stop,
                             Clock& clock);
-
-/// The cameras of the take: rig.toml's calibration, else what the devices tell, else a guess of
-/// 60 degrees that `mixrig calibrate` replaces.
-take::TakeInfo take_info(const RigConfig& config, const Devices& devices);
 
 }  // namespace mixrig::rig

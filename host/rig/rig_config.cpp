@@ -87,23 +87,17 @@ std::optional<geometry::CameraModel> parse_model(const config::Table& table) {
   return model;
 }
 
-void parse_calibration(config::Table& root, RigConfig& rig) {
-  rig.target = parse_model(root.table("target"));
-  rig.tof = parse_model(root.table("tof"));
-  const config::Table pose = root.table("target_from_tof");
-  if (!pose.present()) return;
-  const auto r = pose.matrix("rotation", 3, 3);
-  const auto t = pose.numbers("translation_m", 3, 3);
-  if (r.size() != 9 || t.size() != 3) return;
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = r[static_cast<std::size_t>(i)];
-  for (int i = 0; i < 3; ++i) matrix(i, 3) = t[static_cast<std::size_t>(i)];
-  auto parsed =
-      geometry::pose_from_matrix(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>());
-  if (parsed)
-    rig.target_from_tof = *parsed;
-  else
-    pose.fail("rotation", parsed.error());
+std::optional<geometry::Pose> parse_pose(const config::Table& table) {
+  if (!table.present()) return std::nullopt;
+  const auto r = table.matrix("rotation", 3, 3);
+  const auto t = table.numbers("translation_m", 3, 3, {-1e6, 1e6});
+  if (r.size() != 9 || t.size() != 3) return std::nullopt;
+  const Eigen::Matrix3d rotation =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
+  auto pose = geometry::pose_from_matrix(rotation, {t[0], t[1], t[2]});
+  if (pose) return *pose;
+  table.fail("rotation", pose.error());
+  return std::nullopt;
 }
 
 void check(const config::Table& root, const RigConfig& rig) {
@@ -169,7 +163,10 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
     rig.depth = parse_camera(depth, "depth");
   if (const config::Table head = root.table("pan_tilt"); head.present())
     rig.pan_tilt_uri = head.text("uri");
-  parse_calibration(root, rig);
+  rig.target = parse_model(root.table("target"));
+  rig.tof = parse_model(root.table("tof"));
+  rig.target_from_tof = parse_pose(root.table("target_from_tof"));
+  rig.world_from_target = parse_pose(root.table("world_from_target"));
   check(root, rig);
   MIXRIG_TRY(document.finish());
   return rig;

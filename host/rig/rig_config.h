@@ -37,7 +37,8 @@ struct RigConfig {
   std::optional<CameraConfig> depth;
   std::string pan_tilt_uri;
   std::optional<geometry::CameraModel> target, tof;  ///< calibration, where it is known
-  geometry::Pose target_from_tof;
+  std::optional<geometry::Pose> target_from_tof;
+  std::optional<geometry::Pose> world_from_target;  ///< of a rig that stands still
 
   const TriggerLine* line_of(const CameraConfig& camera) const;
 };

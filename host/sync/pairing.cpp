@@ -76,13 +76,15 @@ std::optional<HostTime> TickHistory::time_of(std::uint64_t sequence) const {
   return near.at + Duration(std::llround(away_s * 1e9));
 }
 
-Pairing FramePairer::pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
+Pairing FramePairer::pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at,
+                          HostTime received) {
   if (timing_.divider <= 0) return done(pair_free(ticks, sequence, at));
   if (!remember(sequence)) return done({.status = PairStatus::kDuplicate});
   const auto by_time = ticks.number_at(at - timing_.delay);
+  if (locked_)
+    return done(pair_locked(sequence, by_time, ticks.number_at(received), ticks.period_s()));
   if (!by_time) return done({.status = PairStatus::kNoTick});
-  return done(locked_ ? pair_locked(sequence, *by_time, ticks.period_s())
-                      : lock(sequence, *by_time, ticks.period_s()));
+  return done(lock(sequence, *by_time, ticks.period_s()));
 }
 
 void FramePairer::restart() {
@@ -102,19 +104,42 @@ Pairing FramePairer::pair_free(const TickHistory& ticks, std::uint64_t sequence,
           .residual = Duration(std::llround((*number - tick) * ticks.period_s() * 1e9))};
 }
 
-Pairing FramePairer::pair_locked(std::uint64_t sequence, double by_time, double period_s) {
+Pairing FramePairer::pair_locked(std::uint64_t sequence, std::optional<double> by_time,
+                                 std::optional<double> by_arrival, double period_s) {
   const std::int64_t tick = tie_ + timing_.divider * static_cast<std::int64_t>(sequence);
-  const double off_ticks = by_time - static_cast<double>(tick);
   if (tick < 0) return {.status = PairStatus::kNoTick};
-  Pairing pairing{.status = PairStatus::kPaired,
-                  .tick = static_cast<std::uint64_t>(tick),
-                  .residual = Duration(std::llround(off_ticks * period_s * 1e9))};
-  if (sequence != newest_) pairing.status = PairStatus::kReordered;
-  if (std::abs(off_ticks) <= 0.5 * timing_.divider) {
+  Pairing pairing{.status = sequence == newest_ ? PairStatus::kPaired : PairStatus::kReordered,
+                  .tick = static_cast<std::uint64_t>(tick)};
+  const double half = 0.5 * timing_.divider;
+  const auto off = [&](const std::optional<double>& by) {
+    return by ? std::abs(*by - static_cast<double>(tick)) : 2 * half + 1;
+  };
+  const auto transport = [&] { return *by_arrival - static_cast<double>(tick); };
+  if (by_time)
+    pairing.residual =
+        Duration(std::llround((*by_time - static_cast<double>(tick)) * period_s * 1e9));
+  if (off(by_time) <= half) {
     disagreeing_ = 0;
+    if (by_arrival && pairing.status == PairStatus::kPaired)
+      transport_ticks_ = transport_ticks_
+                             ? *transport_ticks_ + (transport() - *transport_ticks_) / 16
+                             : transport();
     return pairing;
   }
-  // One frame may be held up; that the next one is as well means that the tie is broken.
+  if (by_arrival && transport_ticks_ && std::abs(transport() - *transport_ticks_) <= half) {
+    disagreeing_ = 0;
+    ++counts_.clock_doubts;
+    pairing.clock_doubted = true;
+    pairing.residual = {};
+    return pairing;
+  }
+  if (!by_time) return {.status = PairStatus::kNoTick};
+  return contradicted(pairing, sequence, *by_time, period_s);
+}
+
+/// One frame may be held up; that the next one is as well means that the tie is broken.
+Pairing FramePairer::contradicted(Pairing pairing, std::uint64_t sequence, double by_time,
+                                  double period_s) {
   if (++disagreeing_ == 1) {
     agreeing_ = 0;
     (void)lock(sequence, by_time, period_s);
@@ -138,6 +163,7 @@ Pairing FramePairer::lock(std::uint64_t sequence, double by_time, double period_
   if (agreeing_ < kAgree || tick < 0) return {.status = PairStatus::kLocking};
   locked_ = true;
   tie_ = tie;
+  transport_ticks_.reset();
   agreeing_ = disagreeing_ = 0;
   return {.status = PairStatus::kPaired,
           .tick = static_cast<std::uint64_t>(tick),

@@ -62,35 +62,45 @@ std::string_view name(PairStatus status);
 
 struct Pairing {
   PairStatus status = PairStatus::kNoTick;
-  std::uint64_t tick = 0;  ///< valid for kPaired and kReordered
-  Duration residual{};     ///< stamp less the tick's time less delay
+  std::uint64_t tick = 0;      ///< valid for kPaired and kReordered
+  Duration residual{};         ///< stamp less the tick's time less delay
+  bool clock_doubted = false;  ///< paired by counter and arrival, against the stamp
   bool usable() const { return status == PairStatus::kPaired || status == PairStatus::kReordered; }
 };
 
 struct PairingCounts {
   std::array<std::uint64_t, kPairStatuses> by_status{};
-  std::uint64_t missing = 0;  ///< ticks of this stream that have no frame
-  std::uint64_t relocks = 0;  ///< times the tie of counter and ticks had to be found again
+  std::uint64_t missing = 0;       ///< ticks of this stream that have no frame
+  std::uint64_t clock_doubts = 0;  ///< frames whose stamp contradicted counter and arrival
+  std::uint64_t relocks = 0;       ///< times the tie of counter and ticks had to be found again
   std::uint64_t of(PairStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
 
 /// Pairs the frames of one stream. Three frames in a row must agree about the tie between counter
 /// and tick before it is believed, at start and whenever it breaks: a camera that missed or doubled
 /// a trigger is found out by time, and meanwhile its frames are kLate and kLocking, never wrongly
-/// paired.
-/// Nothing allocates. One thread.
+/// paired. A tie breaks only when stamp and arrival both contradict it: a stamp alone means that
+/// the camera's clock was set, a late arrival alone that the host was busy. Nothing allocates. One
+/// thread.
 class FramePairer {
  public:
   explicit FramePairer(StreamTiming timing) : timing_(timing) {}
-  /// `sequence` is the camera's counter, `at` the frame's stamp in host time.
-  Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at);
+  /// `sequence` is the camera's counter, `at` the frame's stamp in host time, `received` when it
+  /// was there.
+  Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at, HostTime received);
+  /// A camera without a clock.
+  Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
+    return pair(ticks, sequence, at, at);
+  }
   /// The device came back: its counter is new.
   void restart();
   const PairingCounts& counts() const { return counts_; }
 
  private:
   Pairing pair_free(const TickHistory& ticks, std::uint64_t sequence, HostTime at);
-  Pairing pair_locked(std::uint64_t sequence, double by_time, double period_s);
+  Pairing pair_locked(std::uint64_t sequence, std::optional<double> by_time,
+                      std::optional<double> by_arrival, double period_s);
+  Pairing contradicted(Pairing pairing, std::uint64_t sequence, double by_time, double period_s);
   Pairing lock(std::uint64_t sequence, double by_time, double period_s);
   Pairing done(Pairing pairing);
   bool remember(std::uint64_t sequence);
@@ -100,6 +110,7 @@ class FramePairer {
   bool locked_ = false;
   std::int64_t tie_ = 0;  ///< tick - divider * counter
   std::int64_t candidate_ = 0;
+  std::optional<double> transport_ticks_;  ///< usual time from tick to arrival, of this tie
   int agreeing_ = 0, disagreeing_ = 0, repeats_ = 0;
   bool any_ = false;
   std::uint64_t newest_ = 0;  ///< largest counter

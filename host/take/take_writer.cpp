@@ -174,8 +174,13 @@ Result<void> TakeWriter::finish() {
   for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude}) MIXRIG_TRY(stream->finish());
   s.info.color = s.color.info();
   s.info.depth = s.depth.info();
+  // A frame of which a stream could not be written is not one.
+  s.info.color.count = s.info.depth.count = s.frames;
   s.info.amplitude.reset();
-  if (s.amplitude.info().count > 0) s.info.amplitude = s.amplitude.info();
+  if (s.amplitude.info().count > 0) {
+    s.info.amplitude = s.amplitude.info();
+    s.info.amplitude->count = std::min(s.frames, s.info.amplitude->count);
+  }
   if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
   MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));
   return s.partial.commit();

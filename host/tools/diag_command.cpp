@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "host/app/live_source.h"
 #include "host/rig/diagnose.h"
 #include "host/rig/discover.h"
 #include "host/tools/command.h"
@@ -49,6 +50,7 @@ Result<nlohmann::json> diag(const Words& words) {
   rig::DiagnoseOptions options;
   options.watch = Duration(static_cast<long>(words.watch_s * 1e9));
   options.move_head = !words.no_move;
+  options.playable = app::open_playable;
   const auto checks = rig::diagnose(config, options, clock);
   print(checks);
   return to_json(checks);

@@ -63,9 +63,10 @@ void add_backend_options(CLI::App& command, SessionWords& words) {
 void add_session_options(CLI::App& command, SessionWords& words) {
   command.add_option("SCENE", words.scene, "scene.toml: what to composite")->required();
 #ifdef MIXRIG_HAS_STUDIO
-  constexpr const char* kSources = "take:DIR, or studio[:SCENARIO,SEED,RIG] rendered on the fly";
+  constexpr const char* kSources =
+      "take:DIR, studio[:SCENARIO,SEED,RIG] rendered on the fly, or rig[:RIG.TOML]";
 #else
-  constexpr const char* kSources = "take:DIR";
+  constexpr const char* kSources = "take:DIR or rig[:RIG.TOML]";
 #endif
   command.add_option("--source", words.source,
                      std::string(kSources) + "; the take beside SCENE if not given");

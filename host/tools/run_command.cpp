@@ -6,6 +6,7 @@
 #include "host/app/run.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
 namespace {
@@ -17,7 +18,7 @@ struct Words {
 };
 
 Result<nlohmann::json> run(const Words& words) {
-  MIXRIG_ASSIGN(const app::SessionOptions session_words, session_options(words.session));
+  MIXRIG_ASSIGN(app::SessionOptions session_words, session_options(words.session));
   app::RunOptions options;
   options.out = words.out;
   options.output.format = words.format == "video"  ? app::OutputFormat::kVideo
@@ -28,8 +29,11 @@ Result<nlohmann::json> run(const Words& words) {
   if (!words.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(words.frames, "--frames"));
   }
+  const StopOnSignal signals;
+  SystemClock clock;
+  session_words.clock = &clock;
+  session_words.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, app::open_session(session_words));
-  const SystemClock clock;
   MIXRIG_ASSIGN(const app::RunReport report, app::run(*session, options, clock, progress_bar()));
   std::fputs(app::to_table(report).c_str(), stdout);
   return app::to_json(report);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A fuzz target without a fuzzer: some thousand inputs of a fixed seed, and those of a folder where
-// one is given. Part of the tests of every build.
+// one is given, as they are and damaged. Part of the tests of every build.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -11,8 +11,33 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Bits flipped, bytes replaced or put in, ends cut.
+Bytes damaged(Bytes bytes, std::mt19937& random) {
+  for (auto changes = 1 + random() % 6; changes > 0; --changes) {
+    const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(random() % (bytes.size() + 1));
+    const auto kind = random() % 4;
+    if (kind == 0)
+      bytes.insert(here, static_cast<std::uint8_t>(random()));
+    else if (here == bytes.end())
+      continue;
+    else if (kind == 1)
+      *here = static_cast<std::uint8_t>(*here ^ 1U << random() % 8);
+    else if (kind == 2)
+      *here = static_cast<std::uint8_t>(random());
+    else if (random() % 4 == 0)
+      bytes.erase(here, bytes.end());
+  }
+  return bytes;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  constexpr int kInputs = 2000;
+  constexpr int kInputs = 2000, kCopies = 300;
   std::mt19937 random(1);
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < kInputs; ++i) {
@@ -28,6 +53,10 @@ int main(int argc, char** argv) {
       std::ifstream in(entry.path(), std::ios::binary);
       bytes.assign(std::istreambuf_iterator<char>(in), {});
       LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+      for (int copy = 0; copy < kCopies; ++copy) {
+        const Bytes other = damaged(bytes, random);
+        LLVMFuzzerTestOneInput(other.data(), other.size());
+      }
       ++files;
     }
   }

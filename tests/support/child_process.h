@@ -41,6 +41,9 @@ class ChildProcess {
     wait();
   }
 
+  /// timeout(1) passes SIGINT and SIGTERM on.
+  void signal(int number) const { kill(pid_, number); }
+
   /// Exit status; 124 where the limit ended it.
   int wait() {
     int status = 0;

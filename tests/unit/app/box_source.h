@@ -21,8 +21,10 @@ class BoxSource final : public FrameSource {
   }
   const take::TakeInfo& info() const override { return info_; }
   int fails_at = 0;  ///< frame that cannot be read
+  int ends_at = 0;   ///< frame before which the source ends
 
-  Result<void> read(int number, take::TakeFrame& frame) override {
+  Result<bool> read(int number, take::TakeFrame& frame) override {
+    if (number == ends_at) return false;
     if (number == fails_at) return Error{ErrorCode::kData, "depth/000005.png: truncated"};
     frame.number = number;
     frame.color.reset(info_.target.size_px(), {128, 128, 128});
@@ -31,11 +33,12 @@ class BoxSource final : public FrameSource {
       paint(frame.color, Rgb8{200, 30, 30});
       paint(frame.depth_m, 2.0F);
     }
-    return {};
+    return true;
   }
   Result<void> read_truth(int number, take::TruthFrame& truth) override {
     take::TakeFrame frame;
-    MIXRIG_TRY(read(number, frame));
+    MIXRIG_ASSIGN(const bool there, read(number, frame));
+    if (!there) return Error{ErrorCode::kData, "the source has ended"};
     truth.composite = frame.color;
     truth.depth_m = frame.depth_m;
     truth.light.reset(frame.color.size(), 1.0F);

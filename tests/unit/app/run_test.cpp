@@ -95,6 +95,33 @@ TEST_F(RunTest, LeavesNothingWhereAFrameCannotBeRead) {
   EXPECT_TRUE(fs::is_empty(root_));
 }
 
+TEST_F(RunTest, EndsWholeWhereTheSourceEnds) {
+  source_->ends_at = 8;
+  const auto report = run_it();
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->ended, "end of the source");
+  EXPECT_EQ(report->frame_ms.size(), 2U);
+  EXPECT_EQ(take::TakeReader::open(root_ / "out" / "composite")->info().frames, 2);
+}
+
+TEST_F(RunTest, AStopLeavesAWholeOutput) {
+  std::atomic<bool> stop = false;
+  options_.stop = &stop;
+  const auto report = run(session_, options_, clock_, [&](std::string_view what, int done, int) {
+    stop = what == "frames" && done == 2;
+  });
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->ended, "stopped");
+  EXPECT_EQ(take::TakeReader::open(root_ / "out" / "composite")->info().frames, 2);
+}
+
+TEST_F(RunTest, AStopBeforeTheFirstFrameLeavesNothing) {
+  std::atomic<bool> stop = true;
+  options_.stop = &stop;
+  EXPECT_FALSE(run_it());
+  EXPECT_TRUE(fs::is_empty(root_));
+}
+
 TEST_F(RunTest, RefusesFramesOutOfRange) {
   for (FrameRange range : {FrameRange{0, 2}, FrameRange{7, 9}, FrameRange{3, 2}}) {
     options_.frames = range;

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/threaded_clock.h"
+
 namespace mixrig {
 namespace {
 
@@ -29,14 +31,31 @@ TEST(ManualClock, MovesOnlyWhenTold) {
   EXPECT_EQ(seconds(clock.now() - start), 1.0);
 }
 
-TEST(SystemClock, NeverRunsBackwards) {
-  const SystemClock clock;
-  HostTime last = clock.now();
+/// What every Clock promises.
+template <typename C>
+class ClockContract : public ::testing::Test {
+ protected:
+  C clock_;
+};
+using Clocks = ::testing::Types<SystemClock, ManualClock, test::ThreadedClock>;
+TYPED_TEST_SUITE(ClockContract, Clocks);
+
+TYPED_TEST(ClockContract, NeverRunsBackwards) {
+  HostTime last = this->clock_.now();
   for (int i = 0; i < 1000; ++i) {
-    const HostTime now = clock.now();
+    const HostTime now = this->clock_.now();
     ASSERT_GE(now, last);
     last = now;
   }
+}
+
+TYPED_TEST(ClockContract, SleepsAtLeastUntilThenAndNotForThePast) {
+  const HostTime start = this->clock_.now();
+  const HostTime until = start + std::chrono::milliseconds(2);
+  this->clock_.sleep_until(until);
+  EXPECT_GE(this->clock_.now(), until);
+  this->clock_.sleep_until(start);
+  EXPECT_GE(this->clock_.now(), until);
 }
 
 }  // namespace

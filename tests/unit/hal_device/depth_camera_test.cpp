@@ -3,10 +3,13 @@
 
 #include <array>
 
-#include <gtest/gtest.h>
+#include "hal/fake/fake_camera.h"
+#include "tests/unit/hal_device/depth_camera_contract.h"
 
 namespace mixrig::device {
 namespace {
+
+using test::DepthCameraContract;
 
 // Steps 0, 1000, 4660 (0x1234) and 65535, rows padded to 6 bytes.
 constexpr std::array<std::uint8_t, 10> kBytes = {0,    0,    0xE8, 0x03, 0xAA,
@@ -62,6 +65,23 @@ TEST(PixelFormats, SizesOfAPicture) {
   EXPECT_EQ(image_bytes(PixelFormat::kRgb8, {3, 2}, row_bytes(PixelFormat::kRgb8, 3)), 18U);
   EXPECT_EQ(image_bytes(PixelFormat::kMjpeg, {640, 480}, 0), 0U);
 }
+
+/// A camera of 16-bit steps, seen as a depth camera.
+test::DepthCameraUnderTest make_wrapped() {
+  auto clock = std::make_shared<ManualClock>();
+  auto camera = std::make_unique<fake::FakeCamera>(
+      *clock, CameraInfo{.uri = "fake:depth", .size = {8, 4}, .format = PixelFormat::kDepth16});
+  auto* raw = camera.get();
+  return {as_depth_camera(std::move(camera), {}),
+          [clock, raw](int count) {
+            for (int i = 0; i < count; ++i) raw->emit();
+          },
+          clock};
+}
+
+INSTANTIATE_TEST_SUITE_P(Wrapped, DepthCameraContract,
+                         ::testing::Values(test::DepthCameraMaker{"wrapped", make_wrapped}),
+                         [](const auto& maker) { return maker.param.name; });
 
 }  // namespace
 }  // namespace mixrig::device

@@ -1,131 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole sessions on fake devices: a master of 100 Hz, colour at 25 Hz, depth at 25 Hz, a slower
 // camera; then one fault at a time.
-#include "host/rig/live_session.h"
 
-#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "hal/fake/fake_camera.h"
-#include "hal/fake/fake_trigger.h"
 #include "host/rig/record.h"
+#include "tests/unit/rig/session_rig.h"
 
 namespace mixrig::rig {
 namespace {
-
-using namespace std::chrono_literals;
-
-/// Time that only the test moves, readable from every thread.
-class TestClock final : public Clock {
- public:
-  HostTime now() const override { return HostTime(Duration(now_ns_.load())); }
-  void sleep_until(HostTime) override { std::this_thread::yield(); }
-  void advance(Duration by) { now_ns_ += by.count(); }
-
- private:
-  std::atomic<std::int64_t> now_ns_{1'000'000'000};
-};
-
-device::CameraInfo camera_info(device::PixelFormat format) {
-  return {.uri = "fake:",
-          .model = "fake",
-          .size = {16, 8},
-          .format = format,
-          .rate_hz = 25,
-          .stamp_clock = device::StampClock::kHost};
-}
-
-class Session : public ::testing::Test {
- protected:
-  void SetUp() override {
-    config_.name = "fake";
-    config_.trigger_uri = "fake:trigger";
-    config_.lines = {{0, {.divider = 4, .phase = 0ms, .width = 1ms}},
-                     {1, {.divider = 10, .phase = 0ms, .width = 1ms}}};
-    const auto camera = [](const char* name, int line) {
-      CameraConfig c;
-      c.name = name;
-      c.uri = "fake:";
-      c.trigger_line = line;
-      return c;
-    };
-    config_.cameras = {camera("color", 0), camera("side", 1)};
-    config_.depth = camera("depth", 0);
-    color_ = add(device::PixelFormat::kRgb8);
-    side_ = add(device::PixelFormat::kGray8);
-    auto depth =
-        std::make_unique<fake::FakeCamera>(clock_, camera_info(device::PixelFormat::kDepth16), 256);
-    depth_ = depth.get();
-    devices_.depth = device::as_depth_camera(std::move(depth), {});
-    auto trigger = std::make_unique<fake::FakeTrigger>(clock_);
-    trigger_ = trigger.get();
-    devices_.trigger = std::move(trigger);
-    session_.emplace(config_, devices_, clock_);
-  }
-  fake::FakeCamera* add(device::PixelFormat format) {
-    devices_.cameras.push_back(
-        std::make_unique<fake::FakeCamera>(clock_, camera_info(format), 256));
-    return static_cast<fake::FakeCamera*>(devices_.cameras.back().get());
-  }
-  /// Ten milliseconds of the rig. Returns when the pairing thread has taken all that happened.
-  void tick() {
-    clock_.advance(10ms);
-    const std::uint64_t number = trigger_->tick();
-    ++ticked_;
-    wait([&] { return session_->report().ticks >= ticked_; });
-    if (number % 4 == 0) {
-      color_->emit();
-      depth_->emit();
-    }
-    if (number % 10 == 0) side_->emit();
-    wait([&] { return every_frame_was_taken(); });
-  }
-  bool every_frame_was_taken() const {
-    const SessionReport report = session_->report();
-    return std::all_of(report.streams.begin(), report.streams.end(), [](const StreamReport& s) {
-      const auto& taken = s.pairing.by_status;
-      return std::accumulate(taken.begin(), taken.end(), std::uint64_t{0}) == s.health.frames;
-    });
-  }
-  /// Nothing here depends on speed: the limit only ends a test that would hang.
-  template <typename Condition>
-  void wait(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!done_ && !condition()) {
-      if (std::chrono::steady_clock::now() > end) {
-        ADD_FAILURE() << "the session makes no progress";
-        done_ = true;
-        return;
-      }
-      std::this_thread::yield();
-    }
-  }
-  /// Sets out of `ticks` ticks; a tick's sets are in the queue when tick() returns.
-  std::vector<LiveSet> run(int ticks) {
-    std::vector<LiveSet> sets;
-    for (int i = 0; i < ticks; ++i) {
-      tick();
-      while (auto set = session_->next(0ms)) sets.push_back(*std::move(set));
-    }
-    return sets;
-  }
-
-  TestClock clock_;
-  RigConfig config_;
-  Devices devices_;
-  fake::FakeCamera *color_ = nullptr, *side_ = nullptr, *depth_ = nullptr;
-  fake::FakeTrigger* trigger_ = nullptr;
-  std::uint64_t ticked_ = 0;
-  std::atomic<bool> done_ = false;  ///< nobody listens any more
-  std::optional<LiveSession> session_;
-};
 
 TEST_F(Session, EveryFrameIsPairedToTheTickThatFiredIt) {
   ASSERT_TRUE(session_->start());
@@ -214,7 +103,12 @@ class Recording : public Session {
   Result<RecordReport> record_now() {
     std::thread crank([&] {
       if (!trigger_->wait_for_start(1, 20s)) return;
-      while (!done_) {
+      for (int ticks = 0; !done_; ++ticks) {
+        if (ticks == reset_at_) {
+          trigger_->reset();
+          clock_.advance(300ms);
+          if (!trigger_->wait_for_start(2, 60s)) return;
+        }
         tick();
         wait([&] { return session_->report().waiting_sets == 0; });
       }
@@ -226,6 +120,7 @@ class Recording : public Session {
   }
   std::filesystem::path folder_;
   RecordOptions options_;
+  int reset_at_ = -1;  ///< tick of the crank
   std::atomic<bool> stop_ = false;
 };
 
@@ -245,6 +140,20 @@ TEST_F(Recording, ATakeHoldsItsFramesAndTheirTicks) {
   while (std::getline(ticks, line))
     if (line.find(",color,") != std::string::npos) ++rows;
   EXPECT_EQ(rows, report->frames);
+}
+
+TEST_F(Recording, AResetOfTheTriggerBoardLeavesAReadableTake) {
+  options_.duration = 3s;
+  reset_at_ = 150;
+  const auto report = record_now();
+  ASSERT_TRUE(report) << to_line(report.error());
+  EXPECT_EQ(report->session.trigger_restarts, 1U);
+  auto take = take::TakeReader::open(folder_);
+  ASSERT_TRUE(take) << to_line(take.error());
+  EXPECT_EQ(take->info().frames, report->frames);
+  take::TakeFrame frame;
+  for (int number = 1; number <= report->frames; ++number)
+    ASSERT_TRUE(take->read(number, frame)) << number;
 }
 
 TEST_F(Recording, EndsWholeBeforeTheDiskIsFull) {

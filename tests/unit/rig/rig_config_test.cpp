@@ -68,6 +68,22 @@ TEST(RigConfig, ReadsEveryDevice) {
   EXPECT_DOUBLE_EQ(rig->target->lens.coefficients()[1], -0.2);
 }
 
+TEST(RigConfig, PosesAreReadAndMustBeRotations) {
+  const std::string head = "format = 1\n[world_from_target]\ntranslation_m = [1.0, 2.0, 3.0]\n";
+  const auto rig = parse_rig(
+      head + "rotation = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]\n", "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  ASSERT_TRUE(rig->world_from_target);
+  EXPECT_FALSE(rig->target_from_tof);
+  const Eigen::Vector3d moved = rig->world_from_target->rotation * Eigen::Vector3d::UnitX() +
+                                rig->world_from_target->translation_m;
+  EXPECT_NEAR((moved - Eigen::Vector3d(1, 3, 3)).norm(), 0, 1e-12);
+  const auto sheared = parse_rig(
+      head + "rotation = [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]\n", "rig.toml");
+  ASSERT_FALSE(sheared);
+  EXPECT_NE(sheared.error().context.find("rotation"), std::string::npos);
+}
+
 TEST(RigConfig, WhatIsWrittenReadsBackTheSame) {
   const auto rig = parse_rig(kWhole, "rig.toml");
   ASSERT_TRUE(rig);

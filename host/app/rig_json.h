@@ -6,13 +6,14 @@
 
 #include "host/rig/live_session.h"
 
-namespace mixrig::tools {
+namespace mixrig::app {
 
-inline nlohmann::json session_json(const rig::SessionReport& report) {
+inline nlohmann::json to_json(const rig::SessionReport& report) {
   nlohmann::json streams = nlohmann::json::array();
   for (const rig::StreamReport& stream : report.streams) {
     nlohmann::json pairing = {{"missing", stream.pairing.missing},
-                              {"relocks", stream.pairing.relocks}};
+                              {"relocks", stream.pairing.relocks},
+                              {"clock_doubts", stream.pairing.clock_doubts}};
     for (int i = 0; i < sync::kPairStatuses; ++i) {
       const auto status = static_cast<sync::PairStatus>(i);
       pairing[std::string(sync::name(status))] = stream.pairing.of(status);
@@ -44,4 +45,4 @@ inline nlohmann::json session_json(const rig::SessionReport& report) {
           {"pan_tilt_errors", report.pan_tilt_errors}};
 }
 
-}  // namespace mixrig::tools
+}  // namespace mixrig::app

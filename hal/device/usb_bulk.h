@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// One USB device with vendor requests and a bulk pipe in: the seam between ToF drivers and libusb.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+
+namespace mixrig::device {
+
+/// How a bulk pipe stands after a wait.
+enum class BulkState {
+  kFlowing,
+  kStalled,  ///< the device halted the pipe, or transfers failed: cancel() and submit() again
+  kGone,     ///< unplugged: close() and open() again
+};
+
+/// Receives the bytes of transfers, in order, inside pump().
+using BulkSink = std::function<void(std::span<const std::uint8_t>)>;
+
+/// For one thread.
+class UsbBulk {
+ public:
+  virtual ~UsbBulk() = default;
+  /// Finds the device and claims its stream interface. Errors: kNotFound, kDevice.
+  virtual Result<void> open() = 0;
+  /// Cancels what is in flight. Harmless when closed.
+  virtual void close() = 0;
+  /// A vendor request to the interface: reads into `in` where it is not empty. Returns the bytes
+  /// that came. Errors: kDevice.
+  virtual Result<std::size_t> request(std::uint8_t request, std::uint16_t value,
+                                      std::span<std::uint8_t> in) = 0;
+  /// Clears a halt and puts transfers in flight. Errors: kDevice.
+  virtual Result<void> submit() = 0;
+  /// After it no transfer is in flight.
+  virtual void cancel() = 0;
+  /// Hands on what came, waiting at most `timeout`, and puts the transfers back in flight.
+  virtual BulkState pump(Duration timeout, const BulkSink& sink) = 0;
+};
+
+}  // namespace mixrig::device

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pan-tilt head without a wire: it moves by the injected clock, with back doors for faults.
+#pragma once
+
+#include <mutex>
+
+#include "hal/base/clock.h"
+#include "hal/device/pan_tilt.h"
+
+namespace mixrig::fake {
+
+/// Any threads.
+class FakePanTilt final : public device::PanTilt {
+ public:
+  enum class Fault {
+    kNone,
+    kSilent,   ///< every call is a kTimeout
+    kGarbage,  ///< every call is a kDevice: it talks nonsense
+    kStalled,  ///< answers, but does not move
+  };
+  explicit FakePanTilt(Clock& clock);
+
+  const device::PanTiltInfo& info() const override { return info_; }
+  Result<void> move_to(device::PanTiltAngles target) override;
+  Result<void> set_motion(device::PanTiltMotion motion) override;
+  Result<device::PanTiltSample> sample() override;
+  Result<void> halt() override;
+  device::PanTiltHealth health() const override;
+
+  void set_fault(Fault fault);
+  /// The head reports that it ran into a limit, unasked.
+  void hit_limit();
+
+ private:
+  Result<void> answer();
+  void move();
+
+  Clock& clock_;
+  device::PanTiltInfo info_;
+  mutable std::mutex mutex_;
+  device::PanTiltHealth health_;
+  device::PanTiltAngles at_, target_;
+  double speed_rad_s_ = 1;
+  HostTime moved_{};
+  Fault fault_ = Fault::kNone;
+};
+
+}  // namespace mixrig::fake

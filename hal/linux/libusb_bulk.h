@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bulk pipe through libusb.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "hal/device/usb_bulk.h"
+
+namespace mixrig::device {
+
+/// Which interface of which device carries the stream.
+struct BulkAddress {
+  std::uint16_t vendor = 0, product = 0;
+  std::uint8_t subclass = 0, protocol = 0;  ///< of the vendor-class interface
+};
+
+/// Eight transfers of 64 KiB are in flight, so that the bus never waits for the host. `name` is for
+/// error lines. Errors: kIo when libusb does not start. Not opened yet.
+Result<std::unique_ptr<UsbBulk>> make_libusb_bulk(const BulkAddress& address, std::string name);
+
+}  // namespace mixrig::device

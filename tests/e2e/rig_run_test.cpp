@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// Live devices through the command: recordings and the studio play as cameras.
+#include <algorithm>
+#include <regex>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "hal/base/image.h"
+#include "host/image_io/image_io.h"
+#include "tests/e2e/command.h"
+#include "tests/support/child_process.h"
+#include "tests/support/progress.h"
+
+namespace mixrig::test {
+namespace {
+namespace fs = std::filesystem;
+
+template <typename T>
+bool same(const Image<T>& a, const Image<T>& b) {
+  if (a.size() != b.size()) return false;
+  for (int y = 0; y < a.height(); ++y)
+    if (!std::equal(a.row(y), a.row(y) + a.width(), b.row(y))) return false;
+  return true;
+}
+
+class RigRun : public CommandTest {
+ protected:
+  void write_rig(const std::string& color, const std::string& depth) const {
+    std::ofstream(folder_ / "rig.toml") << "format = 1\nname = \"played\"\n"
+                                        << "[[camera]]\nname = \"color\"\nuri = \"" << color
+                                        << "\"\n[depth]\nuri = \"" << depth << "\"\n";
+  }
+  /// Slow enough that a loaded machine follows, and learned from its first two frames.
+  void make_take(int frames) const {
+    ASSERT_EQ(mixrig("studio " + path("take") +
+                     " --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
+                     std::to_string(frames)),
+              0);
+    replace("take/take.toml", "rate_hz = [0-9.]+", "rate_hz = 8.0");
+    replace("take/scene.toml", "learn = .*", "learn = [1, 2]");
+    write_rig("take:" + path("take") + "/color", "take:" + path("take") + "/depth");
+  }
+  void replace(const std::string& file, const char* pattern, const char* by) const {
+    std::ifstream in(path(file));
+    const std::string text(std::istreambuf_iterator<char>(in), {});
+    std::ofstream(path(file)) << std::regex_replace(text, std::regex(pattern), by);
+  }
+  /// Runs until `file` is there, then sends Ctrl-C; the exit status.
+  int interrupted(std::vector<std::string> words, const std::string& file) const {
+    words.insert(words.begin(), MIXRIG_COMMAND);
+    ChildProcess child(std::move(words), 240, path("log"));
+    EXPECT_TRUE(comes_true([&] { return fs::exists(path(file)); })) << file;
+    child.signal(SIGINT);
+    const int status = child.wait();
+    if (status != 0) {
+      std::ifstream log(path("log"));
+      ADD_FAILURE() << std::string(std::istreambuf_iterator<char>(log), {});
+    }
+    return status;
+  }
+};
+
+TEST_F(RigRun, ATakePlayedAsDevicesIsCompositedAndEveryMomentIsAccountedFor) {
+  make_take(24);
+  ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source rig:" + path("rig.toml") +
+                   " --backend cpu --format none --out " + path("out")),
+            0);
+  const auto report = this->report("out/report.json");
+  EXPECT_EQ(report.at("ended"), "end of the source");
+  const auto& live = report.at("live");
+  EXPECT_EQ(live.at("streams").size(), 2U);
+  EXPECT_EQ(live.at("streams")[0].at("frames"), 24);
+  EXPECT_GT(report.at("frames").get<int>(), 0);
+  // Learned from, composited, dropped: nothing else happens to a moment.
+  if (live.at("dropped_events") == 0) {
+    EXPECT_EQ(live.at("sets"), 24);
+    EXPECT_EQ(live.at("left_out"), 0);
+  }
+}
+
+TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
+  make_take(20);
+  write_rig("studio:walk,31,sr3000,100000,160x120/target",
+            "studio:walk,31,sr3000,100000,160x120/tof");
+  ASSERT_EQ(interrupted({"run", path("take/scene.toml"), "--source", "rig:" + path("rig.toml"),
+                         "--backend", "cpu", "--out", path("out")},
+                        "out.partial/composite/color/000005.png"),
+            0);
+  const auto report = this->report("out/report.json");
+  EXPECT_EQ(report.at("ended"), "stopped");
+  EXPECT_GE(report.at("frames").get<int>(), 5);
+  EXPECT_FALSE(fs::exists(path("out.partial")));
+  EXPECT_EQ(mixrig("info " + path("out/composite")), 0);
+}
+
+TEST_F(RigRun, CtrlCEndsARunOfATakeWithAWholeOutput) {
+  make_take(20);
+  ASSERT_EQ(interrupted(
+                {"run", path("take/scene.toml"), "--source", "studio:walk,31,sr3000,100000,160x120",
+                 "--backend", "cpu", "--out", path("out")},
+                "out.partial/composite/color/000005.png"),
+            0);
+  EXPECT_EQ(report("out/report.json").at("ended"), "stopped");
+  EXPECT_FALSE(fs::exists(path("out.partial")));
+  EXPECT_EQ(mixrig("info " + path("out/composite")), 0);
+}
+
+TEST_F(RigRun, ARecordingOfAPlayedTakeHoldsItsPixels) {
+  make_take(30);
+  ASSERT_EQ(mixrig("record --rig " + path("rig.toml") + " " + path("again") +
+                   " --duration 60 --format png --json " + path("record.json")),
+            0);
+  EXPECT_EQ(report("record.json").at("ended"), "end of the cameras");
+  std::ifstream ticks(path("again/ticks.csv"));
+  std::string line;
+  std::getline(ticks, line);
+  int compared = 0;
+  while (std::getline(ticks, line)) {
+    int frame = 0, counter = 0;
+    long tick = 0;
+    char stream[16];
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%15[^,],%ld,%d", &frame, stream, &tick, &counter), 4);
+    const std::string kind = stream;
+    char was[64], is[64];
+    std::snprintf(was, sizeof was, "take/%s/%06d.png", kind.c_str(), counter);
+    std::snprintf(is, sizeof is, "again/%s/%06d.png", kind.c_str(), frame);
+    if (kind == "color") {
+      Image<Rgb8> a, b;
+      ASSERT_TRUE(image_io::read_rgb8(path(was), a));
+      ASSERT_TRUE(image_io::read_rgb8(path(is), b));
+      ASSERT_TRUE(same(a, b)) << line;
+    } else {
+      Image<std::uint16_t> a, b;
+      ASSERT_TRUE(image_io::read_gray16(path(was), a));
+      ASSERT_TRUE(image_io::read_gray16(path(is), b));
+      ASSERT_TRUE(same(a, b)) << line;
+    }
+    ++compared;
+  }
+  EXPECT_GE(compared, 2);
+}
+
+TEST_F(RigRun, ADiskThatFillsUpLeavesAReadableTake) {
+  if (std::system("unshare --mount --map-root-user true 2>/dev/null") != 0)
+    GTEST_SKIP() << "no small disk can be mounted here (unshare --mount)";
+  make_take(40);
+  fs::create_directory(path("disk"));
+  std::ofstream(folder_ / "fill.sh")
+      << "mount -t tmpfs -o size=5m none " << path("disk") << " || exit 99\n"
+      << MIXRIG_COMMAND << " record --rig " << path("rig.toml") << " " << path("disk/take")
+      << " --duration 60 --format png --keep-free 0 2>" << path("words") << "\necho $? >"
+      << path("status") << "\n"
+      << MIXRIG_COMMAND << " info " << path("disk/take") << " --json " << path("info.json") << "\n";
+  ASSERT_EQ(std::system(("unshare --mount --map-root-user sh " + path("fill.sh") + " >" +
+                         path("log") + " 2>&1")
+                            .c_str()),
+            0);
+  int status = -1;
+  std::ifstream(path("status")) >> status;
+  EXPECT_EQ(status, 1);
+  std::ifstream words(path("words"));
+  const std::string line(std::istreambuf_iterator<char>(words), {});
+  EXPECT_NE(line.find("No space left on device"), std::string::npos) << line;
+  EXPECT_NE(line.find("the take ends after"), std::string::npos) << line;
+  EXPECT_GE(report("info.json").at("frames").get<int>(), 1);
+}
+
+TEST_F(RigRun, AMissingRigAndAMissingTakeAreNamed) {
+  make_take(20);
+  const auto status = [&](const std::string& source) {
+    return WEXITSTATUS(
+        std::system((std::string(MIXRIG_COMMAND) + " run " + path("take/scene.toml") +
+                     " --source " + source + " --out " + path("out") + " 2>" + path("log"))
+                        .c_str()));
+  };
+  EXPECT_EQ(status("rig:" + path("none.toml")), 2);
+  write_rig("take:" + path("none") + "/color", "take:" + path("none") + "/depth");
+  EXPECT_EQ(status("rig:" + path("rig.toml")), 2);
+  write_rig("v4l2:/dev/none", "usb:1209:0001");
+  EXPECT_NE(status("rig:" + path("rig.toml")), 0);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// rig.toml of any bytes; one that is accepted is written and reads back as the same rig.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "host/rig/rig_config.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig::rig;
+  const auto rig = parse_rig({reinterpret_cast<const char*>(data), size}, "rig.toml");
+  if (!rig) return 0;
+  const std::string text = rig_text(*rig);
+  const auto again = parse_rig(text, "rig.toml");
+  if (!again || rig_text(*again) != text) std::abort();
+  return 0;
+}

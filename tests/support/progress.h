@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Waits for what other threads do, without depending on how fast they do it.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace mixrig::test {
+
+/// True as soon as `condition` holds; false after two minutes, which only end a test that would hang.
+template <typename Condition>
+bool comes_true(Condition condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  return true;
+}
+
+}  // namespace mixrig::test

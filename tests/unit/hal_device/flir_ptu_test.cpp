@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// The driver of the ASCII protocol against the emulated unit: the protocol's traps and faults.
+#include "hal/linux/flir_ptu.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "hal/fake/flir_ptu_emulator.h"
+
+namespace mixrig::device {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr double kStepRad = 185.1428 / 3600 / 180 * std::numbers::pi;
+
+class FlirPtuTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto line = std::make_unique<fake::FlirPtuLine>(unit_, clock_);
+    line_ = line.get();
+    auto opened = FlirPtu::open(std::move(line), clock_, "flir-ptu:emulated");
+    ASSERT_TRUE(opened) << to_line(opened.error());
+    head_ = *std::move(opened);
+  }
+  long pan_steps(const PanTiltSample& sample) {
+    return std::lround(sample.angles.pan_rad / kStepRad);
+  }
+
+  ManualClock clock_;
+  fake::FlirPtuEmulator unit_{7};
+  fake::FlirPtuLine* line_ = nullptr;
+  std::unique_ptr<FlirPtu> head_;
+};
+
+TEST_F(FlirPtuTest, AsksTheUnitForResolutionAndRange) {
+  EXPECT_NEAR(head_->info().resolution.pan_rad, kStepRad, 1e-12);
+  EXPECT_NEAR(head_->info().maximum.pan_rad, 3090 * kStepRad, 1e-9);
+  EXPECT_NEAR(head_->info().minimum.tilt_rad, -907 * kStepRad, 1e-9);
+  EXPECT_NE(head_->info().version.find("v2.14"), std::string::npos);
+  EXPECT_EQ(head_->health().noise_bytes, 0U) << "echo is not noise";
+}
+
+TEST_F(FlirPtuTest, MovesToTheNearestStepAndArrives) {
+  const PanTiltAngles target{0.3001, -0.2003};
+  ASSERT_TRUE(head_->move_to(target));
+  ASSERT_TRUE(await_position(*head_, target, clock_, 10s));
+  EXPECT_EQ(unit_.position(clock_.now())[0], std::lround(target.pan_rad / kStepRad));
+  EXPECT_EQ(unit_.position(clock_.now())[1], std::lround(target.tilt_rad / kStepRad));
+}
+
+TEST_F(FlirPtuTest, MinusOneIsAPositionLikeAnyOther) {
+  ASSERT_TRUE(head_->move_to({-kStepRad, -kStepRad}));
+  ASSERT_TRUE(await_position(*head_, {-kStepRad, -kStepRad}, clock_, 1s));
+  EXPECT_EQ(pan_steps(*head_->sample()), -1);
+}
+
+TEST_F(FlirPtuTest, TargetBeyondTheRangeMovesNothing) {
+  const auto moved = head_->move_to({3.0, 0});
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::kUsage);
+  EXPECT_FALSE(head_->move_to({0, std::nan("")}));
+  clock_.advance(5s);
+  EXPECT_EQ(unit_.position(clock_.now())[0], 0);
+}
+
+TEST_F(FlirPtuTest, BothEndsOfTheRangeCanBeReached) {
+  EXPECT_TRUE(head_->move_to({head_->info().maximum.pan_rad, head_->info().minimum.tilt_rad}));
+}
+
+TEST_F(FlirPtuTest, HaltStopsWhereItStands) {
+  ASSERT_TRUE(head_->move_to({2.0, 0}));
+  clock_.advance(500ms);
+  ASSERT_TRUE(head_->halt());
+  const long where = unit_.position(clock_.now())[0];
+  EXPECT_GT(where, 100);
+  clock_.advance(10s);
+  EXPECT_NEAR(static_cast<double>(unit_.position(clock_.now())[0]), static_cast<double>(where),
+              1.0);
+}
+
+TEST_F(FlirPtuTest, SpeedIsSetInRadiansASecond) {
+  ASSERT_TRUE(head_->set_motion({.speed_rad_s = 100 * kStepRad, .acceleration_rad_s2 = 1}));
+  ASSERT_TRUE(head_->move_to({1000 * kStepRad, 0}));
+  const HostTime begin = clock_.now();
+  const long from = unit_.position(begin)[0];
+  clock_.advance(2s);
+  EXPECT_NEAR(static_cast<double>(unit_.position(clock_.now())[0] - from), 200, 2);
+  EXPECT_FALSE(head_->set_motion({.speed_rad_s = 1e-9}));
+}
+
+TEST_F(FlirPtuTest, TenThousandCommandsWithLimitReportsInsideRepliesStayUnconfused) {
+  unit_.faults.limit_report_share = 0.2;
+  std::mt19937_64 random(3);
+  std::uniform_int_distribution<long> pan(-3090, 3090), tilt(-907, 604);
+  line_->longest_read = 3;
+  const std::uint64_t before = unit_.commands();
+  while (unit_.commands() - before < 10000) {
+    const PanTiltAngles target{static_cast<double>(pan(random)) * kStepRad,
+                               static_cast<double>(tilt(random)) * kStepRad};
+    ASSERT_TRUE(head_->move_to(target));
+    clock_.advance(3ms * (random() % 3000));
+    const auto sample = head_->sample();
+    ASSERT_TRUE(sample) << to_line(sample.error());
+    // The reply tells where the axis was when it was asked; the clock went on by its own bytes.
+    const auto truth = unit_.position(clock_.now());
+    EXPECT_NEAR(sample->angles.pan_rad / kStepRad, static_cast<double>(truth[0]), 1000.0);
+    EXPECT_NEAR(sample->angles.tilt_rad / kStepRad, static_cast<double>(truth[1]), 1000.0);
+    clock_.advance(10s);
+    const auto arrived = head_->sample();
+    ASSERT_TRUE(arrived);
+    ASSERT_EQ(pan_steps(*arrived), std::lround(target.pan_rad / kStepRad));
+    ASSERT_EQ(std::lround(arrived->angles.tilt_rad / kStepRad),
+              std::lround(target.tilt_rad / kStepRad));
+  }
+  EXPECT_GT(unit_.limit_reports(), 1800U);
+  EXPECT_TRUE(head_->health().limit_hit);
+  unit_.faults.limit_report_share = 0;
+  ASSERT_TRUE(head_->halt());  // brings in what came after the last reply
+  EXPECT_EQ(head_->health().limit_hits, unit_.limit_reports());
+}
+
+TEST_F(FlirPtuTest, LimitFlagBelongsToTheLastMove) {
+  unit_.faults.limit_report_share = 1;
+  ASSERT_TRUE(head_->halt());
+  EXPECT_TRUE(head_->health().limit_hit);
+  unit_.faults.limit_report_share = 0;
+  ASSERT_TRUE(head_->move_to({0.1, 0}));
+  EXPECT_FALSE(head_->health().limit_hit);
+}
+
+TEST_F(FlirPtuTest, NoiseBetweenRepliesIsCountedAndSkipped) {
+  unit_.faults.noise_share = 1;
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_TRUE(head_->move_to({i * kStepRad, 0}));
+    clock_.advance(1s);
+    const auto sample = head_->sample();
+    ASSERT_TRUE(sample) << to_line(sample.error());
+    ASSERT_EQ(pan_steps(*sample), i);
+  }
+  EXPECT_GT(head_->health().noise_bytes, 300U);
+}
+
+TEST_F(FlirPtuTest, SilenceIsATimeoutAndRecoveryTakesLessThanTwoSeconds) {
+  unit_.faults.silent = true;
+  const auto silent = head_->sample();
+  ASSERT_FALSE(silent);
+  EXPECT_EQ(silent.error().code, ErrorCode::kTimeout);
+  EXPECT_NE(silent.error().context.find("does not answer"), std::string::npos);
+  EXPECT_GE(head_->health().timeouts, 1U);
+  unit_.faults.silent = false;
+  const HostTime back = clock_.now();
+  ASSERT_TRUE(head_->sample());
+  EXPECT_LT(clock_.now() - back, 2s);
+}
+
+TEST_F(FlirPtuTest, ALateAnswerIsNotTakenForTheNextOne) {
+  ASSERT_TRUE(head_->move_to({100 * kStepRad, 50 * kStepRad}));
+  clock_.advance(2s);
+  for (int late = 1; late <= 3; ++late) {
+    unit_.faults.late_replies = late;
+    const auto sample = head_->sample();
+    ASSERT_TRUE(sample) << to_line(sample.error());
+    EXPECT_EQ(pan_steps(*sample), 100);
+    EXPECT_EQ(std::lround(sample->angles.tilt_rad / kStepRad), 50);
+  }
+}
+
+TEST_F(FlirPtuTest, StalledHeadIsNamedWithItsDistance) {
+  unit_.faults.stalled = true;
+  ASSERT_TRUE(head_->move_to({0.5, 0}));
+  const auto waited = await_position(*head_, {0.5, 0}, clock_, 3s);
+  ASSERT_FALSE(waited);
+  EXPECT_EQ(waited.error().code, ErrorCode::kTimeout);
+  EXPECT_NE(waited.error().context.find("-0.5000 rad (pan)"), std::string::npos);
+}
+
+TEST_F(FlirPtuTest, UnpluggedLineIsADeviceError) {
+  line_->unplugged = true;
+  const auto sample = head_->sample();
+  ASSERT_FALSE(sample);
+  EXPECT_EQ(sample.error().code, ErrorCode::kDevice);
+}
+
+TEST_F(FlirPtuTest, RefusedCommandTellsTheUnitsWords) {
+  // The unit's own limit is narrower than what it told before.
+  const auto refused = head_->set_motion({.speed_rad_s = 200000 * kStepRad});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().context.find("Illegal argument"), std::string::npos);
+  EXPECT_EQ(head_->health().refused, 1U);
+}
+
+TEST(FlirPtuOpen, NothingOnTheLineIsNamed) {
+  ManualClock clock;
+  fake::FlirPtuEmulator unit;
+  unit.faults.silent = true;
+  const auto opened =
+      FlirPtu::open(std::make_unique<fake::FlirPtuLine>(unit, clock), clock, "flir-ptu:x");
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kTimeout);
+}
+
+struct ReplyCase {
+  const char* bytes;
+  bool ok;
+  bool interrupted;
+  const char* text;
+};
+
+TEST(PtuReplyParser, TakesRepliesApart) {
+  const ReplyCase cases[] = {
+      {"*\r\n", true, false, ""},
+      {"* 12\r\n", true, false, "12"},
+      {"PP * -1\r\n", true, false, "-1"},
+      {"! Illegal argument\r\n", false, false, "Illegal argument"},
+      {"!P* 5\r\n", true, false, "5"},
+      {"!T!T!P!P*\r\n", true, false, ""},
+      {"* 1!P2\r\n", true, true, "12"},
+      {"*!T 7\r\n", true, true, "7"},
+      {"! Illegal!P argument\r\n", false, true, "Illegal argument"},
+      {"xyz* 3\r\n", true, false, "3"},
+  };
+  for (const auto& c : cases) {
+    PtuReplyParser parser;
+    parser.expect("PP ");
+    std::optional<PtuReply> reply;
+    for (const char* at = c.bytes; *at != 0 && !reply; ++at) reply = parser.feed(*at);
+    ASSERT_TRUE(reply) << c.bytes;
+    EXPECT_EQ(reply->ok, c.ok) << c.bytes;
+    EXPECT_EQ(reply->interrupted, c.interrupted) << c.bytes;
+    EXPECT_EQ(reply->view(), c.text) << c.bytes;
+  }
+}
+
+TEST(PtuNumber, OneSoundNumberOrNone) {
+  EXPECT_EQ(ptu_number("Current Pan position is -12"), -12.0);
+  EXPECT_EQ(ptu_number("185.1428 seconds arc per Pan position"), 185.1428);
+  EXPECT_EQ(ptu_number("+7"), 7.0);
+  EXPECT_EQ(ptu_number("0"), 0.0);
+  for (const char* bad : {"", "Pan", "1 2", "1x", "x1", "-", "1-2", "1.2.3", "+-1", "1e5"})
+    EXPECT_FALSE(ptu_number(bad)) << bad;
+}
+
+TEST(PtuReplyParser, AnyBytesAreHarmless) {
+  std::mt19937_64 random(11);
+  PtuReplyParser parser;
+  std::size_t replies = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    if (const auto reply = parser.feed(static_cast<char>(random() & 0xFF))) {
+      ++replies;
+      ASSERT_LE(reply->size, reply->text.size());
+      (void)ptu_number(reply->view());
+    }
+  }
+  EXPECT_GT(replies, 0U);
+}
+
+}  // namespace
+}  // namespace mixrig::device

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+# Fails when what runs live reads a clock that people and NTP set. ROOT: the tree to look at.
+cmake_minimum_required(VERSION 3.25)
+set(breaches "")
+foreach(room IN ITEMS firmware hal host/app host/rig host/sync)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${room}/*.h ${ROOT}/${room}/*.cpp)
+  foreach(file IN LISTS files)
+    file(STRINGS ${ROOT}/${file} lines REGEX "system_clock|CLOCK_REALTIME|gettimeofday|std::time\\(")
+    foreach(line IN LISTS lines)
+      string(APPEND breaches "\n  ${file}: ${line}")
+    endforeach()
+  endforeach()
+endforeach()
+if(breaches)
+  message(FATAL_ERROR "live code reads the wall clock, which may be set at any time:${breaches}")
+endif()
