@@ -10,7 +10,6 @@ namespace {
 constexpr Duration kWait = std::chrono::milliseconds(50);
 constexpr Duration kStatusEvery = std::chrono::milliseconds(250);
 constexpr Duration kTickPeriod = std::chrono::milliseconds(10);
-constexpr Duration kTickAhead = std::chrono::milliseconds(250);  // ticks are known half a second on
 constexpr Duration kAfterError = std::chrono::milliseconds(200);
 // Frames of one moment lie at most this far apart where streams run free.
 constexpr int kFarthestFree_ticks = 3;
@@ -222,7 +221,7 @@ void LiveSession::on_frame(const Event& event) {
     // No master is fitted: the host's clock divided by ten milliseconds stands in for it.
     const auto number = static_cast<std::uint64_t>(stamp.time_since_epoch() / kTickPeriod);
     const sync::Tick tick{number, HostTime(static_cast<long>(number) * kTickPeriod)};
-    if (!ticks_.number_at(tick.at + kTickAhead)) ticks_.add(tick);
+    if (const auto newest = ticks_.newest(); !newest || *newest < number) ticks_.add(tick);
   }
   if (ticks_.empty()) return;  // the stream begins before the master's first word
   const sync::Pairing pairing = stream.pairer.pair(ticks_, frame.sequence, stamp, frame.received);
@@ -290,7 +289,7 @@ SessionReport LiveSession::report() const {
   if (devices_.depth) health.push_back(devices_.depth->health());
   const std::lock_guard lock(mutex_);
   SessionReport report = counts_;
-  report.ticks_lost = ticks_.lost();
+  report.ticks_lost = devices_.trigger ? ticks_.lost() : 0;
   report.trigger_drift_ppm = trigger_clock_.drift_ppm();
   report.sets = builder_->sets();
   report.incomplete_sets = builder_->incomplete();

@@ -29,6 +29,10 @@ class TickHistory {
   /// Time of a tick, told or interpolated; empty as above.
   std::optional<HostTime> time_of(std::uint64_t sequence) const;
   bool empty() const { return count_ == 0; }
+  /// Number of the last one; empty before the first.
+  std::optional<std::uint64_t> newest() const {
+    return count_ > 0 ? std::optional(kept(count_ - 1).sequence) : std::nullopt;
+  }
   double period_s() const { return period_s_; }
   std::uint64_t lost() const { return lost_; }
   std::uint64_t restarts() const { return restarts_; }

@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 
 namespace mixrig::tools {
 
-/// While it lives, the first SIGINT or SIGTERM sets flag(); a second one kills, as ever. The old
-/// handlers come back after it. One at a time.
+/// While it lives, the first SIGINT or SIGTERM sets flag(); another one half a second later kills,
+/// as ever. The old handlers come back after it. One at a time.
 class StopOnSignal {
  public:
   StopOnSignal() {
@@ -26,11 +28,22 @@ class StopOnSignal {
 
  private:
   static void stop(int signal) {
-    flag_ = true;
+    const std::int64_t now = now_ms();
+    if (!flag_.exchange(true)) first_ms_ = now;
+    // Shells and timeout(1) signal a process and its group: both are the same press of the key.
+    if (now - first_ms_ < kSamePress_ms) return;
     std::signal(signal, SIG_DFL);
+    std::raise(signal);
   }
+  static std::int64_t now_ms() {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+  }
+  static constexpr std::int64_t kSamePress_ms = 500;
   // A signal handler reaches nothing but what is static.
   static inline std::atomic<bool> flag_ = false;
+  static inline std::atomic<std::int64_t> first_ms_ = 0;
   static_assert(std::atomic<bool>::is_always_lock_free);
   void (*old_int_)(int);
   void (*old_term_)(int);

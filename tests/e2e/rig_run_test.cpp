@@ -31,14 +31,14 @@ class RigRun : public CommandTest {
                                         << "[[camera]]\nname = \"color\"\nuri = \"" << color
                                         << "\"\n[depth]\nuri = \"" << depth << "\"\n";
   }
-  /// Slow enough that a loaded machine follows, and learned from its first two frames.
+  /// Slow enough that a loaded machine follows, and learned from its first three frames.
   void make_take(int frames) const {
     ASSERT_EQ(mixrig("studio " + path("take") +
                      " --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
                      std::to_string(frames)),
               0);
     replace("take/take.toml", "rate_hz = [0-9.]+", "rate_hz = 8.0");
-    replace("take/scene.toml", "learn = .*", "learn = [1, 2]");
+    replace("take/scene.toml", "learn = .*", "learn = [1, 3]");
     write_rig("take:" + path("take") + "/color", "take:" + path("take") + "/depth");
   }
   void replace(const std::string& file, const char* pattern, const char* by) const {
@@ -85,7 +85,7 @@ TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
             "studio:walk,31,sr3000,100000,160x120/tof");
   ASSERT_EQ(interrupted({"run", path("take/scene.toml"), "--source", "rig:" + path("rig.toml"),
                          "--backend", "cpu", "--out", path("out")},
-                        "out.partial/composite/color/000005.png"),
+                        "out.partial/composite.partial/color/000005.png"),
             0);
   const auto report = this->report("out/report.json");
   EXPECT_EQ(report.at("ended"), "stopped");
@@ -99,7 +99,7 @@ TEST_F(RigRun, CtrlCEndsARunOfATakeWithAWholeOutput) {
   ASSERT_EQ(interrupted(
                 {"run", path("take/scene.toml"), "--source", "studio:walk,31,sr3000,100000,160x120",
                  "--backend", "cpu", "--out", path("out")},
-                "out.partial/composite/color/000005.png"),
+                "out.partial/composite.partial/color/000005.png"),
             0);
   EXPECT_EQ(report("out/report.json").at("ended"), "stopped");
   EXPECT_FALSE(fs::exists(path("out.partial")));

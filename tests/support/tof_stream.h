@@ -37,9 +37,8 @@ inline std::vector<std::uint8_t> tof_packet(const device::TofDescription& d, dev
                                .payload_bytes = static_cast<std::uint32_t>(payload.size()),
                                .payload_crc = device::crc32(payload),
                                .time_us = time_us});
-  std::vector<std::uint8_t> bytes(header.begin(), header.end());
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return bytes;
+  payload.insert(payload.begin(), header.begin(), header.end());
+  return payload;
 }
 
 /// The packets of one frame.

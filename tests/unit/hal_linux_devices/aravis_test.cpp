@@ -15,7 +15,9 @@
 
 #include "hal/linux/aravis_camera.h"
 #include "hal/linux/genicam_buffer.h"
+#include "tests/support/progress.h"
 #include "tests/unit/hal_device/camera_contract.h"
+#include "tests/unit/hal_device/depth_camera_contract.h"
 
 namespace mixrig::test {
 namespace {
@@ -127,6 +129,25 @@ CameraUnderTest make_aravis() {
 
 INSTANTIATE_TEST_SUITE_P(Aravis, CameraContract,
                          ::testing::Values(CameraMaker{"aravis", make_aravis}),
+                         [](const auto& maker) { return maker.param.name; });
+
+DepthCameraUnderTest make_aravis_depth() {
+  static SystemClock clock;
+  static auto device = std::make_unique<Device>("GV04");
+  if (!device->running()) return {};
+  auto camera =
+      device::open_aravis_depth("Aravis-Fake-GV04", {.size = {64, 48}, .rate_hz = 25}, clock);
+  if (!camera) return {};
+  auto* raw = camera->get();
+  return {*std::move(camera), [raw](int count) {
+            const auto wanted = raw->health().frames + static_cast<std::uint64_t>(count);
+            if (raw->health().state == device::DeviceState::kStopped) return;
+            EXPECT_TRUE(comes_true([&] { return raw->health().frames >= wanted; }));
+          }};
+}
+
+INSTANTIATE_TEST_SUITE_P(Aravis, DepthCameraContract,
+                         ::testing::Values(DepthCameraMaker{"aravis", make_aravis_depth}),
                          [](const auto& maker) { return maker.param.name; });
 
 TEST(AravisDepth, StepsScaleAndIntrinsicsAreTheCamerasOwn) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One fault at a time in a running session: it is named and counted, nothing is paired wrongly, and
 // two seconds after it is over the rig delivers as before. Time is the test's.
+#include <cmath>
+
 #include "tests/unit/rig/session_rig.h"
 
 namespace mixrig::rig {
@@ -119,6 +121,39 @@ TEST_F(SessionFault, ALimitThatTheHeadHitsIsTold) {
   session_->stop();
   EXPECT_EQ(session_->report().pan_tilt.limit_hits, 1U);
   EXPECT_TRUE(session_->report().pan_tilt.limit_hit);
+}
+
+TEST(FreeRunningRig, CamerasOfAnyRateArePairedWithoutAMaster) {
+  for (const double rate_hz : {2.0, 8.0, 24.0, 25.0, 30.1, 60.0}) {
+    test::SteppedClock clock;
+    RigConfig config;
+    config.cameras.emplace_back();
+    config.depth.emplace();
+    Devices devices;
+    auto info = fake_info(device::PixelFormat::kRgb8);
+    info.rate_hz = rate_hz;
+    auto color = std::make_unique<fake::FakeCamera>(clock, info, 64);
+    info.format = device::PixelFormat::kDepth16;
+    auto depth = std::make_unique<fake::FakeCamera>(clock, info, 64);
+    auto *color_camera = color.get(), *depth_camera = depth.get();
+    devices.cameras.push_back(std::move(color));
+    devices.depth = device::as_depth_camera(std::move(depth), {});
+    LiveSession session(config, devices, clock);
+    ASSERT_TRUE(session.start());
+    int sets = 0;
+    for (int frame = 0; frame < 100; ++frame) {
+      clock.advance(Duration(std::llround(1e9 / rate_hz)));
+      color_camera->emit();
+      depth_camera->emit();
+      ASSERT_TRUE(test::comes_true([&] { return session.report().waiting_events == 0; }));
+      while (const auto set = session.next(0ms)) {
+        EXPECT_EQ(set->frames.frames[0].frame->sequence, set->frames.frames[1].frame->sequence);
+        ++sets;
+      }
+    }
+    EXPECT_EQ(sets, 100) << rate_hz << " Hz";
+    session.stop();
+  }
 }
 
 /// The colour camera stamps by a clock of its own, which somebody sets: the host's CLOCK_REALTIME
