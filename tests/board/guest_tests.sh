@@ -14,4 +14,11 @@ udevadm settle
 [ ! -c /dev/ttyUSB0 ] || export MIXRIG_BOARD_MCU=/dev/ttyUSB0
 [ ! -f /host/environment ] || . /host/environment
 export GTEST_COLOR=no
-cd /tmp && $(cat /host/tests)
+# Every file that a test will read is read now: where the guest's idle time is skipped, its clock
+# runs off while it waits for the share.
+for warm in 'board_tests --gtest_list_tests' 'mixrig diag --no-move --watch 0.5' 'mixrig --help' \
+  'dfu-util -l' 'v4l2-ctl -d /dev/video0 -l' 'sh -c true'; do
+  $warm >/dev/null 2>&1
+done
+echo "board: ready after $(cut -d' ' -f1 /proc/uptime) s"
+cd /tmp && . /host/tests

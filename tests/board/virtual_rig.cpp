@@ -69,7 +69,7 @@ void VirtualRig::write_config(const std::string& path) const {
       << "format = \"gray8\"\nrate_hz = 5\n"
       << "[[camera]]\nname = \"mono\"\nuri = \"aravis:Aravis-Fake-GV01\"\nsize_px = [64, 48]\n"
       << "format = \"gray8\"\nrate_hz = 5\n"
-      << "[depth]\nuri = \"usb:1209:0001\"\ndelay_ms = 4.0\ntrigger_line = " << kDepthLine << "\n"
+      << "[depth]\nuri = \"usb:1209:0001\"\ndelay_ms = 2.0\ntrigger_line = " << kDepthLine << "\n"
       << "[pan_tilt]\nuri = \"flir-ptu:" << kHeadNode << "\"\n";
 }
 
