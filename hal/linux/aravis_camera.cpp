@@ -22,6 +22,7 @@ namespace {
 constexpr int kLibraryBuffers = 8, kBuffers = 6;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
+constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // what a camera says is not trusted to fit
 constexpr Duration kLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
@@ -189,7 +190,7 @@ void AravisCamera::take(ArvBuffer* buffer) {
               .size = info_.size,
               .stride_bytes = row_bytes(info_.format, info_.size.width),
               .sequence = id,
-              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer))),
+              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostTime_ns)),
               .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
   auto draft = pool_->take();

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::uint32_t kDescriptionMagic = 0x4D544F46, kPacketMagic = 0x4D544F50;
 constexpr std::size_t kCrcAt = 36;
+constexpr std::uint64_t kMostTime_us = 1ULL << 52;  // 142 years: more would not fit nanoseconds
 
 constexpr std::array<std::uint32_t, 256> make_crc_table() {
   std::array<std::uint32_t, 256> table{};
@@ -93,7 +94,8 @@ std::optional<TofPacket> parse_tof_header(std::span<const std::uint8_t> bytes, S
               .payload_crc = in.u32(32),
               .time_us = in.at(24, 8)};
   const bool sound = (kind == 1 || kind == 2) && p.size == size && p.rows > 0 &&
-                     p.first_row + p.rows <= size.height && p.payload_bytes <= kTofMostPayload &&
+                     p.time_us < kMostTime_us && p.first_row + p.rows <= size.height &&
+                     p.payload_bytes <= kTofMostPayload &&
                      p.payload_bytes == static_cast<std::uint32_t>(p.rows * size.width * 2);
   if (!sound) return std::nullopt;
   return p;

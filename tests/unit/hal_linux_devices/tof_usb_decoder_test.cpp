@@ -160,6 +160,16 @@ TEST_F(TofDecoder, RowsBeyondThePictureAreRefused) {
       << "more than one packet holds";
 }
 
+TEST_F(TofDecoder, ATimeThatDoesNotFitIsRefused) {
+  const auto header = [](std::uint64_t time_us) {
+    return pack_tof_header(
+        {.frame = 1, .rows = 1, .size = {4, 4}, .payload_bytes = 8, .time_us = time_us});
+  };
+  EXPECT_TRUE(parse_tof_header(header((1ULL << 52) - 1), {4, 4}));
+  EXPECT_FALSE(parse_tof_header(header(1ULL << 52), {4, 4}));
+  EXPECT_FALSE(parse_tof_header(header(~0ULL), {4, 4}));
+}
+
 TEST_F(TofDecoder, SurvivesAnyBytesAndFindsItsWayBackWithinAFrame) {
   std::mt19937 random(4);
   std::vector<std::uint8_t> garbage(300000);
