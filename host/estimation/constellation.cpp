@@ -74,9 +74,11 @@ std::optional<geometry::Pose> refit(Labelling& labelling, Points markers, Points
 }
 
 /// Calls visit(pose) for every way to lay three markers on three observed points whose sides
-/// agree within the noise.
+/// agree within the noise. False where that is too much work: everything agrees with everything.
 template <typename Visit>
-void visit_triples(Points markers, Points observed, double sigma_m, Visit&& visit) {
+bool visit_triples(Points markers, Points observed, double sigma_m, Visit&& visit) {
+  constexpr std::size_t kMostWork = 20'000'000;
+  std::size_t work = 0;
   const double tolerance_m = 6 * sigma_m;
   const auto agree = [&](int p, int q, int i, int j) {
     return std::abs((markers[p] - markers[q]).norm() - (observed[i] - observed[j]).norm()) <
@@ -89,24 +91,33 @@ void visit_triples(Points markers, Points observed, double sigma_m, Visit&& visi
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
           if (i == j || !agree(p, q, i, j)) continue;
-          for (int r = q + 1; r < m; ++r)
+          for (int r = q + 1; r < m; ++r) {
+            work += observed.size();
+            if (work > kMostWork) return false;
             for (int k = 0; k < n; ++k) {
               if (k == i || k == j || !agree(p, r, i, k) || !agree(q, r, j, k)) continue;
               const std::array<Vector3d, 3> a = {markers[p], markers[q], markers[r]};
               const std::array<Vector3d, 3> b = {observed[i], observed[j], observed[k]};
+              work += 8 * markers.size() * observed.size();
               if (const auto pose = align_points(a, b, kAll)) visit(*pose);
             }
+          }
         }
+  return true;
 }
 
 /// The best labelling and the best other one that explains as many points.
 struct Ranking {
   Labelling best, rival;
+  bool complete = false;  // all labellings were seen
 };
+
+constexpr const char* kTooAlike =
+    "too many markers look alike within their noise: use fewer, or farther apart";
 
 Ranking rank_labellings(Points markers, Points observed, double sigma_m) {
   Ranking ranking;
-  visit_triples(markers, observed, sigma_m, [&](const geometry::Pose& pose) {
+  ranking.complete = visit_triples(markers, observed, sigma_m, [&](const geometry::Pose& pose) {
     Labelling found = label(markers, observed, pose, sigma_m);
     if (found.count < std::max(3, ranking.rival.count)) return;
     if (found.marker_of_point == ranking.best.marker_of_point ||
@@ -147,6 +158,7 @@ Estimate<ConstellationMatch> match_constellation(Points markers_m, Points observ
   const int least = options.min_markers > 0 ? std::max(3, options.min_markers)
                                             : std::min(4, static_cast<int>(markers_m.size()));
   const Ranking ranking = rank_labellings(markers_m, observed_m, options.sigma_m);
+  if (!ranking.complete) return Answer::degenerate(kTooAlike);
   if (ranking.best.count < least)
     return Answer::degenerate("only " + std::to_string(ranking.best.count) + " markers match, " +
                               std::to_string(least) + " are needed");
@@ -177,6 +189,7 @@ Verdict check_constellation(Points markers_m, double sigma_m) {
   const auto self = rigid_fit(markers_m, markers_m, {sigma_m, {}});
   if (!self.usable()) return Verdict::degenerate(self.verdict.reason);
   const Ranking ranking = rank_labellings(markers_m, markers_m, sigma_m);
+  if (!ranking.complete) return Verdict::degenerate(kTooAlike);
   if (ranking.rival.count < static_cast<int>(markers_m.size())) return self.verdict;
   std::string confused;
   for (std::size_t i = 0; i < markers_m.size(); ++i)

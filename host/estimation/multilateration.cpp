@@ -145,11 +145,15 @@ std::string input_fault(Points centres, std::span<const double> ranges,
 }
 
 /// Why the fix cannot be trusted although it fits.
-std::string side_fault(const Fix& fix, const Frame& frame, double sigma_m,
+std::string side_fault(const Fix& fix, const Frame& frame, double sigma_m, std::size_t count,
                        const MultilaterationOptions& options) {
+  // Over a plane a range r grows with the height h by h^2 / 2r only. Noise alone lifts a point of
+  // the plane to sqrt(2 z) of this blur at z standard deviations: here z = 3.5. Centres that are
+  // thicker than the blur tell the height by themselves.
   const double height_m = std::abs(frame.axes.col(0).dot(fix.position - frame.origin));
-  const bool flat = frame.spread_m[0] < 3 * sigma_m;
-  if (flat && height_m < 3 * sigma_m * std::sqrt(1 + height_m / frame.spread_m[2]))
+  const double range_m = (fix.position - frame.origin).norm() + frame.spread_m[2];
+  const double blur_m = std::sqrt(sigma_m * range_m / std::sqrt(static_cast<double>(count)));
+  if (frame.spread_m[0] < blur_m && height_m < std::sqrt(7.0) * blur_m)
     return "the point lies in the plane of its centres: its height is unknown";
   // A rival within 3 sigma of likelihood is not ruled out by the data.
   if (fix.mirror && !options.near_m && fix.mirror_cost - fix.cost < 9 * sigma_m * sigma_m)
@@ -191,7 +195,7 @@ Estimate<Vector3d> multilaterate(Points centres_m, std::span<const double> range
   if (!sigma_m) return Answer::degenerate("too few ranges to estimate their noise: state it");
   if (frame.spread_m[1] < 5 * *sigma_m)
     return Answer::degenerate("the centres lie on one line to within their noise");
-  if (auto fault = side_fault(fix, frame, *sigma_m, options); !fault.empty())
+  if (auto fault = side_fault(fix, frame, *sigma_m, found.inliers.size(), options); !fault.empty())
     return Answer::degenerate(fault);
   const double extent_m = (fix.position - frame.origin).norm() + frame.spread_m[2];
   const auto judged = judge(fix.information / (*sigma_m * *sigma_m), Vector3d::Constant(extent_m));

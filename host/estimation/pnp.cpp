@@ -2,6 +2,7 @@
 #include "host/estimation/pnp.h"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <ceres/rotation.h>
@@ -48,8 +49,7 @@ struct PnpResiduals {
       Vector3T p;
       ceres::AngleAxisRotatePoint(x, arm.data(), p.data());
       for (int k = 0; k < 3; ++k) p[k] += x[3 + k] + centre[k];
-      const Vector3T off = p / p.norm() - bearings[i].direction.cast<T>();
-      const Eigen::Matrix<T, 2, 1> r = bearings[i].whitener.cast<T>() * off;
+      const Eigen::Matrix<T, 2, 1> r = bearing_error<T>(bearings[i], p);
       residuals[row++] = r.x();
       residuals[row++] = r.y();
     }
@@ -59,8 +59,10 @@ struct PnpResiduals {
 
 double squared_residual(const Pose& camera_from_world, const Vector3d& point,
                         const Bearing& bearing) {
-  const Vector3d seen = (camera_from_world * point).normalized();
-  return (bearing.whitener * (seen - bearing.direction)).squaredNorm();
+  // The whitened error of a point straight behind the camera is zero too.
+  const Vector3d seen = camera_from_world * point;
+  if (!(seen.dot(bearing.direction) > 0)) return std::numeric_limits<double>::infinity();
+  return bearing_error<double>(bearing, seen).squaredNorm();
 }
 
 Vector3d centroid_of(Points points, std::span<const int> indices) {

@@ -39,14 +39,17 @@ struct ReprojectionResiduals {
       const Matrix3d camera_from_world =
           view.world_from_camera.rotation.conjugate().toRotationMatrix();
       const Vector3T p = camera_from_world.cast<T>() * in_world;
-      const Vector3T off = p / p.norm() - view.bearing.direction.cast<T>();
-      const Eigen::Matrix<T, 2, 1> r = view.bearing.whitener.cast<T>() * off;
+      const Eigen::Matrix<T, 2, 1> r = bearing_error<T>(view.bearing, p);
       residuals[row++] = r.x();
       residuals[row++] = r.y();
     }
     return true;
   }
 };
+
+/// The inverse depth is what has normal noise: from a sixth on, the depth's own sigma no longer
+/// says how far it may be off.
+constexpr double kDegenerateDepthShare = 1.0 / 6.0;
 
 /// Least squares of the distances to the rays, each weighted by its sharpness over the distance
 /// found before: converges to the reprojection error in most configurations (paper C eq. 53-57).
@@ -88,7 +91,7 @@ std::optional<Fix> solve(Views views, std::span<const int> indices) {
 double squared_residual(const PointView& view, const Vector3d& point) {
   const Vector3d p =
       view.world_from_camera.rotation.conjugate() * (point - view.world_from_camera.translation_m);
-  return (view.bearing.whitener * (p.normalized() - view.bearing.direction)).squaredNorm();
+  return bearing_error<double>(view.bearing, p).squaredNorm();
 }
 
 /// Greatest distance between two of the cameras, m.
@@ -144,8 +147,8 @@ Estimate<Vector3d> triangulate(Views views) {
     return Answer::degenerate(solve(views, everything) ? found.reason : "the rays are parallel");
   if (is_behind(views, found)) return Answer::degenerate("the rays meet behind a camera");
   const Fix& fix = *found.model;
-  const auto judged =
-      judge(fix.information / (fix.depth_m * fix.depth_m), Vector3d::Constant(fix.depth_m));
+  const auto judged = judge(fix.information / (fix.depth_m * fix.depth_m),
+                            Vector3d::Constant(fix.depth_m), kDegenerateDepthShare);
   if (judged.verdict.standing == Standing::kDegenerate)
     return Answer::degenerate("the rays are parallel to within their noise: the depth is unknown");
   Eigen::VectorXd residuals(n);

@@ -19,7 +19,8 @@ const char* name_of(Standing standing) {
   return "degenerate";
 }
 
-Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& extent) {
+Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& extent,
+                double degenerate_share) {
   const Eigen::MatrixXd relative = extent.asDiagonal() * information * extent.asDiagonal();
   if (!relative.allFinite())
     return {{}, Verdict::degenerate("the information about the estimate is not finite")};
@@ -29,7 +30,7 @@ Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& exten
   if (!(lambda[0] > kSingular * lambda[lambda.size() - 1]))
     return {{}, Verdict::degenerate("the data say nothing about one direction of the estimate")};
   const double worst = 1.0 / std::sqrt(lambda[0]);
-  if (!(worst < kDegenerateShare))
+  if (!(worst < degenerate_share))
     return {
         {},
         Verdict::degenerate("the uncertainty in one direction is as large as the scene itself")};

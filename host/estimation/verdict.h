@@ -69,7 +69,8 @@ inline constexpr double kDegenerateShare = 0.25;
 
 /// Judges the information matrix (J^T J of whitened residuals) of a fit. `extent` makes the
 /// parameters comparable: the size of the scene in each (1 rad for rotations, m for positions).
-Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& extent);
+Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& extent,
+                double degenerate_share = kDegenerateShare);
 
 /// Upper limit of chi-squared with `dof` degrees of freedom at `z` standard normal deviations
 /// (Wilson and Hilferty 1931; within 3 % for z in 0..4).

@@ -34,7 +34,8 @@ void add_bench_command(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--seed", words->options.seed, "of the studio")->capture_default_str();
   command->add_flag("--quick", words->options.quick, "half the size, fewer frames");
-  command->callback([&context, words] {
+  command->callback([&context, words, command] {
+    if (!command->get_subcommands().empty()) return;  // `bench estimation` and its like
     words->options.folder = words->out;
     context.action = [words] { return bench(words->options); };
   });

@@ -26,6 +26,7 @@ void add_explain_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_scan_command(CLI::App& app, Context& context);
 void add_bench_command(CLI::App& app, Context& context);
+void add_bench_estimation_command(CLI::App& app, Context& context);
 void add_studio_command(CLI::App& app, Context& context);
 void add_trigger_command(CLI::App& app, Context& context);
 void add_flash_command(CLI::App& app, Context& context);
@@ -33,6 +34,8 @@ void add_record_command(CLI::App& app, Context& context);
 void add_diag_command(CLI::App& app, Context& context);
 void add_rig_command(CLI::App& app, Context& context);
 void add_align_command(CLI::App& app, Context& context);
+void add_calibrate_external_command(CLI::App& app, Context& context);
+void add_track_command(CLI::App& app, Context& context);
 
 /// A progress bar on stderr, shown only when stderr is a terminal.
 class Progress {

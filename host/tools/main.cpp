@@ -36,6 +36,9 @@ void add_commands(CLI::App& app, Context& context) {
 #ifdef MIXRIG_HAS_BENCH_COMMAND
   add_bench_command(app, context);
 #endif
+#ifdef MIXRIG_HAS_BENCH_ESTIMATION_COMMAND
+  add_bench_estimation_command(app, context);
+#endif
 #ifdef MIXRIG_HAS_TRIGGER_COMMAND
   add_trigger_command(app, context);
 #endif
@@ -53,6 +56,12 @@ void add_commands(CLI::App& app, Context& context) {
 #endif
 #ifdef MIXRIG_HAS_ALIGN_COMMAND
   add_align_command(app, context);
+#endif
+#ifdef MIXRIG_HAS_CALIBRATE_EXTERNAL_COMMAND
+  add_calibrate_external_command(app, context);
+#endif
+#ifdef MIXRIG_HAS_TRACK_COMMAND
+  add_track_command(app, context);
 #endif
   add_common_options(app, context);
 }

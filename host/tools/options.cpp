@@ -111,4 +111,12 @@ app::ProgressFn progress_bar() {
   };
 }
 
+CLI::App& command_group(CLI::App& app, const std::string& name, const std::string& about) {
+  for (CLI::App* known : app.get_subcommands({}))
+    if (known->get_name() == name) return *known;
+  CLI::App* group = app.add_subcommand(name, about);
+  group->require_subcommand(1);
+  return *group;
+}
+
 }  // namespace mixrig::tools

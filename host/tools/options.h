@@ -31,6 +31,9 @@ app::BackendChoice backend_choice(const SessionWords& words);
 /// All of them; the source is the take beside the scene where none was named. Errors: kUsage.
 Result<app::SessionOptions> session_options(const SessionWords& words);
 
+/// The subcommand `name` of several files: made by whoever comes first, with the same `about`.
+CLI::App& command_group(CLI::App& app, const std::string& name, const std::string& about);
+
 /// A bar on stderr for each piece of work in turn (Progress).
 app::ProgressFn progress_bar();
 

@@ -68,5 +68,12 @@ TEST(MatchConstellation, RefusesAMirroredDefinition) {
   EXPECT_FALSE(match_constellation(mirrored, seen(kBody_m, 0.0003, 6), {0.0003, 0}).usable());
 }
 
+TEST(MatchConstellation, RefusesACrowdThatAgreesWithEverything) {
+  test::RandomGeometry random(3);
+  const auto crowd = random.cloud(64, 0.1);
+  EXPECT_FALSE(check_constellation(crowd, 0.01).reason.empty());
+  EXPECT_FALSE(match_constellation(crowd, crowd, {0.01, 0}).usable());
+}
+
 }  // namespace
 }  // namespace mixrig::estimation

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include "host/estimation/triangulation.h"
-#include "tests/stability/harness.h"
-#include "tests/support/random_geometry.h"
+#include "host/estimation_bench/random_geometry.h"
+#include "host/estimation_bench/suite.h"
 
-namespace mixrig::stability {
+namespace mixrig::estimation_bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -42,7 +40,7 @@ Residuals pixel_model(const std::vector<geometry::Pose>& cameras,
 }
 
 Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
-  test::RandomGeometry random(seed);
+  RandomGeometry random(seed);
   const Vector3d truth = scene.origin + scene.scale * Vector3d(0.1, 0.2, scene.depth);
   const geometry::CameraModel camera{{{640, 480}, kFocal_px, kFocal_px, 0, 0}, {}};
   std::vector<geometry::Pose> cameras;
@@ -73,35 +71,35 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
   return trial;
 }
 
-void check_scene(const std::string& name, Expect expect, const Scene& scene) {
-  check({"triangulate", name, expect, [scene](std::uint64_t seed, Residuals& residuals) {
-           return run(scene, seed, residuals);
-         }});
-}
-
-TEST(TriangulationStability, WellPosed) {
-  check_scene("four views", Expect::kAnswer, {});
-  check_scene("two views", Expect::kAnswer, {.views = 2});
-  check_scene("parallax 1:10", Expect::kAnswer, {.views = 2, .baseline = 0.4});
-  check_scene("parallax 1:40", Expect::kAnswer, {.views = 2, .baseline = 0.1});
-  check_scene("near the epipole", Expect::kAnswer, {.direction = {0.2, 0, 1}});
-  check_scene("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
-  check_scene("scale 1e3", Expect::kAnswer, {.scale = 1e3});
-  check_scene("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
-}
-
-TEST(TriangulationStability, OutliersAndDegenerate) {
-  check_scene("one outlier of eight", Expect::kCareful,
-              {.views = 8, .baseline = 0.5, .outliers = 1});
-  check_scene("parallax 1:200", Expect::kCareful, {.views = 2, .baseline = 0.02});
-  check_scene("on the epipole", Expect::kCareful, {.views = 2, .direction = {0.01, 0, 1}});
-  check_scene("parallax 1:4000", Expect::kRefusal, {.views = 2, .baseline = 0.001});
-  check_scene("no baseline", Expect::kRefusal, {.baseline = 0});
-  check_scene("one view", Expect::kRefusal, {.views = 1});
-  check_scene("all outliers", Expect::kRefusal, {.views = 6, .outliers = 6});
-  check_scene("behind the cameras", Expect::kRefusal, {.behind = true});
-  check_scene("not a number", Expect::kRefusal, {.nan = true});
-}
-
 }  // namespace
-}  // namespace mixrig::stability
+
+void add_triangulation_cases(std::vector<Case>& cases) {
+  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+                       const std::string& axis = {}, double at = NAN) {
+    cases.push_back({"triangulate", name, expect,
+                     [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },
+                     axis, at});
+  };
+  add("four views", Expect::kAnswer, {});
+  add("two views", Expect::kAnswer, {.views = 2});
+  add("parallax 1:10", Expect::kAnswer, {.views = 2, .baseline = 0.4});
+  add("parallax 1:40", Expect::kAnswer, {.views = 2, .baseline = 0.1});
+  add("near the epipole", Expect::kAnswer, {.direction = {0.2, 0, 1}});
+  add("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
+  add("scale 1e3", Expect::kAnswer, {.scale = 1e3});
+  add("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
+  add("one outlier of eight", Expect::kCareful, {.views = 8, .baseline = 0.5, .outliers = 1});
+  add("parallax 1:200", Expect::kCareful, {.views = 2, .baseline = 0.02});
+  add("on the epipole", Expect::kCareful, {.views = 2, .direction = {0.01, 0, 1}});
+  add("parallax 1:4000", Expect::kRefusal, {.views = 2, .baseline = 0.001});
+  add("no baseline", Expect::kRefusal, {.baseline = 0});
+  add("one view", Expect::kRefusal, {.views = 1});
+  add("all outliers", Expect::kRefusal, {.views = 6, .outliers = 6});
+  add("behind the cameras", Expect::kRefusal, {.behind = true});
+  add("not a number", Expect::kRefusal, {.nan = true});
+  for (const double parallax : {0.5, 0.1, 0.03, 0.01, 0.005, 0.002, 0.0005})
+    add("parallax " + shown(parallax), Expect::kCareful, {.views = 2, .baseline = 4 * parallax},
+        "baseline over distance, two views", parallax);
+}
+
+}  // namespace mixrig::estimation_bench

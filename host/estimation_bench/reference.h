@@ -11,7 +11,7 @@
 
 #include "host/geometry/pose.h"
 
-namespace mixrig::stability {
+namespace mixrig::estimation_bench {
 
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
                                            boost::multiprecision::et_off>;
@@ -26,10 +26,20 @@ struct Motion {
 };
 /// exp(w) * pose.rotation and pose.translation + dt, from parameters x[at .. at+5].
 Motion moved(const geometry::Pose& pose, const Reals& x, std::size_t at = 0);
+/// The same, but dt moves the image of `centre` (far from the origin, a turn about the origin and
+/// a shift are all but the same).
+Motion moved_about(const geometry::Pose& pose, const Eigen::Vector3d& centre, const Reals& x);
 /// rotation * p + translation.
 Reals mapped(const Motion& motion, const Reals& p);
 /// rotation^T * (p - translation).
 Reals mapped_back(const Motion& motion, const Reals& p);
+/// first * second: second is applied first.
+Motion product(const Motion& first, const Motion& second);
+/// Appends the whitened error of inverse(base_from_eye) * base_from_target against the measured
+/// eye_from_target: rotation vector, then translation.
+void add_pose_residuals(const Motion& base_from_eye, const Motion& base_from_target,
+                        const Motion& eye_from_target, const Real& sigma_rad, const Real& sigma_m,
+                        Reals& residuals);
 Reals reals(const Eigen::Vector3d& v);
 Real length(const Reals& v);
 
@@ -39,4 +49,4 @@ Eigen::MatrixXd cramer_rao(const Residuals& residuals, int parameters);
 /// The minimum next to the truth, by Gauss-Newton.
 Eigen::VectorXd minimum(const Residuals& residuals, int parameters);
 
-}  // namespace mixrig::stability
+}  // namespace mixrig::estimation_bench

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include "host/estimation/plane_fit.h"
-#include "tests/stability/harness.h"
-#include "tests/support/random_geometry.h"
+#include "host/estimation_bench/random_geometry.h"
+#include "host/estimation_bench/suite.h"
 
-namespace mixrig::stability {
+namespace mixrig::estimation_bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -24,7 +22,7 @@ struct Scene {
 constexpr double kSigma_m = 1e-3;
 
 Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
-  test::RandomGeometry random(seed);
+  RandomGeometry random(seed);
   const Eigen::Matrix3d axes = random.rotation().toRotationMatrix();
   const double sigma = kSigma_m * scene.scale;
   Points flat, points;
@@ -46,13 +44,17 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
   if (scene.outliers > 0) return trial;
   // In the estimate's own tangent frame: height over the true plane = offset + tilt . position.
   residuals = [points, fit, truth, sigma, origin = scene.origin](const Reals& x) {
+    // The normal is truth + x0 tangent0 + x1 tangent1, whose length is not quite 1.
+    Reals normal = reals(truth);
+    for (int k = 0; k < 3; ++k)
+      normal[k] += x[0] * Real(fit.tangents(k, 0)) + x[1] * Real(fit.tangents(k, 1));
+    const Real norm = length(normal);
     Reals r;
     for (const Vector3d& p : points) {
       const Vector3d arm = p - fit.centroid_m;
       const Real height = Real(truth.dot(p - origin));
       const Real slope =
           x[0] * Real(fit.tangents.col(0).dot(arm)) + x[1] * Real(fit.tangents.col(1).dot(arm));
-      const Real norm = sqrt(1 + x[0] * x[0] + x[1] * x[1]);
       r.push_back((height + slope + x[2]) / norm / Real(sigma));
     }
     return r;
@@ -60,31 +62,32 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
   return trial;
 }
 
-void check_scene(const std::string& name, Expect expect, const Scene& scene) {
-  check({"fit_plane_robust", name, expect, [scene](std::uint64_t seed, Residuals& residuals) {
-           return run(scene, seed, residuals);
-         }});
-}
-
-TEST(PlaneFitStability, WellPosed) {
-  check_scene("square", Expect::kAnswer, {});
-  check_scene("strip 1:10", Expect::kAnswer, {.width = 0.1});
-  check_scene("strip 1:50", Expect::kAnswer, {.width = 0.02});
-  check_scene("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
-  check_scene("scale 1e3", Expect::kAnswer, {.scale = 1e3});
-  check_scene("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
-}
-
-TEST(PlaneFitStability, OutliersAndDegenerate) {
-  check_scene("one outlier of forty", Expect::kCareful, {.outliers = 1});
-  check_scene("fifteen outliers of forty", Expect::kCareful, {.outliers = 15});
-  check_scene("strip 1:200", Expect::kCareful, {.width = 0.005});
-  check_scene("strip 1:2000", Expect::kRefusal, {.width = 0.0005});
-  check_scene("collinear", Expect::kRefusal, {.width = 0});
-  check_scene("all outliers", Expect::kRefusal, {.outliers = 40});
-  check_scene("not a number", Expect::kRefusal, {.nan = true});
-  check_scene("two points", Expect::kRefusal, {.points = 2, .nan = false});
-}
-
 }  // namespace
-}  // namespace mixrig::stability
+
+void add_plane_fit_cases(std::vector<Case>& cases) {
+  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+                       const std::string& axis = {}, double at = NAN) {
+    cases.push_back({"fit_plane_robust", name, expect,
+                     [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },
+                     axis, at});
+  };
+  add("square", Expect::kAnswer, {});
+  add("strip 1:10", Expect::kAnswer, {.width = 0.1});
+  add("strip 1:50", Expect::kAnswer, {.width = 0.02});
+  add("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
+  add("scale 1e3", Expect::kAnswer, {.scale = 1e3});
+  add("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
+  add("one outlier of forty", Expect::kCareful, {.outliers = 1});
+  add("fifteen outliers of forty", Expect::kCareful, {.outliers = 15});
+  add("strip 1:200", Expect::kCareful, {.width = 0.005});
+  add("strip 1:2000", Expect::kRefusal, {.width = 0.0005});
+  add("collinear", Expect::kRefusal, {.width = 0});
+  add("all outliers", Expect::kRefusal, {.outliers = 40});
+  add("not a number", Expect::kRefusal, {.nan = true});
+  add("two points", Expect::kRefusal, {.points = 2, .nan = false});
+  for (const double width : {1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001})
+    add("width " + shown(width), Expect::kCareful, {.width = width},
+        "width of the strip over its length", width);
+}
+
+}  // namespace mixrig::estimation_bench

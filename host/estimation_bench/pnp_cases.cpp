@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include "host/estimation/pnp.h"
-#include "tests/stability/harness.h"
-#include "tests/support/random_geometry.h"
+#include "host/estimation_bench/random_geometry.h"
+#include "host/estimation_bench/suite.h"
 
-namespace mixrig::stability {
+namespace mixrig::estimation_bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,7 +30,7 @@ constexpr double kSigma_px = 0.5, kFocal_px = 600;
 Residuals pixel_model(const Points& points, const std::vector<Vector3d>& rays,
                       const geometry::Pose& truth, bool fisheye) {
   return [=](const Reals& x) {
-    const Motion m = moved(truth, x);
+    const Motion m = moved_about(truth, points[0], x);
     Reals r;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Reals q = mapped(m, reals(points[i]));
@@ -52,7 +50,7 @@ Residuals pixel_model(const Points& points, const std::vector<Vector3d>& rays,
 }
 
 Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
-  test::RandomGeometry random(seed);
+  RandomGeometry random(seed);
   Points points = random.cloud(scene.points, 1.0);
   geometry::Pose truth{estimation::rotation_exp(scene.turn_rad), {}};
   for (Vector3d& p : points) p = scene.origin + scene.scale * p.cwiseProduct(scene.stretch);
@@ -82,46 +80,50 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
   estimation::Estimate<geometry::Pose> estimate;
   Trial trial = timed([&] { return estimation::solve_pnp(points, bearings); }, estimate);
   if (!estimate.usable()) return trial;
-  trial.error = estimation::pose_error(estimate.value, truth);
+  const PoseChart chart{points[0], estimate.value.rotation * points[0]};
+  trial.error = chart.error(estimation::pose_error(estimate.value, truth),
+                            estimate.value * points[0], truth * points[0]);
+  trial.covariance = chart.covariance(trial.covariance);
   if (scene.outliers == 0) residuals = pixel_model(points, rays, truth, scene.all_around);
   return trial;
 }
 
-void check_scene(const std::string& name, Expect expect, const Scene& scene) {
-  check({"solve_pnp", name, expect, [scene](std::uint64_t seed, Residuals& residuals) {
-           return run(scene, seed, residuals);
-         }});
-}
-
-TEST(PnpStability, WellPosed) {
-  check_scene("cube", Expect::kAnswer, {});
-  check_scene("plane", Expect::kAnswer, {.stretch = {1, 1, 0}});
-  check_scene("six points", Expect::kAnswer, {.points = 6, .depth = 3});
-  check_scene("half turn about x", Expect::kAnswer, {.turn_rad = {M_PI, 0, 0}});
-  check_scene("half turn about a diagonal", Expect::kAnswer,
-              {.turn_rad = M_PI * Vector3d(1, 1, 1).normalized()});
-  check_scene("gimbal lock, pitch 90 deg", Expect::kAnswer, {.turn_rad = {0, M_PI / 2, 0}});
-  check_scene("fisheye, points all around", Expect::kAnswer, {.all_around = true});
-  check_scene("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
-  check_scene("scale 1e3", Expect::kAnswer, {.scale = 1e3});
-  check_scene("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
-  check_scene("at 20 spreads", Expect::kAnswer, {.depth = 20});
-}
-
-TEST(PnpStability, OutliersAndDegenerate) {
-  check_scene("one outlier of fifteen", Expect::kCareful, {.outliers = 1});
-  check_scene("six outliers of fifteen", Expect::kCareful, {.outliers = 6});
-  check_scene("four points", Expect::kCareful, {.points = 4});
-  check_scene("line 1:20", Expect::kCareful, {.stretch = {1, 0.05, 0.05}});
-  check_scene("plane at 40 spreads", Expect::kCareful, {.stretch = {1, 1, 0}, .depth = 40});
-  check_scene("line 1:1000", Expect::kRefusal, {.stretch = {1, 0.001, 0.001}});
-  check_scene("collinear", Expect::kRefusal, {.stretch = {1, 0, 0}});
-  check_scene("coinciding", Expect::kRefusal, {.stretch = {0, 0, 0}});
-  check_scene("all outliers", Expect::kRefusal, {.outliers = 15});
-  check_scene("points behind the camera", Expect::kRefusal, {.flipped = true});
-  check_scene("not a number", Expect::kRefusal, {.nan = true});
-  check_scene("three points", Expect::kRefusal, {.points = 3});
-}
-
 }  // namespace
-}  // namespace mixrig::stability
+
+void add_pnp_cases(std::vector<Case>& cases) {
+  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+                       const std::string& axis = {}, double at = NAN) {
+    cases.push_back({"solve_pnp", name, expect,
+                     [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },
+                     axis, at});
+  };
+  add("cube", Expect::kAnswer, {});
+  add("plane", Expect::kAnswer, {.stretch = {1, 1, 0}});
+  add("six points", Expect::kAnswer, {.points = 6, .depth = 3});
+  add("half turn about x", Expect::kAnswer, {.turn_rad = {M_PI, 0, 0}});
+  add("half turn about a diagonal", Expect::kAnswer,
+      {.turn_rad = M_PI * Vector3d(1, 1, 1).normalized()});
+  add("gimbal lock, pitch 90 deg", Expect::kAnswer, {.turn_rad = {0, M_PI / 2, 0}});
+  add("fisheye, points all around", Expect::kAnswer, {.all_around = true});
+  add("scale 1e-3", Expect::kAnswer, {.scale = 1e-3});
+  add("scale 1e3", Expect::kAnswer, {.scale = 1e3});
+  add("1e6 m from the origin", Expect::kAnswer, {.origin = {1e6, -1e6, 1e6}});
+  add("at 20 spreads", Expect::kAnswer, {.depth = 20});
+  add("one outlier of fifteen", Expect::kCareful, {.outliers = 1});
+  add("six outliers of fifteen", Expect::kCareful, {.outliers = 6});
+  add("four points", Expect::kCareful, {.points = 4});
+  add("line 1:20", Expect::kCareful, {.stretch = {1, 0.05, 0.05}});
+  add("plane at 40 spreads", Expect::kCareful, {.stretch = {1, 1, 0}, .depth = 40});
+  add("line 1:1000", Expect::kRefusal, {.stretch = {1, 0.001, 0.001}});
+  add("collinear", Expect::kRefusal, {.stretch = {1, 0, 0}});
+  add("coinciding", Expect::kRefusal, {.stretch = {0, 0, 0}});
+  add("all outliers", Expect::kRefusal, {.outliers = 15});
+  add("points behind the camera", Expect::kRefusal, {.flipped = true});
+  add("not a number", Expect::kRefusal, {.nan = true});
+  add("three points", Expect::kRefusal, {.points = 3});
+  for (const double size : {0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005})
+    add("plane " + shown(size), Expect::kCareful, {.stretch = {1, 1, 0}, .depth = 1 / size},
+        "size of a plane over its distance", size);
+}
+
+}  // namespace mixrig::estimation_bench

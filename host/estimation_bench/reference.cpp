@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/stability/reference.h"
+#include "host/estimation_bench/reference.h"
 
-namespace mixrig::stability {
+namespace mixrig::estimation_bench {
 namespace {
 
 using Matrix = std::vector<Reals>;
@@ -86,6 +86,17 @@ Motion moved(const geometry::Pose& pose, const Reals& x, std::size_t at) {
   return m;
 }
 
+Motion moved_about(const geometry::Pose& pose, const Eigen::Vector3d& centre, const Reals& x) {
+  const Reals none(6, Real(0));
+  Reals turn = x;
+  for (int k = 3; k < 6; ++k) turn[k] = 0;
+  const Reals image = mapped(moved(pose, none), reals(centre));
+  Motion m = moved(pose, turn);
+  const Reals turned = mapped(m, reals(centre));
+  for (int k = 0; k < 3; ++k) m.t[k] += image[k] - turned[k] + x[3 + k];
+  return m;
+}
+
 Reals mapped(const Motion& m, const Reals& p) {
   Reals q(3);
   for (int i = 0; i < 3; ++i)
@@ -98,6 +109,45 @@ Reals mapped_back(const Motion& m, const Reals& p) {
   for (int i = 0; i < 3; ++i)
     q[i] = m.r[0][i] * (p[0] - m.t[0]) + m.r[1][i] * (p[1] - m.t[1]) + m.r[2][i] * (p[2] - m.t[2]);
   return q;
+}
+
+Motion product(const Motion& first, const Motion& second) {
+  Motion out;
+  for (int i = 0; i < 3; ++i) {
+    out.t[i] = first.t[i];
+    for (int j = 0; j < 3; ++j) out.t[i] += first.r[i][j] * second.t[j];
+    for (int k = 0; k < 3; ++k) {
+      out.r[i][k] = 0;
+      for (int j = 0; j < 3; ++j) out.r[i][k] += first.r[i][j] * second.r[j][k];
+    }
+  }
+  return out;
+}
+
+void add_pose_residuals(const Motion& base_from_eye, const Motion& base_from_target,
+                        const Motion& eye_from_target, const Real& sigma_rad, const Real& sigma_m,
+                        Reals& residuals) {
+  // off = predicted rotation * measured rotation^T, both of eye_from_target.
+  Real predicted[3][3], off[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      predicted[i][k] = 0;
+      for (int j = 0; j < 3; ++j)
+        predicted[i][k] += base_from_eye.r[j][i] * base_from_target.r[j][k];
+    }
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      off[i][k] = 0;
+      for (int j = 0; j < 3; ++j) off[i][k] += predicted[i][j] * eye_from_target.r[k][j];
+    }
+  const Real w[3] = {(off[2][1] - off[1][2]) / 2, (off[0][2] - off[2][0]) / 2,
+                     (off[1][0] - off[0][1]) / 2};
+  const Real sine = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  const Real gain = sine > Real("1e-15") ? Real(asin(sine) / sine) : Real(1);
+  for (const Real& value : w) residuals.push_back(gain * value / sigma_rad);
+  const Reals centre = mapped_back(
+      base_from_eye, {base_from_target.t[0], base_from_target.t[1], base_from_target.t[2]});
+  for (int k = 0; k < 3; ++k) residuals.push_back((centre[k] - eye_from_target.t[k]) / sigma_m);
 }
 
 Eigen::MatrixXd cramer_rao(const Residuals& residuals, int parameters) {
@@ -128,4 +178,4 @@ Eigen::VectorXd minimum(const Residuals& residuals, int parameters) {
   return result;
 }
 
-}  // namespace mixrig::stability
+}  // namespace mixrig::estimation_bench

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Constellation files, external calibration files and motion-capture CSV of any bytes.
+#include <string_view>
+
+#include "host/mocap/external.h"
+#include "host/mocap/marker_file.h"
+#include "host/mocap/track.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  (void)mocap::parse_constellation(text, "c");
+  if (const auto input = mocap::parse_external(text, "e")) (void)mocap::calibrate_external(*input);
+  if (const auto frames = mocap::parse_mocap_csv(text, "m"))
+    if (const auto track = mocap::track_bodies(*frames, {})) (void)mocap::to_tum(*track);
+  return 0;
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "host/estimation_bench/random_geometry.h"
+#include "host/estimation_bench/suite.h"
+
+namespace mixrig::estimation_bench {
+namespace {
+
+constexpr Effort kShort{24, 1};
+
+void run(void (*add)(std::vector<Case>&)) {
+  std::vector<Case> cases;
+  add(cases);
+  ASSERT_FALSE(cases.empty());
+  Report report;
+  for (const Case& c : cases) {
+    report.rows.push_back(measure(c, kShort));
+    for (const std::string& fault : faults_of(report.rows.back())) ADD_FAILURE() << fault;
+  }
+  if (::testing::Test::HasFailure()) std::fputs(to_table(report).c_str(), stdout);
+}
+
+TEST(Stability, RigidAndSimilarityFit) { run(add_rigid_fit_cases); }
+TEST(Stability, Multilateration) { run(add_multilateration_cases); }
+TEST(Stability, Triangulation) { run(add_triangulation_cases); }
+TEST(Stability, Pnp) { run(add_pnp_cases); }
+TEST(Stability, PlaneFit) { run(add_plane_fit_cases); }
+TEST(Stability, HandEye) { run(add_hand_eye_cases); }
+TEST(Stability, PanTiltChain) { run(add_pan_tilt_cases); }
+TEST(Stability, Constellation) { run(add_constellation_cases); }
+
+TEST(Stability, BlobCentresAreWithinAHundredthOfAPixelFromRadiusTwo) {
+  for (const BlobBias& blob : measure_blob_bias(5))
+    if (blob.radius_px >= 2 && blob.threshold <= 60) {
+      EXPECT_LT(blob.bias_px, 0.02) << blob.radius_px << " px, threshold " << blob.threshold;
+    }
+}
+
+/// An estimator of one number whose error and claim are set by hand.
+Case made_up(Expect expect, double error_sigmas, double claimed_sigma, bool refuses = false) {
+  return {"made_up", "a case", expect, [=](std::uint64_t seed, Residuals& residuals) {
+            Trial trial;
+            if (refuses) {
+              trial.verdict = estimation::Verdict::degenerate("made up");
+              return trial;
+            }
+            trial.verdict = estimation::Verdict::ok();
+            RandomGeometry random(seed);
+            const double noise = random.normal();
+            trial.error = Eigen::VectorXd::Constant(1, error_sigmas * noise);
+            trial.covariance = Eigen::MatrixXd::Constant(1, 1, claimed_sigma * claimed_sigma);
+            residuals = [noise](const Reals& x) { return Reals{x[0] - Real(noise)}; };
+            return trial;
+          }};
+}
+
+std::size_t faults(const Case& c) { return faults_of(measure(c, {200, 1})).size(); }
+
+TEST(Judge, MarksWhatFallsShort) {
+  EXPECT_EQ(faults(made_up(Expect::kAnswer, 1, 1)), 0u);
+  EXPECT_EQ(faults(made_up(Expect::kAnswer, 1, 1, true)), 1u) << "refused";
+  EXPECT_EQ(faults(made_up(Expect::kAnswer, 1, 2)), 1u) << "too modest";
+  EXPECT_EQ(faults(made_up(Expect::kAnswer, 1, 0.5)), 1u) << "overconfident";
+  EXPECT_GE(faults(made_up(Expect::kAnswer, 1.5, 1.5)), 2u) << "not efficient, off the minimum";
+  EXPECT_EQ(faults(made_up(Expect::kCareful, 1, 1, true)), 0u);
+  EXPECT_EQ(faults(made_up(Expect::kCareful, 1, 0.5)), 1u);
+  EXPECT_EQ(faults(made_up(Expect::kRefusal, 1, 1, true)), 0u);
+  EXPECT_EQ(faults(made_up(Expect::kRefusal, 1, 1)), 1u);
+}
+
+TEST(Judge, KnowsWhatChancePutsOutside) {
+  EXPECT_EQ(most_outside_95(1), 1);
+  EXPECT_EQ(most_outside_95(20), 3);
+  EXPECT_EQ(most_outside_95(100), 10);
+}
+
+}  // namespace
+}  // namespace mixrig::estimation_bench

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The recording mocap-natnet through files, as `mixrig track --mocap` reads it.
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "host/estimation/verdict.h"
+#include "host/mocap/marker_file.h"
+#include "host/mocap/track.h"
+
+namespace mixrig::mocap {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The constellation of the recording (its rigid_body_definition.json).
+Constellation race_quad() {
+  return {"RaceQuad",
+          0.001,
+          {{-0.1611589938402176, 0.03505159914493561, -0.03218130022287369},
+           {0.0308190006762743, 0.03978189826011658, -0.021990099921822548},
+           {-0.1875309944152832, -0.03338329866528511, 0.1480810046195984},
+           {0.0748715028166771, 6.686070264549926e-05, 0.03292329981923103},
+           {0.05803820118308067, -0.03194189816713333, -0.13680699467658997}}};
+}
+
+TEST(MocapRecording, MarkersGiveThePosesThatTheSystemGives) {
+  const char* root = std::getenv("MIXRIG_DATA");
+  if (root == nullptr || !fs::exists(fs::path(root) / "mocap-natnet"))
+    GTEST_SKIP() << "needs the recording mocap-natnet: set MIXRIG_DATA to the folder that holds it";
+  const fs::path folder = fs::path(root) / "mocap-natnet";
+  const auto markers = read_mocap_csv(folder / "markers.csv");
+  const auto bodies = read_mocap_csv(folder / "rigid_body.csv");
+  ASSERT_TRUE(markers) << markers.error().context;
+  ASSERT_TRUE(bodies) << bodies.error().context;
+  TrackOptions options;
+  options.body_id = 2;
+  const auto ours = track_markers(*markers, race_quad(), options);
+  const auto theirs = track_bodies(*bodies, options);
+  ASSERT_TRUE(theirs) << theirs.error().context;
+  ASSERT_GT(ours.poses.size(), 200u);
+  ASSERT_EQ(ours.poses.size(), theirs->poses.size());
+  EXPECT_NEAR(ours.residual_rms_m, 0.00067, 0.00002);
+  for (std::size_t i = 0; i < ours.poses.size(); ++i) {
+    EXPECT_NEAR(ours.poses[i].time_s, theirs->poses[i].time_s, 1e-6);
+    const auto error =
+        estimation::pose_error(ours.poses[i].world_from_camera, theirs->poses[i].world_from_camera);
+    EXPECT_LT(error.head<3>().norm(), 0.03 * M_PI / 180);
+    EXPECT_LT(error.tail<3>().norm(), 0.0003);
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::mocap
