@@ -11,7 +11,7 @@
 namespace mixrig::board {
 namespace {
 
-constexpr const char* kImage = "/host/trigger.bin";
+constexpr const char* kImage = "/tmp/bin/trigger.bin";
 constexpr const char* kUtil = "dfu-util -d 0483:df11 -a 0 ";
 
 std::string bytes_of(const std::string& path) {

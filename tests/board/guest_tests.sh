@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# In the guest: modules and udev, then the tests that /host/filter names.
+# In the guest: modules and udev, then the tests that /host/tests names.
 cp -r /host/bin /tmp/bin; export PATH=/tmp/bin:$PATH  # the share is slow to run programs from
 for module in vhci-hcd uvcvideo cdc-acm xhci-pci ftdi_sio configfs; do
   modprobe $module || { echo "board: no module $module"; exit 1; }
@@ -10,8 +10,6 @@ insmod /host/modules/irq_sim.ko && insmod /host/modules/gpio-sim.ko || exit 1
 sysctl -qp /host/70-mixrig.conf
 /lib/systemd/systemd-udevd --daemon 2>/dev/null  # libusb hears of plugs through it
 udevadm settle
-[ ! -c /dev/ttyS0 ] || [ ! -e /host/ptu.sock ] || export MIXRIG_BOARD_PTU=/dev/ttyS0
-[ ! -c /dev/ttyUSB0 ] || export MIXRIG_BOARD_MCU=/dev/ttyUSB0
 [ ! -f /host/environment ] || . /host/environment
 export GTEST_COLOR=no
 # Every file that a test will read is read now: where the guest's idle time is skipped, its clock
@@ -20,5 +18,8 @@ for warm in 'board_tests --gtest_list_tests' 'mixrig diag --no-move --watch 0.5'
   'dfu-util -l' 'v4l2-ctl -d /dev/video0 -l' 'sh -c true'; do
   $warm >/dev/null 2>&1
 done
+udevadm settle
+[ ! -c /dev/ttyS0 ] || [ ! -e /host/ptu.sock ] || export MIXRIG_BOARD_PTU=/dev/ttyS0
+[ ! -c /dev/ttyUSB0 ] || export MIXRIG_BOARD_MCU=/dev/ttyUSB0
 echo "board: ready after $(cut -d' ' -f1 /proc/uptime) s"
 cd /tmp && . /host/tests
