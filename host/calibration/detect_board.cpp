@@ -36,8 +36,7 @@ std::optional<Points> find_checkerboard(const cv::Mat& image, cv::Size pattern) 
     return corners;
   cv::Mat even;
   cv::createCLAHE(4.0, {8, 8})->apply(image, even);
-  if (cv::findChessboardCornersSB(even, pattern, corners, kSector))
-    return corners;
+  if (cv::findChessboardCornersSB(even, pattern, corners, kSector)) return corners;
   if (std::max(image.cols, image.rows) <= kMaxEnlarged_px) {
     cv::Mat twice;
     cv::resize(even, twice, {}, 2, 2, cv::INTER_CUBIC);

@@ -155,7 +155,9 @@ std::optional<CornerFit> fit_corner(ImageView<const std::uint8_t> image, const V
   fit.contrast = 2 * std::abs(v[kGain]);
   fit.residual = std::sqrt(sums.squares / sums.weight) / std::max(fit.contrast, 1e-9);
   if (fit.contrast < kMinContrast || fit.residual > kMaxResidual) return std::nullopt;
-  const double variance = sums.squares / std::max(sums.weight - static_cast<double>(Parameters::SizeAtCompileTime), 1.0);
+  const double variance =
+      sums.squares /
+      std::max(sums.weight - static_cast<double>(Parameters::SizeAtCompileTime), 1.0);
   const Eigen::Matrix2d covariance =
       variance * sums.information.ldlt().solve(Normal::Identity()).topLeftCorner<2, 2>();
   fit.sigma_px = std::sqrt(

@@ -183,7 +183,7 @@ TEST(MrcalFile, IsReadByMrcalItself) {
       "q = mrcal.project(np.array((0.3, -0.2, 1.)), *m.intrinsics()); "
       "t = m.extrinsics_Rt_fromref(); print(repr(float(q[0])), repr(float(q[1])), "
       "*map(float, t.ravel()))";
-  const auto told = output_of("python3 -c '" + script + "' " + path.string());
+  const auto told = output_of("/usr/bin/python3 -c '" + script + "' " + path.string());
   ASSERT_TRUE(told) << "mrcal cannot read what we wrote";
   std::array<double, 14> v{};
   const char* at = told->c_str();
