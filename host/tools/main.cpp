@@ -63,6 +63,9 @@ void add_commands(CLI::App& app, Context& context) {
 #ifdef MIXRIG_HAS_TRACK_COMMAND
   add_track_command(app, context);
 #endif
+#ifdef MIXRIG_HAS_CALIBRATE_INTRINSICS_COMMAND
+  add_calibrate_intrinsics_command(app, context);
+#endif
   add_common_options(app, context);
 }
 
