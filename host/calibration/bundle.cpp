@@ -104,6 +104,8 @@ bool solve(Bundle& bundle, double huber_px) {
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
   options.gradient_tolerance = 1e-14;
+  // Lens terms can be all but alike; some damping is left, that the matrix stays definite.
+  options.max_trust_region_radius = 1e9;
   options.num_threads = 1;  // the sums' order, and so every bit, stays the same
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

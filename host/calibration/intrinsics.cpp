@@ -238,13 +238,16 @@ Result<void> judge(Intrinsics& out) {
 Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions& options) {
   const bool choose = options.lens_terms < 0;
   double least = std::numeric_limits<double>::infinity();
-  bool any = false;
+  bool any = false, folds = false;
   const Bundle from = out.bundle;
   for (const int terms : choose ? terms_to_try(options.kind) : std::vector{options.lens_terms}) {
     Bundle tried = from;
     const auto free = free_parameters(options.kind, terms, options.hold_center);
     if (!solve_robustly(tried, size_px, free)) continue;
-    if (!validate(geometry::make_camera(tried.kind, size_px, tried.intrinsics))) continue;
+    if (!validate(geometry::make_camera(tried.kind, size_px, tried.intrinsics))) {
+      folds = true;
+      continue;
+    }
     const double held = held_out_px(tried, size_px, free);
     // More terms must earn their keep.
     constexpr double kWorthIt = 0.995;
@@ -256,6 +259,10 @@ Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions&
   }
   out.held_out_px = std::isfinite(least) ? least : 0;
   if (any) return {};
+  if (folds)
+    return refuse(
+        "the lens that fits the views folds where none reaches: show the board near the "
+        "sides of the picture, or ask for fewer terms by --lens");
   return refuse("no camera fits these views: is the board as stated, and is --model right?");
 }
 
@@ -288,6 +295,9 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
     out.views.emplace_back();
     out.views.back().name = view.name;
   }
+  for (const ObservedView& view : views)
+    for (const auto& px : view.board.px)
+      if (!px.allFinite()) return refuse(view.name + ": holds a point that is not finite");
   leave_out_blurred(views, out.views);
   std::vector<std::size_t> which;
   constexpr int kRounds = 5;
@@ -304,10 +314,13 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
   which = usable(out.views);
   if (which.size() != out.bundle.views.size())
     return refuse("the views do not agree with each other: pictures of two cameras?");
-  if (which.size() * 3 < views.size() * 2)
+  const auto foreign = std::count_if(out.views.begin(), out.views.end(), [](const ViewFit& view) {
+    return !view.why_not.empty() && !view.why_not.starts_with("blurred");
+  });
+  if (4 * static_cast<std::size_t>(foreign) > views.size())
     return refuse(
-        "more than a third of the views do not agree with the rest: pictures of two cameras, or a "
-        "zoom that moved?");
+        std::to_string(foreign) + " of " + std::to_string(views.size()) +
+        " views do not agree with the rest: pictures of two cameras, or a zoom that moved?");
   const double rms = misfit(out.bundle).rms_px();
   constexpr double kWrongBoard_px = 5;
   if (rms > kWrongBoard_px)

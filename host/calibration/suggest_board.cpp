@@ -68,14 +68,13 @@ std::optional<BoardSpec> suggest_board(ImageView<const std::uint8_t> image,
                                        const BoardSpec& stated) {
   if (stated.kind == BoardKind::kAprilgrid) return std::nullopt;
   std::optional<BoardSpec> best;
-  double least = 0;
+  std::size_t most = 0;  // wrong layouts agree with some markers by chance, the right one with most
   for (const BoardSpec& board : mixed_up_with(stated)) {
     const auto view = detect_board(image, board);
-    if (!view || !*view) continue;
-    const double misfit = homography_misfit_px(**view, board) / extent_px(**view);
-    if (misfit > kWrongShare || (best && misfit >= 0.5 * least)) continue;
+    if (!view || !*view || (*view)->ids.size() <= most) continue;
+    if (homography_misfit_px(**view, board) > kWrongShare * extent_px(**view)) continue;
     best = board;
-    least = misfit;
+    most = (*view)->ids.size();
     if (stated.kind == BoardKind::kCheckerboard) break;  // found whole: that is it
   }
   return best;

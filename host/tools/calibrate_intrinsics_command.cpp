@@ -151,7 +151,7 @@ Result<void> check_board(const Words& words, const BoardSpec& board, const Colle
 
 /// Why not to use this calibration; empty for go.
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
-  constexpr double kWorst_px = 1.0, kRms_px = 1.0, kPointsOut = 0.1;
+  constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
   const auto text = [](const char* format, double a) {
     char line[160];
@@ -161,7 +161,12 @@ std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& 
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))
     why.push_back(text("a pixel is uncertain by %.2f px where it is worst", map.worst_px));
-  if (in.rms_px > kRms_px) why.push_back(text("points miss by %.2f px RMS", in.rms_px));
+  if (!(map.median_px <= kMedian_px))
+    why.push_back(text("the median pixel is uncertain by %.2f px", map.median_px));
+  if (in.rms_px > kRms_px)
+    why.push_back(
+        text("points miss by %.2f px RMS (views of two cameras, a wrong --model or a soft board?)",
+             in.rms_px));
   if (in.points_out > kPointsOut * (in.points + in.points_out))
     why.push_back(text("%.0f %% of the points do not fit",
                        100.0 * in.points_out / (in.points + in.points_out)));

@@ -91,8 +91,8 @@ void draw_uncertainty(Canvas& canvas, const Panel& p, const Intrinsics& in,
       canvas.picture(static_cast<int>(x), static_cast<int>(y), cell);
       canvas.text({x + width / 2, y + height / 2}, words("%.2f", map.sigma_px[i]), 11, kInk,
                   app::Align::kCenter);
-      canvas.text({x + width / 2, y + height / 2 + 13}, words("%.0f pts", counts[i]), 9,
-                  counts[i] > 0 ? kInk : kResidual, app::Align::kCenter);
+      canvas.text({x + width / 2, y + height / 2 + 13}, words("%.0f pts", counts[i]), 9, kInk,
+                  app::Align::kCenter);
     }
 }
 
