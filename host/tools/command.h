@@ -37,6 +37,8 @@ void add_align_command(CLI::App& app, Context& context);
 void add_calibrate_external_command(CLI::App& app, Context& context);
 void add_track_command(CLI::App& app, Context& context);
 void add_calibrate_intrinsics_command(CLI::App& app, Context& context);
+void add_calibrate_rig_command(CLI::App& app, Context& context);
+void add_calibrate_ptu_command(CLI::App& app, Context& context);
 
 /// A progress bar on stderr, shown only when stderr is a terminal.
 class Progress {

@@ -66,6 +66,10 @@ void add_commands(CLI::App& app, Context& context) {
 #ifdef MIXRIG_HAS_CALIBRATE_INTRINSICS_COMMAND
   add_calibrate_intrinsics_command(app, context);
 #endif
+#ifdef MIXRIG_HAS_CALIBRATE_RIG_COMMAND
+  add_calibrate_rig_command(app, context);
+  add_calibrate_ptu_command(app, context);
+#endif
   add_common_options(app, context);
 }
 

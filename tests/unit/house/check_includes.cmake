@@ -18,7 +18,7 @@ set(RULES
   "host/sync:hal/base|hal/device|host/geometry|host/estimation"
   "host/image_io:hal/base"
   "host/camera_io:hal/base|host/geometry|host/image_io"
-  "host/calibration:hal/base|host/geometry|host/estimation|host/image_io"
+  "host/calibration:hal/base|host/config|host/geometry|host/estimation|host/image_io|host/camera_io"
   "host/scene:hal/base|host/config|host/geometry|host/image_io"
   "host/take:hal/base|host/config|host/geometry|host/image_io"
   "host/stream:hal/base|host/geometry"

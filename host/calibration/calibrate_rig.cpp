@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joint calibration of all cameras of a rig.
+#include "host/calibration/calibrate_rig.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/LU>
+
+#include "host/estimation/verdict.h"
+
+namespace mixrig::calibration {
+namespace {
+
+constexpr int kHoldOutEvery = 4;
+constexpr double kKnotStep_m = 0.1;
+constexpr double kSlopeWarned = 0.012;  // of the depth error over the distance
+constexpr double kBlurWarned_px = 3;
+
+class Watch {
+ public:
+  double seconds() {
+    const auto now = std::chrono::steady_clock::now();
+    const double passed = std::chrono::duration<double>(now - since_).count();
+    since_ = now;
+    return passed;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+};
+
+std::vector<int> all_seen(const RigData& data) {
+  std::vector<int> views;
+  for (std::size_t v = 0; v < data.corners.size(); ++v)
+    for (const auto& corners : data.corners[v])
+      if (!corners.empty()) {
+        views.push_back(static_cast<int>(v));
+        break;
+      }
+  return views;
+}
+
+/// Every fourth of the views that the target camera shares with another.
+std::vector<int> hold_out(const RigData& data) {
+  std::vector<int> shared, held;
+  for (const int view : seen_by(data, 0)) {
+    bool with_other = false;
+    for (std::size_t c = 1; c < data.corners[view].size(); ++c)
+      with_other = with_other || !data.corners[view][c].empty();
+    if (with_other) shared.push_back(view);
+  }
+  if (shared.size() < 8) return {};
+  for (std::size_t i = 1; i < shared.size(); i += kHoldOutEvery) held.push_back(shared[i]);
+  return held;
+}
+
+std::vector<int> without(const std::vector<int>& views, const std::vector<int>& left_out) {
+  std::vector<int> rest;
+  for (const int v : views)
+    if (std::find(left_out.begin(), left_out.end(), v) == left_out.end()) rest.push_back(v);
+  return rest;
+}
+
+std::vector<double> corner_sigmas(const RigData& data, const RigModel& model,
+                                  const std::vector<int>& views) {
+  std::vector<double> sigma;
+  for (std::size_t c = 0; c < model.cameras.size(); ++c)
+    sigma.push_back(std::max(corner_error(data, model, c, views).rms_px / std::sqrt(2.0), 0.005));
+  return sigma;
+}
+
+/// Corners of all cameras together; the second round knows how sharp each camera's corners are.
+SolveReport solve_corners(const RigData& data, RigModel& model, const std::vector<int>& views,
+                          bool bend, Crew& crew) {
+  const RigLayout layout = layout_of(model, {false, bend, false});
+  std::vector<double> sigma(model.cameras.size(), 0.2);
+  SolveReport report;
+  for (int round = 0; round < 2; ++round) {
+    report = solve_views(model, layout, corner_terms(data.print, data.corners, sigma), views,
+                         {40, 1e-8, {}}, crew);
+    sigma = corner_sigmas(data, model, views);
+  }
+  return report;
+}
+
+bool has_depth(const RigData& data) {
+  for (const ViewCamera& camera : data.set.cameras)
+    if (!camera.depth.empty()) return true;
+  return false;
+}
+
+/// Knots over the distances at which the board was held.
+DepthCurve empty_curve(const RigData& data, const RigModel& model, const std::vector<int>& views) {
+  double low = 1e9, high = 0;
+  for (std::size_t c = 0; c < model.cameras.size(); ++c)
+    for (const int view : views) {
+      if (data.set.cameras[c].depth.empty() || data.corners[view][c].empty()) continue;
+      for (const SeenCorner& corner : data.corners[view][c]) {
+        const BoardPoint p = board_point(model, data.print.columns, data.print.rows, corner.uv);
+        const double d =
+            (model.cameras[c].camera_from_target * (model.target_from_board[view] * p.p_m)).norm();
+        low = std::min(low, d), high = std::max(high, d);
+      }
+    }
+  DepthCurve curve;
+  if (high <= low) return curve;
+  const int pieces = std::clamp(static_cast<int>((high - low) / kKnotStep_m), 1, 30);
+  for (int k = 0; k <= pieces; ++k) curve.knots_m.push_back(low + (high - low) * k / pieces);
+  curve.error_m.assign(curve.knots_m.size(), 0.0);
+  return curve;
+}
+
+SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool bend, int most_steps,
+                         PixelTerms& terms, Crew& crew) {
+  SolveReport report;
+  // The first round's scatter holds what corners left wrong, the second's is the pictures' own.
+  for (const int steps : {most_steps, std::max(2, most_steps / 3)}) {
+    terms.weigh(model, views, crew);
+    const RigLayout layout = layout_of(model, {true, bend, model.depth.knots_m.size() > 1});
+    SolveOptions options{steps, 2e-5, Eigen::VectorXd::Zero(layout.count)};
+    if (layout.depth >= 0)  // a piece of the curve that no view reaches stays where it is
+      options.prior.segment(layout.depth, static_cast<Eigen::Index>(model.depth.knots_m.size()))
+          .setConstant(1e4);
+    report = solve_views(model, layout, terms.function(), views, options, crew);
+  }
+  return report;
+}
+
+std::vector<HeldOut> judge_held_out(const RigData& data, const RigModel& by_corners,
+                                    const RigModel& by_pixels, const std::vector<int>& held,
+                                    Crew& crew) {
+  std::vector<HeldOut> out;
+  for (std::size_t c = 1; c < by_corners.cameras.size(); ++c) {
+    HeldOut h;
+    h.camera = by_corners.cameras[c].name;
+    for (const RigModel* fitted : {&by_corners, &by_pixels}) {
+      RigModel moved = *fitted;
+      const auto poses = refined_poses(data, moved, 0, held, 0.1, crew);
+      for (const int view : held)
+        if (poses[view]) moved.target_from_board[view] = *poses[view];
+      const CornerError error = corner_error(data, moved, c, held);
+      (fitted == &by_corners ? h.corners_px : h.pixels_px) = error.rms_px;
+      h.views = error.views;
+    }
+    out.push_back(h);
+  }
+  return out;
+}
+
+/// Covariance of target_from_camera from that of camera_from_target.
+Eigen::MatrixXd inverse_covariance(const geometry::Pose& pose, const Eigen::MatrixXd& covariance) {
+  const Eigen::Matrix3d back = pose.rotation.toRotationMatrix().transpose();
+  Eigen::Matrix<double, 6, 6> j = Eigen::Matrix<double, 6, 6>::Zero();
+  j.topLeftCorner<3, 3>() = -back;
+  j.bottomLeftCorner<3, 3>() = -back * estimation::skew(pose.translation_m);
+  j.bottomRightCorner<3, 3>() = -back;
+  return j * covariance * j.transpose();
+}
+
+void fill_calibration(const RigData& data, const SolveReport& solved, const RigLayout& layout,
+                      const std::vector<int>& views, RigReport& report) {
+  for (std::size_t c = 0; c < report.model.cameras.size(); ++c) {
+    const RigCamera& camera = report.model.cameras[c];
+    const CornerError error = corner_error(data, report.model, c, views);
+    camera_io::CalibratedCamera out;
+    out.name = camera.name;
+    out.model = geometry::make_camera(camera.lens, camera.size_px, camera.parameters);
+    const auto count = static_cast<Eigen::Index>(camera.parameters.size());
+    out.covariance = Eigen::MatrixXd::Zero(count, count);
+    for (std::size_t i = 0; i < camera.free.size(); ++i)
+      for (std::size_t j = 0; j < camera.free.size(); ++j)
+        out.covariance(camera.free[i], camera.free[j]) =
+            solved.covariance(layout.cameras[c].intrinsics + static_cast<int>(i),
+                              layout.cameras[c].intrinsics + static_cast<int>(j));
+    out.residual_px = error.rms_px, out.views = error.views, out.points = error.corners;
+    report.calibration.cameras.push_back(out);
+    if (c == 0) continue;
+    const int at = layout.cameras[c].extrinsics;
+    report.calibration.poses.push_back(
+        {camera.name,
+         geometry::inverse(camera.camera_from_target),
+         inverse_covariance(camera.camera_from_target, solved.covariance.block(at, at, 6, 6)),
+         error.rms_px,
+         error.views,
+         {}});
+  }
+}
+
+Result<void> fit_depth(const RigData& data, const std::vector<int>& views, RigReport& report) {
+  for (std::size_t c = 0; c < data.set.cameras.size(); ++c) {
+    if (data.set.cameras[c].depth.empty()) continue;
+    MIXRIG_ASSIGN(DepthFit fit, fit_depth_error(depth_samples(data.print, data.pictures,
+                                                              report.model, c, views)));
+    fit.error.camera = data.set.cameras[c].name;
+    report.calibration.depth_error = fit.error;
+    report.depth = std::move(fit);
+    return {};
+  }
+  return {};
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
+  return text;
+}
+
+/// A board of the wrong size moves lens and mounting with it: only the depth camera can tell.
+Result<void> check_result(const RigData& data, RigReport& report) {
+  if (report.depth && std::abs(report.depth->slope) > 0.03)
+    return Error{ErrorCode::kData, "the depth camera measures distances that differ by " +
+                                       percent(report.depth->slope) +
+                                       " of what the board's size says: the square is not " +
+                                       std::to_string(1000 * data.set.square_m) +
+                                       " mm: measure it and correct square_mm in views.toml"};
+  if (report.depth && std::abs(report.depth->slope) > kSlopeWarned)
+    report.warnings.push_back("depth differs by " + percent(report.depth->slope) +
+                              " of the distance: measure the board's square again");
+  if (data.blur_px > kBlurWarned_px)
+    report.warnings.push_back("some views are blurred: hold the board still, and in focus");
+  for (std::size_t c = 0; c < report.corner_px.size(); ++c)
+    if (report.corner_px[c] > 1.0)
+      report.warnings.push_back("camera \"" + report.model.cameras[c].name +
+                                "\": corners are off by " + std::to_string(report.corner_px[c]) +
+                                " px: is the board flat, and did it stand still?");
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::optional<geometry::Pose>> refined_poses(const RigData& data, const RigModel& model,
+                                                         std::size_t camera,
+                                                         const std::vector<int>& views,
+                                                         double sigma_px, Crew& crew) {
+  std::vector<std::optional<geometry::Pose>> poses(data.corners.size());
+  RigModel single = model;
+  single.cameras = {model.cameras[camera]};
+  single.cameras[0].free.clear();
+  single.cameras[0].camera_from_target = {};
+  SeenCorners corners;
+  for (const auto& view : data.corners) corners.push_back({view[camera]});
+  std::vector<int> seen;
+  for (const int view : views)
+    if (board_pose(data, model, camera, view, single.target_from_board[view])) seen.push_back(view);
+  const RigLayout layout = layout_of(single, {});
+  for (const int view : seen) {
+    solve_views(single, layout, corner_terms(data.print, corners, {sigma_px}), {view},
+                {20, 1e-9, {}}, crew);
+    poses[view] = single.target_from_board[view];
+  }
+  return poses;
+}
+
+Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
+                                const RigProgress& progress) {
+  Crew crew(options.threads);
+  RigReport report;
+  Watch watch;
+  MIXRIG_ASSIGN(const RigData data,
+                load_rig_data(set, options.cameras, crew,
+                              [&](int done, int total) { progress("views", done, total); }));
+  report.load_s = watch.seconds();
+  MIXRIG_ASSIGN(RigModel model, start_rig(data, crew));
+  const std::vector<int> views = all_seen(data), held = hold_out(data);
+  const std::vector<int> fitted = without(views, held);
+  const bool judges = !held.empty() && model.cameras.size() > 1;
+
+  RigModel judged = model;
+  if (judges) solve_corners(data, judged, fitted, options.bend, crew);
+  report.by_corners = model;
+  SolveReport solved = solve_corners(data, report.by_corners, views, options.bend, crew);
+  if (!solved.solved)
+    return Error{ErrorCode::kData,
+                 "the views do not carry a calibration: hold the board near and far, tilted to all "
+                 "sides, and in all parts of the pictures"};
+  for (std::size_t c = 0; c < model.cameras.size(); ++c)
+    report.corner_px.push_back(corner_error(data, report.by_corners, c, views).rms_px);
+  report.model = report.by_corners;
+  report.corners_s = watch.seconds();
+  progress("corners", 1, 1);
+
+  RigLayout layout = layout_of(report.model, {false, options.bend, false});
+  PixelTerms terms(data.print, data.pictures);
+  RigModel judged_pixels = judged;
+  if (options.pixels) {
+    if (has_depth(data)) judged_pixels.depth = empty_curve(data, report.model, views);
+    if (judges) {
+      solve_pixels(judged_pixels, fitted, options.bend, 8, terms, crew);
+      progress("pixels", 1, 2);
+      // All views start from there: lens and mounting are close, the places of the others are not.
+      report.model.cameras = judged_pixels.cameras;
+      report.model.bend = judged_pixels.bend;
+      for (const int view : fitted)
+        report.model.target_from_board[view] = judged_pixels.target_from_board[view];
+      const auto poses = refined_poses(data, report.model, 0, held, 0.1, crew);
+      for (const int view : held)
+        if (poses[view]) report.model.target_from_board[view] = *poses[view];
+    }
+    report.model.depth = judged_pixels.depth;
+    solved = solve_pixels(report.model, views, options.bend, judges ? 4 : 10, terms, crew);
+    layout = layout_of(report.model, {true, options.bend, report.model.depth.knots_m.size() > 1});
+    for (std::size_t c = 0; c < model.cameras.size(); ++c)
+      report.grey_rms.push_back(terms.grey_rms(static_cast<int>(c)));
+    if (!solved.solved)
+      return Error{ErrorCode::kData, "the pictures do not carry a calibration: add views"};
+    progress("pixels", 2, 2);
+  }
+  report.pixels_s = watch.seconds();
+  if (judges) report.held_out = judge_held_out(data, judged, judged_pixels, held, crew);
+  fill_calibration(data, solved, layout, views, report);
+  if (has_depth(data)) MIXRIG_TRY(fit_depth(data, views, report));
+  MIXRIG_TRY(check_result(data, report));
+  return report;
+}
+
+}  // namespace mixrig::calibration

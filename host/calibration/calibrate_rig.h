@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joint calibration of all cameras of a rig, by corners and then by analysis of all pixels.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/calibration/depth_fit.h"
+#include "host/calibration/rig_start.h"
+#include "host/camera_io/calibration.h"
+
+namespace mixrig::calibration {
+
+struct RigOptions {
+  std::vector<std::string> cameras;  ///< that take part, the target camera first; all if empty
+  bool pixels = true;                ///< false: corners alone
+  bool bend = false;                 ///< solve for the board's bend too
+  int threads = 0;                   ///< 0: one per core
+};
+
+/// Error on views that were left out of the fit: the board's place is taken from the target
+/// camera's corners alone, and the others must see it where the calibration says.
+struct HeldOut {
+  std::string camera;
+  double corners_px = 0, pixels_px = 0;  ///< root mean square, after each step
+  int views = 0;
+};
+
+struct RigReport {
+  RigModel by_corners, model;
+  std::vector<HeldOut> held_out;
+  double load_s = 0, corners_s = 0, pixels_s = 0;
+  std::vector<double> corner_px;  ///< a camera, all views, after the corner step
+  std::vector<double> grey_rms;   ///< a camera, share of the contrast from ink to paper
+  std::optional<DepthFit> depth;
+  std::vector<std::string> warnings;
+  camera_io::Calibration calibration;
+};
+
+/// What is done, and how far: one call at a time, from any thread.
+using RigProgress = std::function<void(const char* what, int done, int total)>;
+
+/// Errors: kUsage, kNotFound, kFormat of the set; kData where it cannot carry a calibration, with
+/// the reason and what to do.
+Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
+                                const RigProgress& progress);
+
+/// Poses of a camera's board by its own corners with a lens that is known; unset where not seen.
+std::vector<std::optional<geometry::Pose>> refined_poses(const RigData& data, const RigModel& model,
+                                                         std::size_t camera,
+                                                         const std::vector<int>& views,
+                                                         double sigma_px, Crew& crew);
+
+}  // namespace mixrig::calibration

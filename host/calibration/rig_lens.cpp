@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// One camera alone: its lens and the board's poses from corners.
+#include "host/calibration/rig_lens.h"
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <opencv2/calib3d.hpp>
+
+namespace mixrig::calibration {
+namespace {
+
+constexpr double kMostResidual = 0.004;  // of the picture's width: no lens explains the corners
+
+double miss_of(const RigCamera& camera, double square_m, const std::vector<SeenCorner>& corners,
+               const geometry::Pose& pose) {
+  double squares = 0;
+  for (const SeenCorner& corner : corners) {
+    const Eigen::Vector3d p(square_m * corner.uv.x(), square_m * corner.uv.y(), 0);
+    const auto seen =
+        geometry::project_with_jacobians(camera.lens, camera.parameters.data(), pose * p);
+    squares += seen ? std::min((seen->px - corner.px).squaredNorm(), 1e6) : 1e6;
+  }
+  return squares;
+}
+
+geometry::Pose pose_of(const cv::Mat& rotation_vector, const cv::Mat& translation) {
+  const Eigen::Vector3d w(rotation_vector.at<double>(0), rotation_vector.at<double>(1),
+                          rotation_vector.at<double>(2));
+  const Eigen::Quaterniond q = w.norm() > 0
+                                   ? Eigen::Quaterniond(Eigen::AngleAxisd(w.norm(), w.normalized()))
+                                   : Eigen::Quaterniond::Identity();
+  return {q, {translation.at<double>(0), translation.at<double>(1), translation.at<double>(2)}};
+}
+
+RigCamera camera_with(const ViewCamera& camera, double f_px) {
+  RigCamera out;
+  out.name = camera.name, out.lens = camera.lens, out.size_px = camera.size_px;
+  out.parameters = Eigen::VectorXd::Zero(geometry::parameter_count(camera.lens));
+  out.parameters.head<4>() << f_px, f_px, 0.5 * (camera.size_px.width - 1),
+      0.5 * (camera.size_px.height - 1);
+  out.free.resize(4);
+  std::iota(out.free.begin(), out.free.end(), 0);
+  return out;
+}
+
+std::vector<double> likely_focals(const ViewCamera& camera) {
+  std::vector<double> f;
+  const double side = camera.lens == geometry::LensKind::kFisheye
+                          ? std::min(camera.size_px.width, camera.size_px.height) / std::numbers::pi
+                          : camera.size_px.width;
+  for (double factor = 0.45; factor < 3.2; factor *= 1.18) f.push_back(factor * side);
+  return f;
+}
+
+/// Focal length under which the poses explain the corners best, and those poses.
+double scan_focals(const RigData& data, std::size_t camera, const std::vector<int>& views,
+                   RigModel& model) {
+  double least = 1e300;
+  for (const double f : likely_focals(data.set.cameras[camera])) {
+    RigModel tried = model;
+    tried.cameras = {camera_with(data.set.cameras[camera], f)};
+    double sum = 0;
+    for (const int view : views) {
+      const auto& corners = data.corners[view][camera];
+      geometry::Pose& pose = tried.target_from_board[view];
+      const double miss = pose_of_corners(tried.cameras[0], tried.square_m, corners, pose)
+                              ? miss_of(tried.cameras[0], tried.square_m, corners, pose)
+                              : 1e6;
+      sum += std::sqrt(miss / static_cast<double>(corners.size()));  // one bad view counts once
+    }
+    if (sum < least) least = sum, model = tried;
+  }
+  return least / static_cast<double>(views.size());
+}
+
+/// This camera's corners alone, as a rig of one.
+SeenCorners only(const SeenCorners& corners, std::size_t camera) {
+  SeenCorners out;
+  for (const auto& view : corners) out.push_back({view[camera]});
+  return out;
+}
+
+}  // namespace
+
+bool pose_of_corners(const RigCamera& camera, double square_m,
+                     const std::vector<SeenCorner>& corners, geometry::Pose& camera_from_board) {
+  const auto lens = geometry::make_camera(camera.lens, camera.size_px, camera.parameters);
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> rays;
+  for (const SeenCorner& corner : corners) {
+    const auto ray = geometry::unproject(lens, corner.px);
+    if (!ray || ray->z() < std::cos(80 * std::numbers::pi / 180) * ray->norm()) continue;
+    points.emplace_back(square_m * corner.uv.x(), square_m * corner.uv.y(), 0);
+    rays.emplace_back(ray->x() / ray->z(), ray->y() / ray->z());
+  }
+  if (points.size() < 6) return false;
+  std::vector<cv::Mat> rotations, translations;
+  try {
+    cv::solvePnPGeneric(points, rays, cv::Matx33d::eye(), cv::noArray(), rotations, translations,
+                        false, cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return false;
+  }
+  double least = 1e300;
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    const geometry::Pose pose = pose_of(rotations[i], translations[i]);
+    const double miss = miss_of(camera, square_m, corners, pose);
+    if (pose.translation_m.allFinite() && miss < least) least = miss, camera_from_board = pose;
+  }
+  return least < 1e300;
+}
+
+Result<RigModel> solve_lens(const RigData& data, std::size_t camera, const std::vector<int>& views,
+                            Crew& crew) {
+  RigModel model;
+  model.square_m = data.set.square_m;
+  model.target_from_board.resize(data.corners.size());
+  scan_focals(data, camera, views, model);
+  const SeenCorners corners = only(data.corners, camera);
+  // First the focal length and the places, then the lens; k4 to k6 of a pinhole stay zero.
+  const int parameters = data.set.cameras[camera].lens == geometry::LensKind::kPinhole
+                             ? 9
+                             : geometry::kFisheyeParameters;
+  SolveReport report;
+  for (const int count : {4, 6, parameters}) {
+    model.cameras[0].free.resize(count);
+    std::iota(model.cameras[0].free.begin(), model.cameras[0].free.end(), 0);
+    const double sigma = count < parameters ? 1.0 : 0.1;
+    const RigLayout layout = layout_of(model, {});
+    report = solve_views(model, layout, corner_terms(data.print, corners, {sigma}), views,
+                         {40, 1e-7, {}}, crew);
+  }
+  double squares = 0;
+  long count = 0;
+  for (const int view : views) {
+    squares +=
+        miss_of(model.cameras[0], model.square_m, corners[view][0], model.target_from_board[view]);
+    count += static_cast<long>(corners[view][0].size());
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(count));
+  const double allowed = std::max(0.7, kMostResidual * model.cameras[0].size_px.width);
+  const bool sane = model.cameras[0].parameters.allFinite() && model.cameras[0].parameters[0] > 0;
+  if (sane && report.solved && rms < allowed) return model;
+  return Error{ErrorCode::kData,
+               "camera \"" + model.cameras[0].name + "\": no " +
+                   std::string(geometry::name_of(model.cameras[0].lens)) +
+                   " lens explains the corners (" + std::to_string(rms) +
+                   " px): check model, the board's columns and rows, and that the pictures are "
+                   "this camera's"};
+}
+
+}  // namespace mixrig::calibration

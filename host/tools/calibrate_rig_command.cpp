@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig calibrate rig, mixrig calibrate tof: all cameras of a rig, or its depth camera alone.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+
+#include "host/calibration/calibrate_rig.h"
+#include "host/tools/command.h"
+#include "host/tools/options.h"
+
+namespace mixrig::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDeg = std::numbers::pi / 180;
+
+struct Words {
+  std::string set, out, camera;
+  bool corners_only = false, bend = false;
+  int threads = 0;
+};
+
+json to_json(const calibration::DepthFit& fit) {
+  json tried = json::array();
+  for (const calibration::DepthChoice& c : fit.tried)
+    tried.push_back({{"knots", c.knots},
+                     {"amplitude", c.amplitude},
+                     {"place", c.place},
+                     {"held_out_mm", 1000 * c.held_out_m}});
+  return {{"knots_m", fit.error.knots_m},
+          {"error_m", fit.error.error_m},
+          {"amplitude_m", fit.error.amplitude_m},
+          {"place_m", fit.error.place_m},
+          {"uncorrected_mm", 1000 * fit.uncorrected_m},
+          {"residual_mm", 1000 * fit.error.residual_m},
+          {"held_out_mm", 1000 * fit.chosen.held_out_m},
+          {"slope", fit.slope},
+          {"tried", tried}};
+}
+
+json camera_json(const calibration::RigCamera& camera) {
+  const geometry::Pose pose = geometry::inverse(camera.camera_from_target);
+  const Eigen::Vector4d q = pose.rotation.coeffs();
+  const Eigen::Vector3d& t = pose.translation_m;
+  return {{"parameters", std::vector<double>(camera.parameters.begin(), camera.parameters.end())},
+          {"rotation_xyzw", {q[0], q[1], q[2], q[3]}},
+          {"translation_m", {t[0], t[1], t[2]}},
+          {"blur_px", camera.blur_px}};
+}
+
+json report_of(const calibration::RigReport& report) {
+  json cameras, by_corners, held_out, sigma;
+  for (std::size_t c = 0; c < report.model.cameras.size(); ++c) {
+    const std::string& name = report.model.cameras[c].name;
+    cameras[name] = camera_json(report.model.cameras[c]);
+    cameras[name]["corner_px"] = report.calibration.cameras[c].residual_px;
+    if (!report.grey_rms.empty()) cameras[name]["grey_rms"] = report.grey_rms[c];
+    by_corners[name] = camera_json(report.by_corners.cameras[c]);
+    by_corners[name]["corner_px"] = report.corner_px[c];
+  }
+  for (const camera_io::CalibratedPose& pose : report.calibration.poses) {
+    const Eigen::VectorXd s = pose.covariance.diagonal().cwiseSqrt();
+    sigma[pose.name] = {{"deg", s.head<3>().norm() / kDeg}, {"mm", 1000 * s.tail<3>().norm()}};
+  }
+  for (const calibration::HeldOut& h : report.held_out)
+    held_out[h.camera] = {
+        {"corners_px", h.corners_px}, {"pixels_px", h.pixels_px}, {"views", h.views}};
+  json out{{"cameras", cameras},
+           {"by_corners", by_corners},
+           {"extrinsic_sigma", sigma},
+           {"held_out", held_out},
+           {"seconds",
+            {{"load", report.load_s}, {"corners", report.corners_s}, {"pixels", report.pixels_s}}},
+           {"warnings", report.warnings}};
+  if (report.depth) out["depth_error"] = to_json(*report.depth);
+  return out;
+}
+
+void print(const calibration::RigReport& report) {
+  std::printf("%-10s %10s %9s %9s %8s %8s\n", "camera", "f px", "corners", "pixels", "blur",
+              "views");
+  for (std::size_t c = 0; c < report.model.cameras.size(); ++c) {
+    const auto& camera = report.model.cameras[c];
+    std::printf("%-10s %10.3f %6.3f px %6.3f px %5.2f px %8d\n", camera.name.c_str(),
+                camera.parameters[0], report.corner_px[c],
+                report.calibration.cameras[c].residual_px, camera.blur_px,
+                report.calibration.cameras[c].views);
+  }
+  for (const auto& pose : report.calibration.poses) {
+    const Eigen::Vector3d t = 1000 * pose.target_from.translation_m;
+    const Eigen::VectorXd s = pose.covariance.diagonal().cwiseSqrt();
+    std::printf("%s at %.2f %.2f %.2f mm (sigma %.3f mm, %.4f deg)\n", pose.name.c_str(), t.x(),
+                t.y(), t.z(), 1000 * s.tail<3>().norm(), s.head<3>().norm() / kDeg);
+  }
+  for (const auto& h : report.held_out)
+    std::printf("held out, %s: %.4f px by corners, %.4f px by pixels (%d views)\n",
+                h.camera.c_str(), h.corners_px, h.pixels_px, h.views);
+  if (report.depth)
+    std::printf("depth error: %.2f mm before, %.2f mm after on views held out; %d knots%s%s\n",
+                1000 * report.depth->uncorrected_m, 1000 * report.depth->chosen.held_out_m,
+                report.depth->chosen.knots, report.depth->chosen.amplitude ? ", amplitude" : "",
+                report.depth->chosen.place ? ", place" : "");
+  std::printf("%.1f s to find the board, %.1f s for corners, %.1f s for pixels\n", report.load_s,
+              report.corners_s, report.pixels_s);
+  for (const std::string& warning : report.warnings)
+    std::fprintf(stderr, "mixrig: warning: %s\n", warning.c_str());
+}
+
+Result<void> write(const calibration::ViewSet& set, const std::string& camera,
+                   const std::string& out, camera_io::Calibration& calibration) {
+  if (out.empty()) return {};
+  camera_io::InputHash hash;
+  for (const auto& path : calibration::files_of(set, camera)) MIXRIG_TRY(hash.add_file(path));
+  const camera_io::Origin origin = camera_io::origin_now(hash);
+  for (auto& entry : calibration.cameras) entry.origin = origin;
+  for (auto& entry : calibration.poses) entry.origin = origin;
+  if (calibration.depth_error) calibration.depth_error->origin = origin;
+  return camera_io::update_calibration(out, calibration);
+}
+
+Result<json> calibrate(const Words& words) {
+  MIXRIG_ASSIGN(const calibration::ViewSet set, calibration::read_view_set(words.set));
+  calibration::RigOptions options;
+  if (!words.camera.empty()) {
+    MIXRIG_ASSIGN(const int index, calibration::find_camera(set, words.camera));
+    if (set.cameras[static_cast<std::size_t>(index)].depth.empty())
+      return Error{ErrorCode::kUsage, "camera \"" + words.camera +
+                                          "\" has no depth in views.toml: name the depth camera "
+                                          "with --camera"};
+    options.cameras = {words.camera};
+  } else if (set.cameras.size() < 2) {
+    return Error{ErrorCode::kUsage,
+                 words.set + ": a rig has two cameras and more: use mixrig calibrate intrinsics"};
+  }
+  options.pixels = !words.corners_only, options.bend = words.bend, options.threads = words.threads;
+  Progress bar("finding the board", set.views);
+  MIXRIG_ASSIGN(calibration::RigReport report,
+                calibration::calibrate_rig(set, options, [&](const char* what, int done, int) {
+                  if (std::string_view(what) == "views") bar.step(done);
+                }));
+  MIXRIG_TRY(write(set, words.camera, words.out, report.calibration));
+  print(report);
+  return report_of(report);
+}
+
+void add_options(CLI::App& command, Words& words) {
+  command.add_option("SET", words.set, "folder of views (views.toml)")->required();
+  command.add_option("--out", words.out, "calibration.yaml that the result is written into");
+  command.add_flag("--corners-only", words.corners_only, "leave out the analysis of all pixels");
+  command.add_flag("--bend", words.bend, "solve for the board's bend too");
+  command.add_option("--threads", words.threads, "0: one per core");
+}
+
+}  // namespace
+
+void add_calibrate_rig_command(CLI::App& app, Context& context) {
+  CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
+  auto rig = std::make_shared<Words>();
+  CLI::App* command = group.add_subcommand("rig", "all cameras of a rig from views of a board");
+  add_options(*command, *rig);
+  command->callback([rig, &context] { context.action = [rig] { return calibrate(*rig); }; });
+
+  auto tof = std::make_shared<Words>();
+  tof->camera = "tof";
+  command = group.add_subcommand("tof", "lens and depth error of a depth camera");
+  add_options(*command, *tof);
+  command->add_option("--camera", tof->camera, "name in views.toml")->capture_default_str();
+  command->callback([tof, &context] { context.action = [tof] { return calibrate(*tof); }; });
+}
+
+}  // namespace mixrig::tools

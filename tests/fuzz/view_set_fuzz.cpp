@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Angles of a pan-tilt unit from any bytes: whole, in range, or refused.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "host/calibration/view_set.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mixrig;
+  if (size == 0) return 0;
+  const int views = data[0] % 8 + 1;
+  const std::string text(reinterpret_cast<const char*>(data + 1), size - 1);
+  const auto angles = calibration::parse_angles(text, "ptu.csv", views);
+  if (!angles) return 0;
+  if (static_cast<int>(angles->size()) != views) std::abort();
+  for (const auto& a : *angles)
+    if (!std::isfinite(a.pan_rad) || !std::isfinite(a.tilt_rad)) std::abort();
+  return 0;
+}
