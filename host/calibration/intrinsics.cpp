@@ -97,10 +97,13 @@ bool solve_in_steps(Bundle& bundle, const std::vector<int>& free) {
   return true;
 }
 
-/// Robust solution of the views given; false where it fails.
-bool solve_robustly(Bundle& bundle, Size size_px, const std::vector<int>& free) {
+/// Robust solution of the views given; false where it fails. `points_chosen`: by a richer lens, and
+/// to be kept.
+bool solve_robustly(Bundle& bundle, Size size_px, const std::vector<int>& free,
+                    bool points_chosen) {
   if (bundle.intrinsics.size() == 0 && !start(bundle, size_px)) return false;
   if (!solve_in_steps(bundle, free)) return false;
+  if (points_chosen) return solve(bundle, 0);
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
     const int changed = choose_points(bundle, robust_sigma_px(bundle));
@@ -115,9 +118,8 @@ struct Fold {
   int points = 0;
 };
 
-/// The error on views that are left out, five folds; infinity where a fold cannot be solved or its
-/// lens folds within the picture.
-double held_out_px(const Bundle& solved, Size size_px, const std::vector<int>& free) {
+/// The error on views that are left out, five folds; infinity where a fold cannot be solved.
+double held_out_px(const Bundle& solved, const std::vector<int>& free) {
   constexpr std::size_t kFolds = 5;
   Fold sum;
   for (std::size_t fold = 0; fold < std::min(kFolds, solved.views.size()); ++fold) {
@@ -128,8 +130,6 @@ double held_out_px(const Bundle& solved, Size size_px, const std::vector<int>& f
       (v % kFolds == fold ? rest : fit).views.push_back(solved.views[v]);
     fit.free = free;
     if (fit.views.size() < kFewestViews || !solve(fit, 0))
-      return std::numeric_limits<double>::infinity();
-    if (!validate(geometry::make_camera(fit.kind, size_px, fit.intrinsics)))
       return std::numeric_limits<double>::infinity();
     rest.intrinsics = fit.intrinsics;
     rest.free = {};
@@ -234,36 +234,60 @@ Result<void> judge(Intrinsics& out) {
   return {};
 }
 
-/// Solves with the number of lens terms that is asked for, or that does best on views left out.
-Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions& options) {
-  const bool choose = options.lens_terms < 0;
-  double least = std::numeric_limits<double>::infinity();
-  bool any = false, folds = false;
-  const Bundle from = out.bundle;
-  for (const int terms : choose ? terms_to_try(options.kind) : std::vector{options.lens_terms}) {
-    Bundle tried = from;
+/// A solution with some number of lens terms.
+struct Candidate {
+  int terms = 0;
+  double held_out_px = 0;
+  Bundle bundle;
+};
+
+/// Solves with each number of lens terms, the richest first: it decides which points are wrong, so
+/// that all are judged on the same points and none calls wrong what it cannot bend to. `folds`: a
+/// lens was left out because it folds within the picture.
+std::vector<Candidate> candidates(const Bundle& from, Size size_px,
+                                  const IntrinsicsOptions& options, bool& folds) {
+  std::vector<int> all{options.lens_terms};
+  if (options.lens_terms < 0) all = terms_to_try(options.kind);
+  std::reverse(all.begin(), all.end());
+  std::vector<Candidate> found;
+  Bundle start = from;
+  for (const int terms : all) {
+    Bundle tried = start;
     const auto free = free_parameters(options.kind, terms, options.hold_center);
-    if (!solve_robustly(tried, size_px, free)) continue;
-    if (!validate(geometry::make_camera(tried.kind, size_px, tried.intrinsics))) {
+    if (!solve_robustly(tried, size_px, free, !found.empty())) continue;
+    // What was asked for is given, folds and all; the caller may look.
+    if (options.lens_terms < 0 &&
+        !validate(geometry::make_camera(tried.kind, size_px, tried.intrinsics))) {
       folds = true;
       continue;
     }
-    const double held = held_out_px(tried, size_px, free);
-    // More terms must earn their keep.
-    constexpr double kWorthIt = 0.995;
-    if (any && !(held < kWorthIt * least)) continue;
-    any = true;
-    least = held;
-    out.bundle = tried;
-    out.lens_terms = terms;
+    for (std::size_t v = 0; v < start.views.size(); ++v) start.views[v].used = tried.views[v].used;
+    found.push_back({terms, held_out_px(tried, free), tried});
   }
-  out.held_out_px = std::isfinite(least) ? least : 0;
-  if (any) return {};
-  if (folds)
+  return found;
+}
+
+/// Takes the number of lens terms that is asked for, or that does best on views left out; of those
+/// within half a per cent of the best, the fewest.
+Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions& options) {
+  bool folds = false;
+  const auto found = candidates(out.bundle, size_px, options, folds);
+  if (found.empty() && folds)
     return refuse(
         "the lens that fits the views folds where none reaches: show the board near the "
         "sides of the picture, or ask for fewer terms by --lens");
-  return refuse("no camera fits these views: is the board as stated, and is --model right?");
+  if (found.empty())
+    return refuse("no camera fits these views: is the board as stated, and is --model right?");
+  double least = std::numeric_limits<double>::infinity();
+  for (const Candidate& c : found) least = std::min(least, c.held_out_px);
+  constexpr double kAsGood = 1.005;
+  const Candidate* best = &found.back();
+  for (const Candidate& c : found)
+    if (c.held_out_px <= kAsGood * least) best = &c;  // the richest come first
+  out.bundle = best->bundle;
+  out.lens_terms = best->terms;
+  out.held_out_px = std::isfinite(best->held_out_px) ? best->held_out_px : 0;
+  return {};
 }
 
 void tell_views(Intrinsics& out, const std::vector<std::size_t>& which) {

@@ -21,6 +21,7 @@ struct IntrinsicsOptions {
   geometry::LensKind kind = geometry::LensKind::kPinhole;
   /// Lens coefficients to solve for: 0, 2 (k1 k2), 4 (p1 p2 too), 5 (k3 too), 8 (k4 k5 k6 too) for
   /// a pinhole; 0, 2, 4 for a fisheye. -1: as many as lower the error on views left out of the fit.
+  /// A lens chosen by its number may fold within the picture: see validate().
   int lens_terms = -1;
   bool hold_center = false;  ///< keep the principal point in the middle of the picture
 };

@@ -346,6 +346,9 @@ Result<nlohmann::json> act(const Words& words) {
       error.context += " (" + std::to_string(all.without.size()) + " pictures show no whole board)";
     return error;
   }
+  if (const auto valid = geometry::validate(solved->camera); !valid)
+    return Error{ErrorCode::kData, "camera " + words.camera + ": " + valid.error().context +
+                                       ", or ask for fewer terms by --lens"};
   const UncertaintyMap map = calibration::projection_uncertainty(*solved, kMapColumns, kMapRows);
   const auto advice = calibration::advise(*solved, board);
   const auto why = objections(*solved, map);
