@@ -93,7 +93,7 @@ double chain_residual_px(const RigData& data, const RigModel& model, const Poses
   return corner_error(data, moved, 0, poses.views).rms_px;
 }
 
-Result<RigModel> model_with(const RigData& data, const PtuOptions& options, PtuReport& report,
+Result<RigModel> model_with(RigData& data, const PtuOptions& options, PtuReport& report,
                             Crew& crew) {
   if (!options.lens) {
     report.warnings.push_back(
@@ -127,7 +127,7 @@ Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
   Crew crew(options.threads);
   PtuReport report;
   const std::string camera = options.camera.empty() ? set.cameras[0].name : options.camera;
-  MIXRIG_ASSIGN(const RigData data, load_rig_data(set, {camera}, crew, [&](int done, int total) {
+  MIXRIG_ASSIGN(RigData data, load_rig_data(set, {camera}, crew, [&](int done, int total) {
                   progress("views", done, total);
                 }));
   MIXRIG_ASSIGN(RigModel model, model_with(data, options, report, crew));

@@ -80,7 +80,7 @@ SolveReport solve_corners(const RigData& data, RigModel& model, const std::vecto
   SolveReport report;
   for (int round = 0; round < 2; ++round) {
     report = solve_views(model, layout, corner_terms(data.print, data.corners, sigma), views,
-                         {40, 1e-8, {}}, crew);
+                         {40, 1e-3, {}}, crew);
     sigma = corner_sigmas(data, model, views);
   }
   return report;
@@ -92,19 +92,34 @@ bool has_depth(const RigData& data) {
   return false;
 }
 
-/// Knots over the distances at which the board was held.
+/// A point of the board in a camera's axes; unset where it is out of the picture.
+std::optional<Eigen::Vector3d> place_of(const RigData& data, const RigModel& model, std::size_t c,
+                                        int view, const Eigen::Vector2d& uv) {
+  const RigCamera& camera = model.cameras[c];
+  const BoardPoint p = board_point(model, data.print.columns, data.print.rows, uv);
+  const Eigen::Vector3d at = camera.camera_from_target * (model.target_from_board[view] * p.p_m);
+  const auto seen = geometry::project_with_jacobians(camera.lens, camera.parameters.data(), at);
+  if (!seen || !(seen->px.minCoeff() >= 0) || !(seen->px.x() < camera.size_px.width) ||
+      !(seen->px.y() < camera.size_px.height))
+    return std::nullopt;
+  return at;
+}
+
+/// Knots over the distances at which the depth camera sees the board, found or not: a curve that
+/// ends before would bend the poses beyond.
 DepthCurve empty_curve(const RigData& data, const RigModel& model, const std::vector<int>& views) {
   double low = 1e9, high = 0;
-  for (std::size_t c = 0; c < model.cameras.size(); ++c)
-    for (const int view : views) {
-      if (data.set.cameras[c].depth.empty() || data.corners[view][c].empty()) continue;
-      for (const SeenCorner& corner : data.corners[view][c]) {
-        const BoardPoint p = board_point(model, data.print.columns, data.print.rows, corner.uv);
-        const double d =
-            (model.cameras[c].camera_from_target * (model.target_from_board[view] * p.p_m)).norm();
-        low = std::min(low, d), high = std::max(high, d);
-      }
-    }
+  for (std::size_t c = 0; c < model.cameras.size(); ++c) {
+    if (data.set.cameras[c].depth.empty()) continue;
+    for (const int view : views)
+      for (const double u : {0.0, 0.5, 1.0})
+        for (const double v : {0.0, 0.5, 1.0}) {
+          const Eigen::Vector2d uv(u * data.print.columns, v * data.print.rows);
+          const auto place = place_of(data, model, c, view, uv);
+          if (!place) continue;
+          low = std::min(low, place->norm()), high = std::max(high, place->norm());
+        }
+  }
   DepthCurve curve;
   if (high <= low) return curve;
   const int pieces = std::clamp(static_cast<int>((high - low) / kKnotStep_m), 1, 30);
@@ -117,10 +132,10 @@ SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool be
                          PixelTerms& terms, Crew& crew) {
   SolveReport report;
   // The first round's scatter holds what corners left wrong, the second's is the pictures' own.
-  for (const int steps : {most_steps, std::max(2, most_steps / 3)}) {
+  for (const int steps : {most_steps, most_steps}) {
     terms.weigh(model, views, crew);
     const RigLayout layout = layout_of(model, {true, bend, model.depth.knots_m.size() > 1});
-    SolveOptions options{steps, 2e-5, Eigen::VectorXd::Zero(layout.count)};
+    SolveOptions options{steps, 1e-2, Eigen::VectorXd::Zero(layout.count)};
     if (layout.depth >= 0)  // a piece of the curve that no view reaches stays where it is
       options.prior.segment(layout.depth, static_cast<Eigen::Index>(model.depth.knots_m.size()))
           .setConstant(1e4);
@@ -248,7 +263,7 @@ std::vector<std::optional<geometry::Pose>> refined_poses(const RigData& data, co
   const RigLayout layout = layout_of(single, {});
   for (const int view : seen) {
     solve_views(single, layout, corner_terms(data.print, corners, {sigma_px}), {view},
-                {20, 1e-9, {}}, crew);
+                {20, 1e-3, {}}, crew);
     poses[view] = single.target_from_board[view];
   }
   return poses;
@@ -259,11 +274,12 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   Crew crew(options.threads);
   RigReport report;
   Watch watch;
-  MIXRIG_ASSIGN(const RigData data,
-                load_rig_data(set, options.cameras, crew,
-                              [&](int done, int total) { progress("views", done, total); }));
+  MIXRIG_ASSIGN(RigData data, load_rig_data(set, options.cameras, crew, [&](int done, int total) {
+                  progress("views", done, total);
+                }));
   report.load_s = watch.seconds();
   MIXRIG_ASSIGN(RigModel model, start_rig(data, crew));
+  report.misfound = data.misfound;
   const std::vector<int> views = all_seen(data), held = hold_out(data);
   const std::vector<int> fitted = without(views, held);
   const bool judges = !held.empty() && model.cameras.size() > 1;
@@ -288,7 +304,7 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   if (options.pixels) {
     if (has_depth(data)) judged_pixels.depth = empty_curve(data, report.model, views);
     if (judges) {
-      solve_pixels(judged_pixels, fitted, options.bend, 8, terms, crew);
+      solve_pixels(judged_pixels, fitted, options.bend, 10, terms, crew);
       progress("pixels", 1, 2);
       // All views start from there: lens and mounting are close, the places of the others are not.
       report.model.cameras = judged_pixels.cameras;
@@ -300,7 +316,7 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
         if (poses[view]) report.model.target_from_board[view] = *poses[view];
     }
     report.model.depth = judged_pixels.depth;
-    solved = solve_pixels(report.model, views, options.bend, judges ? 4 : 10, terms, crew);
+    solved = solve_pixels(report.model, views, options.bend, 10, terms, crew);
     layout = layout_of(report.model, {true, options.bend, report.model.depth.knots_m.size() > 1});
     for (std::size_t c = 0; c < model.cameras.size(); ++c)
       report.grey_rms.push_back(terms.grey_rms(static_cast<int>(c)));

@@ -30,6 +30,7 @@ struct HeldOut {
 
 struct RigReport {
   RigModel by_corners, model;
+  std::vector<Misfound> misfound;  ///< a camera
   std::vector<HeldOut> held_out;
   double load_s = 0, corners_s = 0, pixels_s = 0;
   std::vector<double> corner_px;  ///< a camera, all views, after the corner step

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include <Eigen/Cholesky>
@@ -14,7 +15,6 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr int kFolds = 4, kPlace = 5;
-constexpr double kEnough = 1.03;  // a simpler choice wins within this factor of the best
 constexpr double kHuber_m = 0.01;
 
 /// Knots so that each piece holds as many samples.
@@ -121,19 +121,35 @@ std::vector<Eigen::VectorXd> rows_of(const Terms& terms, const std::vector<Depth
   return rows;
 }
 
-double held_out(const Terms& terms, const std::vector<DepthSample>& samples,
-                const std::vector<int>& fold_of_view) {
+/// Weighted squares that are left on each view while it is held out.
+std::vector<double> held_out(const Terms& terms, const std::vector<DepthSample>& samples,
+                             const std::vector<int>& fold_of_view) {
   const auto rows = rows_of(terms, samples);
-  std::vector<double> misses(samples.size());
+  std::vector<double> squares(fold_of_view.size(), 0.0);
   for (int fold = 0; fold < kFolds; ++fold) {
     const auto mine = [&](const DepthSample& s) { return fold_of_view[s.view] == fold; };
     const Solution fit =
         solve(terms, samples, rows, [&](const DepthSample& s) { return !mine(s); });
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      if (mine(samples[i]))
-        misses[i] = samples[i].measured_m - samples[i].board_m - rows[i].dot(fit.values);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const DepthSample& s = samples[i];
+      if (mine(s))
+        squares[s.view] +=
+            s.weight * std::pow(s.measured_m - s.board_m - rows[i].dot(fit.values), 2);
+    }
   }
-  return rms(samples, misses);
+  return squares;
+}
+
+/// How much more a choice leaves than the best one, over the scatter of that from view to view.
+double excess(const std::vector<double>& choice, const std::vector<double>& best, double views) {
+  double sum = 0, squares = 0;
+  for (std::size_t v = 0; v < choice.size(); ++v) {
+    const double more = choice[v] - best[v];
+    sum += more, squares += more * more;
+  }
+  const double scatter =
+      std::sqrt(std::max(squares - sum * sum / views, 0.0) * views / (views - 1));
+  return sum / std::max(scatter, 1e-30);
 }
 
 double slope_of(const std::vector<DepthSample>& samples) {
@@ -173,22 +189,30 @@ Result<DepthFit> fit_depth_error(const std::vector<DepthSample>& samples) {
   DepthFit fit;
   fit.uncorrected_m = rms(samples, errors);
   fit.slope = slope_of(samples);
+  double weights = 0;
+  for (const DepthSample& s : samples) weights += s.weight;
+  std::vector<std::vector<double>> left;
   for (const int knots : {2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20})
     for (const bool amplitude : {false, true})
       for (const bool place : {false, true}) {
         DepthChoice choice{knots, amplitude, place};
+        left.push_back(held_out(Terms(choice, knots_for(distances, knots)), samples, fold_of_view));
         choice.held_out_m =
-            held_out(Terms(choice, knots_for(distances, knots)), samples, fold_of_view);
+            std::sqrt(std::accumulate(left.back().begin(), left.back().end(), 0.0) / weights);
         fit.tried.push_back(choice);
       }
   const auto size = [](const DepthChoice& c) {
     return c.knots + (c.amplitude ? 1 : 0) + (c.place ? kPlace : 0);
   };
-  double best = 1e300;
-  for (const DepthChoice& c : fit.tried) best = std::min(best, c.held_out_m);
-  fit.chosen = DepthChoice{1000};
-  for (const DepthChoice& c : fit.tried)
-    if (c.held_out_m <= kEnough * best && size(c) < size(fit.chosen)) fit.chosen = c;
+  const auto best = std::min_element(
+      fit.tried.begin(), fit.tried.end(),
+      [](const DepthChoice& a, const DepthChoice& b) { return a.held_out_m < b.held_out_m; });
+  const std::vector<double>& least = left[static_cast<std::size_t>(best - fit.tried.begin())];
+  fit.chosen = *best;
+  for (std::size_t i = 0; i < left.size(); ++i)
+    if (size(fit.tried[i]) < size(fit.chosen) &&
+        excess(left[i], least, static_cast<double>(views.size())) <= 1)
+      fit.chosen = fit.tried[i];
 
   const Terms terms(fit.chosen, knots_for(distances, fit.chosen.knots));
   const auto rows = rows_of(terms, samples);

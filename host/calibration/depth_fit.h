@@ -22,9 +22,9 @@ struct DepthFit {
   double slope = 0;  ///< of the error over the distance: a board of the wrong size shows here
 };
 
-/// Fits every choice with four folds of views and takes the simplest that is within 3 % of the
-/// best. Errors: kData with less than 4 views or 50 samples, or where distances span less than
-/// 0.1 m.
+/// Fits every choice with four folds of views and takes the simplest that leaves no more than the
+/// best one, within one standard error over views (Breiman, Friedman, Olshen and Stone 1984).
+/// Errors: kData with less than 4 views or 50 samples, or where distances span less than 0.1 m.
 Result<DepthFit> fit_depth_error(const std::vector<DepthSample>& samples);
 
 }  // namespace mixrig::calibration

@@ -2,6 +2,7 @@
 // Levenberg-Marquardt with the views' poses eliminated.
 #include "host/calibration/normal_equations.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -102,6 +103,7 @@ SolveReport solve_views(RigModel& model, const RigLayout& layout, const ViewFunc
   SolveReport report;
   std::vector<ViewTerm> terms = evaluate(model, layout, term, views, crew);
   report.cost = cost_of(terms);
+  for (const ViewTerm& t : terms) report.rows += t.rows;
   double damping = 1e-4;
   while (report.steps < options.most_steps) {
     ++report.steps;
@@ -117,18 +119,21 @@ SolveReport solve_views(RigModel& model, const RigLayout& layout, const ViewFunc
     apply_step(moved, layout, shared, poses);
     std::vector<ViewTerm> next = evaluate(moved, layout, term, views, crew);
     const double cost = cost_of(next), gain = report.cost - cost;
+    const double least_gain =
+        options.least_gain * report.cost / static_cast<double>(std::max(report.rows, 1L));
     if (!(cost < report.cost)) {  // NaN too
-      if (std::abs(gain) < options.least_gain * report.cost || damping > 1e6) break;
+      if (std::abs(gain) < least_gain || damping > 1e6) break;
       damping *= 8;
       continue;
     }
     model = std::move(moved);
     terms = std::move(next);
-    const bool done = gain < options.least_gain * report.cost;
+    const bool done = gain < least_gain;
     report.cost = cost;
     damping = std::max(1e-9, damping / 5);
     if (done) break;
   }
+  report.rows = 0;
   for (const ViewTerm& t : terms) report.rows += t.rows;
   judge(reduce(terms, n, 0, options.prior), report);
   return report;

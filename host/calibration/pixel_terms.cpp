@@ -506,8 +506,10 @@ std::vector<DepthSample> depth_samples(const BoardPrint& print, const Pictures& 
     std::map<std::array<int, 3>, DepthSample> patches;
     for (const Sample& s : render(scene, true)) {
       const double measured = seen.distance_m.at(s.x, s.y);
-      if (s.edge || measured <= 0) continue;
-      DepthSample& patch = patches[{s.y / patch_px, s.x / patch_px, s.ink > 0.5 ? 1 : 0}];
+      if (measured <= 0) continue;
+      // Apart by colour; far boards show hardly a pixel without an edge.
+      const int color = s.ink < 0.25 ? 0 : s.ink > 0.75 ? 2 : 1;
+      DepthSample& patch = patches[{s.y / patch_px, s.x / patch_px, color}];
       const BoardPoint point = board_point(model, print.columns, print.rows, s.uv);
       const double board = (point.p_m - scene.eye).norm();
       if (std::abs(measured - board) > 0.3) continue;

@@ -2,6 +2,7 @@
 // One camera alone: its lens and the board's poses from corners.
 #include "host/calibration/rig_lens.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -12,6 +13,9 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr double kMostResidual = 0.004;  // of the picture's width: no lens explains the corners
+constexpr double kOutlierSigmas = 5, kBadView = 8, kFloor_px = 0.005;
+constexpr std::size_t kLeastCorners = 8;
+constexpr int kRounds = 4;
 
 double miss_of(const RigCamera& camera, double square_m, const std::vector<SeenCorner>& corners,
                const geometry::Pose& pose) {
@@ -75,11 +79,75 @@ double scan_focals(const RigData& data, std::size_t camera, const std::vector<in
   return least / static_cast<double>(views.size());
 }
 
+/// Distances of a view's corners from where the lens and the board's place put them, px.
+std::vector<double> distances_of(const RigData& data, const RigModel& single, std::size_t camera,
+                                 int view) {
+  std::vector<double> all;
+  for (const SeenCorner& corner : data.corners[view][camera])
+    all.push_back(std::sqrt(
+        miss_of(single.cameras[0], single.square_m, {corner}, single.target_from_board[view])));
+  return all;
+}
+std::vector<double> distances(const RigData& data, const RigModel& single, std::size_t camera,
+                              const std::vector<int>& views) {
+  std::vector<double> all;
+  for (const int view : views)
+    for (const double d : distances_of(data, single, camera, view)) all.push_back(d);
+  return all;
+}
+
+double mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Takes out what the finder got wrong: views whose median is far beyond that of all, and corners
+/// far beyond their view's (Rayleigh: median = 1.1774 sigma). True where there was any.
+bool drop_misfound(RigData& data, const RigModel& single, std::size_t camera,
+                   const std::vector<int>& views) {
+  const double typical = std::max(median(distances(data, single, camera, views)), kFloor_px);
+  bool any = false;
+  for (const int view : views) {
+    const std::vector<double> away = distances_of(data, single, camera, view);
+    const double own = std::max(median(away), typical), gate = kOutlierSigmas / 1.1774 * own;
+    std::vector<SeenCorner>& corners = data.corners[view][camera];
+    std::vector<SeenCorner> kept;
+    for (std::size_t i = 0; i < away.size(); ++i)
+      if (away[i] < gate) kept.push_back(corners[i]);
+    const bool drop = own > kBadView * typical || kept.size() < kLeastCorners;
+    if (kept.size() == corners.size() && !drop) continue;
+    any = true;
+    if (drop) kept.clear();
+    Misfound& wrong = data.misfound[camera];
+    wrong.corners += static_cast<int>(corners.size() - kept.size());
+    if (drop) wrong.views.push_back(view);
+    corners = std::move(kept);
+  }
+  return any;
+}
+
 /// This camera's corners alone, as a rig of one.
 SeenCorners only(const SeenCorners& corners, std::size_t camera) {
   SeenCorners out;
   for (const auto& view : corners) out.push_back({view[camera]});
   return out;
+}
+
+SolveReport solve_free(const RigData& data, std::size_t camera, const std::vector<int>& views,
+                       int count, double sigma_px, RigModel& model, Crew& crew) {
+  model.cameras[0].free.resize(count);
+  std::iota(model.cameras[0].free.begin(), model.cameras[0].free.end(), 0);
+  const SeenCorners corners = only(data.corners, camera);
+  return solve_views(model, layout_of(model, {}), corner_terms(data.print, corners, {sigma_px}),
+                     views, {40, 1e-3, {}}, crew);
 }
 
 }  // namespace
@@ -112,42 +180,34 @@ bool pose_of_corners(const RigCamera& camera, double square_m,
   return least < 1e300;
 }
 
-Result<RigModel> solve_lens(const RigData& data, std::size_t camera, const std::vector<int>& views,
-                            Crew& crew) {
+Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew) {
   RigModel model;
   model.square_m = data.set.square_m;
   model.target_from_board.resize(data.corners.size());
+  std::vector<int> views = seen_by(data, camera);
+  const std::size_t found = views.size();
   scan_focals(data, camera, views, model);
-  const SeenCorners corners = only(data.corners, camera);
   // First the focal length and the places, then the lens; k4 to k6 of a pinhole stay zero.
   const int parameters = data.set.cameras[camera].lens == geometry::LensKind::kPinhole
                              ? 9
                              : geometry::kFisheyeParameters;
   SolveReport report;
-  for (const int count : {4, 6, parameters}) {
-    model.cameras[0].free.resize(count);
-    std::iota(model.cameras[0].free.begin(), model.cameras[0].free.end(), 0);
-    const double sigma = count < parameters ? 1.0 : 0.1;
-    const RigLayout layout = layout_of(model, {});
-    report = solve_views(model, layout, corner_terms(data.print, corners, {sigma}), views,
-                         {40, 1e-7, {}}, crew);
+  for (const int count : {4, 6, parameters})
+    report = solve_free(data, camera, views, count, count < parameters ? 1.0 : 0.1, model, crew);
+  for (int round = 0; round < kRounds && drop_misfound(data, model, camera, views); ++round) {
+    views = seen_by(data, camera);
+    report = solve_free(data, camera, views, parameters, 0.1, model, crew);
   }
-  double squares = 0;
-  long count = 0;
-  for (const int view : views) {
-    squares +=
-        miss_of(model.cameras[0], model.square_m, corners[view][0], model.target_from_board[view]);
-    count += static_cast<long>(corners[view][0].size());
-  }
-  const double rms = std::sqrt(squares / static_cast<double>(count));
+  const double rms = std::sqrt(mean_square(distances(data, model, camera, views)));
   const double allowed = std::max(0.7, kMostResidual * model.cameras[0].size_px.width);
   const bool sane = model.cameras[0].parameters.allFinite() && model.cameras[0].parameters[0] > 0;
-  if (sane && report.solved && rms < allowed) return model;
+  if (sane && report.solved && rms < allowed && 2 * views.size() > found) return model;
   return Error{ErrorCode::kData,
                "camera \"" + model.cameras[0].name + "\": no " +
                    std::string(geometry::name_of(model.cameras[0].lens)) +
-                   " lens explains the corners (" + std::to_string(rms) +
-                   " px): check model, the board's columns and rows, and that the pictures are "
+                   " lens explains the corners (" + std::to_string(rms) + " px in " +
+                   std::to_string(views.size()) + " of " + std::to_string(found) +
+                   " views): check model, the board's columns and rows, and that the pictures are "
                    "this camera's"};
 }
 

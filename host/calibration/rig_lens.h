@@ -12,8 +12,8 @@ namespace mixrig::calibration {
 bool pose_of_corners(const RigCamera& camera, double square_m,
                      const std::vector<SeenCorner>& corners, geometry::Pose& camera_from_board);
 
-/// A model of this camera alone. Errors: kData where no lens explains the corners.
-Result<RigModel> solve_lens(const RigData& data, std::size_t camera, const std::vector<int>& views,
-                            Crew& crew);
+/// A model of this camera alone; views and corners that no lens explains are taken out of `data`
+/// and counted there. Errors: kData where no lens explains half of the views.
+Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew);
 
 }  // namespace mixrig::calibration

@@ -112,6 +112,7 @@ Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>
   data.corners.assign(static_cast<std::size_t>(set.views),
                       std::vector<std::vector<SeenCorner>>(cameras));
   for (auto& view : data.pictures) view.resize(cameras);
+  data.misfound.resize(cameras);
   std::mutex mutex;
   std::optional<Error> error;
   int done = 0;
@@ -180,14 +181,14 @@ CornerError corner_error(const RigData& data, const RigModel& model, std::size_t
   return error;
 }
 
-Result<RigModel> start_rig(const RigData& data, Crew& crew) {
+Result<RigModel> start_rig(RigData& data, Crew& crew) {
   RigModel model;
   model.square_m = data.set.square_m;
   model.target_from_board.resize(data.corners.size());
   std::vector<RigModel> singles;
   for (std::size_t c = 0; c < data.set.cameras.size(); ++c) {
     const ViewCamera& camera = data.set.cameras[c];
-    const std::vector<int> views = seen_by(data, c);
+    std::vector<int> views = seen_by(data, c);
     const std::string who = "camera \"" + camera.name + "\"";
     if (static_cast<int>(views.size()) < kLeastViews)
       return data_error(who + " sees the board in " + std::to_string(views.size()) + " of " +
@@ -195,8 +196,9 @@ Result<RigModel> start_rig(const RigData& data, Crew& crew) {
                         std::to_string(kLeastViews) +
                         " are needed: check the board's squares in views.toml, light and "
                         "sharpness, and that the whole board is in the picture");
-    auto single = solve_lens(data, c, views, crew);
+    auto single = solve_lens(data, c, crew);
     if (!single) return single.error();
+    views = seen_by(data, c);
     if (spread_rad(*single, views) < 0.15)
       return data_error("all views of " + who +
                         " are alike: tilt the board by 20 to 40 degrees, to all sides");

@@ -13,12 +13,19 @@ namespace mixrig::calibration {
 /// The print of a set's board. Errors: kUsage for a dictionary that is not known.
 Result<BoardPrint> print_of(const ViewSet& set);
 
+/// What the finder got wrong in one camera's pictures.
+struct Misfound {
+  std::vector<int> views;  ///< left out altogether
+  int corners = 0;         ///< those of such views included
+};
+
 struct RigData {
   ViewSet set;  ///< cameras that take part
   BoardPrint print;
   Pictures pictures;  ///< view, camera
   SeenCorners corners;
-  double blur_px = 0;  ///< largest median blur that the detector saw
+  std::vector<Misfound> misfound;  ///< a camera; filled by start_rig()
+  double blur_px = 0;              ///< largest median blur that the detector saw
 };
 /// Reads all pictures of the cameras that `wanted` names (all if empty) and finds the board in
 /// them; `progress` is told how many of how many views are done. Errors: kUsage, kNotFound,
@@ -30,9 +37,10 @@ Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>
 std::vector<int> seen_by(const RigData& data, std::size_t camera);
 
 /// Lenses, mounting and the board's places, each good enough for the joint solution to start from.
+/// Takes misfound corners out of `data`.
 /// Errors: kData where a camera sees the board too rarely or always in the same way, where no view
 /// is shared with the target camera, or where a lens cannot be found.
-Result<RigModel> start_rig(const RigData& data, Crew& crew);
+Result<RigModel> start_rig(RigData& data, Crew& crew);
 
 /// Root mean square of the corners' distances (px) of one camera over views, and how many.
 struct CornerError {

@@ -57,7 +57,7 @@ class PixelTerms {
   std::vector<std::vector<Weights>> weights_;  ///< view, camera
 };
 
-/// Mean of a patch of one colour in a depth picture.
+/// Mean of a patch of a depth picture: paper, ink, or where both meet.
 struct DepthSample {
   int view = 0;
   double measured_m = 0, board_m = 0;  ///< distance along the ray, measured and by the model

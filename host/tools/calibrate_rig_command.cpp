@@ -56,6 +56,8 @@ json report_of(const calibration::RigReport& report) {
     const std::string& name = report.model.cameras[c].name;
     cameras[name] = camera_json(report.model.cameras[c]);
     cameras[name]["corner_px"] = report.calibration.cameras[c].residual_px;
+    cameras[name]["misfound"] = {{"views", report.misfound[c].views.size()},
+                                 {"corners", report.misfound[c].corners}};
     if (!report.grey_rms.empty()) cameras[name]["grey_rms"] = report.grey_rms[c];
     by_corners[name] = camera_json(report.by_corners.cameras[c]);
     by_corners[name]["corner_px"] = report.corner_px[c];
@@ -87,6 +89,14 @@ void print(const calibration::RigReport& report) {
                 camera.parameters[0], report.corner_px[c],
                 report.calibration.cameras[c].residual_px, camera.blur_px,
                 report.calibration.cameras[c].views);
+  }
+  for (std::size_t c = 0; c < report.misfound.size(); ++c) {
+    const calibration::Misfound& wrong = report.misfound[c];
+    if (wrong.corners == 0) continue;
+    std::printf("%s: %d corners left out that no lens explains",
+                report.model.cameras[c].name.c_str(), wrong.corners);
+    for (const int view : wrong.views) std::printf(", view %d whole", view + 1);
+    std::printf("\n");
   }
   for (const auto& pose : report.calibration.poses) {
     const Eigen::Vector3d t = 1000 * pose.target_from.translation_m;
