@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "host/app/calibrated_source.h"
 #include "host/app/live_source.h"
 #include "host/app/world_frame.h"
 
@@ -198,6 +199,10 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   session->backend = options.backend;
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
   MIXRIG_ASSIGN(session->source, open_any_source(options));
+  MIXRIG_ASSIGN(session->source,
+                with_calibration(std::move(session->source), options.calibration.empty()
+                                                                 ? session->scene.calibration
+                                                                 : options.calibration));
   MIXRIG_ASSIGN(session->setup, setup_of(session->source->info(), options.view_size));
   if (const auto& learn = session->scene.background.learn) {
     if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)

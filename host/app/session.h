@@ -32,6 +32,7 @@ struct SessionOptions {
   std::string source;             ///< as open_source, or "rig[:RIG.TOML]": live devices
   std::optional<Size> view_size;  ///< size to composite at; the take's view where absent
   BackendChoice backend;
+  std::filesystem::path calibration{};      ///< calibration.yaml; empty: what scene or source name
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
 };

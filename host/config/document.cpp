@@ -63,6 +63,14 @@ Result<void> Document::finish() const {
   return {};
 }
 
+std::filesystem::path path_at(const Table& table, std::string_view key,
+                              const std::filesystem::path& folder) {
+  const auto expanded = expand_environment(table.text(key));
+  if (expanded) return expanded->empty() ? "" : (folder / *expanded).lexically_normal();
+  table.fail(key, expanded.error());
+  return {};
+}
+
 Result<std::string> expand_environment(const std::string& text) {
   std::string out;
   std::size_t at = 0;

@@ -103,6 +103,11 @@ class Document {
 /// brace is not closed.
 Result<std::string> expand_environment(const std::string& text);
 
+/// A file or folder that `key` names, from `folder` on; ${NAME} is an environment variable. Empty
+/// where the key is absent from an optional table, or wrong (which is noted).
+std::filesystem::path path_at(const Table& table, std::string_view key,
+                              const std::filesystem::path& folder);
+
 /// Whole of a text file of at most `max_bytes`. Errors: kNotFound, kFormat where it is larger.
 Result<std::string> read_text(const std::filesystem::path& path, std::size_t max_bytes);
 

@@ -39,6 +39,7 @@ take::TakeInfo info_of_devices(const Devices& devices) {
     info.view = played.view;
     info.target_from_tof = played.target_from_tof;
     info.noise = played.noise;
+    info.calibration = played.calibration;
   }
   // A recording may stand for one of the cameras only.
   const Size color = devices.cameras.front()->info().size, depth = devices.depth->info().size;
@@ -71,6 +72,7 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
     info.target = *config.target;
     info.view.reset();
   }
+  if (!config.calibration.empty()) info.calibration = config.calibration;
   if (config.tof) info.tof = *config.tof;
   if (config.target_from_tof) info.target_from_tof = *config.target_from_tof;
   const device::DepthInfo& depth = devices.depth->depth();

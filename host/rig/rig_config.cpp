@@ -155,6 +155,9 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
   RigConfig rig;
   (void)root.integer("format", {1, 1});
   rig.name = root.text_or("name", "rig");
+  if (root.has("calibration"))
+    rig.calibration =
+        config::path_at(root, "calibration", std::filesystem::path(name).parent_path());
   parse_trigger(root.table("trigger"), rig);
   int number = 0;
   for (const config::Table& table : root.tables("camera"))

@@ -31,6 +31,7 @@ struct TriggerLine {
 
 struct RigConfig {
   std::string name;
+  std::filesystem::path calibration;  ///< calibration.yaml in place of the cameras below, or empty
   std::string trigger_uri;  ///< empty: everything runs free
   std::vector<TriggerLine> lines;
   std::vector<CameraConfig> cameras;  ///< the first one leads: it is the target camera

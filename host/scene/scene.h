@@ -90,6 +90,7 @@ struct KeySettings {
 
 struct Scene {
   std::filesystem::path path;
+  std::filesystem::path calibration;  ///< calibration.yaml in place of the source's own, or empty
   PoseSource pose_source = PoseSource::kTake;
   std::optional<CaptureVolume> capture_volume;
   Background background;

@@ -36,15 +36,6 @@ Eigen::Vector3f color_or(const Table& table, const char* key, const Eigen::Vecto
   return vector_or(table, key, {}, kLight).cast<float>();
 }
 
-/// A file or folder beside the scene; the environment may name where.
-std::filesystem::path path_at(const Table& table, const char* key,
-                              const std::filesystem::path& folder) {
-  const auto expanded = config::expand_environment(table.text(key));
-  if (expanded) return (folder / *expanded).lexically_normal();
-  table.fail(key, expanded.error());
-  return {};
-}
-
 Eigen::Quaterniond read_rotation(const Table& table) {
   const double yaw_rad = table.number_or("yaw_deg", 0.0, {-3600, 3600}) * std::numbers::pi / 180.0;
   if (!table.has("rotation_xyzw"))
@@ -61,7 +52,7 @@ Object read_object(const Table& table, std::size_t number, const std::filesystem
                    bool load_model) {
   Object object;
   object.name = table.text_or("name", "object " + std::to_string(number));
-  object.model_path = path_at(table, "model", folder);
+  object.model_path = config::path_at(table, "model", folder);
   object.world_from_object = {read_rotation(table), vector(table, "position_m")};
   object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
   object.casts_shadow = table.boolean_or("casts_shadow", true);
@@ -121,7 +112,7 @@ Background read_background(const Table& table, const std::filesystem::path& fold
         frames[0] > frames[1])
       table.fail("learn", "must be the first and the last frame: write [1, 25]");
   }
-  if (table.has("model")) background.model = path_at(table, "model", folder);
+  if (table.has("model")) background.model = config::path_at(table, "model", folder);
   if (table.present() && background.learn.has_value() == background.model.has_value())
     table.fail("learn", "give either learn or model");
   return background;
@@ -144,6 +135,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   const std::filesystem::path folder = path.parent_path();
   Scene scene;
   scene.path = path;
+  if (root.has("calibration")) scene.calibration = config::path_at(root, "calibration", folder);
   read_camera(root.table("camera"), scene);
   scene.background = read_background(root.table("background"), folder);
   for (const Table& object : root.tables("object"))

@@ -108,6 +108,8 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   root.integer("format", {1, 1});
   info.name = root.text_or("name", path.parent_path().filename().string());
   info.root = read_root(root, path.parent_path());
+  if (root.has("calibration"))
+    info.calibration = config::path_at(root, "calibration", path.parent_path());
   info.color = read_stream(root.required_table("color"));
   read_depth(root.required_table("depth"), info);
   if (const Table amplitude = root.table("amplitude"); amplitude.present())

@@ -54,6 +54,8 @@ std::string depth_text(const TakeInfo& info) {
 
 std::string manifest_text(const TakeInfo& info) {
   std::string text = "format = 1\nname = " + toml_text(info.name) + "\nroot = \".\"\n";
+  if (!info.calibration.empty())
+    text += "calibration = " + toml_text(info.calibration.string()) + "\n";
   text += stream_text("color", info.color) + depth_text(info);
   if (info.amplitude) text += stream_text("amplitude", *info.amplitude);
   text += camera_text("target", info.target);

@@ -37,6 +37,7 @@ struct DepthNoise {
 struct TakeInfo {
   std::filesystem::path path;  ///< folder or manifest that was opened
   std::filesystem::path root;  ///< folder that stream paths start at
+  std::filesystem::path calibration;  ///< calibration.yaml in place of the cameras below, or empty
   std::string name;
   StreamInfo color, depth;
   std::optional<StreamInfo> amplitude;
@@ -105,8 +106,9 @@ enum class StreamFormat { kPng, kMatroska };
 /// a writer that is dropped unfinished leaves nothing. Not thread-safe.
 class TakeWriter {
  public:
-  /// `info` gives cameras, rig, depth units and rates; counts and paths are set by the writer.
-  /// Errors: kUsage where `folder` exists and is not a take, kIo.
+  /// `info` gives cameras, rig, depth units and rates; counts and paths are set by the writer; the
+  /// file of info.calibration is copied into the take.
+  /// Errors: kUsage where `folder` exists and is not a take, kIo, kNotFound.
   static Result<TakeWriter> create(const std::filesystem::path& folder, const TakeInfo& info,
                                    StreamFormat format);
   TakeWriter(TakeWriter&&) noexcept;

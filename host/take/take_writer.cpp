@@ -101,6 +101,7 @@ struct TakeWriter::State {
     return stream.rate_hz > 0 ? stream.rate_hz : kDefaultRate_hz;
   }
   Result<void> write_text(const char* name, const std::string& text) const;
+  Result<void> copy_calibration();
 
   image_io::PartialPath partial;
   TakeInfo info;
@@ -119,6 +120,19 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
   return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
 }
 
+/// A take takes its calibration along.
+Result<void> TakeWriter::State::copy_calibration() {
+  constexpr const char* kName = "calibration.yaml";
+  std::error_code error;
+  fs::copy_file(info.calibration, partial.path() / kName, error);
+  if (error)
+    return system_error(ErrorCode::kNotFound,
+                        "cannot copy calibration '" + info.calibration.string() + "'",
+                        error.value());
+  info.calibration = kName;
+  return {};
+}
+
 TakeWriter::TakeWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 TakeWriter::TakeWriter(TakeWriter&&) noexcept = default;
 TakeWriter& TakeWriter::operator=(TakeWriter&&) noexcept = default;
@@ -133,6 +147,7 @@ Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& in
                  "'" + folder.string() + "' exists and is not a take: give another folder"};
   auto state = std::make_unique<State>(folder, info, format);
   MIXRIG_TRY(make_folder(state->partial.path()));
+  if (!info.calibration.empty()) MIXRIG_TRY(state->copy_calibration());
   return TakeWriter(std::move(state));
 }
 

@@ -60,6 +60,11 @@ void add_backend_options(CLI::App& command, SessionWords& words) {
       ->check(CLI::Range(0, 256));
 }
 
+void add_calibration_option(CLI::App& command, SessionWords& words) {
+  command.add_option("--calibration", words.calibration,
+                     "calibration.yaml of the cameras; what scene, take or rig say if not given");
+}
+
 void add_session_options(CLI::App& command, SessionWords& words) {
   command.add_option("SCENE", words.scene, "scene.toml: what to composite")->required();
 #ifdef MIXRIG_HAS_STUDIO
@@ -71,6 +76,7 @@ void add_session_options(CLI::App& command, SessionWords& words) {
   command.add_option("--source", words.source,
                      std::string(kSources) + "; the take beside SCENE if not given");
   command.add_option("--size", words.size, "WxH to composite at; the take's own size if not given");
+  add_calibration_option(command, words);
   add_backend_options(command, words);
 }
 
@@ -90,6 +96,7 @@ app::BackendChoice backend_choice(const SessionWords& words) {
 Result<app::SessionOptions> session_options(const SessionWords& words) {
   app::SessionOptions options;
   options.scene = words.scene;
+  options.calibration = words.calibration;
   MIXRIG_ASSIGN(options.source, source_of(words));
   MIXRIG_ASSIGN(options.view_size, view_size(words));
   options.backend = backend_choice(words);

@@ -18,12 +18,13 @@ Result<app::FrameRange> parse_range(const std::string& text, const std::string& 
 /// "WxH", 1..16384 a side. Errors: kUsage.
 Result<Size> parse_size(const std::string& text, const std::string& option);
 
-/// SCENE, --source, --backend, --threads, --size as words of the command line.
+/// SCENE, --source, --calibration, --backend, --threads, --size as words of the command line.
 struct SessionWords {
-  std::string scene, source, backend = "auto", size;
+  std::string scene, source, calibration, backend = "auto", size;
   int threads = 0;
 };
 void add_session_options(CLI::App& command, SessionWords& words);
+void add_calibration_option(CLI::App& command, SessionWords& words);
 void add_backend_options(CLI::App& command, SessionWords& words);
 /// The size that was named, if any. Errors: kUsage.
 Result<std::optional<Size>> view_size(const SessionWords& words);

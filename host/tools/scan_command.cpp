@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 
+#include "host/app/calibrated_source.h"
 #include "host/app/session.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -72,7 +73,9 @@ void print(const model::StaticBackground& background) {
 Result<nlohmann::json> scan(const Words& words) {
   MIXRIG_ASSIGN(const auto size, view_size(words.session));
   MIXRIG_ASSIGN(const app::FrameRange range, parse_range(words.frames, "--frames"));
-  MIXRIG_ASSIGN(const auto source, app::open_take_source(words.take));
+  MIXRIG_ASSIGN(auto recorded, app::open_take_source(words.take));
+  MIXRIG_ASSIGN(const auto source,
+                app::with_calibration(std::move(recorded), words.session.calibration));
   MIXRIG_ASSIGN(const auto setup, app::setup_of(source->info(), size));
   MIXRIG_ASSIGN(
       const model::StaticBackground background,
@@ -92,6 +95,7 @@ void add_scan_command(CLI::App& app, Context& context) {
   command->add_option("--frames", words->frames, "FIRST-LAST that show the empty room")->required();
   command->add_option("OUT", words->out, "background folder to write")->required();
   command->add_option("--size", words->session.size, "WxH of the view, if not the take's");
+  add_calibration_option(*command, words->session);
   add_backend_options(*command, words->session);
   command->callback([&context, words] { context.action = [words] { return scan(*words); }; });
 }

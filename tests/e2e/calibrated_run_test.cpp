@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// A take that says wrong things of its cameras, and the calibration.yaml that puts them right:
+// judged by the studio's truth.
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "host/camera_io/calibration.h"
+#include "host/take/take.h"
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+class CalibratedRun : public CommandTest {
+ protected:
+  /// depth_mae_mm and key_iou of a run on "take".
+  std::pair<double, double> errors(const std::string& words) {
+    EXPECT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") +
+                     " --out " + path("out") + " --backend cpu --format none --json " +
+                     path("report.json") + " " + words),
+              0);
+    const auto error = report("report.json").at("error");
+    return {error.at("depth_mae_mm").get<double>(), error.at("key_iou").get<double>()};
+  }
+  /// What the studio says of its own cameras, as a calibration would.
+  camera_io::Calibration truth() const {
+    const auto reader = take::TakeReader::open(folder_ / "take");
+    const take::TakeInfo& info = reader->info();
+    camera_io::Calibration known;
+    known.cameras = {{"target", info.target, {}, 0, 0, 0, {}}, {"tof", info.tof, {}, 0, 0, 0, {}}};
+    known.poses = {{"tof", info.target_from_tof, {}, 0, 0, {}}};
+    return known;
+  }
+  /// Sets the line of `key` under [table] of take.toml.
+  void edit(const std::string& table, const std::string& key, const std::string& value) {
+    std::ifstream in(folder_ / "take/take.toml");
+    std::ostringstream out;
+    std::string line, here;
+    while (std::getline(in, line)) {
+      if (line.starts_with("[")) here = line;
+      const bool found = here == "[" + table + "]" && line.starts_with(key + " =");
+      out << (found ? key + " = " + value : line) << "\n";
+    }
+    in.close();
+    std::ofstream(folder_ / "take/take.toml") << out.str();
+  }
+};
+
+TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
+  ASSERT_EQ(mixrig("studio " + path("take") +
+                   " --scenario walk --rig kinect2 --seed 7 --frames 16 --size 640x512"),
+            0);
+  const auto right = errors("");
+  const camera_io::Calibration known = truth();
+  ASSERT_TRUE(camera_io::write_calibration(path("take/right.yaml"), known));
+  const double fx_px = std::get<geometry::CameraModel>(known.cameras[1].model).pinhole.fx_px;
+  edit("tof", "fx", std::to_string(1.06 * fx_px));
+  edit("tof", "distortion", "[0.0, 0.0, 0.0, 0.0]");
+  edit("target_from_tof", "translation_m", "[0.05, 0.02, 0.08]");
+  const auto wrong = errors("");
+  EXPECT_GT(wrong.first, 2 * right.first);
+  EXPECT_LT(wrong.second, right.second - 0.02);
+
+  const auto by_option = errors("--calibration " + path("take/right.yaml"));
+  std::printf("depth %.2f mm, key %.4f; wrong %.2f mm, %.4f; by --calibration %.2f mm, %.4f\n",
+              right.first, right.second, wrong.first, wrong.second, by_option.first,
+              by_option.second);
+  EXPECT_NEAR(by_option.first, right.first, 1e-3 * right.first);
+  EXPECT_NEAR(by_option.second, right.second, 1e-4);
+
+  std::ifstream in(folder_ / "take/take.toml");
+  const std::string manifest{std::istreambuf_iterator<char>(in), {}};
+  std::ofstream(folder_ / "take/take.toml") << "calibration = \"right.yaml\"\n" << manifest;
+  EXPECT_EQ(errors(""), by_option) << "named by the take";
+}
+
+}  // namespace
+}  // namespace mixrig::test
