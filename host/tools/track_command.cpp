@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig track --mocap: the pose of every frame of a motion-capture recording.
+// mixrig track --mocap: the pose of every frame of a motion capture, recorded or live.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -7,9 +7,11 @@
 
 #include "host/app/output_folder.h"
 #include "host/camera_io/calibration.h"
+#include "host/mocap/live.h"
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
 #include "host/tools/command.h"
+#include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
 namespace {
@@ -17,6 +19,13 @@ namespace {
 struct Words {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
   int body = 0;
+  std::optional<double> duration_s;
+  std::size_t frames = 0;
+};
+
+struct Frames {
+  std::vector<stream::NatNetFrame> frames;
+  std::optional<stream::NatNetCounts> live;
 };
 
 Result<std::vector<std::byte>> read_bytes(const std::string& path) {
@@ -39,36 +48,65 @@ Result<stream::NatNetVersion> parse_version(const std::string& text) {
   return version;
 }
 
-Result<std::vector<stream::NatNetFrame>> read_frames(const Words& words) {
-  if (words.mocap.ends_with(".csv")) return mocap::read_mocap_csv(words.mocap);
+Result<Frames> receive(const Words& words, stream::NatNetVersion version) {
+  MIXRIG_ASSIGN(const auto address, stream::parse_natnet_address(words.mocap));
+  const SystemClock clock;
+  MIXRIG_ASSIGN(auto receiver, stream::NatNetReceiver::open(address, version, clock));
+  const StopOnSignal signals;
+  MIXRIG_ASSIGN(auto frames, mocap::receive_frames(receiver, {words.duration_s, words.frames},
+                                                   StopOnSignal::flag(), clock));
+  return Frames{std::move(frames), receiver.counts()};
+}
+
+Result<Frames> read_frames(const Words& words) {
+  const std::filesystem::path path = words.mocap;
+  if (path.extension() == ".csv") {
+    MIXRIG_ASSIGN(auto frames, mocap::read_mocap_csv(path));
+    return Frames{std::move(frames), {}};
+  }
   MIXRIG_ASSIGN(const stream::NatNetVersion version, parse_version(words.version));
+  if (words.mocap == "natnet" || words.mocap.starts_with("natnet:") ||
+      words.mocap.starts_with("natnet,"))
+    return receive(words, version);
   MIXRIG_ASSIGN(const std::vector<std::byte> bytes, read_bytes(words.mocap));
   auto frames = stream::parse_capture(bytes, version);
   if (!frames) return Error{frames.error().code, words.mocap + ": " + frames.error().context};
-  return frames;
+  return Frames{*std::move(frames), {}};
 }
 
-Result<mocap::MocapTrack> track_of(const Words& words,
-                                   const std::vector<stream::NatNetFrame>& frames) {
+Result<mocap::TrackOptions> track_options(const Words& words) {
   mocap::TrackOptions options;
   options.up = words.up == "z" ? mocap::Up::kZ : mocap::Up::kY;
   options.body_id = words.body;
-  if (!words.calibration.empty()) {
-    MIXRIG_ASSIGN(const camera_io::Calibration known,
-                  camera_io::read_calibration(words.calibration));
-    const auto* body = known.pose("body");
-    if (body == nullptr)
-      return Error{ErrorCode::kData, words.calibration +
-                                         ": holds no pose of the body: make one by "
-                                         "mixrig calibrate external"};
-    options.body_from_camera = geometry::inverse(body->target_from);
-  }
-  if (words.constellation.empty()) return mocap::track_bodies(frames, options);
-  MIXRIG_ASSIGN(const mocap::Constellation body, mocap::read_constellation(words.constellation));
-  return mocap::track_markers(frames, body, options);
+  if (words.calibration.empty()) return options;
+  MIXRIG_ASSIGN(const camera_io::Calibration known, camera_io::read_calibration(words.calibration));
+  const auto* body = known.pose("body");
+  if (body == nullptr)
+    return Error{ErrorCode::kData, words.calibration +
+                                       ": holds no pose of the body: make one by "
+                                       "mixrig calibrate external"};
+  options.body_from_camera = geometry::inverse(body->target_from);
+  return options;
 }
 
-void print(const mocap::MocapTrack& track) {
+Result<std::optional<mocap::Constellation>> constellation_of(const Words& words) {
+  if (words.constellation.empty()) return std::optional<mocap::Constellation>();
+  MIXRIG_ASSIGN(auto body, mocap::read_constellation(words.constellation));
+  return std::optional(std::move(body));
+}
+
+nlohmann::json to_json(const stream::NatNetCounts& live) {
+  return {{"frames", live.frames},
+          {"lost", live.lost},
+          {"late", live.late},
+          {"malformed", live.malformed},
+          {"foreign", live.foreign}};
+}
+
+void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCounts>& live) {
+  if (live)
+    std::printf("%ld frames received, %ld lost, %ld late, %ld malformed, %ld from elsewhere\n",
+                live->frames, live->lost, live->late, live->malformed, live->foreign);
   std::printf("%zu of %d frames have a pose\n", track.poses.size(), track.frames);
   if (track.residual_rms_m > 0)
     std::printf("markers are %.3f mm RMS from the body's shape\n", 1e3 * track.residual_rms_m);
@@ -77,10 +115,13 @@ void print(const mocap::MocapTrack& track) {
 }
 
 Result<nlohmann::json> track(const Words& words) {
-  MIXRIG_ASSIGN(const std::vector<stream::NatNetFrame> frames, read_frames(words));
-  const auto track = track_of(words, frames);
+  MIXRIG_ASSIGN(const auto options, track_options(words));
+  MIXRIG_ASSIGN(const auto body, constellation_of(words));
+  MIXRIG_ASSIGN(const Frames all, read_frames(words));
+  const auto track = body ? mocap::track_markers(all.frames, *body, options)
+                          : mocap::track_bodies(all.frames, options);
   if (!track) return Error{track.error().code, words.mocap + ": " + track.error().context};
-  print(*track);
+  print(*track, all.live);
   if (track->poses.empty())
     return Error{ErrorCode::kData,
                  words.mocap + ": no frame has a pose" +
@@ -89,7 +130,8 @@ Result<nlohmann::json> track(const Words& words) {
   return nlohmann::json{{"frames", track->frames},
                         {"poses", track->poses.size()},
                         {"residual_rms_m", track->residual_rms_m},
-                        {"refused", track->refused}};
+                        {"refused", track->refused},
+                        {"live", all.live ? to_json(*all.live) : nlohmann::json()}};
 }
 
 }  // namespace
@@ -99,7 +141,8 @@ void add_track_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
   command
       ->add_option("--mocap", words->mocap,
-                   "motion capture: CSV of markers or bodies, or NatNet packets as sent")
+                   "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
+                   "natnet[:HOST[:PORT]][,GROUP]")
       ->required();
   command->add_option("--constellation", words->constellation,
                       "TOML of the body's markers: poses are found from markers alone");
@@ -112,6 +155,11 @@ void add_track_command(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--natnet", words->version, "version of packets that do not state theirs")
       ->capture_default_str();
+  command
+      ->add_option("--duration", words->duration_s,
+                   "seconds of a live stream; until Ctrl-C or five silent seconds if not given")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--frames", words->frames, "number of frames of a live stream");
   command->add_option("--out", words->out, "trajectory in TUM format, z up");
   command->callback([&context, words] { context.action = [words] { return track(*words); }; });
 }

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "host/estimation/verdict.h"
+#include "host/mocap/live.h"
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
+#include "tests/unit/stream/natnet_server.h"
 
 namespace mixrig::mocap {
 namespace {
@@ -49,6 +51,49 @@ TEST(MocapRecording, MarkersGiveThePosesThatTheSystemGives) {
     EXPECT_LT(error.head<3>().norm(), 0.03 * M_PI / 180);
     EXPECT_LT(error.tail<3>().norm(), 0.0003);
   }
+}
+
+/// The same markers as a server sends them: what comes out is what the file gives, without the
+/// frames that the net has lost.
+TEST(MocapRecording, ComesOverTheNetAsFromTheFile) {
+  const char* root = std::getenv("MIXRIG_DATA");
+  if (root == nullptr || !fs::exists(fs::path(root) / "mocap-natnet"))
+    GTEST_SKIP() << "needs the recording mocap-natnet: set MIXRIG_DATA to the folder that holds it";
+  const auto file = read_mocap_csv(fs::path(root) / "mocap-natnet" / "markers.csv");
+  ASSERT_TRUE(file) << file.error().context;
+  constexpr std::size_t kLostEvery = 50;
+  std::vector<stream::NatNetFrame> sent;
+  std::vector<std::vector<std::byte>> packets;
+  for (std::size_t i = 0; i < file->size(); ++i) {
+    if (i % kLostEvery == 10) continue;
+    sent.push_back((*file)[i]);
+    packets.push_back(stream::packet_of_markers(sent.back()));
+  }
+  const stream::NatNetServer server(packets);
+  const SystemClock clock;
+  auto receiver = stream::NatNetReceiver::open(
+      *stream::parse_natnet_address("natnet:127.0.0.1:" + std::to_string(server.port())), {3, 0},
+      clock);
+  ASSERT_TRUE(receiver) << receiver.error().context;
+  const std::atomic<bool> stop = false;
+  const auto received =
+      receive_frames(*receiver, {.duration_s = {}, .frames = sent.size()}, stop, clock);
+  ASSERT_TRUE(received) << received.error().context;
+  ASSERT_EQ(received->size(), sent.size());
+  EXPECT_EQ(receiver->counts().lost, static_cast<long>(file->size() - sent.size()));
+  const auto live = track_markers(*received, race_quad(), {}),
+             filed = track_markers(sent, race_quad(), {});
+  std::printf("live: %zu of %zu frames, %ld lost, markers %.3f mm RMS from the body\n",
+              live.poses.size(), received->size(), receiver->counts().lost,
+              1e3 * live.residual_rms_m);
+  EXPECT_NEAR(live.residual_rms_m, 0.00067, 0.00002);
+  ASSERT_EQ(live.poses.size(), filed.poses.size());
+  for (std::size_t i = 0; i < live.poses.size(); ++i)
+    EXPECT_LT(
+        estimation::pose_error(live.poses[i].world_from_camera, filed.poses[i].world_from_camera)
+            .norm(),
+        1e-5)
+        << "single precision on the wire";
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/stream/natnet.h"
+
 namespace mixrig::stream {
 
 /// Little-endian bytes of what is put.
@@ -79,6 +81,25 @@ inline PacketWriter frame_with_body(int number, float x, double time_s, bool siz
   if (sized) w.put(std::uint32_t{0}).put(std::uint32_t{0});
   w.put(std::int16_t{0}).put(std::int32_t{0});
   return w;
+}
+
+/// A whole packet of NatNet 3.0 with the frame's labelled markers, and nothing else in it.
+inline std::vector<std::byte> packet_of_markers(const NatNetFrame& frame) {
+  PacketWriter w;
+  w.put(std::int32_t{frame.number});
+  for (int section = 0; section < 4; ++section) w.put(std::int32_t{0});
+  w.put(static_cast<std::int32_t>(frame.markers.size()));
+  for (const NatNetMarker& marker : frame.markers) {
+    w.put(static_cast<std::uint32_t>(marker.body_id) << 16 |
+          static_cast<std::uint32_t>(marker.marker_id));
+    for (int axis = 0; axis < 3; ++axis) w.put(static_cast<float>(marker.position_m[axis]));
+    w.put(0.02F).put(static_cast<std::int16_t>(marker.occluded ? 1 : 0)).put(0.0F);
+  }
+  for (int section = 0; section < 2; ++section) w.put(std::int32_t{0});
+  w.put(std::uint32_t{0}).put(std::uint32_t{0}).put(frame.time_s);
+  for (int stamp = 0; stamp < 3; ++stamp) w.put(std::uint64_t{0});
+  w.put(std::int16_t{0}).put(std::int32_t{0});
+  return w.packet(7);
 }
 
 }  // namespace mixrig::stream

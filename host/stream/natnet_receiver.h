@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// NatNet frames as a server sends them: to us (unicast), or to a group (multicast).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <netinet/in.h>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/stream/natnet.h"
+
+namespace mixrig::stream {
+
+/// Where a server is. Ports are Motive's.
+struct NatNetAddress {
+  std::string host = "127.0.0.1";  ///< IPv4 or a name
+  std::string group;               ///< of multicast, such as 239.255.42.99; empty: unicast
+  int command_port = 1510, data_port = 1511;
+};
+
+/// "natnet[:HOST[:PORT]][,GROUP[:PORT]]": the port of commands, and of the group's data. Pure.
+/// Errors: kUsage.
+Result<NatNetAddress> parse_natnet_address(const std::string& uri);
+
+/// What came. A frame is lost where numbers jump, late where they do not grow.
+struct NatNetCounts {
+  long frames = 0, lost = 0, late = 0;
+  long malformed = 0;  ///< datagrams that are no packet of NatNet
+  long foreign = 0;    ///< datagrams from another machine
+};
+
+/// Asks the server for its stream, once a second as servers want it, and reads what it sends.
+/// Only datagrams of the server's own address are read. Not thread-safe.
+class NatNetReceiver {
+ public:
+  /// `version` holds until the server tells its own. Errors: kNotFound for a name that is not
+  /// known, kDevice where no socket can be had.
+  static Result<NatNetReceiver> open(const NatNetAddress& address, NatNetVersion version,
+                                     const Clock& clock);
+
+  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was no frame.
+  /// Errors: kDevice where a socket fails; kUnsupported for a server below 3.0.
+  Result<std::optional<NatNetFrame>> next(Duration timeout);
+  const NatNetCounts& counts() const { return counts_; }
+
+ private:
+  class Socket {  // closed with the object
+   public:
+    explicit Socket(int fd) : fd_(fd) {}
+    Socket(Socket&& other) noexcept;
+    Socket& operator=(Socket&& other) noexcept;
+    ~Socket();
+    int fd() const { return fd_; }
+
+   private:
+    int fd_;
+  };
+
+  NatNetReceiver(sockaddr_in server, std::vector<Socket> sockets, NatNetVersion version,
+                 const Clock& clock);
+  static Result<Socket> open_command(const sockaddr_in& server);
+  static Result<Socket> open_group(const NatNetAddress& address, const sockaddr_in& server);
+  void ask();
+  Result<std::optional<NatNetFrame>> read(int fd);
+  Result<std::optional<NatNetFrame>> take(const NatNetPacket& packet);
+  bool is_next(int number);
+
+  sockaddr_in server_;
+  std::vector<Socket> sockets_;  ///< of commands, then of the group
+  NatNetVersion version_;
+  const Clock* clock_;
+  std::optional<HostTime> asked_;
+  std::optional<int> last_number_;
+  std::vector<std::byte> buffer_;
+  NatNetCounts counts_;
+};
+
+}  // namespace mixrig::stream
