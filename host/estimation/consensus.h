@@ -16,6 +16,10 @@
 
 namespace mixrig::estimation {
 
+/// z of the test that measurements, each of which belongs to the fit, contradict each other (p =
+/// 1e-7): a refusal needs more evidence than the search for outliers.
+inline constexpr double kContradictionZ = 5.2;
+
 /// Sizes of an estimation problem.
 struct ProblemSize {
   int measurements;  ///< given
@@ -77,7 +81,7 @@ std::vector<int> agreeing(int n, const Model& model, Cost&& cost, double limit) 
 /// The measurements that the best sampled model explains.
 template <typename Model, typename Sample, typename Cost>
 std::vector<int> largest_consensus(const ProblemSize& size, Sample&& sample, Cost&& cost) {
-  // With half of the measurements good, which is what counts, a good sample is missed with
+  // With half of the measurements good, fewer than what counts, a good sample is missed with
   // probability 1e-6 by the half of these.
   const int max_trials =
       static_cast<int>(2 * std::log(1e-6) / std::log1p(-std::pow(0.5, size.sample)));
@@ -108,8 +112,9 @@ std::vector<int> largest_consensus(const ProblemSize& size, Sample&& sample, Cos
 }  // namespace detail
 
 /// Fits all measurements; where `whitened` and they disagree with their noise, the largest
-/// subset that agrees. A subset counts only with two witnesses beyond its sample and half of
-/// all measurements. `fit(indices)` -> optional<Model> is the full least-squares fit,
+/// subset that agrees. A subset counts only with two witnesses beyond its sample and three fifths
+/// of all measurements: of points behind a camera, half now and then lie so near to a plane that
+/// turning it explains them. `fit(indices)` -> optional<Model> is the full least-squares fit,
 /// `sample(indices)` -> a range of Models, `cost(model, i)` the squared (whitened) residual.
 template <typename Model, typename Fit, typename Sample, typename Cost>
 ConsensusFit<Model> fit_with_consensus(const ProblemSize& size, bool whitened, Fit&& fit,
@@ -120,20 +125,20 @@ ConsensusFit<Model> fit_with_consensus(const ProblemSize& size, bool whitened, F
     for (int i : result.inliers) result.cost += cost(*result.model, i);
     return result;
   };
-  const auto agrees = [&](const ConsensusFit<Model>& result) {
+  const auto agrees = [&](const ConsensusFit<Model>& result, double z) {
     const int dof = static_cast<int>(result.inliers.size()) * size.residual_dim - size.parameters;
     if (!result.model || !std::isfinite(result.cost)) return false;
     if (!whitened) return true;
-    return dof < 1 ? result.cost < 1e-6 * size.parameters : result.cost <= chi2_limit(dof, kFitZ);
+    return dof < 1 ? result.cost < 1e-6 * size.parameters : result.cost <= chi2_limit(dof, z);
   };
   std::vector<int> all(size.measurements);
   std::iota(all.begin(), all.end(), 0);
   ConsensusFit<Model> result = fit_to(std::move(all));
-  if (agrees(result)) return result;
+  if (agrees(result, kFitZ)) return result;
   if (!whitened) return {{}, {}, 0, "the measurements determine no solution"};
 
   const double limit = chi2_limit(size.residual_dim, kInlierZ);
-  const int needed = std::max(size.sample + 2, (size.measurements + 1) / 2);
+  const int needed = std::max(size.sample + 2, (3 * size.measurements + 4) / 5);
   std::vector<int> inliers = size.measurements < needed
                                  ? std::vector<int>{}
                                  : detail::largest_consensus<Model>(size, sample, cost);
@@ -142,12 +147,12 @@ ConsensusFit<Model> fit_with_consensus(const ProblemSize& size, bool whitened, F
     result = fit_to(inliers);
     if (!result.model) break;
     std::vector<int> next = detail::agreeing(size.measurements, *result.model, cost, limit);
-    if (next == inliers && agrees(result)) return result;
+    if (next == inliers && agrees(result, kContradictionZ)) return result;
     inliers = std::move(next);
   }
   if (static_cast<int>(inliers.size()) >= needed) {
     result = fit_to(inliers);
-    if (agrees(result)) return result;
+    if (agrees(result, kContradictionZ)) return result;
   }
   return {{},
           {},

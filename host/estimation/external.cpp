@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/rotation.h>
 
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/rigid_fit.h"
 #include "host/estimation/small_solve.h"
 
@@ -78,8 +78,8 @@ std::optional<Fix> solve(Sights sights, std::span<const int> indices, double sig
   Fix fix{*start, {}};
   // The second pass starts at the minimum, so its Jacobian is that of pose_error().
   for (int pass = 0; pass < 2; ++pass) {
-    const detail::SmallSolution<6, SightResiduals> solution(
-        {sights, indices, fix.world_from_camera, scale_m, sigma_m});
+    const auto solution = detail::minimise<6>(
+        SightResiduals{sights, indices, fix.world_from_camera, scale_m, sigma_m});
     if (!solution.finite()) return std::nullopt;
     Pose& pose = fix.world_from_camera;
     pose.rotation = (rotation_exp(solution.x.head<3>()) * pose.rotation).normalized();
@@ -106,17 +106,10 @@ std::string input_fault(Sights sights, double sigma_m) {
 
 /// Spread of the markers across their longest direction, over the uncertainty of a sight there.
 bool is_collinear(Sights sights, std::span<const int> indices, double sigma_m) {
-  Vector3d mean = Vector3d::Zero();
-  for (int i : indices) mean += (sights[i].world_m - sights[indices[0]].world_m);
-  mean = sights[indices[0]].world_m + mean / static_cast<double>(indices.size());
-  Matrix3d scatter = Matrix3d::Zero();
-  for (int i : indices)
-    scatter += (sights[i].world_m - mean) * (sights[i].world_m - mean).transpose();
-  const Vector3d lambda =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter / static_cast<double>(indices.size()))
-          .eigenvalues();
-  const double across_m = std::sqrt(std::max(lambda[1], 0.0));
-  return across_m <= 1e-7 * std::sqrt(std::max(lambda[2], 0.0)) || across_m < 1e-3 * sigma_m;
+  std::vector<Vector3d> markers;
+  for (const RangedSight& s : sights) markers.push_back(s.world_m);
+  const Vector3d spread_m = spread_of(markers, indices).spread_m;
+  return spread_m[1] <= 1e-7 * spread_m[2] || spread_m[1] < 1e-3 * sigma_m;
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include <Eigen/Dense>
-#include <ceres/rotation.h>
-
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
+#include "host/estimation/linear_fit.h"
+#include "host/estimation/pose_residual.h"
 #include "host/estimation/small_solve.h"
 
 namespace mixrig::estimation {
@@ -46,9 +46,7 @@ Eigen::Vector2d axis_spread(const std::vector<Motion>& motions) {
     scatter += a * a.transpose();
   }
   const Vector3d lambda =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
-          scatter / static_cast<double>(std::max<std::size_t>(1, motions.size())))
-          .eigenvalues();
+      spectrum_of(scatter / static_cast<double>(std::max<std::size_t>(1, motions.size()))).values;
   return {std::sqrt(std::max(0.0, lambda[1])), std::sqrt(std::max(0.0, lambda[2]))};
 }
 
@@ -60,11 +58,8 @@ std::optional<HandEye> linear_start(Poses hands, Poses eyes, std::span<const int
   for (const Motion& m : motions)
     if (std::abs(m.hand.rotation.w()) > kNearHalfTurn)
       cross += half_axis(m.hand.rotation) * half_axis(m.eye.rotation).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
   HandEye start;
-  start.hand_from_eye.rotation = Eigen::Quaterniond(Eigen::Matrix3d(
-      svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose()));
+  start.hand_from_eye.rotation = fit_rotation(cross).rotation;
   Eigen::MatrixXd a(3 * motions.size(), 3);
   Eigen::VectorXd b(3 * motions.size());
   for (std::size_t k = 0; k < motions.size(); ++k) {
@@ -73,43 +68,23 @@ std::optional<HandEye> linear_start(Poses hands, Poses eyes, std::span<const int
     b.segment<3>(3 * k) =
         start.hand_from_eye.rotation * motions[k].eye.translation_m - motions[k].hand.translation_m;
   }
-  start.hand_from_eye.translation_m = a.colPivHouseholderQr().solve(b);
+  start.hand_from_eye.translation_m = solve_linear(a, b).x;
   start.world_from_target = hands[indices[0]] * start.hand_from_eye * eyes[indices[0]];
   return start;
 }
 
 /// Whitened error of one view, seen from the eye: rotation, then translation.
 template <typename T>
-struct PoseT {
-  Eigen::Quaternion<T> rotation;
-  Eigen::Matrix<T, 3, 1> translation;
-};
-
-template <typename T>
-PoseT<T> perturbed(const Pose& pose, const T* x) {
-  T q[4];
-  ceres::AngleAxisToQuaternion(x, q);
-  return {Eigen::Quaternion<T>(q[0], q[1], q[2], q[3]) * pose.rotation.cast<T>(),
-          pose.translation_m.cast<T>() + Eigen::Map<const Eigen::Matrix<T, 3, 1>>(x + 3)};
-}
-
-template <typename T>
-void view_error(const PoseT<T>& hand_from_eye, const PoseT<T>& world_from_target, const Pose& hand,
-                const Pose& eye, const HandEyeOptions& noise, T* r) {
-  const Eigen::Quaternion<T> world_from_eye = hand.rotation.cast<T>() * hand_from_eye.rotation;
-  const Eigen::Matrix<T, 3, 1> centre =
-      hand.rotation.cast<T>() * hand_from_eye.translation + hand.translation_m.cast<T>();
-  const Eigen::Quaternion<T> turn =
-      world_from_eye.conjugate() * world_from_target.rotation * eye.rotation.conjugate().cast<T>();
-  const T q[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
-  ceres::QuaternionToAngleAxis(q, r);
-  const Eigen::Matrix<T, 3, 1> off =
-      world_from_eye.conjugate() * (world_from_target.translation - centre) -
-      eye.translation_m.cast<T>();
+Eigen::Matrix<T, 6, 1> view_error(const detail::PoseT<T>& hand_from_eye,
+                                  const detail::PoseT<T>& world_from_target, const Pose& hand,
+                                  const Pose& eye, const HandEyeOptions& noise) {
+  Eigen::Matrix<T, 6, 1> error =
+      detail::chain_error<T>(detail::pose_cast<T>(hand) * hand_from_eye, world_from_target, eye);
   for (int k = 0; k < 3; ++k) {
-    r[k] /= T(noise.sigma_rad);
-    r[3 + k] = off[k] / noise.sigma_m;
+    error[k] /= noise.sigma_rad;
+    error[3 + k] /= noise.sigma_m;
   }
+  return error;
 }
 
 struct HandEyeResiduals {
@@ -121,21 +96,15 @@ struct HandEyeResiduals {
   int NumResiduals() const { return 6 * static_cast<int>(indices.size()); }
   template <typename T>
   bool operator()(const T* x, T* residuals) const {
-    const auto hand_from_eye = perturbed(start.hand_from_eye, x);
-    const auto world_from_target = perturbed(start.world_from_target, x + 6);
-    int row = 0;
-    for (int i : indices) {
-      view_error(hand_from_eye, world_from_target, hands[i], eyes[i], noise, residuals + row);
-      row += 6;
-    }
+    const auto hand_from_eye = detail::perturbed(start.hand_from_eye, x, 1);
+    const auto world_from_target = detail::perturbed(start.world_from_target, x + 6, 1);
+    Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, 1>> out(residuals, NumResiduals());
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      out.template segment<6>(6 * static_cast<Eigen::Index>(k)) = view_error<T>(
+          hand_from_eye, world_from_target, hands[indices[k]], eyes[indices[k]], noise);
     return true;
   }
 };
-
-Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& x) {
-  return {(rotation_exp(x.head<3>()) * pose.rotation).normalized(),
-          pose.translation_m + x.tail<3>()};
-}
 
 std::optional<Chain> solve(Poses hands, Poses eyes, std::span<const int> indices,
                            const HandEyeOptions& noise) {
@@ -144,11 +113,11 @@ std::optional<Chain> solve(Poses hands, Poses eyes, std::span<const int> indices
   Chain chain;
   // The second pass starts at the minimum, so its Jacobian is that of pose_error().
   for (int pass = 0; pass < 2; ++pass) {
-    const detail::SmallSolution<12, HandEyeResiduals> solution(
-        {hands, eyes, indices, *start, noise});
+    const auto solution =
+        detail::minimise<12>(HandEyeResiduals{hands, eyes, indices, *start, noise});
     if (!solution.finite()) return std::nullopt;
-    start->hand_from_eye = moved(start->hand_from_eye, solution.x.head<6>());
-    start->world_from_target = moved(start->world_from_target, solution.x.tail<6>());
+    start->hand_from_eye = detail::moved(start->hand_from_eye, solution.x.head<6>(), 1);
+    start->world_from_target = detail::moved(start->world_from_target, solution.x.tail<6>(), 1);
     chain = {*start, solution.information()};
   }
   return chain;
@@ -188,12 +157,10 @@ Estimate<HandEye> solve_hand_eye(Poses world_from_hand, Poses eye_from_target,
     return start ? std::vector<Chain>{{*start, {}}} : std::vector<Chain>{};
   };
   const auto cost = [&](const Chain& c, int i) {
-    double r[6];
-    view_error<double>(
-        {c.value.hand_from_eye.rotation, c.value.hand_from_eye.translation_m},
-        {c.value.world_from_target.rotation, c.value.world_from_target.translation_m},
-        world_from_hand[i], eye_from_target[i], options, r);
-    return Eigen::Map<const Eigen::Matrix<double, 6, 1>>(r).squaredNorm();
+    return view_error(detail::pose_cast<double>(c.value.hand_from_eye),
+                      detail::pose_cast<double>(c.value.world_from_target), world_from_hand[i],
+                      eye_from_target[i], options)
+        .squaredNorm();
   };
   auto found = fit_with_consensus<Chain>({n, 3, 6, 12}, true, fit, sample, cost);
   if (!found.model) return Answer::degenerate(found.reason);

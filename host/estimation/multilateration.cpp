@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Dense>
-
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
+#include "host/estimation/linear_fit.h"
 #include "host/estimation/small_solve.h"
 
 namespace mixrig::estimation {
@@ -46,49 +46,31 @@ struct RangeResiduals {
   }
 };
 
-/// Principal axes of the centres, columns from thinnest to widest.
-struct Frame {
-  Vector3d origin;
-  Matrix3d axes;
-  Vector3d spread_m;
-};
-
-Frame frame_of(Points centres, std::span<const int> indices) {
-  Vector3d mean = Vector3d::Zero();
-  for (int i : indices) mean += centres[i] - centres[indices[0]];
-  mean = centres[indices[0]] + mean / static_cast<double>(indices.size());
-  Matrix3d scatter = Matrix3d::Zero();
-  for (int i : indices) scatter += (centres[i] - mean) * (centres[i] - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(scatter /
-                                                       static_cast<double>(indices.size()));
-  return {mean, solver.eigenvectors(), solver.eigenvalues().cwiseMax(0).cwiseSqrt()};
-}
-
 /// The squared range equations less their mean: 2 (c - mean)^T y = |c - mean|^2 - d^2 - mean(..),
 /// y relative to the frame's origin. Solved in `dimensions` widest axes.
 Vector3d linear_start(Points centres, std::span<const double> ranges, std::span<const int> indices,
-                      const Frame& frame, int dimensions) {
+                      const PointSpread& frame, int dimensions) {
   const auto n = static_cast<Eigen::Index>(indices.size());
   Eigen::MatrixXd a(n, dimensions);
   Eigen::VectorXd b(n);
   for (Eigen::Index row = 0; row < n; ++row) {
-    const Vector3d c = frame.axes.transpose() * (centres[indices[row]] - frame.origin);
+    const Vector3d c = frame.axes.transpose() * (centres[indices[row]] - frame.mean_m);
     a.row(row) = 2 * c.tail(dimensions).transpose();
     b[row] = c.squaredNorm() - ranges[indices[row]] * ranges[indices[row]];
   }
   b.array() -= b.mean();
   Vector3d y = Vector3d::Zero();
-  y.tail(dimensions) = a.colPivHouseholderQr().solve(b);
+  y.tail(dimensions) = solve_linear(a, b).x;
   return y;
 }
 
 /// Starts in frame axes: on both sides of the centres' plane, and the full linear solution.
 std::vector<Vector3d> starts_of(Points centres, std::span<const double> ranges,
-                                std::span<const int> indices, const Frame& frame) {
+                                std::span<const int> indices, const PointSpread& frame) {
   Vector3d flat = linear_start(centres, ranges, indices, frame, 2);
   double height2 = 0;
   for (int i : indices) {
-    const Vector3d c = frame.axes.transpose() * (centres[i] - frame.origin);
+    const Vector3d c = frame.axes.transpose() * (centres[i] - frame.mean_m);
     height2 += ranges[i] * ranges[i] - (c - flat).tail<2>().squaredNorm();
   }
   flat[0] = std::sqrt(std::max(height2 / static_cast<double>(indices.size()),
@@ -103,14 +85,14 @@ std::vector<Vector3d> starts_of(Points centres, std::span<const double> ranges,
 std::vector<Fix> minima(Points centres, std::span<const double> ranges,
                         std::span<const int> indices, const std::optional<Vector3d>& near_m) {
   std::vector<Fix> found;
-  const Frame frame = frame_of(centres, indices);
+  const PointSpread frame = spread_of(centres, indices);
   if (!(frame.spread_m[1] > 1e-7 * frame.spread_m[2])) return found;
   const double scale_m = frame.spread_m[2];
   for (const Vector3d& y : starts_of(centres, ranges, indices, frame)) {
-    const Vector3d start = frame.origin + frame.axes * y;
+    const Vector3d start = frame.mean_m + frame.axes * y;
     if (!start.allFinite()) continue;
-    const detail::SmallSolution<3, RangeResiduals> solution(
-        {centres, ranges, indices, start, scale_m});
+    const auto solution =
+        detail::minimise<3>(RangeResiduals{centres, ranges, indices, start, scale_m});
     if (!solution.finite()) continue;
     const Fix fix{start + scale_m * solution.x, solution.information(),
                   solution.cost() * scale_m * scale_m, std::nullopt, 0};
@@ -145,13 +127,13 @@ std::string input_fault(Points centres, std::span<const double> ranges,
 }
 
 /// Why the fix cannot be trusted although it fits.
-std::string side_fault(const Fix& fix, const Frame& frame, double sigma_m, std::size_t count,
+std::string side_fault(const Fix& fix, const PointSpread& frame, double sigma_m, std::size_t count,
                        const MultilaterationOptions& options) {
   // Over a plane a range r grows with the height h by h^2 / 2r only. Noise alone lifts a point of
   // the plane to sqrt(2 z) of this blur at z standard deviations: here z = 3.5. Centres that are
   // thicker than the blur tell the height by themselves.
-  const double height_m = std::abs(frame.axes.col(0).dot(fix.position - frame.origin));
-  const double range_m = (fix.position - frame.origin).norm() + frame.spread_m[2];
+  const double height_m = std::abs(frame.axes.col(0).dot(fix.position - frame.mean_m));
+  const double range_m = (fix.position - frame.mean_m).norm() + frame.spread_m[2];
   const double blur_m = std::sqrt(sigma_m * range_m / std::sqrt(static_cast<double>(count)));
   if (frame.spread_m[0] < blur_m && height_m < std::sqrt(7.0) * blur_m)
     return "the point lies in the plane of its centres: its height is unknown";
@@ -184,7 +166,7 @@ Estimate<Vector3d> multilaterate(Points centres_m, std::span<const double> range
   auto found = fit_with_consensus<Fix>({n, 3, 1, 3}, options.sigma_m.has_value(), fit, solve, cost);
   std::vector<int> everything(n);
   std::iota(everything.begin(), everything.end(), 0);
-  const Frame frame = frame_of(centres_m, found.model ? found.inliers : everything);
+  const PointSpread frame = spread_of(centres_m, found.model ? found.inliers : everything);
   if (!(frame.spread_m[1] > 1e-7 * frame.spread_m[2]))
     return Answer::degenerate("the centres lie on one line: a whole circle fits");
   if (!found.model) return Answer::degenerate(found.reason);
@@ -197,7 +179,7 @@ Estimate<Vector3d> multilaterate(Points centres_m, std::span<const double> range
     return Answer::degenerate("the centres lie on one line to within their noise");
   if (auto fault = side_fault(fix, frame, *sigma_m, found.inliers.size(), options); !fault.empty())
     return Answer::degenerate(fault);
-  const double extent_m = (fix.position - frame.origin).norm() + frame.spread_m[2];
+  const double extent_m = (fix.position - frame.mean_m).norm() + frame.spread_m[2];
   const auto judged = judge(fix.information / (*sigma_m * *sigma_m), Vector3d::Constant(extent_m));
   if (judged.verdict.standing == Standing::kDegenerate)
     return Answer::degenerate(judged.verdict.reason);
@@ -222,10 +204,10 @@ Result<Vector3d> multilaterate_linear(Points centres_m, std::span<const double> 
     b[row++] =
         arm.squaredNorm() + ranges_m[reference] * ranges_m[reference] - ranges_m[i] * ranges_m[i];
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
-  if (!a.allFinite() || !b.allFinite() || qr.rank() < 3)
+  const LinearFit fit = solve_linear(a, b);
+  if (!a.allFinite() || !b.allFinite() || fit.rank < 3)
     return Error{ErrorCode::kData, "the spheres' centres lie in one plane: no linear solution"};
-  return Vector3d(origin + qr.solve(b));
+  return Vector3d(origin + fit.x);
 }
 
 }  // namespace mixrig::estimation

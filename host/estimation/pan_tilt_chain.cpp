@@ -7,31 +7,22 @@
 #include <numeric>
 
 #include <Eigen/Cholesky>
-#include <ceres/rotation.h>
 
 #include "host/estimation/consensus.h"
 #include "host/estimation/hand_eye.h"
+#include "host/estimation/pose_residual.h"
 #include "host/estimation/small_solve.h"
 
 namespace mixrig::estimation {
 namespace {
 
+using detail::PoseT;
 using Eigen::Vector3d;
 using geometry::Pose;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Views = std::span<const PanTiltView>;
 
 constexpr int kParameters = 16;
-
-template <typename T>
-struct PoseT {
-  Eigen::Quaternion<T> rotation;
-  Eigen::Matrix<T, 3, 1> translation;
-
-  PoseT operator*(const PoseT& right) const {
-    return {rotation * right.rotation, rotation * right.translation + translation};
-  }
-};
 
 template <typename T>
 Eigen::Quaternion<T> turn_about(const Eigen::Matrix<T, 3, 1>& axis, const T& angle) {
@@ -49,16 +40,6 @@ PoseT<T> head_pose(const T& skew_rad, const T& offset_m, const T& pan_rad, const
   return {pan * turn_about<T>(tilt_axis, tilt_rad), pan * Vector3T(T(0), offset_m, T(0))};
 }
 
-/// exp(x[0..2]) * rotation, translation + scale * x[3..5].
-template <typename T>
-PoseT<T> perturbed(const Pose& pose, const T* x, double scale_m) {
-  T q[4];
-  ceres::AngleAxisToQuaternion(x, q);
-  const Eigen::Matrix<T, 3, 1> step(x[3], x[4], x[5]);
-  return {Eigen::Quaternion<T>(q[0], q[1], q[2], q[3]) * pose.rotation.cast<T>(),
-          pose.translation_m.cast<T>() + scale_m * step};
-}
-
 /// A view with the inverse root of its noise.
 struct WhiteView {
   PanTiltView view;
@@ -69,16 +50,8 @@ struct WhiteView {
 template <typename T>
 Eigen::Matrix<T, 6, 1> view_error(const PoseT<T>& base_from_camera,
                                   const PoseT<T>& base_from_target, const WhiteView& white) {
-  const auto camera_from_base = base_from_camera.rotation.conjugate();
-  const Eigen::Quaternion<T> turn = camera_from_base * base_from_target.rotation *
-                                    white.view.camera_from_target.rotation.conjugate().cast<T>();
-  const T q[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
-  Eigen::Matrix<T, 6, 1> error;
-  ceres::QuaternionToAngleAxis(q, error.data());
-  error.template tail<3>() =
-      camera_from_base * (base_from_target.translation - base_from_camera.translation) -
-      white.view.camera_from_target.translation_m.cast<T>();
-  return white.whitener.cast<T>() * error;
+  return white.whitener.cast<T>() *
+         detail::chain_error<T>(base_from_camera, base_from_target, white.view.camera_from_target);
 }
 
 /// Parameters in the order of the covariance, lengths in units of `scale_m`.
@@ -94,8 +67,8 @@ struct ChainResiduals {
     const PanTiltChain& c = start.chain;
     const T skew_rad = x[0] + c.skew_rad, offset_m = x[1] * scale_m + c.offset_m;
     const T pan_scale = x[2] + c.pan_scale, tilt_scale = x[3] + c.tilt_scale;
-    const PoseT<T> head_from_camera = perturbed(c.head_from_camera, x + 4, scale_m);
-    const PoseT<T> base_from_target = perturbed(start.base_from_target, x + 10, scale_m);
+    const PoseT<T> head_from_camera = detail::perturbed(c.head_from_camera, x + 4, scale_m);
+    const PoseT<T> base_from_target = detail::perturbed(start.base_from_target, x + 10, scale_m);
     Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, 1>> out(residuals, NumResiduals());
     for (std::size_t k = 0; k < indices.size(); ++k) {
       const WhiteView& white = views[indices[k]];
@@ -110,13 +83,10 @@ struct ChainResiduals {
 
 PanTiltCalibration moved(const PanTiltCalibration& c,
                          const Eigen::Matrix<double, kParameters, 1>& x, double scale_m) {
-  const auto step = [&](const Pose& pose, const Eigen::Matrix<double, 6, 1>& d) {
-    return Pose{(rotation_exp(d.head<3>()) * pose.rotation).normalized(),
-                pose.translation_m + scale_m * d.tail<3>()};
-  };
   return {{c.chain.skew_rad + x[0], c.chain.offset_m + scale_m * x[1], c.chain.pan_scale + x[2],
-           c.chain.tilt_scale + x[3], step(c.chain.head_from_camera, x.segment<6>(4))},
-          step(c.base_from_target, x.segment<6>(10))};
+           c.chain.tilt_scale + x[3],
+           detail::moved(c.chain.head_from_camera, x.segment<6>(4), scale_m)},
+          detail::moved(c.base_from_target, x.segment<6>(10), scale_m)};
 }
 
 struct Fit {
@@ -146,8 +116,8 @@ std::optional<Fit> solve(std::span<const WhiteView> views, std::span<const int> 
   Eigen::MatrixXd information;
   // The second pass starts at the minimum, so its Jacobian is that of pose_error().
   for (int pass = 0; pass < 2; ++pass) {
-    const detail::SmallSolution<kParameters, ChainResiduals> solution(
-        {views, indices, start, scale_m});
+    const auto solution =
+        detail::minimise<kParameters>(ChainResiduals{views, indices, start, scale_m});
     if (!solution.finite()) return std::nullopt;
     start = moved(start, solution.x, scale_m);
     information = solution.information();
@@ -208,8 +178,8 @@ std::vector<WhiteView> whitened(Views views, const Pose& head_from_camera, doubl
 
 double squared_error(const PanTiltCalibration& c, const WhiteView& white) {
   const Pose at = base_from_camera(c.chain, white.view.pan_rad, white.view.tilt_rad);
-  return view_error<double>({at.rotation, at.translation_m},
-                            {c.base_from_target.rotation, c.base_from_target.translation_m}, white)
+  return view_error<double>(detail::pose_cast<double>(at),
+                            detail::pose_cast<double>(c.base_from_target), white)
       .squaredNorm();
 }
 

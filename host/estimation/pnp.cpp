@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/rotation.h>
 
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/p3p.h"
 #include "host/estimation/small_solve.h"
 
@@ -85,8 +85,8 @@ std::optional<View> refine(Points points, Bearings bearings, std::span<const int
                            const Pose& start) {
   const Vector3d centroid = centroid_of(points, indices);
   const double depth_m = (start * centroid).norm();
-  const detail::SmallSolution<6, PnpResiduals> first(
-      {points, bearings, indices, start, centroid, depth_m});
+  const auto first =
+      detail::minimise<6>(PnpResiduals{points, bearings, indices, start, centroid, depth_m});
   if (!(depth_m > 0) || !first.finite()) return std::nullopt;
   View view{{}, first.information(), centroid, first.cost(), std::nullopt};
   view.camera_from_world.rotation = (rotation_exp(first.x.head<3>()) * start.rotation).normalized();
@@ -104,10 +104,7 @@ std::optional<View> refine(Points points, Bearings bearings, std::span<const int
 /// The other pose that a plane seen from afar may have: depths mirrored about the centroid.
 /// Exact for coplanar points under parallel rays; for others merely a poor start.
 Pose flipped(Points points, std::span<const int> indices, const View& view) {
-  Matrix3d scatter = Matrix3d::Zero();
-  for (int i : indices)
-    scatter += (points[i] - view.centroid) * (points[i] - view.centroid).transpose();
-  const Vector3d normal = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvectors().col(0);
+  const Vector3d normal = spread_of(points, indices).axes.col(0);
   const Vector3d centre = view.camera_from_world * view.centroid;
   const Vector3d sight = centre.normalized();
   const Matrix3d mirror_sight = Matrix3d::Identity() - 2 * sight * sight.transpose();
@@ -177,13 +174,9 @@ std::string input_fault(Points points, Bearings bearings) {
 }
 
 /// Spread of the points along their second principal axis over the first.
-double flatness(Points points, std::span<const int> indices, double* spread_m) {
-  const Vector3d centroid = centroid_of(points, indices);
-  Matrix3d scatter = Matrix3d::Zero();
-  for (int i : indices) scatter += (points[i] - centroid) * (points[i] - centroid).transpose();
-  const Vector3d lambda = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvalues();
-  *spread_m = std::sqrt(std::max(lambda[2], 0.0) / static_cast<double>(indices.size()));
-  return lambda[2] > 0 ? std::sqrt(std::max(lambda[1], 0.0) / lambda[2]) : 0.0;
+double flatness(Points points, std::span<const int> indices) {
+  const Vector3d spread_m = spread_of(points, indices).spread_m;
+  return spread_m[2] > 0 ? spread_m[1] / spread_m[2] : 0.0;
 }
 
 }  // namespace
@@ -195,8 +188,7 @@ Estimate<Pose> solve_pnp(Points points_m, Bearings bearings) {
   const int n = static_cast<int>(points_m.size());
   std::vector<int> everything(n);
   std::iota(everything.begin(), everything.end(), 0);
-  double spread_m = 0;
-  if (flatness(points_m, everything, &spread_m) < 1e-6)
+  if (flatness(points_m, everything) < 1e-6)
     return Answer::degenerate("the points lie on one line or coincide");
   const auto fit = [&](std::span<const int> indices) { return solve(points_m, bearings, indices); };
   const auto sample = [&](std::span<const int> triple) {
@@ -211,7 +203,7 @@ Estimate<Pose> solve_pnp(Points points_m, Bearings bearings) {
   auto found = fit_with_consensus<View>({n, 3, 2, 6}, true, fit, sample, cost);
   if (!found.model) return Answer::degenerate(found.reason);
   const View& view = *found.model;
-  if (flatness(points_m, found.inliers, &spread_m) < 1e-6)
+  if (flatness(points_m, found.inliers) < 1e-6)
     return Answer::degenerate("the points that agree lie on one line");
   // A rival within 3 sigma of likelihood is not ruled out by the data.
   if (view.rival_cost && *view.rival_cost - view.cost < 9)

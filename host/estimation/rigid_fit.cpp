@@ -4,11 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
-
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::estimation {
 namespace {
@@ -59,13 +56,12 @@ std::optional<Solution> solve(Points a, Points b, std::span<const double> weight
   if (indices.size() < 3) return std::nullopt;
   Solution s{{}, moments_of(a, b, weights, indices), {}, false};
   if (!s.moments.cross.allFinite() || !(s.moments.scatter_a.trace() > 0)) return std::nullopt;
-  const Eigen::JacobiSVD<Matrix3d> svd(s.moments.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  s.singular_values = svd.singularValues();
-  s.mirrored = svd.matrixU().determinant() * svd.matrixV().determinant() < 0;
+  const RotationFit turn = fit_rotation(s.moments.cross);
+  s.singular_values = turn.singular_values;
+  s.mirrored = turn.mirrored;
   const Vector3d sign(1, 1, s.mirrored ? -1 : 1);
-  const Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   Similarity& t = s.transform;
-  t.pose.rotation = Eigen::Quaterniond(rotation).normalized();
+  t.pose.rotation = turn.rotation;
   if (with_scale) t.scale = s.singular_values.dot(sign) / s.moments.scatter_a.trace();
   t.pose.translation_m = s.moments.mean_b - t.scale * (t.pose.rotation * s.moments.mean_a);
   if (!(t.scale > 0)) return std::nullopt;
@@ -84,9 +80,7 @@ bool is_mirror_image(const Solution& s) {
 
 /// Why the points cannot carry a rotation, empty if they can. `sigma_m`: noise of a point of b.
 std::string shape_fault(const Solution& s, double sigma_m) {
-  const Vector3d variance =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(s.moments.scatter_a).eigenvalues().cwiseMax(0) /
-      s.moments.weight;
+  const Vector3d variance = spectrum_of(s.moments.scatter_a).values.cwiseMax(0) / s.moments.weight;
   const Vector3d spread = s.transform.scale * variance.cwiseSqrt();
   if (spread[2] <= 0) return "all points coincide";
   if (spread[1] <= 1e-7 * spread[2])

@@ -1,61 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small dense non-linear least squares: Ceres' TinySolver with automatic derivatives.
+// Small dense non-linear least squares: Ceres' TinySolver, compiled once, with automatic
+// derivatives. Private to this room.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include <Eigen/Core>
-#include <Eigen/QR>
-#include <ceres/tiny_solver.h>
-#include <ceres/tiny_solver_autodiff_function.h>
+#include <ceres/jet.h>
 
 namespace mixrig::estimation::detail {
 
-/// Minimises the residuals of `functor` (operator()(const T* x, T* r) and NumResiduals()) from
-/// x = 0; parameters should be of order one. Holds x, residuals and Jacobian at the minimum,
-/// not finite where the start lies outside the functor's domain.
+/// Parameters, residuals and Jacobian at a minimum; not finite where the start lies outside the
+/// model's domain.
+struct SmallSolution {
+  Eigen::VectorXd x, residuals;
+  Eigen::MatrixXd jacobian;
+
+  bool finite() const;
+  double cost() const;
+  Eigen::MatrixXd information() const;  ///< J^T J
+};
+
+/// Fills `residuals`, and `jacobian` (column-major) where it is no nullptr, at x.
+using SmallModel = std::function<void(const double* x, double* residuals, double* jacobian)>;
+
+/// Minimises from x = 0; parameters should be of order one.
+SmallSolution minimise(int parameters, int residuals, const SmallModel& model);
+
+/// The same for a functor with operator()(const T* x, T* r) and NumResiduals().
 template <int kParameters, typename Functor>
-class SmallSolution {
- public:
-  using Parameters = Eigen::Matrix<double, kParameters, 1>;
-  Parameters x = Parameters::Zero();
-  Eigen::VectorXd residuals;
-  Eigen::Matrix<double, Eigen::Dynamic, kParameters> jacobian;
-
-  explicit SmallSolution(const Functor& functor) : function_(functor) {
-    residuals.resize(functor.NumResiduals());
-    jacobian.resize(functor.NumResiduals(), kParameters);
-    ceres::TinySolver<Function> solver;
-    solver.options.gradient_tolerance = 1e-14;
-    solver.options.parameter_tolerance = 1e-12;
-    solver.options.function_tolerance = 1e-20;
-    solver.options.cost_threshold = 1e-28;
-    solver.Solve(function_, &x);
-    polish();
-  }
-
-  bool finite() const { return x.allFinite() && residuals.allFinite() && jacobian.allFinite(); }
-  double cost() const { return residuals.squaredNorm(); }
-  Eigen::MatrixXd information() const { return jacobian.transpose() * jacobian; }
-
- private:
-  using Function = ceres::TinySolverAutoDiffFunction<Functor, Eigen::Dynamic, kParameters>;
-
-  /// TinySolver squares the condition number; Gauss-Newton steps by QR win the digits back.
-  void polish() {
-    evaluate();
-    for (int step = 0; step < 3 && finite(); ++step) {
-      const Parameters before = x;
-      const double cost_before = cost();
-      x -= jacobian.colPivHouseholderQr().solve(residuals);
-      evaluate();
-      if (finite() && cost() <= cost_before) continue;
-      x = before;
-      evaluate();
+SmallSolution minimise(const Functor& functor) {
+  using Jet = ceres::Jet<double, kParameters>;
+  const int count = functor.NumResiduals();
+  std::vector<Jet> r(count);
+  return minimise(kParameters, count, [&](const double* x, double* residuals, double* jacobian) {
+    if (!jacobian) {
+      functor(x, residuals);
       return;
     }
-  }
-  void evaluate() { function_(x.data(), residuals.data(), jacobian.data()); }
-
-  Function function_;
-};
+    Jet at[kParameters];
+    for (int k = 0; k < kParameters; ++k) at[k] = Jet(x[k], k);
+    functor(static_cast<const Jet*>(at), r.data());
+    for (int i = 0; i < count; ++i) {
+      residuals[i] = r[i].a;
+      for (int k = 0; k < kParameters; ++k) jacobian[k * count + i] = r[i].v[k];
+    }
+  });
+}
 
 }  // namespace mixrig::estimation::detail

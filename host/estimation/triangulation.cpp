@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <Eigen/Dense>
-
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/small_solve.h"
 
 namespace mixrig::estimation {
@@ -68,10 +67,9 @@ std::optional<Vector3d> linear_start(Views views, std::span<const int> indices) 
       a += across;
       b += across * c;
     }
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(a);
-    if (!(solver.eigenvalues()[0] > 1e-15 * solver.eigenvalues()[2])) return std::nullopt;
-    x = solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() *
-        solver.eigenvectors().transpose() * b;
+    const Spectrum spectrum = spectrum_of(a);
+    if (!(spectrum.values[0] > 1e-15 * spectrum.values[2])) return std::nullopt;
+    x = spectrum.axes * spectrum.values.cwiseInverse().asDiagonal() * spectrum.axes.transpose() * b;
     if (!x.allFinite()) return std::nullopt;
   }
   return Vector3d(origin + x);
@@ -83,7 +81,7 @@ std::optional<Fix> solve(Views views, std::span<const int> indices) {
   double depth_m = 0;
   for (int i : indices) depth_m += (*start - views[i].world_from_camera.translation_m).norm();
   depth_m /= static_cast<double>(indices.size());
-  const detail::SmallSolution<3, ReprojectionResiduals> solution({views, indices, *start, depth_m});
+  const auto solution = detail::minimise<3>(ReprojectionResiduals{views, indices, *start, depth_m});
   if (!(depth_m > 0) || !solution.finite()) return std::nullopt;
   return Fix{*start + depth_m * solution.x, solution.information(), depth_m};
 }

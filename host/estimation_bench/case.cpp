@@ -89,7 +89,8 @@ Row measure(const Case& c, const Effort& effort) {
     ++sums.answers;
     sums.dof = t.error.size();
     sums.nees += quadratic(t.error, t.covariance);
-    if (residuals) compare(t, residuals, effort, sums, row);
+    if (residuals && (effort.bound_everywhere || c.expect == Expect::kAnswer))
+      compare(t, residuals, effort, sums, row);
   }
   std::nth_element(micros.begin(), micros.begin() + std::ssize(micros) / 2, micros.end());
   row.micros = micros[micros.size() / 2];

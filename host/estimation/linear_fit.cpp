@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimation/linear_fit.h"
+
+#include <Eigen/QR>
+
+namespace mixrig::estimation {
+
+LinearFit solve_linear(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
+  return {qr.solve(b), qr.rank()};
+}
+
+}  // namespace mixrig::estimation

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Linear least squares of any size, compiled once: Eigen's QR takes the compiler long.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mixrig::estimation {
+
+/// Minimises |a x - b| by QR with column pivoting.
+struct LinearFit {
+  Eigen::VectorXd x;
+  Eigen::Index rank;
+};
+LinearFit solve_linear(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+}  // namespace mixrig::estimation
