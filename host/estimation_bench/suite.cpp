@@ -5,25 +5,6 @@
 #include <cstdio>
 
 namespace mixrig::estimation_bench {
-namespace {
-
-std::string figures_of(const Row& r) {
-  if (std::isnan(r.nees)) return "      -        -                           -    ";
-  char line[100];
-  if (std::isnan(r.over_bound))
-    std::snprintf(line, sizeof line, "      -   %6.2f (%4.2f..%4.2f)              -    ", r.nees,
-                  r.low, r.high);
-  else
-    std::snprintf(line, sizeof line, "%7.3f   %6.2f (%4.2f..%4.2f)        %8.1e  ", r.over_bound,
-                  r.nees, r.low, r.high, r.off_reference);
-  return line;
-}
-
-const char* name_of(Expect expect) {
-  return expect == Expect::kAnswer ? "answer" : expect == Expect::kCareful ? "careful" : "refusal";
-}
-
-}  // namespace
 
 void add_faults(const BlobBias& blob, std::vector<std::string>& faults) {
   constexpr double kWorstBias_px = 0.02;
@@ -66,36 +47,6 @@ Report run_suite(const Effort& effort, const std::function<void(int, int)>& prog
   report.blobs = measure_blob_bias(std::max(50, effort.trials));
   for (const BlobBias& blob : report.blobs) add_faults(blob, report.faults);
   return report;
-}
-
-std::string to_table(const Report& report) {
-  std::string text =
-      "estimator           case                             expected  ok/weak/refused  err/CRB  "
-      "NEES/dof (95 % interval)  off 50 digits  time us\n";
-  char line[200];
-  for (const Row& r : report.rows) {
-    std::snprintf(line, sizeof line, "%-19s %-32s %-8s %5d/%4d/%4d     ", r.estimator.c_str(),
-                  r.name.c_str(), name_of(r.expect), r.ok, r.weak, r.refused);
-    text += line + figures_of(r);
-    std::snprintf(line, sizeof line, "%9.1f\n", r.micros);
-    text += line;
-  }
-  text +=
-      "\nfind_marker_blobs: greatest bias over the phase, px; scatter over claimed sigma\n"
-      "radius px  threshold  bias px  scatter/sigma\n";
-  for (const BlobBias& b : report.blobs) {
-    std::snprintf(line, sizeof line, "%9.1f  %9d  %7.4f  %13.2f\n", b.radius_px, b.threshold,
-                  b.bias_px, b.over_sigma);
-    text += line;
-  }
-  std::snprintf(line, sizeof line,
-                "\n%zu cases, %d of them to be answered; NEES outside its 95 %% interval in %d "
-                "(chance: up to %d); %zu faults\n",
-                report.rows.size(), report.answerable, report.outside,
-                most_outside_95(report.answerable), report.faults.size());
-  text += line;
-  for (const std::string& fault : report.faults) text += "fault: " + fault + "\n";
-  return text;
 }
 
 }  // namespace mixrig::estimation_bench

@@ -44,6 +44,8 @@ Report run_suite(const Effort& effort, const std::function<void(int, int)>& prog
 
 /// The tables that `mixrig bench estimation` prints.
 std::string to_table(const Report& report);
+/// One line an estimator, as Markdown: the table of docs/estimation.md.
+std::string to_summary(const Report& report);
 /// Error over the bound, NEES with its interval, verdicts and time of every case, as SVG.
 std::string cases_svg(const Report& report);
 /// The same along every sweep into a degeneracy, as SVG.

@@ -56,6 +56,7 @@ Result<nlohmann::json> bench(const Words& words) {
   const nlohmann::json json = to_json(report);
   const std::string table = estimation_bench::to_table(report);
   MIXRIG_TRY(app::write_text(folder / "estimation.txt", table));
+  MIXRIG_TRY(app::write_text(folder / "estimation.md", estimation_bench::to_summary(report)));
   MIXRIG_TRY(app::write_text(folder / "estimation.json", json.dump(2) + "\n"));
   MIXRIG_TRY(app::write_text(folder / "estimation_cases.svg", estimation_bench::cases_svg(report)));
   MIXRIG_TRY(
