@@ -15,9 +15,10 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr int kHoldOutEvery = 4;
-constexpr double kKnotStep_m = 0.1;
+constexpr double kKnotStep_m = 0.06;    // the error of an 80 MHz camera swings once in 0.47 m
 constexpr double kSlopeWarned = 0.012;  // of the depth error over the distance
 constexpr double kBlurWarned_px = 3;
+constexpr double kBendSigmas = 5, kLeastBend_m = 2e-4;
 
 class Watch {
  public:
@@ -30,6 +31,25 @@ class Watch {
 
  private:
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+};
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
+  return text;
+}
+
+std::string millimetres(double length_m) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", 1000 * length_m);
+  return text;
+}
+
+using Views = std::vector<int>;
+
+/// Views that take part, and how they are shared out to judge the result.
+struct Split {
+  Views all, fitted, held;
 };
 
 std::vector<int> all_seen(const RigData& data) {
@@ -86,6 +106,21 @@ SolveReport solve_corners(const RigData& data, RigModel& model, const std::vecto
   return report;
 }
 
+/// True where a bent board explains the corners better, beyond doubt; says so.
+bool is_bent(const RigData& data, const RigModel& model, const Views& views, RigReport& report,
+             Crew& crew) {
+  RigModel tried = model;
+  const SolveReport solved = solve_corners(data, tried, views, true, crew);
+  if (!solved.solved) return false;
+  const int at = layout_of(tried, {false, true, false}).bend;
+  const Eigen::Matrix3d information = solved.covariance.block<3, 3>(at, at).inverse();
+  const double sigmas = std::sqrt(tried.bend.dot(information * tried.bend));
+  if (!(sigmas > kBendSigmas && tried.bend.norm() > kLeastBend_m)) return false;
+  report.warnings.push_back("the board is bent by " + millimetres(tried.bend.norm()) +
+                            ": the bend is solved for, but a flat board is better");
+  return true;
+}
+
 bool has_depth(const RigData& data) {
   for (const ViewCamera& camera : data.set.cameras)
     if (!camera.depth.empty()) return true;
@@ -122,26 +157,51 @@ DepthCurve empty_curve(const RigData& data, const RigModel& model, const std::ve
   }
   DepthCurve curve;
   if (high <= low) return curve;
-  const int pieces = std::clamp(static_cast<int>((high - low) / kKnotStep_m), 1, 30);
-  for (int k = 0; k <= pieces; ++k) curve.knots_m.push_back(low + (high - low) * k / pieces);
+  // One knot beyond each end: a natural spline is straight there, the error is not.
+  const int pieces = std::clamp(static_cast<int>((high - low) / kKnotStep_m), 1, 50);
+  for (int k = -1; k <= pieces + 1; ++k) curve.knots_m.push_back(low + (high - low) * k / pieces);
   curve.error_m.assign(curve.knots_m.size(), 0.0);
   return curve;
 }
 
-SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool bend, int most_steps,
+SolveReport solve_pixels(RigModel& model, const std::vector<int>& views, bool bend,
                          PixelTerms& terms, Crew& crew) {
   SolveReport report;
   // The first round's scatter holds what corners left wrong, the second's is the pictures' own.
-  for (const int steps : {most_steps, most_steps}) {
+  for (int round = 0; round < 2; ++round) {
     terms.weigh(model, views, crew);
     const RigLayout layout = layout_of(model, {true, bend, model.depth.knots_m.size() > 1});
-    SolveOptions options{steps, 1e-2, Eigen::VectorXd::Zero(layout.count)};
+    SolveOptions options{10, 0.1, Eigen::VectorXd::Zero(layout.count)};
     if (layout.depth >= 0)  // a piece of the curve that no view reaches stays where it is
       options.prior.segment(layout.depth, static_cast<Eigen::Index>(model.depth.knots_m.size()))
           .setConstant(1e4);
     report = solve_views(model, layout, terms.function(), views, options, crew);
   }
   return report;
+}
+
+/// First the views that judge are left out (`judged` becomes what the others say), then all.
+SolveReport refine_by_pixels(const RigData& data, const Split& split, bool bend, RigModel& judged,
+                             RigReport& report, Crew& crew) {
+  PixelTerms terms(data.print, data.pictures);
+  RigModel& model = report.model;
+  if (has_depth(data)) judged.depth = empty_curve(data, model, split.all);
+  if (!split.held.empty()) {
+    solve_pixels(judged, split.fitted, bend, terms, crew);
+    // All views start from there: lens and mounting are close, the places of the others are not.
+    model.cameras = judged.cameras;
+    model.bend = judged.bend;
+    for (const int view : split.fitted)
+      model.target_from_board[view] = judged.target_from_board[view];
+    const auto poses = refined_poses(data, model, 0, split.held, 0.1, crew);
+    for (const int view : split.held)
+      if (poses[view]) model.target_from_board[view] = *poses[view];
+  }
+  model.depth = judged.depth;
+  const SolveReport solved = solve_pixels(model, split.all, bend, terms, crew);
+  for (std::size_t c = 0; c < model.cameras.size(); ++c)
+    report.grey_rms.push_back(terms.grey_rms(static_cast<int>(c)));
+  return solved;
 }
 
 std::vector<HeldOut> judge_held_out(const RigData& data, const RigModel& by_corners,
@@ -217,14 +277,12 @@ Result<void> fit_depth(const RigData& data, const std::vector<int>& views, RigRe
   return {};
 }
 
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
-  return text;
-}
-
 /// A board of the wrong size moves lens and mounting with it: only the depth camera can tell.
 Result<void> check_result(const RigData& data, RigReport& report) {
+  for (const camera_io::CalibratedCamera& camera : report.calibration.cameras)
+    if (const auto sane = geometry::validate(camera.model); !sane)
+      return Error{ErrorCode::kData, "camera \"" + camera.name + "\": " + sane.error().context +
+                                         ": show it the board near the sides of its picture"};
   if (report.depth && std::abs(report.depth->slope) > 0.03)
     return Error{ErrorCode::kData, "the depth camera measures distances that differ by " +
                                        percent(report.depth->slope) +
@@ -281,13 +339,13 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   MIXRIG_ASSIGN(RigModel model, start_rig(data, crew));
   report.misfound = data.misfound;
   const std::vector<int> views = all_seen(data), held = hold_out(data);
-  const std::vector<int> fitted = without(views, held);
-  const bool judges = !held.empty() && model.cameras.size() > 1;
+  const Split split{views, without(views, held), model.cameras.size() > 1 ? held : Views{}};
+  const bool bend = options.bend || is_bent(data, model, views, report, crew);
 
   RigModel judged = model;
-  if (judges) solve_corners(data, judged, fitted, options.bend, crew);
+  if (!split.held.empty()) solve_corners(data, judged, split.fitted, bend, crew);
   report.by_corners = model;
-  SolveReport solved = solve_corners(data, report.by_corners, views, options.bend, crew);
+  SolveReport solved = solve_corners(data, report.by_corners, views, bend, crew);
   if (!solved.solved)
     return Error{ErrorCode::kData,
                  "the views do not carry a calibration: hold the board near and far, tilted to all "
@@ -298,35 +356,16 @@ Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
   report.corners_s = watch.seconds();
   progress("corners", 1, 1);
 
-  RigLayout layout = layout_of(report.model, {false, options.bend, false});
-  PixelTerms terms(data.print, data.pictures);
   RigModel judged_pixels = judged;
-  if (options.pixels) {
-    if (has_depth(data)) judged_pixels.depth = empty_curve(data, report.model, views);
-    if (judges) {
-      solve_pixels(judged_pixels, fitted, options.bend, 10, terms, crew);
-      progress("pixels", 1, 2);
-      // All views start from there: lens and mounting are close, the places of the others are not.
-      report.model.cameras = judged_pixels.cameras;
-      report.model.bend = judged_pixels.bend;
-      for (const int view : fitted)
-        report.model.target_from_board[view] = judged_pixels.target_from_board[view];
-      const auto poses = refined_poses(data, report.model, 0, held, 0.1, crew);
-      for (const int view : held)
-        if (poses[view]) report.model.target_from_board[view] = *poses[view];
-    }
-    report.model.depth = judged_pixels.depth;
-    solved = solve_pixels(report.model, views, options.bend, 10, terms, crew);
-    layout = layout_of(report.model, {true, options.bend, report.model.depth.knots_m.size() > 1});
-    for (std::size_t c = 0; c < model.cameras.size(); ++c)
-      report.grey_rms.push_back(terms.grey_rms(static_cast<int>(c)));
-    if (!solved.solved)
-      return Error{ErrorCode::kData, "the pictures do not carry a calibration: add views"};
-    progress("pixels", 2, 2);
-  }
+  if (options.pixels) solved = refine_by_pixels(data, split, bend, judged_pixels, report, crew);
+  if (!solved.solved)
+    return Error{ErrorCode::kData, "the pictures do not carry a calibration: add views"};
+  progress("pixels", 1, 1);
   report.pixels_s = watch.seconds();
-  if (judges) report.held_out = judge_held_out(data, judged, judged_pixels, held, crew);
-  fill_calibration(data, solved, layout, views, report);
+  if (!split.held.empty())
+    report.held_out = judge_held_out(data, judged, judged_pixels, split.held, crew);
+  const RigSwitches switches{options.pixels, bend, report.model.depth.knots_m.size() > 1};
+  fill_calibration(data, solved, layout_of(report.model, switches), views, report);
   if (has_depth(data)) MIXRIG_TRY(fit_depth(data, views, report));
   MIXRIG_TRY(check_result(data, report));
   return report;

@@ -16,7 +16,7 @@ namespace mixrig::calibration {
 struct RigOptions {
   std::vector<std::string> cameras;  ///< that take part, the target camera first; all if empty
   bool pixels = true;                ///< false: corners alone
-  bool bend = false;                 ///< solve for the board's bend too
+  bool bend = false;                 ///< solve for the board's bend even where none shows
   int threads = 0;                   ///< 0: one per core
 };
 

@@ -110,28 +110,30 @@ SolveReport solve_views(RigModel& model, const RigLayout& layout, const ViewFunc
     const Reduced reduced = reduce(terms, n, damping, options.prior);
     const Eigen::VectorXd shared = -solve_scaled(reduced);
     std::vector<Vector6> poses(model.target_from_board.size(), Vector6::Zero());
+    double promised = -shared.dot(reduced.g);
     for (std::size_t i = 0; i < views.size(); ++i) {
-      const Vector6 g = terms[i].sum.col(n + 6).segment<6>(n) +
-                        terms[i].sum.block(0, n, n, 6).transpose() * shared;
-      poses[views[i]] = -pose_inverse(terms[i], n, damping) * g;
+      const Vector6 own = terms[i].sum.col(n + 6).segment<6>(n);
+      const Vector6 g = own + terms[i].sum.block(0, n, n, 6).transpose() * shared;
+      const Matrix6 inverse = pose_inverse(terms[i], n, damping);
+      poses[views[i]] = -inverse * g;
+      promised += own.dot(inverse * own);
     }
+    if (promised <
+        options.least_gain * report.cost / static_cast<double>(std::max(report.rows, 1L)))
+      break;
     RigModel moved = model;
     apply_step(moved, layout, shared, poses);
     std::vector<ViewTerm> next = evaluate(moved, layout, term, views, crew);
-    const double cost = cost_of(next), gain = report.cost - cost;
-    const double least_gain =
-        options.least_gain * report.cost / static_cast<double>(std::max(report.rows, 1L));
+    const double cost = cost_of(next);
     if (!(cost < report.cost)) {  // NaN too
-      if (std::abs(gain) < least_gain || damping > 1e6) break;
+      if (damping > 1e6) break;
       damping *= 8;
       continue;
     }
     model = std::move(moved);
     terms = std::move(next);
-    const bool done = gain < least_gain;
     report.cost = cost;
     damping = std::max(1e-9, damping / 5);
-    if (done) break;
   }
   report.rows = 0;
   for (const ViewTerm& t : terms) report.rows += t.rows;

@@ -46,7 +46,7 @@ using ViewFunction =
 
 struct SolveOptions {
   int most_steps = 30;
-  double least_gain = 1e-3;  ///< stops where a step gains less than this, in mean squared residuals
+  double least_gain = 1e-3;  ///< stops where a step promises less, in mean squared residuals
   Eigen::VectorXd prior;     ///< weights that hold shared parameters where they are; may be empty
 };
 

@@ -16,6 +16,7 @@ constexpr double kMostResidual = 0.004;  // of the picture's width: no lens expl
 constexpr double kOutlierSigmas = 5, kBadView = 8, kFloor_px = 0.005;
 constexpr std::size_t kLeastCorners = 8;
 constexpr int kRounds = 4;
+constexpr double kSignificant = 9;  // mean squares that a lens term must save: three sigma
 
 double miss_of(const RigCamera& camera, double square_m, const std::vector<SeenCorner>& corners,
                const geometry::Pose& pose) {
@@ -141,6 +142,16 @@ SeenCorners only(const SeenCorners& corners, std::size_t camera) {
   return out;
 }
 
+/// Numbers of parameters that are tried, the richest lens first; k4 to k6 of a pinhole stay zero.
+std::vector<int> lens_counts(geometry::LensKind kind) {
+  return kind == geometry::LensKind::kPinhole ? std::vector{9, 8} : std::vector{8, 6};
+}
+
+/// True where the picture has places that the views did not reach and the lens is wild there.
+bool folds(const RigCamera& camera) {
+  return !geometry::validate(geometry::make_camera(camera.lens, camera.size_px, camera.parameters));
+}
+
 SolveReport solve_free(const RigData& data, std::size_t camera, const std::vector<int>& views,
                        int count, double sigma_px, RigModel& model, Crew& crew) {
   model.cameras[0].free.resize(count);
@@ -187,16 +198,22 @@ Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew) {
   std::vector<int> views = seen_by(data, camera);
   const std::size_t found = views.size();
   scan_focals(data, camera, views, model);
-  // First the focal length and the places, then the lens; k4 to k6 of a pinhole stay zero.
-  const int parameters = data.set.cameras[camera].lens == geometry::LensKind::kPinhole
-                             ? 9
-                             : geometry::kFisheyeParameters;
+  // First the focal length and the places, then the lens.
+  const std::vector<int> counts = lens_counts(data.set.cameras[camera].lens);
   SolveReport report;
-  for (const int count : {4, 6, parameters})
-    report = solve_free(data, camera, views, count, count < parameters ? 1.0 : 0.1, model, crew);
+  for (const int count : {4, 6, counts[0]})
+    report = solve_free(data, camera, views, count, count < counts[0] ? 1.0 : 0.1, model, crew);
   for (int round = 0; round < kRounds && drop_misfound(data, model, camera, views); ++round) {
     views = seen_by(data, camera);
-    report = solve_free(data, camera, views, parameters, 0.1, model, crew);
+    report = solve_free(data, camera, views, counts[0], 0.1, model, crew);
+  }
+  for (std::size_t i = 1; i < counts.size(); ++i) {
+    RigModel simpler = model;
+    simpler.cameras[0].parameters.tail(simpler.cameras[0].parameters.size() - counts[i]).setZero();
+    const SolveReport tried = solve_free(data, camera, views, counts[i], 0.1, simpler, crew);
+    const double saved = (tried.cost - report.cost) * static_cast<double>(report.rows);
+    if (folds(model.cameras[0]) || saved < kSignificant * (counts[0] - counts[i]) * report.cost)
+      model = simpler, report = tried;
   }
   const double rms = std::sqrt(mean_square(distances(data, model, camera, views)));
   const double allowed = std::max(0.7, kMostResidual * model.cameras[0].size_px.width);

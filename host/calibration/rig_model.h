@@ -22,7 +22,7 @@ struct RigCamera {
   double blur_px = 0.5;               ///< sigma of the lens, beside the pixel's own square
 };
 
-/// Systematic depth error at knots over the measured distance, a natural cubic spline.
+/// Systematic depth error at knots over the true distance, a natural cubic spline.
 struct DepthCurve {
   std::vector<double> knots_m, error_m;
 };

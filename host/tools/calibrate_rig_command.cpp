@@ -75,6 +75,7 @@ json report_of(const calibration::RigReport& report) {
            {"held_out", held_out},
            {"seconds",
             {{"load", report.load_s}, {"corners", report.corners_s}, {"pixels", report.pixels_s}}},
+           {"bend_mm", 1000 * report.model.bend.norm()},
            {"warnings", report.warnings}};
   if (report.depth) out["depth_error"] = to_json(*report.depth);
   return out;
@@ -159,7 +160,7 @@ void add_options(CLI::App& command, Words& words) {
   command.add_option("SET", words.set, "folder of views (views.toml)")->required();
   command.add_option("--out", words.out, "calibration.yaml that the result is written into");
   command.add_flag("--corners-only", words.corners_only, "leave out the analysis of all pixels");
-  command.add_flag("--bend", words.bend, "solve for the board's bend too");
+  command.add_flag("--bend", words.bend, "solve for the board's bend even where corners show none");
   command.add_option("--threads", words.threads, "0: one per core");
 }
 
