@@ -18,6 +18,7 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr int kLeastViews = 5, kLeastCorners = 8;
+constexpr double kBadView = 8, kTypical_px = 0.1;
 
 std::optional<int> dictionary_of(const std::string& name) {
   if (name == "4X4_50") return cv::aruco::DICT_4X4_50;
@@ -64,6 +65,28 @@ geometry::Pose middle_of(const std::vector<geometry::Pose>& poses) {
     if (sum < least) least = sum, best = i;
   }
   return poses[best];
+}
+
+/// Takes out a camera's views that contradict its mounting: there the finder took one square for
+/// another, which a camera alone cannot tell. The target camera's poses stand in `model`.
+void drop_contradicting(RigData& data, const RigModel& model, std::size_t camera) {
+  std::vector<double> misses;
+  std::vector<int> shared;
+  for (const int view : seen_by(data, camera)) {
+    if (data.corners[view][0].empty()) continue;
+    shared.push_back(view);
+    misses.push_back(corner_error(data, model, camera, {view}).rms_px);
+  }
+  std::vector<double> sorted = misses;
+  std::sort(sorted.begin(), sorted.end());
+  const double typical = std::max(sorted[sorted.size() / 2], kTypical_px);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    if (misses[i] < kBadView * typical) continue;
+    std::vector<SeenCorner>& corners = data.corners[shared[i]][camera];
+    data.misfound[camera].views.push_back(shared[i]);
+    data.misfound[camera].corners += static_cast<int>(corners.size());
+    corners.clear();
+  }
 }
 
 }  // namespace
@@ -222,7 +245,8 @@ Result<RigModel> start_rig(RigData& data, Crew& crew) {
                         "\" share " + std::to_string(mounting.size()) +
                         " views of the board, but 3 are needed: hold it where both see it");
     model.cameras[c].camera_from_target = middle_of(mounting);
-    for (const int view : views)
+    drop_contradicting(data, model, c);
+    for (const int view : seen_by(data, c))
       if (!placed[view]) {
         model.target_from_board[view] = geometry::inverse(model.cameras[c].camera_from_target) *
                                         singles[c].target_from_board[view];

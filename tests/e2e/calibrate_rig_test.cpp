@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bent board of the studio through mixrig calibrate rig and tof, held against the truth.
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+using nlohmann::json;
+
+Eigen::Vector3d vector(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+Eigen::Quaterniond rotation(const json& j) {
+  const json& q = j.at("rotation_xyzw");
+  return {q.at(3).get<double>(), q.at(0).get<double>(), q.at(1).get<double>(),
+          q.at(2).get<double>()};
+}
+double off_mm(const json& a, const json& b) {
+  return 1000 * (vector(a.at("translation_m")) - vector(b.at("translation_m"))).norm();
+}
+double off_deg(const json& a, const json& b) {
+  return rotation(a).angularDistance(rotation(b)) * 180 / M_PI;
+}
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class CalibrateRig : public CommandTest {
+ protected:
+  /// Exit status of a command that is to fail; `told`: its line.
+  int refused(const std::string& words, std::string& told) const {
+    const std::string line =
+        std::string(MIXRIG_COMMAND) + " " + words + " >/dev/null 2>" + path("err");
+    const int status = std::system(line.c_str());
+    told = read(path("err"));
+    return WEXITSTATUS(status);
+  }
+};
+
+TEST_F(CalibrateRig, finds_rig_and_bend_and_tells_a_square_of_the_wrong_size) {
+  ASSERT_EQ(mixrig("studio " + path("set") +
+                   " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"),
+            0);
+  const std::string out = path("calibration.yaml");
+  ASSERT_EQ(mixrig("calibrate rig " + path("set") + " --out " + out + " --json " + path("r.json")),
+            0);
+  const json found = report("r.json"), truth = report("set/truth/truth.json");
+  const json& cameras = found.at("cameras");
+  const double f = cameras.at("target").at("parameters").at(0);
+  EXPECT_NEAR(f / truth.at("target").at("fx").get<double>(), 1, 2e-4);
+  for (const char* name : {"tof", "fisheye"}) {
+    const json& pose = truth.at(std::string("target_from_") + name);
+    EXPECT_LT(off_mm(cameras.at(name), pose), 0.1) << name;
+    EXPECT_LT(off_deg(cameras.at(name), pose), 0.02) << name;
+    EXPECT_LT(2 * off_mm(cameras.at(name), pose), off_mm(found.at("by_corners").at(name), pose))
+        << name;
+  }
+  EXPECT_NEAR(found.at("bend_mm").get<double>(), 2, 0.1);
+  EXPECT_NE(found.at("warnings").dump().find("bent"), std::string::npos);
+  const json& depth = found.at("depth_error");
+  EXPECT_LT(depth.at("held_out_mm").get<double>(), 0.6 * depth.at("uncorrected_mm").get<double>());
+
+  // The same views with squares of another size: nothing is written, what is there stays.
+  const std::string before = read(out);
+  std::string text = read(path("set/views.toml"));
+  ASSERT_NE(text.find("square_mm = 70"), std::string::npos);
+  std::ofstream(path("set/views.toml"))
+      << text.replace(text.find("square_mm = 70"), 14, "square_mm = 75");
+  std::string told;
+  EXPECT_EQ(refused("calibrate tof --corners-only " + path("set") + " --out " + out, told), 1);
+  EXPECT_NE(told.find("square"), std::string::npos) << told;
+  EXPECT_EQ(read(out), before);
+  // Pictures of one camera under the name of another have its size.
+  text = read(path("set/views.toml"));
+  std::ofstream(path("set/views.toml"))
+      << text.replace(text.find("target/%06d.png"), 15, "fisheye/%06d.png");
+  EXPECT_EQ(refused("calibrate rig " + path("set") + " --out " + out, told), 2);
+  EXPECT_NE(told.find("swapped"), std::string::npos) << told;
+  EXPECT_EQ(read(out), before);
+}
+
+}  // namespace
+}  // namespace mixrig::test
