@@ -9,6 +9,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
+#include "hal/base/ring.h"
 
 namespace mixrig::device {
 
@@ -25,6 +26,9 @@ struct TriggerTick {
   McuTime at{};                ///< on the controller's clock
   std::uint32_t channels = 0;  ///< mask of lines whose pulse begins in this tick
 };
+
+/// Ticks that nobody has read yet: ten seconds of the master.
+using TickRing = Ring<TriggerTick, 1024>;
 
 struct TriggerInfo {
   std::string uri, version, unique_id;

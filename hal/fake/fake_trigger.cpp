@@ -13,8 +13,15 @@ FakeTrigger::FakeTrigger(Clock& clock) : clock_(clock), booted_(clock.now()) {
   info_.slot = std::chrono::microseconds(100);
 }
 
+/// With the lock held.
+Result<void> FakeTrigger::answer() const {
+  if (!silent_) return {};
+  return Error{ErrorCode::kTimeout, "fake:trigger: no answer"};
+}
+
 Result<device::TriggerStatus> FakeTrigger::status() {
   const std::lock_guard lock(mutex_);
+  MIXRIG_TRY(answer());
   device::TriggerStatus status;
   status.state = state_;
   for (unsigned i = 0; i < kChannels; ++i)
@@ -28,6 +35,7 @@ Result<device::TriggerStatus> FakeTrigger::status() {
 Result<void> FakeTrigger::configure(int channel, const device::TriggerChannel& settings) {
   MIXRIG_TRY(check_channel(info_, channel, settings));
   const std::lock_guard lock(mutex_);
+  MIXRIG_TRY(answer());
   if (state_ == device::TriggerState::kRunning)
     return Error{ErrorCode::kDevice, "fake:trigger: runs; stop it first"};
   channels_[static_cast<std::size_t>(channel)] = settings;
@@ -36,9 +44,10 @@ Result<void> FakeTrigger::configure(int channel, const device::TriggerChannel& s
 
 Result<void> FakeTrigger::start() {
   const std::lock_guard lock(mutex_);
+  MIXRIG_TRY(answer());
   state_ = device::TriggerState::kRunning;
   next_ = 0;
-  count_ = 0;
+  ticks_.clear();
   ++starts_;
   changed_.notify_all();
   return {};
@@ -46,19 +55,16 @@ Result<void> FakeTrigger::start() {
 
 Result<void> FakeTrigger::stop() {
   const std::lock_guard lock(mutex_);
+  MIXRIG_TRY(answer());
   state_ = device::TriggerState::kIdle;
   return {};
 }
 
 Result<std::size_t> FakeTrigger::read_ticks(std::span<device::TriggerTick> out, Duration timeout) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, timeout, [this] { return count_ > 0; });
-  std::size_t count = 0;
-  for (; count < out.size() && count_ > 0; ++count, --count_) {
-    out[count] = ticks_[first_];
-    first_ = (first_ + 1) % kKept;
-  }
-  return count;
+  MIXRIG_TRY(answer());
+  changed_.wait_for(lock, timeout, [this] { return !ticks_.empty(); });
+  return ticks_.take(out);
 }
 
 std::uint64_t FakeTrigger::tick() {
@@ -72,11 +78,7 @@ std::uint64_t FakeTrigger::tick() {
         (next_ - first) % static_cast<std::uint64_t>(channel.divider) == 0)
       fired |= 1U << i;
   }
-  if (count_ == kKept) {
-    first_ = (first_ + 1) % kKept;
-    --count_;
-  }
-  ticks_[(first_ + count_++) % kKept] = {next_, mcu_now(), fired};
+  if (!silent_) (void)ticks_.push({next_, mcu_now(), fired});
   changed_.notify_all();
   return next_++;
 }
@@ -85,7 +87,7 @@ void FakeTrigger::reset() {
   const std::lock_guard lock(mutex_);
   state_ = device::TriggerState::kIdle;
   booted_ = clock_.now();
-  count_ = 0;
+  ticks_.clear();
 }
 
 bool FakeTrigger::running() const {
@@ -93,9 +95,14 @@ bool FakeTrigger::running() const {
   return state_ == device::TriggerState::kRunning;
 }
 
+void FakeTrigger::set_silent(bool silent) {
+  const std::lock_guard lock(mutex_);
+  silent_ = silent;
+}
+
 std::size_t FakeTrigger::waiting() const {
   const std::lock_guard lock(mutex_);
-  return count_;
+  return ticks_.size();
 }
 
 bool FakeTrigger::wait_for_start(int count, Duration timeout) {

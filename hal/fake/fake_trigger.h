@@ -26,6 +26,8 @@ class FakeTrigger final : public device::TriggerMaster {
   /// As after a brown-out: idle, and tick numbers begin anew.
   void reset();
   bool running() const;
+  /// Its cable is pulled: it goes on firing, but nobody hears it.
+  void set_silent(bool silent);
   /// Ticks that nobody has read yet.
   std::size_t waiting() const;
   /// Waits until start() was called for the `count`-th time.
@@ -33,7 +35,7 @@ class FakeTrigger final : public device::TriggerMaster {
 
  private:
   static constexpr int kChannels = 16;
-  static constexpr std::size_t kKept = 1024;
+  Result<void> answer() const;
   McuTime mcu_now() const { return McuTime(clock_.now() - booted_); }
 
   Clock& clock_;
@@ -41,10 +43,10 @@ class FakeTrigger final : public device::TriggerMaster {
   device::TriggerInfo info_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::array<device::TriggerTick, kKept> ticks_{};  ///< a ring: nothing is allocated per tick
-  std::size_t first_ = 0, count_ = 0;
+  device::TickRing ticks_;
   std::array<device::TriggerChannel, kChannels> channels_{};
   device::TriggerState state_ = device::TriggerState::kIdle;
+  bool silent_ = false;
   std::uint64_t next_ = 0;
   int starts_ = 0;
 };

@@ -31,11 +31,13 @@ class FakeTriggerInput final : public device::TriggerInput {
   }
 
   /// A rising edge now.
-  void edge() {
+  void edge() { edge(clock_.now()); }
+  /// A rising edge that is stamped so.
+  void edge(HostTime at) {
     const std::lock_guard lock(mutex_);
     if (!sink_) return;
     ++health_.frames;
-    sink_({sequence_++, clock_.now()});
+    sink_({sequence_++, at});
   }
 
  private:

@@ -175,7 +175,7 @@ std::vector<TriggerFault> McuTrigger::all_faults(const protocol::StatusReply& re
       {"link_resent", link.resent, "commands were sent again: check cable and ground"});
   faults.push_back({"link_unanswered", link.unanswered, "commands got no answer"});
   faults.push_back({"link_bad_frames", link.bad_frames, "replies or reports arrived damaged"});
-  faults.push_back({"link_reports_lost", link.telemetry_lost + ticks_dropped_,
+  faults.push_back({"link_reports_lost", link.telemetry_lost + ticks_.dropped(),
                     "reports of ticks did not reach the host"});
   return faults;
 }
@@ -222,19 +222,12 @@ Result<void> McuTrigger::stop() {
 void McuTrigger::take_telemetry(std::uint8_t type, std::span<const std::uint8_t> body) {
   protocol::TriggerTick tick;
   if (type != protocol::TriggerTick::kId || !protocol::read_message(body, tick)) return;
-  if (ticks_.size() == kKeptTicks) {
-    ticks_.pop_front();
-    ++ticks_dropped_;
-  }
-  ticks_.push_back({tick.tick, McuTime(microseconds(mcu_clock_.extend(tick.mcu_us))), tick.fired});
+  (void)ticks_.push({tick.tick, McuTime(microseconds(mcu_clock_.extend(tick.mcu_us))), tick.fired});
 }
 
 Result<std::size_t> McuTrigger::read_ticks(std::span<TriggerTick> out, Duration timeout) {
   if (ticks_.empty()) MIXRIG_TRY(link_.pump(timeout));
-  const std::size_t count = std::min(out.size(), ticks_.size());
-  std::copy_n(ticks_.begin(), count, out.begin());
-  ticks_.erase(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(count));
-  return count;
+  return ticks_.take(out);
 }
 
 Result<std::vector<std::string>> McuTrigger::self_test() {

@@ -2,7 +2,6 @@
 // TriggerMaster on the trigger controller's firmware.
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <string>
 
@@ -60,8 +59,6 @@ class McuTrigger final : public TriggerMaster {
   McuLink& link() { return link_; }
 
  private:
-  static constexpr std::size_t kKeptTicks = 1024;
-
   McuTrigger(std::unique_ptr<ByteStream> stream, Clock& clock, const std::string& name,
              McuLink::Patience greeting);
   Result<void> greet();
@@ -75,8 +72,7 @@ class McuTrigger final : public TriggerMaster {
   McuLink::Patience greeting_;
   TriggerInfo info_;
   McuClock mcu_clock_;
-  std::deque<TriggerTick> ticks_;
-  std::uint64_t ticks_dropped_ = 0;
+  TickRing ticks_;
   std::uint64_t resets_ = 0;
 };
 

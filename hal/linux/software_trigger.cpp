@@ -77,7 +77,7 @@ Result<void> SoftwareTrigger::rest_lines() {
 Result<void> SoftwareTrigger::start() {
   MIXRIG_TRY(stop());
   MIXRIG_TRY(rest_lines());
-  first_ = count_ = 0;
+  ticks_.clear();
   tick_ = 0;
   late_max_ = {};
   schedule_.start(clock_.now() + kSoftwareTick);
@@ -112,14 +112,8 @@ void SoftwareTrigger::tell(const SoftwareSchedule::Edge& edge, HostTime at, bool
   late_max_ = std::max(late_max_, at - edge.at);
   failed_ += failed;
   if (edge.channel >= 0) return;
-  if (count_ == kKept) {
-    first_ = (first_ + 1) % kKept;
-    --count_;
-    ++overrun_;
-  }
   tick_ = edge.tick;
-  ticks_[(first_ + count_++) % kKept] = {edge.tick, McuTime(at.time_since_epoch()),
-                                         schedule_.fired(edge.tick)};
+  (void)ticks_.push({edge.tick, McuTime(at.time_since_epoch()), schedule_.fired(edge.tick)});
   told_.notify_one();
 }
 
@@ -134,20 +128,15 @@ Result<TriggerStatus> SoftwareTrigger::status() {
   status.now = McuTime(status.asked.time_since_epoch());
   status.answered = status.asked;
   status.late_max = late_max_;
-  status.faults = {{"ticks_dropped", overrun_, "tick reports that nobody fetched"},
+  status.faults = {{"ticks_dropped", ticks_.dropped(), "tick reports that nobody fetched"},
                    {"line_failed", failed_, "a line could not be switched"}};
   return status;
 }
 
 Result<std::size_t> SoftwareTrigger::read_ticks(std::span<TriggerTick> out, Duration timeout) {
   std::unique_lock lock(mutex_);
-  told_.wait_for(lock, timeout, [this] { return count_ > 0; });
-  std::size_t taken = 0;
-  for (; taken < out.size() && count_ > 0; ++taken, --count_) {
-    out[taken] = ticks_[first_];
-    first_ = (first_ + 1) % kKept;
-  }
-  return taken;
+  told_.wait_for(lock, timeout, [this] { return !ticks_.empty(); });
+  return ticks_.take(out);
 }
 
 }  // namespace mixrig::device

@@ -79,7 +79,6 @@ class SoftwareTrigger final : public TriggerMaster {
   Result<std::size_t> read_ticks(std::span<TriggerTick> out, Duration timeout) override;
 
  private:
-  static constexpr std::size_t kKept = 1024;
   void work();
   void tell(const SoftwareSchedule::Edge& edge, HostTime at, bool failed);
   Result<void> rest_lines();
@@ -92,9 +91,8 @@ class SoftwareTrigger final : public TriggerMaster {
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
   std::condition_variable told_;
-  std::array<TriggerTick, kKept> ticks_{};  // a ring of count_ from first_ on
-  std::size_t first_ = 0, count_ = 0;
-  std::uint64_t tick_ = 0, overrun_ = 0, failed_ = 0;
+  TickRing ticks_;
+  std::uint64_t tick_ = 0, failed_ = 0;
   Duration late_max_{};
 };
 

@@ -41,6 +41,15 @@ inline nlohmann::json to_json(const rig::SessionReport& report) {
           {"ticks_lost", report.ticks_lost},
           {"trigger_restarts", report.trigger_restarts},
           {"trigger_errors", report.trigger_errors},
+          {"edges",
+           {{"seen", report.edges.edges},
+            {"lost", report.edges.lost},
+            {"doubled", report.edges.doubled},
+            {"filled_ticks", report.edges.filled},
+            {"offset_mean_ms", report.edges.offset_mean_ms},
+            {"offset_sd_ms", report.edges.offset_sd_ms},
+            {"offset_max_ms", report.edges.offset_max_ms}}},
+          {"sets_without_angle", report.sets_without_angle},
           {"pan_tilt_samples", report.pan_tilt_samples},
           {"pan_tilt_errors", report.pan_tilt_errors}};
 }

@@ -2,7 +2,6 @@
 // A short queue between threads: the newest matter, so a full one forgets its oldest and counts.
 #pragma once
 
-#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "hal/base/clock.h"
+#include "hal/base/ring.h"
 
 namespace mixrig::rig {
 
@@ -21,13 +21,7 @@ class BoundedQueue {
     [[maybe_unused]] T forgotten;  // destroyed after the lock is released
     {
       const std::lock_guard lock(mutex_);
-      if (count_ == N) {
-        forgotten = std::move(items_[first_]);
-        first_ = (first_ + 1) % N;
-        --count_;
-        ++dropped_;
-      }
-      items_[(first_ + count_++) % N] = std::move(item);
+      forgotten = items_.push(std::move(item));
     }
     changed_.notify_one();
   }
@@ -35,13 +29,19 @@ class BoundedQueue {
   /// Waits at most `timeout`; empty then, or when the queue was closed and is drained.
   std::optional<T> pop(Duration timeout) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, timeout, [this] { return count_ > 0 || closed_; });
-    if (count_ == 0) return std::nullopt;
-    std::optional<T> item(std::move(items_[first_]));
-    items_[first_] = T{};
-    first_ = (first_ + 1) % N;
-    --count_;
-    return item;
+    changed_.wait_for(lock, timeout, [this] { return !items_.empty() || closed_; });
+    if (items_.empty()) return std::nullopt;
+    return items_.pop();
+  }
+
+  /// Forgets the oldest ones until `keep` are left, and counts them.
+  void trim(std::size_t keep) {
+    [[maybe_unused]] T forgotten;
+    for (;;) {
+      const std::lock_guard lock(mutex_);
+      if (items_.size() <= keep) return;
+      forgotten = items_.drop();
+    }
   }
 
   void close() {
@@ -55,19 +55,17 @@ class BoundedQueue {
   }
   std::size_t size() const {
     const std::lock_guard lock(mutex_);
-    return count_;
+    return items_.size();
   }
   std::uint64_t dropped() const {
     const std::lock_guard lock(mutex_);
-    return dropped_;
+    return items_.dropped();
   }
 
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::array<T, N> items_{};
-  std::size_t first_ = 0, count_ = 0;
-  std::uint64_t dropped_ = 0;
+  Ring<T, N> items_;
   bool closed_ = false;
 };
 

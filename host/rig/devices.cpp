@@ -137,6 +137,14 @@ Result<std::unique_ptr<device::TriggerMaster>> DeviceOpener::trigger(const std::
   return unknown(uri, "trigger", "mcu:/dev/ttyACM0 or gpiod:gpiochip0/17,18");
 }
 
+Result<std::unique_ptr<device::TriggerInput>> DeviceOpener::edges(const std::string& uri) {
+#ifdef MIXRIG_HAVE_GPIOD
+  const Uri parts = split(uri);
+  if (parts.scheme == "gpiod") return device::open_gpiod_input(parts.rest, clock_);
+#endif
+  return unknown(uri, "trigger input", "gpiod:gpiochip0/17");
+}
+
 Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) {
   const auto set = [&](device::CameraControl control,
                        const std::optional<double>& value) -> Result<void> {
@@ -152,6 +160,9 @@ Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   Devices devices;
   if (!rig.trigger_uri.empty()) {
     MIXRIG_ASSIGN(devices.trigger, opener.trigger(rig.trigger_uri));
+  }
+  if (!rig.edges_uri.empty()) {
+    MIXRIG_ASSIGN(devices.edges, opener.edges(rig.edges_uri));
   }
   for (const CameraConfig& config : rig.cameras) {
     MIXRIG_ASSIGN(auto camera, opener.camera(config.uri, config.request));

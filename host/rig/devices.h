@@ -11,6 +11,7 @@
 #include "hal/device/depth_camera.h"
 #include "hal/device/pan_tilt.h"
 #include "hal/device/trigger.h"
+#include "hal/device/trigger_input.h"
 #include "host/rig/player.h"
 #include "host/rig/rig_config.h"
 
@@ -34,6 +35,8 @@ class DeviceOpener {
   Result<std::unique_ptr<device::PanTilt>> pan_tilt(const std::string& uri);
   /// mcu:PORT, gpiod:CHIP/LINES.
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
+  /// gpiod:CHIP/LINE.
+  Result<std::unique_ptr<device::TriggerInput>> edges(const std::string& uri);
   /// What plays, where a recording was opened: it knows its own calibration.
   std::shared_ptr<Player> player() const { return players_.empty() ? nullptr : players_[0].second; }
 
@@ -48,6 +51,7 @@ class DeviceOpener {
 /// All devices of a rig; those that it does not have are null.
 struct Devices {
   std::unique_ptr<device::TriggerMaster> trigger;
+  std::unique_ptr<device::TriggerInput> edges;
   std::vector<std::unique_ptr<device::Camera>> cameras;
   std::unique_ptr<device::DepthCamera> depth;
   std::unique_ptr<device::PanTilt> pan_tilt;

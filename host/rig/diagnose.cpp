@@ -41,6 +41,10 @@ Opened open_what_opens(const RigConfig& rig, DeviceOpener opener, std::vector<Ch
     auto trigger = opener.trigger(rig.trigger_uri);
     if (note_open("trigger", trigger, checks)) out.devices.trigger = *std::move(trigger);
   }
+  if (!rig.edges_uri.empty()) {
+    auto edges = opener.edges(rig.edges_uri);
+    if (note_open("trigger_edges", edges, checks)) out.devices.edges = *std::move(edges);
+  }
   for (const CameraConfig& config : rig.cameras) {
     auto camera = opener.camera(config.uri, config.request);
     if (camera)
@@ -155,6 +159,11 @@ double nominal_rate(const RigConfig& config, const CameraConfig& camera, double 
   return trigger && line != nullptr ? 100.0 / line->channel.divider : told_hz;
 }
 
+double edge_rate_hz(const RigConfig& config) {
+  const TriggerLine* line = config.line(config.edges_line);
+  return line != nullptr ? 100.0 / line->channel.divider : 0;
+}
+
 void watch(Opened& rig, const DiagnoseOptions& options, Clock& clock, std::vector<Check>& checks) {
   LiveSession session(rig.config, rig.devices, clock);
   if (auto started = session.start(); !started) {
@@ -166,7 +175,10 @@ void watch(Opened& rig, const DiagnoseOptions& options, Clock& clock, std::vecto
   const SessionReport report = session.report();
   const double watched_s = seconds(clock.now() - begin);
   if (rig.devices.trigger) check_trigger(report, *rig.devices.trigger, checks);
-  const bool trigger = rig.devices.trigger != nullptr;
+  if (rig.devices.edges)
+    checks.push_back(judge_edges(report.edges, edge_rate_hz(rig.config), watched_s,
+                                 rig.devices.trigger != nullptr));
+  const bool trigger = rig.devices.trigger != nullptr || rig.devices.edges != nullptr;
   for (std::size_t i = 0; i < report.streams.size(); ++i) {
     const bool depth = i == rig.devices.cameras.size();
     const CameraConfig& config = depth ? *rig.config.depth : rig.config.cameras[i];

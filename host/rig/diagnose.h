@@ -40,6 +40,10 @@ std::vector<Check> diagnose(const RigConfig& rig, const DiagnoseOptions& options
 /// The judging alone: what the counts of `watched` seconds say about one stream.
 std::vector<Check> judge_stream(const StreamReport& report, double nominal_rate_hz,
                                 double watched_s, bool triggered);
+/// What the host itself saw of the trigger. `master`: there is a word of the master to hold it
+/// against.
+Check judge_edges(const sync::EdgeCounts& edges, double nominal_rate_hz, double watched_s,
+                  bool master);
 /// Spread of the positions that came back for one target, against the step of the head.
 Check judge_repeatability(const std::vector<device::PanTiltAngles>& positions,
                           device::PanTiltAngles step);

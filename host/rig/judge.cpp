@@ -13,6 +13,7 @@ constexpr double kRateWarn = 0.02, kRateFail = 0.10;   // relative to nominal
 constexpr double kLostWarn = 0.001, kLostFail = 0.02;  // share of the frames
 constexpr double kDriftWarn_ppm = 200, kDriftFail_ppm = 1000;
 constexpr double kResidualWarn_ms = 2, kResidualFail_ms = 10;
+constexpr double kEdgeWarn_ms = 1, kEdgeFail_ms = 5;     // half a tick: another one is meant
 constexpr double kPairedWarn = 0.99, kPairedFail = 0.9;  // share of the frames after locking
 
 Verdict grade(double value, double warn, double fail) {
@@ -97,6 +98,28 @@ std::vector<Check> judge_stream(const StreamReport& report, double nominal_rate_
              static_cast<unsigned long long>(report.pairing.relocks)),
       "check the trigger wire; set delay_ms to the mean residual");
   return checks;
+}
+
+Check judge_edges(const sync::EdgeCounts& edges, double nominal_rate_hz, double watched_s,
+                  bool master) {
+  if (edges.edges == 0)
+    return make("trigger_edges", "edges", Verdict::kFail, "none",
+                "check the wire from the trigger to this host, and that the line is switched on");
+  const double seen = static_cast<double>(edges.edges), wanted = nominal_rate_hz * watched_s;
+  const double off = wanted > 0 ? std::max(0.0, std::abs(seen - wanted) - 2) / wanted : 0;
+  const double wrong = static_cast<double>(edges.lost + edges.doubled) / seen;
+  Verdict verdict = std::max(grade(off, kRateWarn, kRateFail), grade(wrong, kLostWarn, kLostFail));
+  std::string value = format("%.2f Hz of %.2f, %llu lost, %llu doubled", seen / watched_s,
+                             nominal_rate_hz, static_cast<unsigned long long>(edges.lost),
+                             static_cast<unsigned long long>(edges.doubled));
+  if (master) {
+    verdict = std::max(verdict, grade(std::abs(edges.offset_mean_ms) + edges.offset_sd_ms,
+                                      kEdgeWarn_ms, kEdgeFail_ms));
+    value += format(", %+.3f +- %.3f ms from the master's word, %+.3f at most",
+                    edges.offset_mean_ms, edges.offset_sd_ms, edges.offset_max_ms);
+  }
+  return make("trigger_edges", "edges", verdict, std::move(value),
+              "check line, divider and phase in rig.toml, the wire, and the link to the trigger");
 }
 
 Check judge_repeatability(const std::vector<device::PanTiltAngles>& positions,

@@ -16,11 +16,13 @@ constexpr int kFarthestFree_ticks = 3;
 constexpr double kMuchSlower = 1.5;
 constexpr int kDoubts = 3;
 constexpr Duration kFuture = std::chrono::milliseconds(20);
+// Two questions to a head at 9600 baud take 70 ms.
+constexpr Duration kHeadPatience = std::chrono::milliseconds(120);
 
 }  // namespace
 
 LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock)
-    : config_(config), devices_(devices), clock_(clock) {
+    : config_(config), devices_(devices), clock_(clock), edges_(make_edges()) {
   for (std::size_t i = 0; i < devices.cameras.size(); ++i)
     add_stream(config.cameras[i], devices.cameras[i]->info());
   if (devices.depth) add_stream(*config.depth, devices.depth->info());
@@ -45,18 +47,38 @@ double LiveSession::period_ticks(const Stream& stream) const {
   return stream.rate_hz > 0 ? 100 / stream.rate_hz : 0;
 }
 
-void LiveSession::add_stream(const CameraConfig& config, const device::CameraInfo& info) {
+std::optional<sync::EdgeTicks> LiveSession::make_edges() const {
+  const TriggerLine* line = config_.line(config_.edges_line);
+  if (!devices_.edges || line == nullptr) return std::nullopt;
+  const device::TriggerChannel& channel = line->channel;
+  return sync::EdgeTicks({.divider = channel.divider,
+                          .phase = static_cast<int>(channel.phase / kTickPeriod) % channel.divider,
+                          .rest = channel.phase % kTickPeriod},
+                         kTickPeriod, devices_.trigger != nullptr);
+}
+
+sync::StreamTiming LiveSession::timing_of(const CameraConfig& config) const {
   sync::StreamTiming timing{.divider = 0, .phase = 0, .delay = config.delay};
-  if (const TriggerLine* line = config_.line_of(config); line != nullptr && devices_.trigger) {
-    // A phase of whole ticks moves the tick; what is left of it delays the exposure.
-    timing.divider = line->channel.divider;
-    timing.phase = static_cast<int>(line->channel.phase / kTickPeriod) % timing.divider;
-    timing.delay += line->channel.phase % kTickPeriod;
-  }
+  const TriggerLine* line = config_.line_of(config);
+  if (line == nullptr || !has_ticks()) return timing;
+  const int divider = line->channel.divider;
+  // Edges alone tell tick numbers but for whole periods of their own line.
+  if (!devices_.trigger && config_.line(config_.edges_line)->channel.divider % divider != 0)
+    return timing;
+  // A phase of whole ticks moves the tick; what is left of it delays the exposure.
+  timing.divider = divider;
+  timing.phase = static_cast<int>(line->channel.phase / kTickPeriod) % divider;
+  timing.delay += line->channel.phase % kTickPeriod;
+  return timing;
+}
+
+void LiveSession::add_stream(const CameraConfig& config, const device::CameraInfo& info) {
   streams_.emplace_back();
   streams_.back().config = &config;
   streams_.back().stamp_clock = info.stamp_clock;
   streams_.back().rate_hz = info.rate_hz;
+  const sync::StreamTiming timing = timing_of(config);
+  streams_.back().fired = timing.divider > 0;
   streams_.back().pairer = sync::FramePairer(timing);
 }
 
@@ -70,6 +92,10 @@ Result<void> LiveSession::start() {
   sync_thread_ = std::thread([this] { run_sync(); });
   // Cameras first: what waits for a trigger must not miss the first one.
   auto started = start_cameras();
+  const auto on_edge = [this](const device::LineEdge& edge) {
+    push({.kind = Event::Kind::kEdge, .tick = {0, edge.at}, .stream = 0, .frame = {}});
+  };
+  if (started && edges_) started = devices_.edges->start(on_edge);
   if (started && devices_.trigger) started = start_trigger();
   if (!started) {
     stop();
@@ -109,6 +135,7 @@ void LiveSession::stop() {
   if (!running_) return;
   for (auto& camera : devices_.cameras) camera->stop();
   if (devices_.depth) devices_.depth->stop();
+  if (devices_.edges) devices_.edges->stop();
   stop_ = true;
   events_.close();
   for (std::thread* thread : {&trigger_thread_, &pan_tilt_thread_, &sync_thread_})
@@ -137,10 +164,11 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
     const auto status = devices_.trigger->status();
     if (!status) return false;
     if (status->state != device::TriggerState::kRunning) {
-      // It was reset. Its tick numbers and its clock begin anew: ask for its time before its ticks.
+      // It was reset. Its tick numbers and its clock begin anew: what it fires from now on must
+      // meet no old tick, and its time is asked for before its ticks.
+      push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
       if (!start_trigger()) return false;
       next_status = clock_.now();
-      push({.kind = Event::Kind::kTickRestart, .tick = {}, .stream = 0, .frame = {}});
       const std::lock_guard lock(mutex_);
       trigger_clock_ = {};
       ++counts_.trigger_restarts;
@@ -174,6 +202,7 @@ void LiveSession::run_pan_tilt() {
       if (sample) {
         track_.add(*sample);
         ++counts_.pan_tilt_samples;
+        release(kHeadPatience, kHeld);
         continue;
       }
       ++counts_.pan_tilt_errors;
@@ -185,24 +214,29 @@ void LiveSession::run_pan_tilt() {
 void LiveSession::run_sync() {
   while (!stop_) {
     const auto event = events_.pop(kWait);
-    if (!event) continue;
     const std::lock_guard lock(mutex_);
-    on_event(*event);
-    ++handled_;
+    if (event) {
+      on_event(*event);
+      ++handled_;
+    }
+    release(kHeadPatience, kHeld);
   }
   const std::lock_guard lock(mutex_);
   builder_->flush();
+  release({}, 0);
 }
 
 void LiveSession::on_event(const Event& event) {
   switch (event.kind) {
     case Event::Kind::kTick:
-      ticks_.add(event.tick);
-      ++counts_.ticks;
+      on_tick(event.tick);
       break;
     case Event::Kind::kTickRestart:
-      for (Stream& stream : streams_) stream.pairer.restart();
-      builder_->restart();
+      on_restart();
+      if (edges_) edges_->restart();
+      break;
+    case Event::Kind::kEdge:
+      on_edge(event.tick.at);
       break;
     case Event::Kind::kFrame:
       on_frame(event);
@@ -212,12 +246,37 @@ void LiveSession::on_event(const Event& event) {
   }
 }
 
+void LiveSession::on_tick(const sync::Tick& tick) {
+  ++counts_.ticks;
+  if (edges_) edges_->told(tick);
+  // Held up on its way, while edges stood in for it.
+  if (filled_ && ticks_.newest() && tick.sequence <= *ticks_.newest()) return;
+  filled_ = false;
+  ticks_.add(tick);
+}
+
+void LiveSession::on_edge(HostTime at) {
+  const auto made = edges_->add(at);
+  if (!made) return;
+  if (made->restarted) on_restart();
+  filled_ = true;
+  ticks_.add(made->tick);
+}
+
+/// Tick numbers begin anew.
+void LiveSession::on_restart() {
+  for (Stream& stream : streams_) stream.pairer.restart();
+  builder_->restart();
+  ticks_.forget();
+  filled_ = false;
+}
+
 void LiveSession::on_frame(const Event& event) {
   Stream& stream = streams_[event.stream];
   const device::Frame& frame = *event.frame;
   if ((frame.flags & device::kFrameRestarted) != 0) stream.pairer.restart();
   const HostTime stamp = stamp_of(stream, frame);
-  if (!devices_.trigger) {
+  if (!has_ticks()) {
     // No master is fitted: the host's clock divided by ten milliseconds stands in for it.
     const auto number = static_cast<std::uint64_t>(stamp.time_since_epoch() / kTickPeriod);
     const sync::Tick tick{number, HostTime(static_cast<long>(number) * kTickPeriod)};
@@ -231,8 +290,7 @@ void LiveSession::on_frame(const Event& event) {
   stream.residual_sum_s += seconds(pairing.residual);
   stream.residual_square_s2 += seconds(pairing.residual) * seconds(pairing.residual);
   // Where a master fires, its tick is the better clock; else the stamp is all there is.
-  const bool triggered = devices_.trigger && stream.config->trigger_line >= 0;
-  const auto tick_time = triggered ? ticks_.time_of(pairing.tick) : std::nullopt;
+  const auto tick_time = stream.fired ? ticks_.time_of(pairing.tick) : std::nullopt;
   builder_->add(event.stream,
                 {event.frame, pairing, tick_time ? *tick_time + stream.config->delay : stamp});
 }
@@ -262,56 +320,27 @@ HostTime LiveSession::stamp_of(Stream& stream, const device::Frame& frame) {
   return frame.received;
 }
 
+/// With a head sets leave in bursts: there may be one more.
 void LiveSession::emit(const sync::FrameSet& set) {
-  sets_.push({set, track_.at(set.frames[0].mid_exposure)});
+  sets_.trim(devices_.pan_tilt ? kSets : kSets - 1);
+  release(kHeadPatience, kHeld - 1);
+  (void)held_.push({set, {}});
+  release(kHeadPatience, kHeld);
 }
 
-/// Read in this order, the difference is never too small.
-std::uint64_t LiveSession::waiting_events() const {
-  const std::uint64_t handled = handled_, dropped = events_.dropped();
-  return pushed_ - handled - dropped;
-}
-
-bool LiveSession::ended() const {
-  const auto over = [](const device::StreamHealth& health) {
-    return health.state == device::DeviceState::kStopped ||
-           health.state == device::DeviceState::kFailed;
-  };
-  for (const auto& camera : devices_.cameras)
-    if (!over(camera->health())) return false;
-  if (devices_.depth && !over(devices_.depth->health())) return false;
-  return waiting_events() == 0;
-}
-
-SessionReport LiveSession::report() const {
-  std::vector<device::StreamHealth> health;
-  for (const auto& camera : devices_.cameras) health.push_back(camera->health());
-  if (devices_.depth) health.push_back(devices_.depth->health());
-  const std::lock_guard lock(mutex_);
-  SessionReport report = counts_;
-  report.ticks_lost = devices_.trigger ? ticks_.lost() : 0;
-  report.trigger_drift_ppm = trigger_clock_.drift_ppm();
-  report.sets = builder_->sets();
-  report.incomplete_sets = builder_->incomplete();
-  report.dropped_events = events_.dropped();
-  report.dropped_sets = sets_.dropped();
-  report.waiting_events = waiting_events();
-  report.waiting_sets = sets_.size();
-  for (std::size_t i = 0; i < streams_.size(); ++i) {
-    const Stream& stream = streams_[i];
-    const double count = std::max<double>(1, static_cast<double>(stream.paired));
-    const double mean_s = stream.residual_sum_s / count;
-    const double variance = std::max(0.0, stream.residual_square_s2 / count - mean_s * mean_s);
-    report.streams.push_back({.name = stream.config->name,
-                              .uri = stream.config->uri,
-                              .health = health[i],
-                              .pairing = stream.pairer.counts(),
-                              .drift_ppm = stream.clock.drift_ppm(),
-                              .jitter_ms = milliseconds(stream.clock.jitter()),
-                              .residual_mean_ms = mean_s * 1e3,
-                              .residual_sd_ms = std::sqrt(variance) * 1e3});
+/// Hands out the sets whose angle is known, those that waited for it long enough, and all but the
+/// newest `most`. The lock is held.
+void LiveSession::release(Duration patience, std::size_t most) {
+  while (!held_.empty()) {
+    LiveSet& set = held_.front();
+    const HostTime at = set.frames.frames[0].mid_exposure;
+    set.pan_tilt = track_.at(at);
+    const bool missing = devices_.pan_tilt && !set.pan_tilt;
+    if (missing && held_.size() <= most && clock_.now() < at + patience) break;
+    if (missing) ++counts_.sets_without_angle;
+    sets_.push(held_.pop());
   }
-  return report;
+  held_count_ = held_.size();
 }
 
 }  // namespace mixrig::rig

@@ -18,6 +18,7 @@
 #include "host/rig/rig_config.h"
 #include "host/sync/clock_map.h"
 #include "host/sync/device_clock.h"
+#include "host/sync/edge_ticks.h"
 #include "host/sync/frame_set.h"
 #include "host/sync/pairing.h"
 #include "host/sync/pan_tilt_track.h"
@@ -27,7 +28,7 @@ namespace mixrig::rig {
 /// One moment of the rig.
 struct LiveSet {
   sync::FrameSet frames;  ///< 0 is the leading camera, then the others, the depth camera last
-  std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure, where it is known
+  std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure; empty where nobody knows
 };
 
 /// What is known of one camera's stream. Counts since start.
@@ -43,12 +44,14 @@ struct SessionReport {
   std::vector<StreamReport> streams;
   std::uint64_t ticks = 0, ticks_lost = 0, trigger_restarts = 0, trigger_errors = 0;
   double trigger_drift_ppm = 0;
+  sync::EdgeCounts edges;  ///< of the trigger line that this host sees, where it sees one
   std::uint64_t sets = 0, incomplete_sets = 0;
   std::uint64_t waiting_events = 0;  ///< frames and ticks not paired yet
   std::uint64_t waiting_sets = 0;    ///< in the consumer's queue now
   std::uint64_t dropped_events = 0;  ///< the pairing thread could not follow
   std::uint64_t dropped_sets = 0;    ///< the consumer could not follow
   std::uint64_t pan_tilt_samples = 0, pan_tilt_errors = 0;
+  std::uint64_t sets_without_angle = 0;  ///< though the rig has a head
   device::PanTiltHealth pan_tilt;
 };
 
@@ -64,7 +67,8 @@ class LiveSession {
   Result<void> start();
   /// Devices first, then the threads, in the order of the data. Harmless when stopped.
   void stop();
-  /// The next moment; empty when none came in time. The oldest is lost when two wait already.
+  /// The next moment; empty when none came in time. The oldest is lost when two wait already. A set
+  /// whose angle is not known yet (the head moves) is kept back until it is, 120 ms at most.
   std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
   /// All cameras have ended by themselves (a recording is over, a device was given up) and all that
   /// they sent was paired: what next() still holds is the rest.
@@ -73,8 +77,8 @@ class LiveSession {
 
  private:
   struct Event {
-    enum class Kind { kNone, kTick, kTickRestart, kFrame } kind = Kind::kNone;
-    sync::Tick tick;
+    enum class Kind { kNone, kTick, kTickRestart, kEdge, kFrame } kind = Kind::kNone;
+    sync::Tick tick;  ///< of an edge the time alone
     std::size_t stream = 0;
     device::FramePtr frame;
   };
@@ -82,19 +86,23 @@ class LiveSession {
     const CameraConfig* config = nullptr;
     device::StampClock stamp_clock = device::StampClock::kNone;
     double rate_hz = 0;
+    bool fired = false;  ///< by a tick that is known
     sync::FramePairer pairer{{}};
     sync::DeviceClock clock;
     int doubts = 0;  ///< frames in a row
     std::uint64_t paired = 0;
     double residual_sum_s = 0, residual_square_s2 = 0;
   };
-  static constexpr std::size_t kEvents = 64, kSets = 2;
+  static constexpr std::size_t kEvents = 64, kSets = 2, kHeld = 3;
 
   void push(Event event);
   std::uint64_t waiting_events() const;
   void add_stream(const CameraConfig& config, const device::CameraInfo& info);
   sync::Join join_of(const Stream& stream) const;
   double period_ticks(const Stream& stream) const;
+  std::optional<sync::EdgeTicks> make_edges() const;
+  sync::StreamTiming timing_of(const CameraConfig& config) const;
+  bool has_ticks() const { return devices_.trigger || edges_; }
   Result<void> start_trigger();
   Result<void> start_cameras();
   void run_trigger();
@@ -102,27 +110,34 @@ class LiveSession {
   void run_pan_tilt();
   void run_sync();
   void on_event(const Event& event);
+  void on_tick(const sync::Tick& tick);
+  void on_edge(HostTime at);
+  void on_restart();
   void on_frame(const Event& event);
   static void doubt_clock(Stream& stream, bool doubted);
   HostTime stamp_of(Stream& stream, const device::Frame& frame);
   void emit(const sync::FrameSet& set);
+  void release(Duration patience, std::size_t most);
 
   const RigConfig& config_;
   Devices& devices_;
   Clock& clock_;
   BoundedQueue<Event, kEvents> events_;
-  BoundedQueue<LiveSet, kSets> sets_;
+  BoundedQueue<LiveSet, kSets + kHeld> sets_;
   std::thread trigger_thread_, pan_tilt_thread_, sync_thread_;
   std::atomic<bool> stop_ = false;
-  std::atomic<std::uint64_t> pushed_ = 0, handled_ = 0;
+  std::atomic<std::uint64_t> pushed_ = 0, handled_ = 0, held_count_ = 0;
   bool running_ = false;
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::vector<Stream> streams_;
   sync::TickHistory ticks_{std::chrono::milliseconds(10)};
+  std::optional<sync::EdgeTicks> edges_;
+  bool filled_ = false;  ///< the newest tick was made of an edge
   std::optional<sync::FrameSetBuilder> builder_;
   sync::ClockMap trigger_clock_;
   sync::PanTiltTrack track_;
+  Ring<LiveSet, kHeld> held_;  ///< sets that wait for their angle
   SessionReport counts_;
 };
 

@@ -56,7 +56,12 @@ CameraConfig parse_camera(const config::Table& table, const std::string& fallbac
 
 void parse_trigger(const config::Table& table, RigConfig& rig) {
   if (!table.present()) return;
-  rig.trigger_uri = table.text("uri");
+  const config::Table edges = table.table("edges");
+  if (edges.present()) {
+    rig.edges_uri = edges.text("uri");
+    rig.edges_line = edges.integer("line", kLine);
+  }
+  if (!edges.present() || table.has("uri")) rig.trigger_uri = table.text("uri");
   for (const config::Table& entry : table.tables("line")) {
     TriggerLine line;
     line.line = entry.integer("line", kLine);
@@ -110,6 +115,8 @@ void check(const config::Table& root, const RigConfig& rig) {
       root.fail("camera", camera.name + ": no [[trigger.line]] has line = " +
                               std::to_string(camera.trigger_line));
   };
+  if (!rig.edges_uri.empty() && rig.line(rig.edges_line) == nullptr)
+    root.fail("trigger", "edges: no [[trigger.line]] has line = " + std::to_string(rig.edges_line));
   for (const CameraConfig& camera : rig.cameras) check_camera(camera);
   if (rig.depth) check_camera(*rig.depth);
 }
@@ -137,9 +144,9 @@ void write_camera(std::ostream& out, const CameraConfig& camera, const char* hea
 
 }  // namespace
 
-const TriggerLine* RigConfig::line_of(const CameraConfig& camera) const {
+const TriggerLine* RigConfig::line(int number) const {
   for (const TriggerLine& line : lines)
-    if (line.line == camera.trigger_line) return &line;
+    if (line.line == number) return &line;
   return nullptr;
 }
 
@@ -180,6 +187,9 @@ std::string rig_text(const RigConfig& rig) {
   out << "format = 1\nname = " << config::toml_text(rig.name) << "\n";
   if (!rig.trigger_uri.empty())
     out << "\n[trigger]\nuri = " << config::toml_text(rig.trigger_uri) << "\n";
+  if (!rig.edges_uri.empty())
+    out << "\n[trigger.edges]\nuri = " << config::toml_text(rig.edges_uri)
+        << "\nline = " << rig.edges_line << "\n";
   for (const TriggerLine& line : rig.lines) {
     out << "\n[[trigger.line]]\nline = " << line.line << "\ndivider = " << line.channel.divider
         << "\nphase_ms = " << config::toml_number(to_ms(line.channel.phase))

@@ -32,7 +32,9 @@ struct TriggerLine {
 struct RigConfig {
   std::string name;
   std::filesystem::path calibration;  ///< calibration.yaml in place of the cameras below, or empty
-  std::string trigger_uri;  ///< empty: everything runs free
+  std::string trigger_uri;  ///< empty: everything runs free, or somebody else starts the trigger
+  std::string edges_uri;    ///< line of this host that sees the pulses of `edges_line`; or empty
+  int edges_line = -1;
   std::vector<TriggerLine> lines;
   std::vector<CameraConfig> cameras;  ///< the first one leads: it is the target camera
   std::optional<CameraConfig> depth;
@@ -41,7 +43,9 @@ struct RigConfig {
   std::optional<geometry::Pose> target_from_tof;
   std::optional<geometry::Pose> world_from_target;  ///< of a rig that stands still
 
-  const TriggerLine* line_of(const CameraConfig& camera) const;
+  const TriggerLine* line_of(const CameraConfig& camera) const { return line(camera.trigger_line); }
+  /// Null where the trigger has no such line.
+  const TriggerLine* line(int number) const;
 };
 
 /// Errors: kNotFound, kFormat (file:line: key ...).

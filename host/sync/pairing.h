@@ -23,6 +23,8 @@ class TickHistory {
  public:
   explicit TickHistory(Duration nominal_period) : period_s_(seconds(nominal_period)) {}
   void add(Tick tick);
+  /// Numbers begin anew: the old ones count no more.
+  void forget() { begin_ = count_ = 0; }
 
   /// Fractional tick number at a time; empty when the nearest known tick is half a second away.
   std::optional<double> number_at(HostTime at) const;

@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every camera promises, held by the v4l2 driver on vivid and on uvcvideo.
+// What every device promises, held by the drivers on kernel devices: v4l2 on vivid and uvcvideo,
+// gpiod on gpio-sim, usb on usbfs, mcu and flir-ptu on cdc_acm.
+#include "hal/linux/gpiod_lines.h"
+#include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2_camera.h"
+#include "host/rig/devices.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
+#include "tests/board/sim_chip.h"
+#include "tests/board/tof_device.h"
+#include "tests/board/trigger_peer.h"
 #include "tests/unit/hal_device/camera_contract.h"
+#include "tests/unit/hal_device/depth_camera_contract.h"
+#include "tests/unit/hal_device/pan_tilt_contract.h"
+#include "tests/unit/hal_device/trigger_contract.h"
+#include "tests/unit/hal_device/trigger_input_contract.h"
 
 namespace mixrig::test {
 namespace {
@@ -38,6 +49,102 @@ CameraUnderTest make_uvc() {
 INSTANTIATE_TEST_SUITE_P(OnBoard, CameraContract,
                          ::testing::Values(CameraMaker{"vivid", make_vivid},
                                            CameraMaker{"uvc", make_uvc}),
+                         [](const auto& maker) { return maker.param.name; });
+
+TriggerInputUnderTest make_line() {
+  auto chip = std::make_shared<board::SimChip>();
+  auto input = device::open_gpiod_input(chip->name() + "/5", g_clock);
+  if (!input) return {};
+  auto* raw = input->get();
+  return {*std::move(input),
+          [chip, raw](int count) {
+            const auto wanted = raw->health().frames + static_cast<std::uint64_t>(count);
+            for (int i = 0; i < count; ++i)
+              for (const bool high : {true, false}) {
+                chip->pull(5, high);
+                g_clock.sleep_until(g_clock.now() + std::chrono::milliseconds(2));
+              }
+            board::wait_until([&] {
+              return raw->health().state != device::DeviceState::kStreaming ||
+                     raw->health().frames >= wanted;
+            });
+          },
+          chip};
+}
+
+INSTANTIATE_TEST_SUITE_P(OnBoard, TriggerInputContract,
+                         ::testing::Values(TriggerInputMaker{"gpio_sim", make_line}),
+                         [](const auto& maker) { return maker.param.name; });
+
+TriggerUnderTest make_lines() {
+  auto chip = std::make_shared<board::SimChip>();
+  auto trigger = device::open_gpiod_trigger(chip->name() + "/0,1,2", g_clock);
+  if (!trigger) return {};
+  return {chip, *std::move(trigger)};
+}
+
+/// A device of this process on a serial line of the kernel.
+template <typename Peer>
+struct SerialBench {
+  template <typename... Words>
+  explicit SerialBench(Words&&... words) : peer(std::forward<Words>(words)...) {}
+  Peer peer;
+  board::AcmDevice line{"serial line", peer};
+  board::VhciPort port{2, line};
+};
+
+TriggerUnderTest make_firmware() {
+  auto bench = std::make_shared<SerialBench<board::TriggerPeer>>(0.0, [](int, std::uint32_t) {});
+  if (!board::plug_serial(bench->port, "/dev/ttyACM0")) return {};
+  auto trigger = rig::DeviceOpener(g_clock).trigger("mcu:/dev/ttyACM0");
+  if (!trigger) return {};
+  return {bench, *std::move(trigger)};
+}
+
+INSTANTIATE_TEST_SUITE_P(OnBoard, TriggerContract,
+                         ::testing::Values(TriggerMaker{"gpio_sim", make_lines},
+                                           TriggerMaker{"firmware_on_cdc_acm", make_firmware}),
+                         [](const auto& maker) { return maker.param.name; });
+
+PanTiltUnderTest make_head() {
+  auto bench = std::make_shared<SerialBench<board::PtuPeer>>();
+  if (!board::plug_serial(bench->port, "/dev/ttyACM0")) return {};
+  auto head = rig::DeviceOpener(g_clock).pan_tilt("flir-ptu:/dev/ttyACM0");
+  if (!head) return {};
+  return {*std::move(head), &g_clock, bench};
+}
+
+INSTANTIATE_TEST_SUITE_P(OnBoard, PanTiltContract,
+                         ::testing::Values(PanTiltMaker{"flir_ptu_on_cdc_acm", make_head}),
+                         [](const auto& maker) { return maker.param.name; });
+
+DepthCameraUnderTest make_tof() {
+  struct Bench {
+    board::TofDevice device{{160, 120}, 25};
+    board::VhciPort port{1, device};
+  };
+  auto bench = std::make_shared<Bench>();
+  if (!bench->port.plug()) return {};
+  std::unique_ptr<device::DepthCamera> camera;
+  board::wait_until([&] {
+    auto opened = device::open_tof_usb("1209:0001", g_clock);
+    if (opened) camera = *std::move(opened);
+    return camera != nullptr;
+  });
+  auto* raw = camera.get();
+  return {std::move(camera),
+          [raw](int count) {
+            const auto wanted = raw->health().frames + static_cast<std::uint64_t>(count);
+            board::wait_until([&] {
+              return raw->health().state != device::DeviceState::kStreaming ||
+                     raw->health().frames >= wanted;
+            });
+          },
+          bench};
+}
+
+INSTANTIATE_TEST_SUITE_P(OnBoard, DepthCameraContract,
+                         ::testing::Values(DepthCameraMaker{"tof_on_usbfs", make_tof}),
                          [](const auto& maker) { return maker.param.name; });
 
 }  // namespace

@@ -1,53 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The gpiod driver on the kernel's gpio-sim: edges in with the kernel's stamps, a software trigger.
-#include <filesystem>
-#include <fstream>
-
 #include "hal/linux/gpiod_lines.h"
 #include "tests/board/bench.h"
+#include "tests/board/sim_chip.h"
 
 namespace mixrig::board {
 namespace {
 
-namespace fs = std::filesystem;
 SystemClock g_clock;
-
-/// A chip of eight simulated lines.
-class SimChip {
- public:
-  SimChip() {
-    std::error_code error;
-    fs::create_directories(home_ / "bank0", error);
-    std::ofstream(home_ / "bank0" / "num_lines") << 8;
-    std::ofstream(home_ / "live") << 1;
-    std::ifstream(home_ / "bank0" / "chip_name") >> name_;
-    std::string device;
-    std::ifstream(home_ / "dev_name") >> device;
-    lines_ = fs::path("/sys/devices/platform") / device / name_;
-  }
-  ~SimChip() {
-    std::ofstream(home_ / "live") << 0;
-    std::error_code error;
-    fs::remove(home_ / "bank0", error);
-    fs::remove(home_, error);
-  }
-  const std::string& name() const { return name_; }
-  void pull(int line, bool high) {
-    std::ofstream(file(line, "pull")) << (high ? "pull-up" : "pull-down");
-  }
-  int value(int line) {
-    int value = -1;
-    std::ifstream(file(line, "value")) >> value;
-    return value;
-  }
-
- private:
-  fs::path file(int line, const char* what) const {
-    return lines_ / ("sim_gpio" + std::to_string(line)) / what;
-  }
-  fs::path home_ = "/sys/kernel/config/gpio-sim/mixrig", lines_;
-  std::string name_;
-};
 
 TEST(Gpiod, EveryEdgeComesOnceWithAStampBetweenItsCauseAndItsReport) {
   SimChip chip;

@@ -53,6 +53,11 @@ std::string plug_camera(VhciPort& port, const UsbDevice& device) {
   return node;
 }
 
+bool plug_serial(VhciPort& port, const std::string& node) {
+  const auto there = [&] { return std::filesystem::exists(node); };
+  return wait_until([&] { return !there(); }) && port.plug() && wait_until(there);
+}
+
 bool has_node(const std::string& path) { return captures(path); }
 
 bool has_usb(const std::string& product) {

@@ -16,6 +16,9 @@ std::string plug_camera(VhciPort& port, const UsbDevice& device);
 /// It is there and delivers pictures.
 bool has_node(const std::string& path);
 
+/// Plugs a serial line in, once what was at `node` before is gone, and waits for it.
+bool plug_serial(VhciPort& port, const std::string& node);
+
 /// A USB device of this product name is there.
 bool has_usb(const std::string& product);
 

@@ -2,26 +2,24 @@
 // Pan-tilt unit and trigger controller on kernel serial ports: USB lines of this process, and the
 // ports of the machine with a peer outside where MIXRIG_BOARD_PTU and MIXRIG_BOARD_MCU name them.
 #include <cstdlib>
-#include <filesystem>
 #include <random>
 
 #include "host/rig/devices.h"
 #include "tests/board/bench.h"
+#include "tests/board/nodes.h"
 #include "tests/board/trigger_peer.h"
 
 namespace mixrig::board {
 namespace {
 
 SystemClock g_clock;
+rig::DeviceOpener g_opener(g_clock);
 
 struct Line {
   explicit Line(SerialPeer& peer) : device("serial line", peer) {}
   AcmDevice device;
   VhciPort port{2, device};
-  bool plug() {
-    const auto there = [] { return std::filesystem::exists("/dev/ttyACM0"); };
-    return wait_until([&] { return !there(); }) && port.plug() && wait_until(there);
-  }
+  bool plug() { return plug_serial(port, "/dev/ttyACM0"); }
 };
 
 /// Commands of all kinds at random; counts answers that are not what the unit holds.
@@ -59,7 +57,7 @@ TEST(Ptu, TenThousandCommandsWithLimitReportsInTheirRepliesAndNoneConfused) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = rig::open_pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
   ASSERT_TRUE(head) << to_line(head.error());
   peer.set_faults({.limit_report_share = 0.02});
   command(**head, 5000, [&] { return peer.position(g_clock.now()); });
@@ -80,7 +78,7 @@ TEST(Ptu, IsToldToBeSilentWhenItIsAndAnswersAgain) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = rig::open_pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
   ASSERT_TRUE(head) << to_line(head.error());
   peer.set_faults({.silent = true});
   const auto nothing = (*head)->sample();
@@ -94,7 +92,7 @@ TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = rig::open_pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
   ASSERT_TRUE(head) << to_line(head.error());
   line.port.unplug();
   EXPECT_FALSE((*head)->sample());
@@ -103,7 +101,7 @@ TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
 TEST(Ptu, AnswersOnAPortOfTheMachine) {
   const char* port = std::getenv("MIXRIG_BOARD_PTU");
   if (port == nullptr) GTEST_SKIP() << "no emulated unit outside";
-  auto head = rig::open_pan_tilt(std::string("flir-ptu:") + port, g_clock);
+  auto head = g_opener.pan_tilt(std::string("flir-ptu:") + port, g_clock);
   ASSERT_TRUE(head) << to_line(head.error());
   command(**head, 50, {});
   measured("50 commands on %s, %llu repeated", port,
@@ -111,7 +109,7 @@ TEST(Ptu, AnswersOnAPortOfTheMachine) {
 }
 
 void run_trigger(const std::string& uri, bool exact) {
-  auto trigger = rig::open_trigger(uri, g_clock);
+  auto trigger = g_opener.trigger(uri, g_clock);
   ASSERT_TRUE(trigger) << to_line(trigger.error());
   ASSERT_TRUE((*trigger)->configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
   ASSERT_TRUE((*trigger)->start());
@@ -153,7 +151,7 @@ TEST(Mcu, AResetIsNoticedAndOvercome) {
   TriggerPeer peer(0, [](int, std::uint32_t) {});
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto trigger = rig::open_trigger("mcu:/dev/ttyACM0", g_clock);
+  auto trigger = g_opener.trigger("mcu:/dev/ttyACM0", g_clock);
   ASSERT_TRUE(trigger) << to_line(trigger.error());
   ASSERT_TRUE((*trigger)->configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
   ASSERT_TRUE((*trigger)->start());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/board/virtual_rig.h"
 
-#include <filesystem>
 #include <fstream>
 
 #include "tests/board/bench.h"
@@ -16,11 +15,6 @@ bool plug_in(VhciPort& port) {
   const auto plugged = port.plug();
   if (!plugged) ADD_FAILURE() << to_line(plugged.error());
   return plugged.has_value();
-}
-
-bool plug_serial(VhciPort& port, const char* node) {
-  return wait_until([&] { return !std::filesystem::exists(node); }) && plug_in(port) &&
-         wait_until([&] { return std::filesystem::exists(node); });
 }
 
 }  // namespace

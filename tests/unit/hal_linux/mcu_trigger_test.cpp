@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_board.h"
+#include "tests/support/count_allocations.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::device {
@@ -182,6 +183,56 @@ TEST_F(Trigger, damaged_image_is_refused_at_the_door) {
   EXPECT_EQ(opened.error().context,
             "trigger controller at test (firmware 0.1.0) says that its firmware image is damaged: "
             "mixrig flash");
+}
+
+TEST_F(Trigger, ticks_that_nobody_reads_are_forgotten_oldest_first_and_counted) {
+  ASSERT_TRUE(trigger->configure(0, {4, {}, milliseconds(1), false}));
+  ASSERT_TRUE(trigger->start());
+  std::array<TriggerTick, 1> one;
+  while (clock.now() < HostTime{} + seconds(15)) {
+    ASSERT_TRUE(trigger->link().pump(milliseconds(20)));
+  }
+  ASSERT_EQ(*trigger->read_ticks(one, {}), 1u);
+  EXPECT_GT(one[0].tick, 300u);
+  const auto status = trigger->status();
+  ASSERT_TRUE(status);
+  EXPECT_EQ(fault(*status, "link_reports_lost"), one[0].tick);
+}
+
+/// Tells what was allocated behind it, by the emulated board.
+class Metered final : public ByteStream {
+ public:
+  Metered(std::unique_ptr<ByteStream> inner, long& allocated)
+      : inner_(std::move(inner)), allocated_(allocated) {}
+  Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override {
+    const long before = test::allocations;
+    auto count = inner_->read(out, timeout);
+    allocated_ += test::allocations - before;
+    return count;
+  }
+  Result<void> write(std::span<const std::uint8_t> bytes) override { return inner_->write(bytes); }
+  Result<void> set_line(const LineSettings& settings) override {
+    return inner_->set_line(settings);
+  }
+
+ private:
+  std::unique_ptr<ByteStream> inner_;
+  long& allocated_;
+};
+
+TEST_F(Trigger, reading_ticks_allocates_nothing) {
+  long behind = 0;
+  auto opened = McuTrigger::open(
+      std::make_unique<Metered>(std::make_unique<fake::BoardStream>(board, clock), behind), clock,
+      "test");
+  ASSERT_TRUE(opened) << to_line(opened.error());
+  ASSERT_TRUE((*opened)->configure(0, {4, {}, milliseconds(1), false}));
+  ASSERT_TRUE((*opened)->start());
+  std::array<TriggerTick, 16> some;
+  std::size_t got = 0;
+  const long before = test::allocations - behind;
+  while (got < 5000) got += *(*opened)->read_ticks(some, milliseconds(20));
+  EXPECT_EQ(test::allocations - behind - before, 0);
 }
 
 TEST(McuClockTest, follows_across_wraps_in_both_directions) {

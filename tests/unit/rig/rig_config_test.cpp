@@ -22,6 +22,9 @@ line = 2
 divider = 10
 phase_ms = 20
 active_low = true
+[trigger.edges]
+uri = "gpiod:gpiochip0/17"
+line = 2
 [[camera]]
 name = "color"
 uri = "aravis:Cam-1"
@@ -54,6 +57,8 @@ TEST(RigConfig, ReadsEveryDevice) {
   EXPECT_EQ(rig->lines[0].channel.width, 2ms);
   EXPECT_EQ(rig->lines[1].channel.phase, 20ms);
   EXPECT_TRUE(rig->lines[1].channel.active_low);
+  EXPECT_EQ(rig->edges_uri, "gpiod:gpiochip0/17");
+  EXPECT_EQ(rig->line(rig->edges_line), &rig->lines[1]);
   ASSERT_EQ(rig->cameras.size(), 2U);
   EXPECT_EQ(rig->cameras[0].request.format, device::PixelFormat::kBayerRggb8);
   EXPECT_TRUE(rig->cameras[0].request.hardware_trigger);
@@ -66,6 +71,16 @@ TEST(RigConfig, ReadsEveryDevice) {
   EXPECT_EQ(rig->depth->uri, "usb:1209:0001");
   ASSERT_TRUE(rig->target);
   EXPECT_DOUBLE_EQ(rig->target->lens.coefficients()[1], -0.2);
+}
+
+TEST(RigConfig, ATriggerMayBeStartedBySomebodyElse) {
+  const auto rig = parse_rig(
+      "format = 1\n[trigger.edges]\nuri = \"gpiod:x/1\"\nline = 0\n"
+      "[[trigger.line]]\nline = 0\ndivider = 4\n",
+      "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  EXPECT_TRUE(rig->trigger_uri.empty());
+  EXPECT_EQ(parse_rig(rig_text(*rig), "again.toml")->edges_line, 0);
 }
 
 TEST(RigConfig, PosesAreReadAndMustBeRotations) {
@@ -111,6 +126,9 @@ TEST(RigConfig, FaultsAreToldWithFileAndKey) {
        "\"v4l2:y\"",
        "two devices are named"},
       {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nformat = \"yuv9\"", "format"},
+      {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[trigger.edges]\nuri = \"gpiod:x/1\"\nline = 3",
+       "no [[trigger.line]] has line = 3"},
+      {"format = 1\n[[trigger.line]]\nline = 0\ndivider = 4", "uri"},
       {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[[trigger.line]]\nline = 0\ndivider = 0",
        "divider"},
   };

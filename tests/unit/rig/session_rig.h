@@ -12,6 +12,7 @@
 #include "hal/fake/fake_camera.h"
 #include "hal/fake/fake_pan_tilt.h"
 #include "hal/fake/fake_trigger.h"
+#include "hal/fake/fake_trigger_input.h"
 #include "host/rig/live_session.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
@@ -64,6 +65,15 @@ class Session : public ::testing::Test {
     clock_.advance(1s);
     devices_.pan_tilt = std::move(head);
   }
+  /// Before start(): this host sees the pulses of line 0.
+  void add_edges() {
+    auto edges = std::make_unique<fake::FakeTriggerInput>(clock_);
+    edges_ = edges.get();
+    devices_.edges = std::move(edges);
+    config_.edges_uri = "fake:line";
+    config_.edges_line = 0;
+    session_.emplace(config_, devices_, clock_);
+  }
   fake::FakeCamera* add(device::PixelFormat format,
                         device::StampClock stamps = device::StampClock::kHost) {
     auto info = fake_info(format);
@@ -74,10 +84,12 @@ class Session : public ::testing::Test {
   /// Ten milliseconds of the rig. Returns when the pairing thread has taken all that happened.
   void tick() {
     clock_.advance(10ms);
-    if (head_ != nullptr) look_at_head();
+    if (devices_.pan_tilt) look_at_head();
+    const bool runs = trigger_->running();
     const std::uint64_t number = trigger_->tick();
-    ++ticked_;
-    wait([&] { return session_->report().ticks >= ticked_; });
+    if (heard_) ++ticked_;
+    if (heard_ && awaited_) wait([&] { return session_->report().ticks >= ticked_; });
+    if (edges_ != nullptr && runs && number % 4 == 0) edges_->edge(clock_.now() + edge_late_);
     if (number % 4 == 0) {
       color_->emit();
       depth_->emit();
@@ -118,7 +130,11 @@ class Session : public ::testing::Test {
   fake::FakeCamera *color_ = nullptr, *side_ = nullptr, *depth_ = nullptr;
   fake::FakeTrigger* trigger_ = nullptr;
   fake::FakePanTilt* head_ = nullptr;
+  fake::FakeTriggerInput* edges_ = nullptr;
+  Duration edge_late_{};
   std::uint64_t ticked_ = 0;
+  bool heard_ = true;               ///< the session is told of ticks
+  bool awaited_ = true;             ///< and the test waits for it
   std::atomic<bool> done_ = false;  ///< nobody listens any more
   std::optional<LiveSession> session_;
 };
