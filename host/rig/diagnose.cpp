@@ -43,7 +43,10 @@ Opened open_what_opens(const RigConfig& rig, DeviceOpener opener, std::vector<Ch
   }
   if (!rig.edges_uri.empty()) {
     auto edges = opener.edges(rig.edges_uri);
-    if (note_open("trigger_edges", edges, checks)) out.devices.edges = *std::move(edges);
+    // Without the master that rig.toml names, the cameras that run free are judged by the host's
+    // time.
+    const bool wanted = rig.trigger_uri.empty() || out.devices.trigger;
+    if (note_open("trigger_edges", edges, checks) && wanted) out.devices.edges = *std::move(edges);
   }
   for (const CameraConfig& config : rig.cameras) {
     auto camera = opener.camera(config.uri, config.request);

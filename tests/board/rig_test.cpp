@@ -2,75 +2,14 @@
 // The command on the whole rig: rig init, diag with everything well and with one fault at a time,
 // and a take of which every frame is known to belong to its tick.
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <set>
-#include <sstream>
-
-#include <arv.h>
-#include <nlohmann/json.hpp>
 
 #include "host/rig/rig_config.h"
 #include "host/take/take.h"
-#include "tests/board/bench.h"
-#include "tests/board/virtual_rig.h"
+#include "tests/board/rig_bench.h"
 
 namespace mixrig::board {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-SystemClock g_clock;
-
-struct Unref {
-  void operator()(ArvGvFakeCamera* camera) const { g_object_unref(camera); }
-};
-
-Json read_json(const std::string& path) {
-  std::ifstream file(path);
-  return Json::parse(file, nullptr, false);
-}
-
-class Rig : public ::testing::Test {
- protected:
-  void SetUp() override {
-    ASSERT_TRUE(rig_.plug());
-    ASSERT_TRUE(arv_gv_fake_camera_is_running(gige_.get()));
-    rig_.write_config(kConfig);
-  }
-
-  /// Verdict by device and check, "color/rate"; what failed is printed.
-  std::map<std::string, std::string> diag(const std::string& more = "") {
-    fs::remove(kReport);
-    const Ran ran = run(std::string("mixrig diag --watch 3 --rig ") + kConfig + " --json " +
-                        kReport + " " + more);
-    std::printf("%s", ran.text.c_str());
-    const Json report = read_json(kReport);
-    std::map<std::string, std::string> verdicts;
-    if (!report.contains("checks")) {
-      ADD_FAILURE() << "no report";
-      return verdicts;
-    }
-    for (const auto& check : report["checks"])
-      verdicts[check["device"].get<std::string>() + "/" + check["check"].get<std::string>()] =
-          check["verdict"];
-    return verdicts;
-  }
-  /// Devices with a check of this verdict.
-  static std::set<std::string> devices(const std::map<std::string, std::string>& verdicts,
-                                       const std::string& wanted) {
-    std::set<std::string> found;
-    for (const auto& [check, verdict] : verdicts)
-      if (verdict == wanted) found.insert(check.substr(0, check.find('/')));
-    return found;
-  }
-
-  static constexpr const char* kConfig = "/tmp/rig.toml";
-  static constexpr const char* kReport = "/tmp/report.json";
-  VirtualRig rig_;
-  std::unique_ptr<ArvGvFakeCamera, Unref> gige_{arv_gv_fake_camera_new("127.0.0.1", "GV01")};
-};
 
 using Names = std::set<std::string>;
 
@@ -96,7 +35,8 @@ TEST_F(Rig, DiagPassesEveryDevice) {
   for (const std::string& name : devices(verdicts, "warn"))
     if (name != "host") passed.erase(name);  // the guest's disk is small
   passed.erase("host");
-  EXPECT_EQ(passed, (Names{"trigger", "color", "side", "mono", "depth", "pan_tilt"}));
+  EXPECT_EQ(passed,
+            (Names{"trigger", "trigger_edges", "color", "side", "mono", "depth", "pan_tilt"}));
 }
 
 TEST_F(Rig, DiagNamesTheDeviceThatIsMissing) {
@@ -136,22 +76,6 @@ TEST_F(Rig, DiagNamesTheDeviceThatIsFaulty) {
   EXPECT_EQ(devices(verdicts, "fail"), Names{"color"});
 }
 
-/// Ticks of a stream by the frame of the take that carries it.
-std::map<int, std::uint64_t> ticks_of(const std::string& stream) {
-  std::ifstream file("/tmp/take/ticks.csv");
-  std::map<int, std::uint64_t> ticks;
-  std::string line;
-  while (std::getline(file, line)) {
-    std::istringstream words(line);
-    std::string frame, name, tick;
-    std::getline(words, frame, ',');
-    std::getline(words, name, ',');
-    std::getline(words, tick, ',');
-    if (name == stream) ticks[std::atoi(frame.c_str())] = std::strtoull(tick.c_str(), nullptr, 10);
-  }
-  return ticks;
-}
-
 TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   const char* wish = std::getenv("MIXRIG_BOARD_RECORD_S");
   const int duration_s = wish != nullptr ? std::atoi(wish) : 10;
@@ -171,7 +95,18 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
              stream["lost"].get<int>(), stream["residual_mean_ms"].get<double>(),
              stream["residual_sd_ms"].get<double>(), stream["drift_ppm"].get<double>());
 
-  const auto color = ticks_of("color"), depth = ticks_of("depth");
+  const auto& edges = report["edges"];
+  EXPECT_GE(edges["seen"].get<int>(), frames);
+  EXPECT_EQ(edges["lost"].get<int>() + edges["doubled"].get<int>(), 0);
+  EXPECT_LT(std::abs(edges["offset_mean_ms"].get<double>()), 5) << "another tick";
+  measured("%d edges of the colour camera's line, %+.3f +- %.3f ms from the master's word",
+           edges["seen"].get<int>(), edges["offset_mean_ms"].get<double>(),
+           edges["offset_sd_ms"].get<double>());
+  measured("%d answers of the head, %d sets without its angle",
+           report["pan_tilt_samples"].get<int>(), report["sets_without_angle"].get<int>());
+  EXPECT_EQ(report["sets_without_angle"], 0);
+
+  const auto color = ticks_of("/tmp/take", "color"), depth = ticks_of("/tmp/take", "depth");
   ASSERT_EQ(static_cast<int>(color.size()), frames);
   ASSERT_EQ(static_cast<int>(depth.size()), frames);
   auto take = take::TakeReader::open("/tmp/take");

@@ -57,7 +57,7 @@ TEST(Ptu, TenThousandCommandsWithLimitReportsInTheirRepliesAndNoneConfused) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0");
   ASSERT_TRUE(head) << to_line(head.error());
   peer.set_faults({.limit_report_share = 0.02});
   command(**head, 5000, [&] { return peer.position(g_clock.now()); });
@@ -78,7 +78,7 @@ TEST(Ptu, IsToldToBeSilentWhenItIsAndAnswersAgain) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0");
   ASSERT_TRUE(head) << to_line(head.error());
   peer.set_faults({.silent = true});
   const auto nothing = (*head)->sample();
@@ -92,7 +92,7 @@ TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0", g_clock);
+  auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0");
   ASSERT_TRUE(head) << to_line(head.error());
   line.port.unplug();
   EXPECT_FALSE((*head)->sample());
@@ -101,7 +101,7 @@ TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
 TEST(Ptu, AnswersOnAPortOfTheMachine) {
   const char* port = std::getenv("MIXRIG_BOARD_PTU");
   if (port == nullptr) GTEST_SKIP() << "no emulated unit outside";
-  auto head = g_opener.pan_tilt(std::string("flir-ptu:") + port, g_clock);
+  auto head = g_opener.pan_tilt(std::string("flir-ptu:") + port);
   ASSERT_TRUE(head) << to_line(head.error());
   command(**head, 50, {});
   measured("50 commands on %s, %llu repeated", port,
@@ -109,7 +109,7 @@ TEST(Ptu, AnswersOnAPortOfTheMachine) {
 }
 
 void run_trigger(const std::string& uri, bool exact) {
-  auto trigger = g_opener.trigger(uri, g_clock);
+  auto trigger = g_opener.trigger(uri);
   ASSERT_TRUE(trigger) << to_line(trigger.error());
   ASSERT_TRUE((*trigger)->configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
   ASSERT_TRUE((*trigger)->start());
@@ -151,7 +151,7 @@ TEST(Mcu, AResetIsNoticedAndOvercome) {
   TriggerPeer peer(0, [](int, std::uint32_t) {});
   Line line(peer);
   ASSERT_TRUE(line.plug());
-  auto trigger = g_opener.trigger("mcu:/dev/ttyACM0", g_clock);
+  auto trigger = g_opener.trigger("mcu:/dev/ttyACM0");
   ASSERT_TRUE(trigger) << to_line(trigger.error());
   ASSERT_TRUE((*trigger)->configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
   ASSERT_TRUE((*trigger)->start());

@@ -43,8 +43,10 @@ bool VirtualRig::plug_color() {
 
 void VirtualRig::fire(int line, std::uint32_t tick) {
   if (line == kColorLine) {
+    chip.pull(kEdgesLine, true);
     color.fire(tick);
     color_port.wake();
+    chip.pull(kEdgesLine, false);
   } else if (line == kDepthLine) {
     depth.fire(tick);
     depth_port.wake();
@@ -54,6 +56,9 @@ void VirtualRig::fire(int line, std::uint32_t tick) {
 void VirtualRig::write_config(const std::string& path) const {
   std::ofstream out(path);
   out << "format = 1\nname = \"virtual board\"\n[trigger]\nuri = \"mcu:" << kTriggerNode << "\"\n";
+  if (!chip.name().empty())
+    out << "[trigger.edges]\nuri = \"gpiod:" << chip.name() << "/" << kEdgesLine
+        << "\"\nline = " << kColorLine << "\n";
   for (const int line : {kColorLine, kDepthLine})
     out << "[[trigger.line]]\nline = " << line << "\ndivider = " << kDivider
         << "\nwidth_ms = 1.0\n";

@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole rig on the bench: the trigger firmware fires a colour and a ToF camera, a pan-tilt unit
-// and two cameras that run free stand beside them.
+// A whole rig on the bench: the trigger firmware fires a colour and a ToF camera, and a line of the
+// host sees what fires the colour camera; a pan-tilt unit and two cameras that run free stand
+// beside them.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "tests/board/nodes.h"
+#include "tests/board/sim_chip.h"
 #include "tests/board/tof_device.h"
 #include "tests/board/trigger_peer.h"
 
 namespace mixrig::board {
 
-inline constexpr int kColorLine = 0, kDepthLine = 1, kDivider = 4;
+inline constexpr int kColorLine = 0, kDepthLine = 1, kDivider = 4, kEdgesLine = 3;
 
 struct VirtualRig {
   static constexpr double kDrift_ppm = 120;
 
+  SimChip chip;
   UvcDevice color{{160, 90}};
   TofDevice depth{{160, 120}, 0};
   PtuPeer head{std::chrono::microseconds(1042)};  // 9600 baud

@@ -201,7 +201,7 @@ TEST(AravisReturn, ACameraThatWentAwayAndCameBackDeliversAgain) {
   const HostTime back = clock.now();
   const auto before = static_cast<int>((*camera)->health().frames);
   ASSERT_TRUE(counter.wait_for(before + 1));
-  RecordProperty("recovery_ms", static_cast<int>(milliseconds(clock.now() - back)));
+  std::printf("  measured: a frame %.2f s after the camera was back\n", seconds(clock.now() - back));
   EXPECT_EQ((*camera)->health().returns, 1U);
   (*camera)->stop();
 }
