@@ -126,6 +126,16 @@ std::string input_fault(Points centres, std::span<const double> ranges,
   return {};
 }
 
+/// Ranges leave the point on a sphere about its centres: by e across the line of sight, it is
+/// e^2 / 2r nearer along it. Adds the second moment of that, which counts for points far off.
+Matrix3d with_curvature(const Matrix3d& covariance, const Vector3d& arm, double radius_m) {
+  const Vector3d along = arm.normalized();
+  const Matrix3d side = Matrix3d::Identity() - along * along.transpose();
+  const Matrix3d across = side * covariance * side;
+  const double moment = across.trace() * across.trace() + 2 * across.squaredNorm();
+  return covariance + moment / (4 * radius_m * radius_m) * along * along.transpose();
+}
+
 /// Why the fix cannot be trusted although it fits.
 std::string side_fault(const Fix& fix, const PointSpread& frame, double sigma_m, std::size_t count,
                        const MultilaterationOptions& options) {
@@ -185,8 +195,8 @@ Estimate<Vector3d> multilaterate(Points centres_m, std::span<const double> range
     return Answer::degenerate(judged.verdict.reason);
   Eigen::VectorXd residuals(n);
   for (int i = 0; i < n; ++i) residuals[i] = (fix.position - centres_m[i]).norm() - ranges_m[i];
-  return {fix.position, judged.covariance, std::move(residuals), std::move(found.inliers),
-          judged.verdict};
+  return {fix.position, with_curvature(judged.covariance, fix.position - frame.mean_m, extent_m),
+          std::move(residuals), std::move(found.inliers), judged.verdict};
 }
 
 Result<Vector3d> multilaterate_linear(Points centres_m, std::span<const double> ranges_m,

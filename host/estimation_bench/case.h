@@ -69,7 +69,7 @@ Row measure(const Case& c, const Effort& effort);
 /// - a refusal: any answer; a refusal without a reason is a fault everywhere;
 /// - an answer: any refusal; error over 1.1 of the bound (more where too few trials tell that);
 ///   NEES outside its 99.9 % interval; over 1e-3 sigma from the minimum in 50 digits;
-/// - careful: NEES over twice its 95 % limit.
+/// - careful: NEES over twice its 95 % limit, higher where few are answered: noise has chosen them.
 std::vector<std::string> faults_of(const Row& row);
 
 /// Whether the NEES of a case that must be answered lies outside its 95 % interval, as one in
