@@ -26,7 +26,7 @@ cv::Mat as_mat(ImageView<const std::uint8_t> image) {
 
 /// A corner grid: what one finder misses another sees, the quick ones first (CALIB_CB_ACCURACY
 /// costs four times as much and refine_corners() does better). Pixels are those of `image`.
-std::optional<Points> find_checkerboard(const cv::Mat& image, cv::Size pattern) {
+std::optional<Points> find_checkerboard(const cv::Mat& image, cv::Size pattern, Search search) {
   constexpr int kSector = cv::CALIB_CB_NORMALIZE_IMAGE;
   constexpr int kClassic = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ADAPTIVE_THRESH;
   constexpr int kMaxEnlarged_px = 1000;  // a larger picture shows larger squares
@@ -34,6 +34,7 @@ std::optional<Points> find_checkerboard(const cv::Mat& image, cv::Size pattern) 
   if (cv::findChessboardCorners(image, pattern, corners, kClassic | cv::CALIB_CB_FAST_CHECK))
     return corners;
   if (cv::findChessboardCornersSB(image, pattern, corners, kSector)) return corners;
+  if (search == Search::kQuick) return std::nullopt;
   cv::Mat even;
   cv::createCLAHE(4.0, {8, 8})->apply(image, even);
   if (cv::findChessboardCornersSB(even, pattern, corners, kSector)) return corners;
@@ -82,8 +83,9 @@ BoardView view_of(const std::vector<int>& ids, const Points& px) {
   return view;
 }
 
-std::optional<BoardView> rough_checkerboard(const cv::Mat& image, const BoardSpec& board) {
-  auto corners = find_checkerboard(image, {board.columns, board.rows});
+std::optional<BoardView> rough_checkerboard(const cv::Mat& image, const BoardSpec& board,
+                                            Search search) {
+  auto corners = find_checkerboard(image, {board.columns, board.rows}, search);
   if (!corners) return std::nullopt;
   make_order_canonical(image, board.columns, board.rows, *corners);
   std::vector<int> ids(corners->size());
@@ -202,7 +204,8 @@ void sort_by_id(BoardView& view) {
 }  // namespace
 
 Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> image,
-                                              const BoardSpec& board, Refinement refinement) {
+                                              const BoardSpec& board, Refinement refinement,
+                                              Search search) {
   if (image.empty()) return std::optional<BoardView>();
   std::optional<BoardView> rough;
   try {
@@ -216,7 +219,7 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
       rough = rough_charuco(mat, board, *dictionary);
     } else {
       rough = board.kind == BoardKind::kAprilgrid ? rough_aprilgrid(mat, board)
-                                                  : rough_checkerboard(mat, board);
+                                                  : rough_checkerboard(mat, board, search);
     }
     if (rough && refinement == Refinement::kOpencv) {
       rough = refine_as_opencv(mat, *rough);

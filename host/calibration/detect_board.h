@@ -28,6 +28,12 @@ enum class Refinement {
   kOpencv  ///< cv::cornerSubPix in a window of 11 x 11, what most programs do
 };
 
+/// How hard a checkerboard is looked for.
+enum class Search {
+  kThorough,  ///< also with evened contrast, and enlarged: for pictures that should show it
+  kQuick      ///< as it is
+};
+
 /// The board, or nullopt where it is not seen. A checkerboard must be seen whole; ChArUco boards
 /// and AprilGrids may be seen in part. Corners that cannot be refined are left out.
 /// The order of a checkerboard's corners is the same from every side if one of columns and rows is
@@ -35,7 +41,8 @@ enum class Refinement {
 /// picture. Thread-safe. Errors: kUsage for a dictionary that is not known.
 Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> image,
                                               const BoardSpec& board,
-                                              Refinement refinement = Refinement::kModel);
+                                              Refinement refinement = Refinement::kModel,
+                                              Search search = Search::kThorough);
 
 /// Grey of a colour picture (Rec. 709 weights on the encoded values).
 Image<std::uint8_t> gray_of(ImageView<const Rgb8> image);

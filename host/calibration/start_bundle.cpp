@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "host/calibration/median.h"
 #include "host/estimation/verdict.h"
 
 namespace mixrig::calibration {
@@ -16,12 +17,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 geometry::AnyCamera plain_camera(geometry::LensKind kind, Size size, double focal_px) {
   Eigen::VectorXd v = Eigen::VectorXd::Zero(geometry::parameter_count(kind));

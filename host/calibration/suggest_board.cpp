@@ -70,7 +70,7 @@ std::optional<BoardSpec> suggest_board(ImageView<const std::uint8_t> image,
   std::optional<BoardSpec> best;
   std::size_t most = 0;  // wrong layouts agree with some markers by chance, the right one with most
   for (const BoardSpec& board : mixed_up_with(stated)) {
-    const auto view = detect_board(image, board);
+    const auto view = detect_board(image, board, Refinement::kModel, Search::kQuick);
     if (!view || !*view || (*view)->ids.size() <= most) continue;
     if (homography_misfit_px(**view, board) > kWrongShare * extent_px(**view)) continue;
     best = board;

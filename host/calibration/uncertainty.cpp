@@ -9,6 +9,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "host/calibration/median.h"
+
 namespace mixrig::calibration {
 namespace {
 
@@ -18,13 +20,6 @@ using Eigen::Vector3d;
 using Row2 = Eigen::Matrix<double, 2, Eigen::Dynamic>;
 
 constexpr double kFar_m = 1e4;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Vector2d cell_middle(Size size, int columns, int rows, int c, int r) {
   return {(c + 0.5) * size.width / columns - 0.5, (r + 0.5) * size.height / rows - 0.5};
@@ -196,6 +191,7 @@ Advice advise(const Intrinsics& in, const BoardSpec& board) {
             mean_sigma_px(rows, now + information_of_view(in.bundle, view), in.sigma_px);
         if (then >= best.mean_then_px) continue;
         best.mean_then_px = then;
+        best.camera_from_board = pose_of(view.camera_from_board);
         best.where = std::string("in the ") + place.words + " of the picture, " + tilt.words +
                      (nearer < 1 ? ", nearer than usual" : "");
       }

@@ -27,6 +27,7 @@ std::vector<int> coverage(const Intrinsics& intrinsics, int columns, int rows);
 /// One more view, and what it would do to the mean variance of projection.
 struct Advice {
   std::string where;  ///< "in the top left of the picture, tilted by 35 degrees about ..."
+  geometry::Pose camera_from_board;
   double mean_now_px = 0, mean_then_px = 0;
 };
 /// The best of a set of views that one could hold the board in: nine places, five tilts, two

@@ -27,6 +27,14 @@ const TinyTake& folder() {
       EXPECT_TRUE(
           image_io::write_png(take.path("view" + std::to_string(i + 1) + ".png"), image.view()));
     }
+    // Held still badly, and held half out of the picture.
+    DrawnLook shaken;
+    shaken.blur_px = 3;
+    const auto half = board_pose(board, {0.2, 0.3, 0}, {0.28, 0, 0.45});
+    EXPECT_TRUE(image_io::write_png(take.path("blurred.png"),
+                                    draw_board(board, camera, poses[2], shaken, 77).view()));
+    EXPECT_TRUE(
+        image_io::write_png(take.path("half.png"), draw_board(board, camera, half, {}, 78).view()));
     EXPECT_TRUE(
         image_io::write_png(take.path("empty.png"), Image<std::uint8_t>({640, 480}, 90).view()));
     return true;
@@ -73,6 +81,27 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   EXPECT_NE(again.err.find("swapped"), std::string::npos) << again.err;
   for (const char* name : {"c.yaml", "r.json", "p.png", "o.yml", "k.yaml", "m.cameramodel"})
     fs::remove(take.path(name));
+}
+
+TEST(CalibrateIntrinsics, TellsWhichViewsItDoesNotUse) {
+  const TinyTake& take = folder();
+  const Outcome done = take.mixrig("calibrate intrinsics view?.png blurred.png half.png" + kBoard +
+                                   "--lens 2 --json r.json");
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto report = nlohmann::json::parse(take.text_of("r.json"));
+  fs::remove(take.path("r.json"));
+  ASSERT_EQ(report["views"].size(), kViews + 2);
+  for (const auto& view : report["views"]) {
+    const std::string name = view["name"], why = view.value("why_not", "");
+    EXPECT_EQ(view["used"], name != "blurred.png" && name != "half.png") << name;
+    if (name == "blurred.png") EXPECT_NE(why.find("blurred: "), std::string::npos) << why;
+    if (name == "half.png") EXPECT_NE(why.find("not found"), std::string::npos) << why;
+  }
+  // The verdict needs more views than these.
+  const Outcome few = take.mixrig("calibrate intrinsics view1.png view2.png view3.png view4.png" +
+                                  kBoard + "--lens 2");
+  EXPECT_NE(few.out.find("no-go"), std::string::npos) << few.out;
+  EXPECT_NE(few.out.find("only 4 views"), std::string::npos) << few.out;
 }
 
 TEST(CalibrateIntrinsics, RefusesBadInputInOneLine) {

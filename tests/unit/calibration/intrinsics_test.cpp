@@ -214,6 +214,28 @@ TEST(Advice, ThatIsFollowedHelpsAsMuchAsItSaid) {
   const Advice advice = advise(*found, kBoard);
   EXPECT_NE(advice.where.find("right"), std::string::npos) << advice.where;
   EXPECT_LT(advice.mean_then_px, 0.8 * advice.mean_now_px);
+  // The uncertainty after one more view, which is really observed and solved for.
+  const auto after = [&](const geometry::Pose& one_more, unsigned seed) {
+    auto all = poses;
+    all.push_back(one_more);
+    const auto again = solve_intrinsics(kBoard, kSize, observe(pinhole(), all, 0.1, seed), options);
+    EXPECT_TRUE(again);
+    return again ? advise(*again, kBoard).mean_now_px * 0.1 / again->sigma_px : 0;
+  };
+  const double followed = after(advice.camera_from_board, 2);
+  EXPECT_NEAR(followed, advice.mean_then_px * 0.1 / found->sigma_px, 0.1 * followed);
+  int better = 0;
+  double least = 1e9;
+  constexpr int kOthers = 20;
+  for (const auto& other : many_poses(31, 0.42, kOthers)) {
+    const double one = after(other, 3);
+    better += one < followed ? 1 : 0;
+    least = std::min(least, one);
+  }
+  std::printf(
+      "advice: %.4f px now, %.4f px foretold, %.4f px followed; best of %d others %.4f px\n",
+      advice.mean_now_px, advice.mean_then_px, followed, kOthers, least);
+  EXPECT_LE(better, 1) << "of views held anywhere";
   const auto counts = coverage(*found, 2, 1);
   EXPECT_GT(counts[0], 3 * counts[1]);
 }

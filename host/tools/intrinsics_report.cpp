@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/tools/intrinsics_report.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace mixrig::tools {
+namespace {
+
+using calibration::Intrinsics;
+using calibration::UncertaintyMap;
+
+nlohmann::json numbers(const std::vector<double>& values) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double v : values)
+    list.push_back(std::isfinite(v) ? nlohmann::json(v) : nlohmann::json());
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
+  constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
+  constexpr int kFewViews = 6;
+  const auto text = [](const char* format, double a) {
+    char line[160];
+    std::snprintf(line, sizeof(line), format, a);
+    return std::string(line);
+  };
+  std::vector<std::string> why;
+  if (!(map.worst_px <= kWorst_px))
+    why.push_back(text("a pixel is uncertain by %.2f px where it is worst", map.worst_px));
+  if (!(map.median_px <= kMedian_px))
+    why.push_back(text("the median pixel is uncertain by %.2f px", map.median_px));
+  if (in.rms_px > kRms_px)
+    why.push_back(
+        text("points miss by %.2f px RMS (views of two cameras, a wrong --model or a soft board?)",
+             in.rms_px));
+  if (in.points_out > kPointsOut * (in.points + in.points_out))
+    why.push_back(text("%.0f %% of the points do not fit",
+                       100.0 * in.points_out / (in.points + in.points_out)));
+  if (in.bundle.views.size() < kFewViews)
+    why.push_back(text("only %.0f views", static_cast<double>(in.bundle.views.size())));
+  return why;
+}
+
+nlohmann::json report_of(const std::string& camera, const BoardViews& all, const Intrinsics& in,
+                         const UncertaintyMap& map, const calibration::Advice& advice,
+                         const std::vector<std::string>& why) {
+  const auto kind = geometry::kind_of(in.camera);
+  const Eigen::VectorXd values = geometry::parameters_of(in.camera);
+  nlohmann::json parameters, views = nlohmann::json::array();
+  const auto names = geometry::parameter_names(kind);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    parameters[std::string(names[i])] = {{"value", values[k]},
+                                         {"sigma", std::sqrt(in.covariance(k, k))}};
+  }
+  for (const auto& view : in.views)
+    views.push_back({{"name", view.name},
+                     {"used", view.used},
+                     {"why_not", view.why_not},
+                     {"rms_px", view.rms_px},
+                     {"points", view.points},
+                     {"points_out", view.points_out}});
+  for (const auto& name : all.without)
+    views.push_back({{"name", name}, {"used", false}, {"why_not", "the board was not found"}});
+  return {{"camera", camera},
+          {"model", name_of(kind)},
+          {"lens_terms", in.lens_terms},
+          {"size_px", {all.size_px.width, all.size_px.height}},
+          {"parameters", parameters},
+          {"rms_px", in.rms_px},
+          {"sigma_px", in.sigma_px},
+          {"held_out_px", in.held_out_px},
+          {"points", in.points},
+          {"points_out", in.points_out},
+          {"views", views},
+          {"uncertainty",
+           {{"columns", map.columns},
+            {"rows", map.rows},
+            {"sigma_px", numbers(map.sigma_px)},
+            {"median_px", map.median_px},
+            {"worst_px", map.worst_px}}},
+          {"coverage", calibration::coverage(in, map.columns, map.rows)},
+          {"advice",
+           {{"where", advice.where},
+            {"mean_now_px", advice.mean_now_px},
+            {"mean_then_px", advice.mean_then_px}}},
+          {"verdict", why.empty() ? "go" : "no-go"},
+          {"why", why}};
+}
+
+void print(const std::string& camera, const BoardViews& all, const Intrinsics& in,
+           const UncertaintyMap& map, const calibration::Advice& advice,
+           const std::vector<std::string>& why) {
+  const auto names = geometry::parameter_names(geometry::kind_of(in.camera));
+  const Eigen::VectorXd values = geometry::parameters_of(in.camera);
+  std::printf("camera        %s, %s, %dx%d, %d lens terms\n", camera.c_str(),
+              std::string(name_of(geometry::kind_of(in.camera))).c_str(), all.size_px.width,
+              all.size_px.height, in.lens_terms);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (in.covariance(k, k) > 0)
+      std::printf("  %-4s %14.6g  +- %.3g\n", std::string(names[i]).c_str(), values[k],
+                  std::sqrt(in.covariance(k, k)));
+  }
+  std::printf(
+      "residual      %.4f px RMS over %d points of %zu views (%d points left out); held out %.4f "
+      "px\n",
+      in.rms_px, in.points, in.bundle.views.size(), in.points_out, in.held_out_px);
+  for (const auto& view : in.views) {
+    if (view.used)
+      std::printf("  %-24s %.4f px, %d points\n", view.name.c_str(), view.rms_px, view.points);
+    else
+      std::printf("  %-24s left out: %s\n", view.name.c_str(), view.why_not.c_str());
+  }
+  for (const auto& name : all.without)
+    std::printf("  %-24s left out: the board was not found\n", name.c_str());
+  std::printf("uncertainty   of projection: median %.4f px, worst %.4f px\n", map.median_px,
+              map.worst_px);
+  if (advice.mean_then_px < 0.9 * advice.mean_now_px)
+    std::printf("next view     hold the board %s: %.4f px would become %.4f px\n",
+                advice.where.c_str(), advice.mean_now_px, advice.mean_then_px);
+  else
+    std::printf("next view     no single view would help much\n");
+  std::string reasons;
+  for (const auto& reason : why) reasons += (reasons.empty() ? ": " : "; ") + reason;
+  std::printf("verdict       %s%s\n", why.empty() ? "go" : "no-go", reasons.c_str());
+}
+
+}  // namespace mixrig::tools
