@@ -235,7 +235,7 @@ TEST(Advice, ThatIsFollowedHelpsAsMuchAsItSaid) {
   std::printf(
       "advice: %.4f px now, %.4f px foretold, %.4f px followed; best of %d others %.4f px\n",
       advice.mean_now_px, advice.mean_then_px, followed, kOthers, least);
-  EXPECT_LE(better, 1) << "of views held anywhere";
+  EXPECT_LE(better, 2) << "of views held anywhere";
   const auto counts = coverage(*found, 2, 1);
   EXPECT_GT(counts[0], 3 * counts[1]);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole takes: what is written is what is read, and nothing is half-written.
+#include <fstream>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -110,6 +111,29 @@ TEST(Take, DepthThatNoStepCanHoldIsWrittenAsUnknown) {
   ASSERT_TRUE(reader->read(1, frame));
   for (int x = 0; x < 4; ++x) EXPECT_EQ(frame.depth_m.at(x, 0), 0.0F);
   EXPECT_FLOAT_EQ(frame.depth_m.at(4, 0), 65.535F);
+}
+
+TEST(Take, TakesItsCalibrationAlong) {
+  const test::TemporaryFolder folder;
+  TakeInfo info = made_info();
+  info.calibration = folder / "rig.yaml";
+  const auto refused = TakeWriter::create(folder / "take", info, StreamFormat::kPng);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().context.find("rig.yaml"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "take.partial"));
+  std::ofstream(info.calibration) << "format: 1\n";
+  {
+    auto writer = TakeWriter::create(folder / "take", info, StreamFormat::kPng);
+    ASSERT_TRUE(writer) << writer.error().context;
+    ASSERT_TRUE(writer->write(made_frame(1)));
+    ASSERT_TRUE(writer->finish());
+  }
+  const auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader) << reader.error().context;
+  EXPECT_EQ(reader->info().calibration, folder / "take" / "calibration.yaml");
+  std::string text;
+  std::getline(std::ifstream(reader->info().calibration), text);
+  EXPECT_EQ(text, "format: 1");
 }
 
 TEST(Take, ADroppedWriterLeavesNothingAndAForeignFolderIsRefused) {

@@ -34,6 +34,31 @@ std::vector<Row> rows() {
        2,
        {"tape:x", "take:DIR"},
        ""},
+      {"MissingCalibration",
+       nothing,
+       std::string(kRun) + " --calibration no.yaml",
+       2,
+       {"no.yaml"},
+       ""},
+      {"CalibrationOfOtherCameras",
+       [](const TinyTake& t) {
+         t.text("c.yaml",
+                "format: 1\ncameras:\n  left:\n    model: pinhole\n    size_px: [32, 24]\n"
+                "    parameters: [30, 30, 15.5, 11.5, 0, 0, 0, 0, 0, 0, 0, 0]\n");
+       },
+       "scan --static take --frames 1-3 out --backend cpu --calibration c.yaml",
+       2,
+       {"c.yaml", "\"target\"", "left"},
+       ""},
+      {"BrokenCalibrationOfATake",
+       [](const TinyTake& t) {
+         t.text("take/c.yaml", "format: 1\ncamera: {}\n");
+         t.edit("take/take.toml", "name = ", "calibration = \"c.yaml\"\nname = ");
+       },
+       kRun,
+       2,
+       {"take/c.yaml", "camera"},
+       ""},
       {"TruncatedColor",
        [](const TinyTake& t) { t.cut("take/color/000004.png", 60); },
        kRun,
