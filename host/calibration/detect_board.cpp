@@ -32,9 +32,9 @@ std::optional<Points> find_checkerboard(const cv::Mat& image, cv::Size pattern, 
   constexpr int kMaxEnlarged_px = 1000;  // a larger picture shows larger squares
   Points corners;
   if (cv::findChessboardCornersSB(image, pattern, corners, kSector)) return corners;
-  if (search == Search::kQuick) return std::nullopt;
   if (cv::findChessboardCorners(image, pattern, corners, kClassic | cv::CALIB_CB_FAST_CHECK))
     return corners;
+  if (search == Search::kQuick) return std::nullopt;
   cv::Mat even;
   cv::createCLAHE(4.0, {8, 8})->apply(image, even);
   if (cv::findChessboardCornersSB(even, pattern, corners, kSector)) return corners;
