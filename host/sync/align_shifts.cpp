@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "host/sync/told_inverse.h"
 
 namespace mixrig::sync {
 namespace {
@@ -106,26 +107,6 @@ Normal normal_of(const std::vector<JointRow>& rows) {
   return n;
 }
 
-/// Inverse over the directions that the data tell. `lever`: where its three parameters begin, which
-/// have one unit.
-template <int kSize>
-Eigen::Matrix<double, kSize, kSize> pseudo_inverse(const Eigen::Matrix<double, kSize, kSize>& h,
-                                                   int lever) {
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  Vector diagonal = h.diagonal().cwiseMax(1e-300);
-  diagonal.template segment<3>(lever).setConstant(diagonal.template segment<3>(lever).maxCoeff());
-  const Vector scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix unit = scale.asDiagonal() * h * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(unit);
-  constexpr double kUntold = 1e-7;
-  Vector inverse = Vector::Zero();
-  for (int i = 0; i < kSize; ++i)
-    if (solver.eigenvalues()[i] > kUntold) inverse[i] = 1 / solver.eigenvalues()[i];
-  const Matrix axes = scale.asDiagonal() * solver.eigenvectors();
-  return axes * inverse.asDiagonal() * axes.transpose();
-}
-
 /// target = slope * x over all windows, reweighted until outliers no longer pull.
 template <int kSize>
 struct ShiftFit {
@@ -146,7 +127,7 @@ struct ShiftFit {
         hessian += weight * slopes[i].transpose() * slopes[i];
         g += weight * slopes[i].transpose() * targets[i];
       }
-      inverse = pseudo_inverse<kSize>(hessian, lever);
+      inverse = inverse_of_told(hessian, lever);
       x = inverse * g;
       for (std::size_t i = 0; i < slopes.size(); ++i)
         lengths[i] = (targets[i] - slopes[i] * x).norm();
@@ -226,7 +207,7 @@ std::optional<JointFit> refine_jointly(const Pair& pair, const JointStart& start
     const auto rows = joint_rows(pair, fit.at);
     if (rows.size() < kFewestRows) return std::nullopt;
     const Normal normal = normal_of(rows);
-    const Matrix8d inverse = pseudo_inverse<8>(normal.hessian, 4);
+    const Matrix8d inverse = inverse_of_told(normal.hessian, 4);
     const Vector8d delta = -inverse * normal.gradient;
     constexpr double kFarthest_s = 0.05;
     if (!delta.allFinite() || std::abs(state.offset_s - start.state.offset_s) > kFarthest_s)
