@@ -15,8 +15,8 @@ namespace mixrig::calibration {
 namespace {
 
 constexpr int kHoldOutEvery = 4;
-constexpr double kKnotStep_m = 0.06;    // the error of an 80 MHz camera swings once in 0.47 m
-constexpr double kSlopeWarned = 0.012;  // of the depth error over the distance
+constexpr double kKnotStep_m = 0.06;  // the error of an 80 MHz camera swings once in 0.47 m
+constexpr double kStretchWarned = 0.012, kStretchRefused = 0.03;
 constexpr double kBlurWarned_px = 3;
 constexpr double kBendSigmas = 5, kLeastBend_m = 2e-4;
 
@@ -283,14 +283,14 @@ Result<void> check_result(const RigData& data, RigReport& report) {
     if (const auto sane = geometry::validate(camera.model); !sane)
       return Error{ErrorCode::kData, "camera \"" + camera.name + "\": " + sane.error().context +
                                          ": show it the board near the sides of its picture"};
-  if (report.depth && std::abs(report.depth->slope) > 0.03)
+  if (report.depth && std::abs(report.depth->stretch) > kStretchRefused)
     return Error{ErrorCode::kData, "the depth camera measures distances that differ by " +
-                                       percent(report.depth->slope) +
+                                       percent(report.depth->stretch) +
                                        " of what the board's size says: the square is not " +
                                        std::to_string(1000 * data.set.square_m) +
                                        " mm: measure it and correct square_mm in views.toml"};
-  if (report.depth && std::abs(report.depth->slope) > kSlopeWarned)
-    report.warnings.push_back("depth differs by " + percent(report.depth->slope) +
+  if (report.depth && std::abs(report.depth->stretch) > kStretchWarned)
+    report.warnings.push_back("depth differs by " + percent(report.depth->stretch) +
                               " of the distance: measure the board's square again");
   if (data.blur_px > kBlurWarned_px)
     report.warnings.push_back("some views are blurred: hold the board still, and in focus");

@@ -14,7 +14,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr int kFolds = 4, kPlace = 5;
+constexpr int kLeastViews = 4, kMostFolds = 8, kPlace = 5;
 constexpr double kHuber_m = 0.01;
 
 /// Knots so that each piece holds as many samples.
@@ -126,7 +126,8 @@ std::vector<double> held_out(const Terms& terms, const std::vector<DepthSample>&
                              const std::vector<int>& fold_of_view) {
   const auto rows = rows_of(terms, samples);
   std::vector<double> squares(fold_of_view.size(), 0.0);
-  for (int fold = 0; fold < kFolds; ++fold) {
+  const int folds = 1 + *std::max_element(fold_of_view.begin(), fold_of_view.end());
+  for (int fold = 0; fold < folds; ++fold) {
     const auto mine = [&](const DepthSample& s) { return fold_of_view[s.view] == fold; };
     const Solution fit =
         solve(terms, samples, rows, [&](const DepthSample& s) { return !mine(s); });
@@ -152,14 +153,18 @@ double excess(const std::vector<double>& choice, const std::vector<double>& best
   return sum / std::max(scatter, 1e-30);
 }
 
-double slope_of(const std::vector<DepthSample>& samples) {
+/// Share of the distance that the error grows by, both along a line of its own and along one
+/// through zero: an offset shows in the second alone, a swing of the error in the first.
+double stretch_of(const std::vector<DepthSample>& samples) {
   double w = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const DepthSample& s : samples) {
     const double e = s.measured_m - s.board_m;
     w += s.weight, x += s.weight * s.board_m, y += s.weight * e;
     xx += s.weight * s.board_m * s.board_m, xy += s.weight * s.board_m * e;
   }
-  return (w * xy - x * y) / (w * xx - x * x);
+  const double free = (w * xy - x * y) / (w * xx - x * x), through_zero = xy / xx;
+  if (free * through_zero <= 0) return 0;
+  return std::abs(free) < std::abs(through_zero) ? free : through_zero;
 }
 
 }  // namespace
@@ -174,21 +179,22 @@ Result<DepthFit> fit_depth_error(const std::vector<DepthSample>& samples) {
   const auto refuse = [](const std::string& what) {
     return Error{ErrorCode::kData, "the depth error cannot be found: " + what};
   };
-  if (views.size() < kFolds || samples.size() < 50)
+  if (views.size() < kLeastViews || samples.size() < 50)
     return refuse("the depth camera sees the board in " + std::to_string(views.size()) +
-                  " views: hold it before the camera at least " + std::to_string(kFolds) +
+                  " views: hold it before the camera at least " + std::to_string(kLeastViews) +
                   " times, at all distances");
   const auto [low, high] = std::minmax_element(distances.begin(), distances.end());
   if (*high - *low < 0.1)
     return refuse("all views are at one distance (" + std::to_string(*low) + " to " +
                   std::to_string(*high) + " m): hold the board near and far");
   std::vector<int> fold_of_view(static_cast<std::size_t>(*views.rbegin()) + 1, 0);
+  const int folds = std::min(kMostFolds, static_cast<int>(views.size()));
   int next = 0;
-  for (const int view : views) fold_of_view[view] = next++ % kFolds;
+  for (const int view : views) fold_of_view[view] = next++ % folds;
 
   DepthFit fit;
   fit.uncorrected_m = rms(samples, errors);
-  fit.slope = slope_of(samples);
+  fit.stretch = stretch_of(samples);
   double weights = 0;
   for (const DepthSample& s : samples) weights += s.weight;
   std::vector<std::vector<double>> left;

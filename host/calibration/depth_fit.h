@@ -19,10 +19,10 @@ struct DepthFit {
   double uncorrected_m = 0;  ///< root mean square of measured - board
   DepthChoice chosen;
   std::vector<DepthChoice> tried;
-  double slope = 0;  ///< of the error over the distance: a board of the wrong size shows here
+  double stretch = 0;  ///< of all distances, a share: a board of the wrong size shows here
 };
 
-/// Fits every choice with four folds of views and takes the simplest that leaves no more than the
+/// Fits every choice with eight folds of views and takes the simplest that leaves no more than the
 /// best one, within one standard error over views (Breiman, Friedman, Olshen and Stone 1984).
 /// Errors: kData with less than 4 views or 50 samples, or where distances span less than 0.1 m.
 Result<DepthFit> fit_depth_error(const std::vector<DepthSample>& samples);

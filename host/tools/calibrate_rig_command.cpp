@@ -36,7 +36,7 @@ json to_json(const calibration::DepthFit& fit) {
           {"uncorrected_mm", 1000 * fit.uncorrected_m},
           {"residual_mm", 1000 * fit.error.residual_m},
           {"held_out_mm", 1000 * fit.chosen.held_out_m},
-          {"slope", fit.slope},
+          {"stretch", fit.stretch},
           {"tried", tried}};
 }
 

@@ -155,6 +155,22 @@ TEST(DepthFit, takes_the_terms_that_are_there_and_no_others) {
     }
 }
 
+TEST(DepthFit, tells_a_stretch_from_a_swing_and_an_offset) {
+  const auto swing = fit_depth_error(samples_of(0, 0));
+  ASSERT_TRUE(swing);
+  EXPECT_LT(std::abs(swing->stretch), 0.01);
+  auto samples = samples_of(0, 0);
+  for (DepthSample& s : samples) s.measured_m += 0.04;
+  const auto offset = fit_depth_error(samples);
+  ASSERT_TRUE(offset);
+  EXPECT_LT(std::abs(offset->stretch), 0.03);  // what is refused
+  samples = samples_of(0, 0);
+  for (DepthSample& s : samples) s.board_m *= 1.05;
+  const auto stretched = fit_depth_error(samples);
+  ASSERT_TRUE(stretched);
+  EXPECT_LT(stretched->stretch, -0.03);
+}
+
 TEST(DepthFit, refuses_one_distance_and_too_few_views) {
   auto samples = samples_of(0, 0);
   std::vector<DepthSample> few;
