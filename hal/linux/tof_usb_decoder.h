@@ -42,6 +42,7 @@ struct TofPacket {
   std::uint64_t time_us = 0;
 };
 
+/// IEEE 802.3, eight bytes a step (Kounavis and Berry, 2008).
 std::uint32_t crc32(std::span<const std::uint8_t> bytes);
 /// Errors: kDevice, naming what is wrong.
 Result<TofDescription> parse_tof_description(std::span<const std::uint8_t> bytes);

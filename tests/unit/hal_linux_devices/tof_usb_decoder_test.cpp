@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,20 @@ TEST(Crc32, IsTheOneOfIeee8023) {
   const std::string check = "123456789";
   EXPECT_EQ(crc32({reinterpret_cast<const std::uint8_t*>(check.data()), check.size()}),
             0xCBF43926U);
+}
+
+TEST(Crc32, OfAnyLengthIsWhatBitByBitGives) {
+  std::vector<std::uint8_t> bytes;
+  for (std::uint32_t i = 0; i < 70; ++i) {
+    std::uint32_t wanted = 0xFFFFFFFF;
+    for (const std::uint8_t byte : bytes) {
+      wanted ^= byte;
+      for (int bit = 0; bit < 8; ++bit)
+        wanted = (wanted >> 1) ^ ((wanted & 1) != 0 ? 0xEDB88320U : 0U);
+    }
+    EXPECT_EQ(crc32(bytes), ~wanted) << i << " bytes";
+    bytes.push_back(static_cast<std::uint8_t>(i * i * 37 + 11));
+  }
 }
 
 TEST(TofDescriptionBlock, RoundTripAndDamage) {
