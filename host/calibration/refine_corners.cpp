@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "host/calibration/fit_corner.h"
+#include "host/calibration/median.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -32,14 +33,6 @@ std::optional<Matrix2d> local_scale(const std::vector<Vector3d>& points, const B
   }
   if (normal.determinant() < 1e-3 * std::pow(reach_m, 4)) return std::nullopt;
   return Matrix2d(wanted * normal.inverse());
-}
-
-template <typename T>
-double median(std::vector<T> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

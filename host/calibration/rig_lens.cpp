@@ -9,6 +9,8 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "host/calibration/median.h"
+
 namespace mixrig::calibration {
 namespace {
 
@@ -101,13 +103,6 @@ double mean_square(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v * v;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Takes out what the finder got wrong: views whose median is far beyond that of all, and corners

@@ -56,20 +56,18 @@ std::vector<JointRow> joint_rows(const Pair& pair, const JointStart& at_start) {
     return m.shift_m - l.lever_m + turn_of(m) * l.lever_m;
   };
   for (std::size_t i = 0; i < pair.windows.size(); ++i) {
-    const Window at = shifted(pair.windows[i], state.offset_s);
-    const auto moving = motion_over(pair.moving, at);
-    const auto before = motion_over(pair.moving, shifted(at, -probe_s));
-    const auto after = motion_over(pair.moving, shifted(at, probe_s));
-    if (!moving || !before || !after) continue;
+    const auto moving = probed(pair.moving, shifted(pair.windows[i], state.offset_s), probe_s);
+    if (!moving) continue;
     const Vector3d turn = state.rotation * pair.fixed_motions[i].turn_rad;
     const Vector3d shift = state.rotation * pair.fixed_motions[i].shift_m;
-    JointRow row{pair.windows[i].from_s, moving->turn_rad - turn, bare(*moving) - l.scale * shift,
-                 Eigen::Matrix<double, 3, 8>::Zero(), Eigen::Matrix<double, 3, 8>::Zero()};
-    row.turn_slope.col(0) = (after->turn_rad - before->turn_rad) / (2 * probe_s);
+    JointRow row{pair.windows[i].from_s, moving->at.turn_rad - turn,
+                 bare(moving->at) - l.scale * shift, Eigen::Matrix<double, 3, 8>::Zero(),
+                 Eigen::Matrix<double, 3, 8>::Zero()};
+    row.turn_slope.col(0) = (moving->after.turn_rad - moving->before.turn_rad) / (2 * probe_s);
     row.turn_slope.middleCols<3>(1) = skew(turn);
-    row.shift_slope.col(0) = (bare(*after) - bare(*before)) / (2 * probe_s);
+    row.shift_slope.col(0) = (bare(moving->after) - bare(moving->before)) / (2 * probe_s);
     row.shift_slope.middleCols<3>(1) = l.scale * skew(shift);
-    row.shift_slope.middleCols<3>(4) = (turn_of(*moving) - Matrix3d::Identity()) * told;
+    row.shift_slope.middleCols<3>(4) = (turn_of(moving->at) - Matrix3d::Identity()) * told;
     row.shift_slope.col(7) = -shift;
     rows.push_back(row);
   }

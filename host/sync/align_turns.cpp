@@ -19,15 +19,12 @@ std::vector<Row> rows_of(const Pair& pair, const State& state) {
   std::vector<Row> rows;
   const double probe_s = 0.25 * pair.moving.median_step_s();
   for (std::size_t i = 0; i < pair.windows.size(); ++i) {
-    const Window at = shifted(pair.windows[i], state.offset_s);
-    const auto moving = motion_over(pair.moving, at);
-    const auto before = motion_over(pair.moving, shifted(at, -probe_s));
-    const auto after = motion_over(pair.moving, shifted(at, probe_s));
-    if (!moving || !before || !after) continue;
-    Row row{pair.windows[i].from_s, moving->turn_rad, pair.fixed_motions[i].turn_rad, {}, {}, 1};
+    const auto moving = probed(pair.moving, shifted(pair.windows[i], state.offset_s), probe_s);
+    if (!moving) continue;
+    Row row{pair.windows[i].from_s, moving->at.turn_rad, pair.fixed_motions[i].turn_rad, {}, {}, 1};
     const Vector3d predicted = state.rotation * row.fixed;
     row.residual = row.moving - predicted;
-    row.slope.col(0) = (after->turn_rad - before->turn_rad) / (2 * probe_s);
+    row.slope.col(0) = (moving->after.turn_rad - moving->before.turn_rad) / (2 * probe_s);
     row.slope.rightCols<3>() = skew(predicted);
     rows.push_back(row);
   }
@@ -82,6 +79,14 @@ std::vector<Row> refine(const Pair& pair, State& state, int max_steps) {
 }
 
 }  // namespace
+
+std::optional<Probed> probed(const Trajectory& moving, const Window& at, double probe_s) {
+  const auto motion = motion_over(moving, at);
+  const auto before = motion_over(moving, shifted(at, -probe_s));
+  const auto after = motion_over(moving, shifted(at, probe_s));
+  if (!motion || !before || !after) return std::nullopt;
+  return Probed{*motion, *before, *after};
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;

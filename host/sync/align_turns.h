@@ -3,6 +3,7 @@
 // this room.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,14 @@ struct Solution {
 };
 
 Window shifted(const Window& window, double by_s);
+
+/// A motion, and what it is `probe_s` before and after: its slope against the offset.
+struct Probed {
+  Motion at, before, after;
+};
+/// Empty where the trajectory has a gap.
+std::optional<Probed> probed(const Trajectory& moving, const Window& at, double probe_s);
+
 double median(std::vector<double> values);
 /// Weight of a residual of this length; `sigma` is that of one coordinate.
 double cauchy_weight(double length, double sigma);
