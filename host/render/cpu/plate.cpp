@@ -32,12 +32,11 @@ using U16x8 = std::uint16_t __attribute__((vector_size(16)));
 using U32x8 = std::uint32_t __attribute__((vector_size(32)));
 using U32x4 = std::uint32_t __attribute__((vector_size(16)));
 
-U32x8 widen(const Rgbx16* pair) { return __builtin_convertvector(load<U16x8>(pair), U32x8); }
-
 /// Bilinear between two pairs of neighbours. 16-bit values and weights that sum to 2^16 fill 32
-/// bits exactly.
+/// bits exactly. U32x8 stays in here: where registers are shorter the compiler takes two.
 U16x4 blend(const Rgbx16* top, const Rgbx16* low, std::uint32_t fx, std::uint32_t fy) {
-  const U32x8 rows = widen(top) * (256 - fy) + widen(low) * fy;
+  const U32x8 rows = __builtin_convertvector(load<U16x8>(top), U32x8) * (256 - fy) +
+                     __builtin_convertvector(load<U16x8>(low), U32x8) * fy;
   const std::uint32_t gx = 256 - fx;
   const U32x8 both = rows * U32x8{gx, gx, gx, gx, fx, fx, fx, fx};
   const U32x4 sum = __builtin_shufflevector(both, both, 0, 1, 2, 3) +

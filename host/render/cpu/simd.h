@@ -1,17 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Short vectors of the compiler (GCC and clang): portable, split where the machine's are shorter.
+// Short vectors of the compiler (GCC and clang). None is wider than the registers of the target:
+// g++ expands wider comparisons element by element, and passes wider values by another ABI.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
 namespace mixrig::render::cpu {
 
+/// 32-bit numbers in a register of the target; 16, 8 or 4. AVX alone has no integers of 32 bytes.
+#if defined(__AVX512F__)
+inline constexpr int kLanes = 16;
+#elif defined(__AVX2__)
+inline constexpr int kLanes = 8;
+#else
+inline constexpr int kLanes = 4;
+#endif
+
 using F4 = float __attribute__((vector_size(16)));
 using I4 = std::int32_t __attribute__((vector_size(16)));
 using U16x4 = std::uint16_t __attribute__((vector_size(8)));
-using F16 = float __attribute__((vector_size(64)));
-using I16 = std::int32_t __attribute__((vector_size(64)));
+/// A register of the target. Comparisons of FloatLanes give IntLanes: -1 true, 0 false.
+using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
+using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
 template <typename V>
 V load(const void* from) {
@@ -23,5 +35,15 @@ template <typename V>
 void store(void* to, V v) {
   std::memcpy(to, &v, sizeof v);
 }
+
+/// As std::min and std::max: the first where neither is less, or where one is not a number.
+inline FloatLanes min(FloatLanes a, FloatLanes b) { return b < a ? b : a; }
+inline FloatLanes max(FloatLanes a, FloatLanes b) { return a < b ? b : a; }
+inline FloatLanes abs(FloatLanes f) {
+  return std::bit_cast<FloatLanes>(std::bit_cast<IntLanes>(f) & 0x7FFFFFFF);
+}
+inline FloatLanes to_float(IntLanes i) { return __builtin_convertvector(i, FloatLanes); }
+/// Towards zero; the value must fit.
+inline IntLanes truncate(FloatLanes f) { return __builtin_convertvector(f, IntLanes); }
 
 }  // namespace mixrig::render::cpu

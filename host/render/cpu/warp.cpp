@@ -6,17 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "host/render/cpu/draw_quads.h"
 #include "host/render/cpu/simd.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
 constexpr float kNearM = 0.01F;
-
-/// A vertex in the view; w 0: not there.
-struct Vertex {
-  float u, v, w;
-};
 
 Vertex project(const WarpParams& p, glm::vec2 ray, float w) {
   const glm::vec3 q =
@@ -41,95 +37,6 @@ void project_row(const WarpParams& params, const glm::vec2* ray, const float* w,
   }
 }
 
-/// The affine function through three vertices: value at (x, y) relative to the first.
-struct Slope {
-  float x, y;
-};
-
-/// Twice the area; positive where the triangle shows its front.
-float area2(const Vertex& a, const Vertex& b, const Vertex& c) {
-  return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
-}
-
-Slope w_slope(const Vertex& a, const Vertex& b, const Vertex& c, float area) {
-  const float inverse = 1 / area;
-  return {((b.w - a.w) * (c.v - a.v) - (c.w - a.w) * (b.v - a.v)) * inverse,
-          ((c.w - a.w) * (b.u - a.u) - (b.w - a.w) * (c.u - a.u)) * inverse};
-}
-
-/// Signed distance (times length) to the line a-b, positive inside, at (x, y) relative to `origin`.
-struct Edge {
-  float x, y, c;
-  Edge(const Vertex& a, const Vertex& b, const Vertex& origin)
-      : x(a.v - b.v), y(b.u - a.u), c(-(x * (a.u - origin.u) + y * (a.v - origin.v))) {}
-  F16 at(F16 dx, F16 dy) const { return dx * x + (dy * y + c); }
-};
-
-constexpr F16 kBlockX = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-constexpr F16 kBlockY = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-
-/// Raises 4x4 pixels from (x, y) to `w` where that is nearer.
-void raise_block(float* at, std::ptrdiff_t stride, F16 w) {
-  using F8 = float __attribute__((vector_size(32)));
-  const F4 r0 = load<F4>(at), r1 = load<F4>(at + stride);
-  const F4 r2 = load<F4>(at + 2 * stride), r3 = load<F4>(at + 3 * stride);
-  const F8 upper = __builtin_shufflevector(r0, r1, 0, 1, 2, 3, 4, 5, 6, 7);
-  const F8 lower = __builtin_shufflevector(r2, r3, 0, 1, 2, 3, 4, 5, 6, 7);
-  const F16 old =
-      __builtin_shufflevector(upper, lower, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const F16 raised = old > w ? old : w;
-  store(at, __builtin_shufflevector(raised, raised, 0, 1, 2, 3));
-  store(at + stride, __builtin_shufflevector(raised, raised, 4, 5, 6, 7));
-  store(at + 2 * stride, __builtin_shufflevector(raised, raised, 8, 9, 10, 11));
-  store(at + 3 * stride, __builtin_shufflevector(raised, raised, 12, 13, 14, 15));
-}
-
-/// The view rows of a band. Blocks start at `last_y` at most, so that no band writes another's
-/// rows.
-struct Band {
-  int y0, y1, width, last_y;
-};
-
-/// Four corners in order around; triangles a-b-c and a-c-d. `cut` marks what they draw. Both
-/// include their borders: the nearest-surface test makes double coverage harmless and no crack
-/// stays between neighbours.
-void draw_quad(const std::array<Vertex, 4>& q, bool cut, const Band& band, Image<float>& view_w) {
-  constexpr float kBorder = -1e-3F, kNever = std::numeric_limits<float>::infinity();
-  const float u_min = std::min(std::min(q[0].u, q[1].u), std::min(q[2].u, q[3].u));
-  const float u_max = std::max(std::max(q[0].u, q[1].u), std::max(q[2].u, q[3].u));
-  const float v_min = std::min(std::min(q[0].v, q[1].v), std::min(q[2].v, q[3].v));
-  const float v_max = std::max(std::max(q[0].v, q[1].v), std::max(q[2].v, q[3].v));
-  if (!(u_max >= 0 && u_min < static_cast<float>(band.width))) return;
-  if (!(v_max >= static_cast<float>(band.y0) && v_min < static_cast<float>(band.y1))) return;
-  const int x0 = static_cast<int>(std::ceil(std::max(u_min, 0.0F)));
-  const int y0 = static_cast<int>(std::ceil(std::max(v_min, static_cast<float>(band.y0))));
-  const int x1 = static_cast<int>(std::min(u_max, static_cast<float>(band.width - 1)));
-  const int y1 = static_cast<int>(std::min(v_max, static_cast<float>(band.y1 - 1)));
-
-  const float area_abc = area2(q[0], q[1], q[2]), area_acd = area2(q[0], q[2], q[3]);
-  const float border_abc = area_abc > 0 ? kBorder : kNever;
-  const float border_acd = area_acd > 0 ? kBorder : kNever;
-  const Slope abc = w_slope(q[0], q[1], q[2], area_abc), acd = w_slope(q[0], q[2], q[3], area_acd);
-  const Edge ab(q[0], q[1], q[0]), bc(q[1], q[2], q[0]), cd(q[2], q[3], q[0]), da(q[3], q[0], q[0]);
-  const Edge ac(q[0], q[2], q[0]);
-  for (int y = y0; y <= y1; y += 4)
-    for (int x = x0; x <= x1; x += 4) {
-      const int top = std::min(y, band.last_y);
-      const F16 dx = kBlockX + (static_cast<float>(x) - q[0].u);
-      const F16 dy = kBlockY + (static_cast<float>(top) - q[0].v);
-      const F16 side = ac.at(dx, dy);
-      const I16 in_abc =
-          (ab.at(dx, dy) >= border_abc) & (bc.at(dx, dy) >= border_abc) & (side <= -border_abc);
-      const I16 in_acd =
-          (cd.at(dx, dy) >= border_acd) & (da.at(dx, dy) >= border_acd) & (side >= border_acd);
-      const F16 w_abc = dx * abc.x + (dy * abc.y + q[0].w);
-      const F16 w_acd = dx * acd.x + (dy * acd.y + q[0].w);
-      const I16 flagged = (std::bit_cast<I16>(in_acd ? w_acd : w_abc) & ~1) | (cut ? 1 : 0);
-      const F16 w = std::bit_cast<F16>(flagged & (in_abc | in_acd));
-      raise_block(view_w.row(top) + x, view_w.stride(), w);
-    }
-}
-
 /// What a cell looks at.
 struct Mesh {
   const WarpParams& params;
@@ -143,17 +50,38 @@ struct Mesh {
   const std::uint8_t* links(int x, int y) const { return grid.links.row(y + kFrame) + x + kFrame; }
 };
 
-void draw_whole(const Mesh& mesh, int x, int y, const Band& band, Image<float>& view_w) {
-  const Vertex v00 = mesh.vertex(x, y), v10 = mesh.vertex(x + 1, y);
-  const Vertex v01 = mesh.vertex(x, y + 1), v11 = mesh.vertex(x + 1, y + 1);
-  if (!(v00.w > 0 && v10.w > 0 && v01.w > 0 && v11.w > 0)) return;
+/// Bits of a cell's links that hold where the cell is whole.
+bool is_whole(const std::uint8_t* links, std::ptrdiff_t stride) {
+  constexpr int kFirst = kRight | kDown | kDownRight, kSecond = kDown | kDownLeft;
+  return ((links[0] & kFirst) == kFirst) & ((links[1] & kSecond) == kSecond) &
+         ((links[stride] & kRight) != 0);
+}
+
+/// Corners of up to kLanes whole cells from (x, y) on, split along the diagonal with the smaller
+/// change of w. `drawn` says which of them exist.
+void put_whole(const Mesh& mesh, int x, int y, IntLanes drawn, std::size_t first, QuadBatch& out) {
   const float* w = mesh.grid.w.row(y + kFrame) + x + kFrame;
   const float* below = w + mesh.grid.w.stride();
-  const bool down_right = std::abs(w[0] - below[1]) <= std::abs(w[1] - below[0]);
-  if (down_right)
-    draw_quad({v00, v10, v11, v01}, false, band, view_w);
-  else
-    draw_quad({v10, v11, v01, v00}, false, band, view_w);
+  const IntLanes down_right = abs(load<FloatLanes>(w) - load<FloatLanes>(below + 1)) <=
+                              abs(load<FloatLanes>(w + 1) - load<FloatLanes>(below));
+  const auto put = [&](const Image<float>& of, std::array<QuadBatch::Row, 4>& to) {
+    const FloatLanes v00 = load<FloatLanes>(of.row(y) + x);
+    const FloatLanes v10 = load<FloatLanes>(of.row(y) + x + 1);
+    const FloatLanes v01 = load<FloatLanes>(of.row(y + 1) + x);
+    const FloatLanes v11 = load<FloatLanes>(of.row(y + 1) + x + 1);
+    store(&to[0][first], down_right ? v00 : v10);
+    store(&to[1][first], down_right ? v10 : v11);
+    store(&to[2][first], down_right ? v11 : v01);
+    store(&to[3][first], down_right ? v01 : v00);
+    return min(min(v00, v10), min(v01, v11));
+  };
+  put(mesh.vertices.u_px, out.u_px);
+  put(mesh.vertices.v_px, out.v_px);
+  const IntLanes known = put(mesh.vertices.w, out.w) > 0;
+  for (QuadBatch::Row& u_px : out.u_px) {
+    const FloatLanes u = load<FloatLanes>(&u_px[first]);
+    store(&u_px[first], drawn & known ? u : FloatLanes{} - 1);
+  }
 }
 
 /// Mean change of w from a sample to the next along `d`, over the links that hold.
@@ -164,56 +92,83 @@ float gradient(const float* w, const std::uint8_t* links, std::ptrdiff_t d_w,
   return ahead && behind ? 0.5F * sum : sum;
 }
 
+/// Draws cut cells, a batch at a time.
+class CutCells {
+ public:
+  CutCells(const Mesh& mesh, const Band& band, Image<float>& view_w)
+      : mesh_(mesh), band_(band), view_w_(view_w) {}
+
+  void add(int x, int y) {
+    add_quarter(x, y, 1, 1);
+    add_quarter(x + 1, y, -1, 1);
+    add_quarter(x, y + 1, 1, -1);
+    add_quarter(x + 1, y + 1, -1, -1);
+  }
+  void draw() {
+    draw_quads(quads_, true, band_, view_w_);
+    quads_.count = 0;
+  }
+
+ private:
+  void add_quarter(int x, int y, int right, int down);
+
+  const Mesh& mesh_;
+  const Band& band_;
+  Image<float>& view_w_;
+  QuadBatch quads_;
+};
+
 /// The quarter of the cell next to vertex (x, y), towards (x + right, y + down), each +1 or -1.
-void draw_quarter(const Mesh& mesh, int x, int y, int right, int down, const Band& band,
-                  Image<float>& view_w) {
-  const Vertex own = mesh.vertex(x, y);
+void CutCells::add_quarter(int x, int y, int right, int down) {
+  const Vertex own = mesh_.vertex(x, y);
   if (!(own.w > 0)) return;
-  const float* w = mesh.grid.w.row(y + kFrame) + x + kFrame;
-  const std::uint8_t* links = mesh.links(x, y);
+  const float* w = mesh_.grid.w.row(y + kFrame) + x + kFrame;
+  const std::uint8_t* links = mesh_.links(x, y);
   const float along_x = 0.5F * static_cast<float>(right) * gradient(w, links, 1, 1, kRight);
   const float along_y = 0.5F * static_cast<float>(down) *
-                        gradient(w, links, mesh.grid.w.stride(), mesh.grid.links.stride(), kDown);
-  const glm::vec2 ray = mesh.tof_ray.row(y)[x];
+                        gradient(w, links, mesh_.grid.w.stride(), mesh_.grid.links.stride(), kDown);
+  const glm::vec2 ray = mesh_.tof_ray.row(y)[x];
   const auto half = [&](glm::vec2 other) {
     return std::isnan(other.x) ? glm::vec2(0) : 0.5F * (other - ray);
   };
-  const glm::vec2 ray_x = half(mesh.tof_ray.row(y)[x + right]);
-  const glm::vec2 ray_y = half(mesh.tof_ray.row(y + down)[x]);
+  const glm::vec2 ray_x = half(mesh_.tof_ray.row(y)[x + right]);
+  const glm::vec2 ray_y = half(mesh_.tof_ray.row(y + down)[x]);
   const auto corner = [&](float i, float j) {
     const float corner_w = std::max(*w + i * along_x + j * along_y, 0.5F * *w);
-    return project(mesh.params, ray + i * ray_x + j * ray_y, corner_w);
+    return project(mesh_.params, ray + i * ray_x + j * ray_y, corner_w);
   };
   const Vertex across = corner(1, 0), diagonal = corner(1, 1), along = corner(0, 1);
   if (!(across.w > 0 && diagonal.w > 0 && along.w > 0)) return;
   if (right == down)
-    draw_quad({own, across, diagonal, along}, true, band, view_w);
+    quads_.push({own, across, diagonal, along});
   else
-    draw_quad({own, along, diagonal, across}, true, band, view_w);
+    quads_.push({own, along, diagonal, across});
+  if (quads_.full()) draw();
 }
 
-bool is_whole(const std::uint8_t* links, std::ptrdiff_t stride) {
-  constexpr int kFirst = kRight | kDown | kDownRight, kSecond = kDown | kDownLeft;
-  return (links[0] & kFirst) == kFirst && (links[1] & kSecond) == kSecond &&
-         (links[stride] & kRight);
-}
-
-void draw_cell(const Mesh& mesh, int x, int y, const Band& band, Image<float>& view_w) {
-  if (is_whole(mesh.links(x, y), mesh.grid.links.stride())) {
-    draw_whole(mesh, x, y, band, view_w);
-    return;
-  }
-  draw_quarter(mesh, x, y, 1, 1, band, view_w);
-  draw_quarter(mesh, x + 1, y, -1, 1, band, view_w);
-  draw_quarter(mesh, x, y + 1, 1, -1, band, view_w);
-  draw_quarter(mesh, x + 1, y + 1, -1, -1, band, view_w);
+/// Cells (x0, y) to (x1 - 1, y), at most kRunCells.
+void draw_run(const Mesh& mesh, int x0, int x1, int y, const Band& band, CutCells& cut_cells,
+              Image<float>& view_w) {
+  const std::uint8_t* links = mesh.links(x0, y);
+  const std::ptrdiff_t stride = mesh.grid.links.stride();
+  alignas(64) std::array<std::int32_t, kRunCells> whole{};
+  for (int i = 0; i < x1 - x0; ++i)
+    whole[static_cast<std::size_t>(i)] = is_whole(links + i, stride) ? -1 : 0;
+  QuadBatch quads;
+  for (quads.count = 0; quads.count < x1 - x0; quads.count += kLanes)
+    put_whole(mesh, x0 + quads.count, y,
+              load<IntLanes>(&whole[static_cast<std::size_t>(quads.count)]),
+              static_cast<std::size_t>(quads.count), quads);
+  draw_quads(quads, false, band, view_w);
+  for (int x = x0; x < x1; ++x)
+    if (whole[static_cast<std::size_t>(x - x0)] == 0) cut_cells.add(x, y);
 }
 
 /// View rows that the known vertices of each run of cells span.
 void span_row(int y, WarpScratch& out) {
   constexpr float kMax = std::numeric_limits<float>::max();
   for (int run = 0; run < out.runs; ++run) {
-    const int x0 = run * kRunCells, x1 = std::min(x0 + kRunCells + 1, out.w.width());
+    const int x0 = run * kRunCells, x1 = std::min(x0 + kRunCells + 1, out.size.width);
     float v_min = kMax, v_max = -kMax;
     for (int j = y; j <= y + 1; ++j)
       for (int x = x0; x < x1; ++x) {
@@ -229,23 +184,27 @@ void span_row(int y, WarpScratch& out) {
 void draw_band(const Mesh& mesh, const Band& band, float reach_px, Image<float>& view_w) {
   for (int y = band.y0; y < band.y1; ++y) std::fill_n(view_w.row(y), view_w.width(), 0.0F);
   const WarpScratch& vertices = mesh.vertices;
-  for (int y = 0; y + 1 < vertices.w.height(); ++y)
+  CutCells cut_cells(mesh, band, view_w);
+  for (int y = 0; y + 1 < vertices.size.height; ++y)
     for (int run = 0; run < vertices.runs; ++run) {
       const auto& span = vertices.spans[static_cast<std::size_t>(y * vertices.runs + run)];
       if (!(span.v_max + reach_px >= static_cast<float>(band.y0) &&
             span.v_min - reach_px < static_cast<float>(band.y1)))
         continue;
-      const int x0 = run * kRunCells, x1 = std::min(x0 + kRunCells, vertices.w.width() - 1);
-      for (int x = x0; x < x1; ++x) draw_cell(mesh, x, y, band, view_w);
+      const int x0 = run * kRunCells, x1 = std::min(x0 + kRunCells, vertices.size.width - 1);
+      draw_run(mesh, x0, x1, y, band, cut_cells, view_w);
     }
+  cut_cells.draw();
 }
 
 }  // namespace
 
-WarpScratch::WarpScratch(Size tof_size) {
-  u_px.reset(tof_size);
-  v_px.reset(tof_size);
-  w.reset(tof_size);
+WarpScratch::WarpScratch(Size tof_size) : size(tof_size) {
+  // Runs are read in whole registers, past the last vertex of a row.
+  const Size padded{tof_size.width + kLanes, tof_size.height};
+  u_px.reset(padded);
+  v_px.reset(padded);
+  w.reset(padded);
   runs = std::max(0, (tof_size.width - 2) / kRunCells + 1);
   spans.resize(static_cast<std::size_t>(runs) * static_cast<std::size_t>(tof_size.height));
 }

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quads of the warp's mesh: set up a run at a time, drawn in blocks of 4x4 pixels, nearest first.
+#pragma once
+
+#include <array>
+
+#include "hal/base/image.h"
+
+namespace mixrig::render::cpu {
+
+/// A vertex in the view; w is its inverse depth, 0: not there.
+struct Vertex {
+  float u, v, w;
+};
+
+/// Blocks of 4x4 pixels are written whole: the view's image has this margin to the right and below.
+inline constexpr int kViewMargin = 3;
+
+/// The view rows of a band. Blocks start at `last_y` at most, so that no band writes another's
+/// rows.
+struct Band {
+  int y0, y1, width, last_y;
+};
+
+/// Quads to draw, one array a number, so that they are set up side by side.
+struct QuadBatch {
+  static constexpr int kCapacity = 32;
+  using Row = std::array<float, kCapacity>;
+
+  bool full() const { return count == kCapacity; }
+  /// Four corners in order around; precondition: not full.
+  void push(const std::array<Vertex, 4>& corners);
+
+  /// Of corner 0 to 3. A quad whose u are all negative is not drawn.
+  alignas(64) std::array<Row, 4> u_px, v_px, w;
+  int count = 0;
+};
+
+/// Draws both triangles of each quad (corners 0-1-2 and 0-2-3) that shows its front, where it is
+/// nearer than what is there. `cut` marks what they draw (from_cut_cell). Both include their
+/// borders: the nearest-surface test makes double coverage harmless and no crack stays between
+/// neighbours. Rows of the band only.
+void draw_quads(const QuadBatch& quads, bool cut, const Band& band, Image<float>& view_w);
+
+}  // namespace mixrig::render::cpu
