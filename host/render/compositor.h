@@ -144,7 +144,7 @@ class Compositor {
   /// Errors: kData for images of a wrong size.
   virtual Result<void> compose(const FrameInput& input, FrameOutput& output) = 0;
   virtual const StageTimes& stage_times() const = 0;
-  /// "cpu, 2 threads, AVX-512" or GL_RENDERER.
+  /// "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER.
   virtual std::string renderer() const = 0;
 };
 

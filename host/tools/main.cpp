@@ -7,6 +7,7 @@
 
 #include "hal/base/log.h"
 #include "host/app/output_folder.h"
+#include "host/render/cpu/compositor_cpu.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
@@ -123,7 +124,7 @@ int run(int argc, char** argv) {
                "mixrig");
   Context context;
   app.require_subcommand(1);
-  app.set_version_flag("--version", "mixrig " MIXRIG_VERSION);
+  app.set_version_flag("--version", "mixrig " MIXRIG_VERSION ", " + render::cpu_vectors());
   add_commands(app, context);
   try {
     app.parse(argc, argv);

@@ -2,6 +2,7 @@
 #include "host/render/cpu/compositor_cpu.h"
 
 #include "hal/base/clock.h"
+#include "hal/base/cpu_level.h"
 #include "hal/base/parallel.h"
 #include "host/render/cpu/correct.h"
 #include "host/render/cpu/key.h"
@@ -9,6 +10,7 @@
 #include "host/render/cpu/mix.h"
 #include "host/render/cpu/plate.h"
 #include "host/render/cpu/shadow.h"
+#include "host/render/cpu/simd.h"
 #include "host/render/cpu/virtual.h"
 #include "host/render/cpu/warp.h"
 #include "host/render/exposure.h"
@@ -110,7 +112,8 @@ Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output
   watch.lap(Stage::kReadback);
 
   draw_objects(watch);
-  key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_, output.matte);
+  key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_,
+      output.matte);
   watch.lap(Stage::kKey);
   const bool shadows = has_shadows(frame);
   if (shadows)
@@ -161,19 +164,15 @@ void CpuCompositor::inspect_decisions(FrameOutput& output) const {
 }
 
 std::string CpuCompositor::renderer() const {
-#if defined(__AVX512F__)
-  constexpr const char* kVectors = "AVX-512";
-#elif defined(__AVX2__)
-  constexpr const char* kVectors = "AVX2";
-#elif defined(__ARM_NEON)
-  constexpr const char* kVectors = "NEON";
-#else
-  constexpr const char* kVectors = "baseline";
-#endif
-  return "cpu, " + std::to_string(crew_.threads()) + " threads, " + kVectors;
+  return "cpu, " + std::to_string(crew_.threads()) + " threads, " + cpu_vectors();
 }
 
 }  // namespace
+
+std::string cpu_vectors() {
+  return std::string(MIXRIG_CPU_LEVEL) + " (" + kVectorName + ", " + std::to_string(kLanes) +
+         " lanes)";
+}
 
 Result<std::unique_ptr<Compositor>> make_cpu_compositor(const CompositorSetup& setup, int threads) {
   MIXRIG_TRY(validate(setup));

@@ -9,17 +9,25 @@
 
 namespace mixrig::render::cpu {
 
-/// 32-bit numbers in a register of the target; 16, 8 or 4. AVX alone has no integers of 32 bytes.
+/// 32-bit numbers in a register of the target. AVX alone has no integers of 32 bytes.
 #if defined(__AVX512F__)
 inline constexpr int kLanes = 16;
+inline constexpr const char* kVectorName = "AVX-512";
 #elif defined(__AVX2__)
 inline constexpr int kLanes = 8;
+inline constexpr const char* kVectorName = "AVX2";
+#elif defined(__SSE2__)
+inline constexpr int kLanes = 4;
+inline constexpr const char* kVectorName = "SSE";
+#elif defined(__ARM_NEON)
+inline constexpr int kLanes = 4;
+inline constexpr const char* kVectorName = "NEON";
 #else
 inline constexpr int kLanes = 4;
+inline constexpr const char* kVectorName = "none";
 #endif
 
 using F4 = float __attribute__((vector_size(16)));
-using I4 = std::int32_t __attribute__((vector_size(16)));
 using U16x4 = std::uint16_t __attribute__((vector_size(8)));
 /// A register of the target. Comparisons of FloatLanes give IntLanes: -1 true, 0 false.
 using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
