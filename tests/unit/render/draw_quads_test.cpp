@@ -145,6 +145,13 @@ TEST(DrawQuads, neighbours_leave_no_crack_and_mark_cut_cells) {
     }
 }
 
+TEST(DrawQuads, rows_end_with_the_box_however_long_a_register_is) {
+  // The lower side lies 1e-4 px above row 9: within the border of the sides, outside the box.
+  const Image<float> view_w = drawn({{{{4, 4, 1}, {9, 4, 1}, {9, 8.9999F, 1}, {4, 8.9999F, 1}}}});
+  EXPECT_NEAR(view_w.at(6, 8), 1, 1e-6F);
+  EXPECT_EQ(view_w.at(6, 9), 0);
+}
+
 TEST(DrawQuads, backs_and_numbers_that_are_none_draw_nothing) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
