@@ -9,8 +9,10 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 
 option(MIXRIG_TESTS "Build the tests" ON)
-option(MIXRIG_GLES "Build the OpenGL ES back end" ON)
-option(MIXRIG_STUDIO "Build the virtual studio (needs Embree)" ON)
+set(MIXRIG_PROFILE "full" CACHE STRING "full: everything; board: what runs on the rig (no studio, no picture calibration)")
+if(NOT MIXRIG_PROFILE MATCHES "^(full|board)$")
+  message(FATAL_ERROR "MIXRIG_PROFILE is '${MIXRIG_PROFILE}': use full or board")
+endif()
 option(MIXRIG_WERROR "Warnings are errors" OFF)
 option(MIXRIG_FUZZ "Build libFuzzer targets (clang only)" OFF)
 set(MIXRIG_MARCH "native" CACHE STRING
@@ -24,7 +26,6 @@ if(MIXRIG_CCACHE)
 endif()
 
 add_library(mixrig_options INTERFACE)
-target_include_directories(mixrig_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(mixrig_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -fno-math-errno -fno-trapping-math
   # g++ 12 sees ghosts in its own AVX-512 headers and in std::string (GCC bug 105651); which ones

@@ -6,6 +6,7 @@
 //   vertices  as correct_links.frag gives them
 //   draw      arguments of glDrawElementsIndirect; count is 0 before
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 0) uniform sampler2D vertices;
 layout(std430, binding = 0) buffer Draw { uint count, instances, first, base, reserved; } draw;
@@ -13,7 +14,7 @@ layout(std430, binding = 1) writeonly buffer Indices { uint index[]; };
 shared uint group_count, group_first;
 
 ivec2 size;
-uint ids[24];
+uint ids[cell_indices];
 uint used = 0u;
 
 void triangle(uint a, uint b, uint c) {

@@ -5,17 +5,18 @@
 //   raw_z_m  metres, 0 unknown
 //   bend_m   metres, at most a part of the depth
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/tof.glsl"
 layout(binding = 0) uniform sampler2D raw_z_m;
 out float bend_m;
 
 void main() {
-  const float largest = 0.04, none = 1e30;
+  const float none = 1e30;
   ivec2 at = ivec2(gl_FragCoord.xy);
   float z = value_at(raw_z_m, at), least = none;
   for (int i = 0; i < 4; ++i) {
     float before = value_at(raw_z_m, at - axes[i]), after = value_at(raw_z_m, at + axes[i]);
     if (min(z, min(before, after)) > 0.0) least = min(least, abs(before - 2.0 * z + after));
   }
-  bend_m = least < none ? min(least, largest * z) : 0.0;
+  bend_m = least < none ? min(least, largest_bend * z) : 0.0;
 }

@@ -5,6 +5,7 @@
 //   z_m      metres, 0 unknown
 //   step_m   least depth step around the pixel
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/tof.glsl"
 layout(binding = 0) uniform sampler2D raw_z_m;
 layout(binding = 1) uniform sampler2D bend_m;
@@ -31,7 +32,7 @@ float owner_z(float z, vec2 near, vec2 far) {
 
 // Element n / 2 of the n known neighbours in ascending order; 0 for fewer than five.
 float median(float around[8], int known) {
-  if (known < 5) return 0.0;
+  if (known < least_known) return 0.0;
   for (int i = 0; i < 8; ++i) {
     int below = 0;
     for (int k = 0; k < 8; ++k)
@@ -59,9 +60,9 @@ void main() {
     }
     known += (has_before ? 1 : 0) + (has_after ? 1 : 0);
     supporters += (has_before && near_before ? 1 : 0) + (has_after && near_after ? 1 : 0);
-    if (runs) supporters = 8;
+    if (runs) supporters = least_supporters;
     around[2 * i] = before.x;
     around[2 * i + 1] = after.x;
   }
-  z_m = z > 0.0 && supporters >= 2 ? z : median(around, known);
+  z_m = z > 0.0 && supporters >= least_supporters ? z : median(around, known);
 }

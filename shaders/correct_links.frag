@@ -5,6 +5,7 @@
 //   vertex  w = 1/z (0 unknown), w's change a pixel along x and y, links (1 right, 2 down,
 //           4 down-right, 8 down-left) as a number
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/tof.glsl"
 layout(binding = 0) uniform sampler2D z_m;
 layout(binding = 1) uniform sampler2D step_m;

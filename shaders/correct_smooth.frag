@@ -5,6 +5,7 @@
 //   clean_z_m, step_m  of correct_clean.frag
 //   z_m                metres, 0 unknown
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/tof.glsl"
 layout(binding = 0) uniform sampler2D clean_z_m;
 layout(binding = 1) uniform sampler2D step_m;
@@ -19,7 +20,7 @@ void main() {
   for (int i = 0; i < 4; ++i) {
     float before = value_at(clean_z_m, at - axes[i]), after = value_at(clean_z_m, at + axes[i]);
     float off_before = abs(before - z), off_after = abs(after - z);
-    float limit = max(off_before, off_after) <= step ? step : 0.5 * step;
+    float limit = max(off_before, off_after) <= step ? step : smooth_part * step;
     if (before > 0.0 && off_before <= limit) sum += 1.0 / before, count += 1.0;
     if (after > 0.0 && off_after <= limit) sum += 1.0 / after, count += 1.0;
   }

@@ -5,6 +5,7 @@
 //   tof_ray  (x/z, y/z); NaN where the lens has no ray
 //   z_m      metres, 0 unknown
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D depth_m;
 layout(binding = 1) uniform sampler2D tof_ray;
 uniform bool depth_is_distance;
@@ -13,7 +14,7 @@ out float z_m;
 // Positive floats order like their bits, with NaN past infinity: no GPU may fold this test away.
 bool is_known(float z) {
   int bits = floatBitsToInt(z);
-  return bits > 0 && bits < floatBitsToInt(1e4);
+  return bits > 0 && bits < floatBitsToInt(farthest_m);
 }
 
 void main() {

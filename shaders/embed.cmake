@@ -2,7 +2,37 @@
 # Writes OUT/shaders_embedded.cpp (a table of all stages) and OUT/expanded/NAME (each as it is
 # compiled). `#include "common/x.glsl"` is replaced by the file; `#line` keeps lines and numbers the
 # files of a stage (0 = the stage itself), so that a compile error names file and line.
+# OUT/common/constants.glsl is made from the C++ headers CONSTANTS (separated by commas): each line
+# `inline constexpr TYPE kName = VALUE;` becomes `const TYPE name = VALUE;`.
 cmake_minimum_required(VERSION 3.25)
+
+# A number of a C++ header in GLSL; doubles become floats.
+function(to_glsl definition out)
+  string(REGEX MATCH "constexpr (int|float|double) k([A-Za-z0-9]+) = ([-0-9.e]+)" found "${definition}")
+  set(type ${CMAKE_MATCH_1})
+  set(value ${CMAKE_MATCH_3})
+  string(REGEX REPLACE "([A-Z])" "_\\1" name ${CMAKE_MATCH_2})
+  string(TOLOWER ${name} name)
+  string(REGEX REPLACE "^_" "" name ${name})
+  if(NOT type STREQUAL "int")
+    set(type float)
+  endif()
+  set(${out} "const ${type} ${name} = ${value};\n" PARENT_SCOPE)
+endfunction()
+
+function(write_constants)
+  set(text "// SPDX-License-Identifier: Apache-2.0\n// Made by shaders/embed.cmake.\n")
+  string(REPLACE "," ";" headers ${CONSTANTS})
+  foreach(header IN LISTS headers)
+    file(STRINGS ${header} definitions
+         REGEX "^inline constexpr (int|float|double) k[A-Za-z0-9]+ = [-0-9.e]+F?;")
+    foreach(definition IN LISTS definitions)
+      to_glsl("${definition}" line)
+      string(APPEND text "${line}")
+    endforeach()
+  endforeach()
+  file(WRITE ${OUT}/common/constants.glsl "${text}")
+endfunction()
 
 # The text of stage `name` with its includes, and the files that their numbers mean.
 function(expand name out_text out_files)
@@ -23,13 +53,18 @@ function(expand name out_text out_files)
     math(EXPR next "${line} + 1")
     list(LENGTH files number)
     list(APPEND files ${header})
-    file(READ ${IN}/${header} body)
+    if(EXISTS ${OUT}/${header})
+      file(READ ${OUT}/${header} body)
+    else()
+      file(READ ${IN}/${header} body)
+    endif()
     string(APPEND done "${before}\n#line 1 ${number}\n${body}#line ${next} 0")
   endwhile()
   set(${out_text} "${done}${rest}" PARENT_SCOPE)
   set(${out_files} "${files}" PARENT_SCOPE)
 endfunction()
 
+write_constants()
 file(GLOB stages RELATIVE ${IN} ${IN}/*.vert ${IN}/*.frag ${IN}/*.comp)
 list(SORT stages)
 set(table "")

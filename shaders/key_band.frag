@@ -7,6 +7,7 @@
 //           vote decides
 //   person  mean colour of the foreground around, linear
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 #include "common/color.glsl"
 layout(binding = 0) uniform sampler2D counts;
@@ -33,9 +34,9 @@ Block sum_around(ivec2 at, int radius) {
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   Block own = read_block(counts, colors, at);
-  Block around = sum_around(at, 3);
+  Block around = sum_around(at, near_blocks);
   bool near = around.foreground > 0.0;
-  Block next = sum_around(at, 1);
+  Block next = sum_around(at, band_blocks);
   bool in_band = near && next.foreground > 0.0 && next.others;
   if (in_band) around = next;
   bool votes = in_band || own.doubt || (near && own.others);

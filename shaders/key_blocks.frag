@@ -5,6 +5,7 @@
 //   w      1/m, negative where a cut cell drew it
 //   plate  linear light, view
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D w;

@@ -9,6 +9,7 @@
 //   matte         people, 0..1
 //   visible_w     of the visible real surface, 1/m, 0 unknown
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D counts;
@@ -31,15 +32,14 @@ int state_at(ivec2 at) {
 int tap(int i) { return i == 0 ? 0 : sign(i) * (abs(i) == 1 ? tap_px.x : tap_px.y); }
 
 float depth_vote(ivec2 at) {
-  // Measured background is sure, colour may be a shadow; measured people lag and reach over edges.
-  const float foreground_weight = 3.0, background_weight = 5.0;
   float sum = 0.0;
-  for (int j = -2; j <= 2; ++j)
-    for (int i = -2; i <= 2; ++i) {
+  for (int j = -depth_tap_radius; j <= depth_tap_radius; ++j)
+    for (int i = -depth_tap_radius; i <= depth_tap_radius; ++i) {
       int s = state_at(at + ivec2(tap(i), tap(j)));
-      sum += s == foreground ? 1.0 : s == background ? 0.0 : 0.4;
+      sum += s == foreground ? 1.0 : s == background ? 0.0 : unknown_share;
     }
-  float balance = 2.0 * sum / 25.0 - 1.0;
+  const int taps = 2 * depth_tap_radius + 1;
+  float balance = 2.0 * sum / float(taps * taps) - 1.0;
   return (balance > 0.0 ? foreground_weight : background_weight) * balance;
 }
 

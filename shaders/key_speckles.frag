@@ -3,6 +3,7 @@
 // Pass key, a pixel a block: foreground too small to be a person becomes background.
 //   counts, colors  blocks, in and out (common/key.glsl)
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D counts;
 layout(binding = 1) uniform sampler2D colors;
@@ -14,8 +15,8 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(counts, 0) - 1;
   Block b = read_block(counts, colors, at);
   float sum = 0.0;
-  for (int y = max(0, at.y - 2); y <= min(last.y, at.y + 2); ++y)
-    for (int x = max(0, at.x - 2); x <= min(last.x, at.x + 2); ++x)
+  for (int y = max(0, at.y - speckle_blocks); y <= min(last.y, at.y + speckle_blocks); ++y)
+    for (int x = max(0, at.x - speckle_blocks); x <= min(last.x, at.x + speckle_blocks); ++x)
       sum += texelFetch(counts, ivec2(x, y), 0).x;
   if (b.foreground > 0.0 && sum < least_foreground_px)
     b = Block(0.0, 0.0, 0.0, true, b.doubt, true, vec3(0), 0.0);

@@ -5,6 +5,7 @@
 //   limit_w  1/m, infinite where the background has no depth
 //   state    render::PixelState / 255; edge means doubt
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D w;
 layout(binding = 1) uniform sampler2D limit_w;
@@ -25,7 +26,7 @@ void main() {
   float measured = abs(texelFetch(w, at, 0).r), limit = texelFetch(limit_w, at, 0).r;
   int s = unknown;
   if (measured > 0.0)
-    s = limit < 1e30 ? (measured > limit ? foreground : background) : doubt;
+    s = limit < no_limit_w ? (measured > limit ? foreground : background) : doubt;
   if (crop && s >= foreground && outside_box(at, measured)) s = background;
   state = float(s) / 255.0;
 }

@@ -5,8 +5,9 @@
 //   plate         linear light, view
 //   learned       background colour, linear, and its spread (0 where not learned)
 //   band, person  blocks, of key_band.frag
-//   vote          -4..4; only blocks where votes decide are drawn
+//   vote          within color_vote_cap; only blocks where votes decide are drawn
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/key.glsl"
 #include "common/color.glsl"
 layout(binding = 0) uniform sampler2D plate;
@@ -19,7 +20,6 @@ uniform vec3 gain;  // of the camera since the background was learned
 out float vote;
 
 void main() {
-  const float darkest = 0.85, dark_sigma = 0.3, cap = 4.0;
   ivec2 tile = ivec2(gl_FragCoord.xy), block = tile / (block_px + 2);
   vec4 near = texelFetch(band, block, 0);
   int flags = int(near.x);
@@ -29,15 +29,15 @@ void main() {
   float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
   float variance = spread * spread + floor_variance(b);
   // A shadow darkens the background without changing its hue.
-  float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest, 1.0);
+  float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest_shadow, 1.0);
   vec3 off = p - k * b;
-  float dark = (1.0 - k) / dark_sigma;
+  float dark = (1.0 - k) / shadow_sigma;
   float background2 = dot(off, off) / variance + dark * dark;
-  float odds = 0.5 * background2 - cap;
+  float odds = 0.5 * background2 - color_vote_cap;
   if ((flags & 8) != 0) {
     vec3 from_person = p - texelFetch(person, block, 0).rgb;
     float person2 = dot(from_person, from_person) / near.z;
-    odds = 0.5 * (background2 - person2) + 1.5 * log(variance / near.z);
+    odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);
   }
-  vote = clamp(odds, -cap, cap);
+  vote = clamp(odds, -color_vote_cap, color_vote_cap);
 }

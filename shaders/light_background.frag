@@ -5,7 +5,7 @@
 //   background_normal  camera axes, 0 unknown
 //   light              0..1, 1 where there is no background
 #include "common/precision.glsl"
-#include "common/limits.glsl"
+#include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
 #include "common/lamps.glsl"

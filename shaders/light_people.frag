@@ -7,7 +7,7 @@
 //   background_light    of light_background.frag
 //   light               0..1
 #include "common/precision.glsl"
-#include "common/limits.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D matte;
 layout(binding = 1) uniform sampler2D tile_w;
 layout(binding = 2) uniform sampler2D tile_light;
@@ -31,7 +31,7 @@ float people_light(ivec2 at) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  bool is_person = texelFetch(matte, at, 0).r >= 0.5;
+  bool is_person = texelFetch(matte, at, 0).r >= person_matte;
   light = is_person ? clamp(people_light(at), 0.0, 1.0)
                     : texelFetch(background_light, at, 0).r;
 }

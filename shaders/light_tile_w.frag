@@ -3,9 +3,9 @@
 // Pass light, a pixel a tile: where its people are. No ToF camera sees finer than a tile.
 //   matte      people, 0..1
 //   visible_w  1/m, of the person where the matte is at least half; 0 unknown
-//   tile_w     mean, 1/m; 0 for nobody
+//   tile_w     mean, 1/m; 0 without people
 #include "common/precision.glsl"
-#include "common/limits.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D matte;
 layout(binding = 1) uniform sampler2D visible_w;
 out float tile_w;
@@ -17,7 +17,7 @@ void main() {
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       float w = texelFetch(visible_w, ivec2(x, y), 0).r;
-      if (w <= 0.0 || texelFetch(matte, ivec2(x, y), 0).r < 0.5) continue;
+      if (w <= 0.0 || texelFetch(matte, ivec2(x, y), 0).r < person_matte) continue;
       sum += w;
       count += 1.0;
     }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass light, a pixel a tile: light of the people in it.
 //   tile_w      of light_tile_w.frag
-//   tile_light  0..1; 1 for nobody
+//   tile_light  0..1; 1 without people
 #include "common/precision.glsl"
-#include "common/limits.glsl"
+#include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
 #include "common/lamps.glsl"

@@ -8,8 +8,9 @@
 //   light_map           0..1
 //   virtual_color       linear, premultiplied by the coverage in alpha; virtual_w 1/m
 //   color               linear (the target encodes to sRGB), the matte in alpha
-//   mixed_m, segmented_m  z in metres, 0 unknown or nobody; layer render::Layer / 255
+//   mixed_m, segmented_m  z in metres, 0 unknown or without people; layer render::Layer / 255
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D plate;
 layout(binding = 1) uniform sampler2D matte;
 layout(binding = 2) uniform sampler2D visible_w;
@@ -19,7 +20,6 @@ layout(binding = 5) uniform sampler2D light_map;
 layout(binding = 6) uniform sampler2D virtual_color;
 layout(binding = 7) uniform sampler2D virtual_w;
 uniform bool has_background, has_color, has_light, has_objects;
-uniform float contact_slack_m;
 uniform vec3 gain;  // of the camera since the background was learned
 layout(location = 0) out vec4 color;
 layout(location = 1) out float mixed_m;
@@ -29,7 +29,7 @@ layout(location = 3) out float layer;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   float a = has_background ? texelFetch(matte, at, 0).r : 0.0;
-  bool is_person = a >= 0.5;
+  bool is_person = a >= person_matte;
   float w = abs(texelFetch(visible_w, at, 0).r);
   float measured = w > 0.0 ? 1.0 / w : 0.0;
   float known = has_background ? texelFetch(background_m, at, 0).r : 0.0;

@@ -4,6 +4,7 @@
 //   tof_ray   (x/z, y/z) of a ToF pixel
 //   vertices  as correct_links.frag gives them
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D vertices;
 layout(binding = 1) uniform sampler2D tof_ray;
 uniform mat4 camera_from_tof, clip_from_camera;
@@ -32,7 +33,7 @@ void main() {
     vec2 step_x = to.x == 0 ? vec2(0) : half_step(at, ray, ivec2(to.x, 0));
     vec2 step_y = to.y == 0 ? vec2(0) : half_step(at, ray, ivec2(0, to.y));
     ray += step_x + step_y;
-    w = max(w + 0.5 * dot(vertex.yz, vec2(to)), 0.5 * w);
+    w = max(w + 0.5 * dot(vertex.yz, vec2(to)), least_corner_part * w);
   }
   vec4 point = camera_from_tof * vec4(ray, 1.0, w);
   w_and_z = vec2(gl_VertexID < pixels ? w : -w, point.z);

@@ -11,11 +11,11 @@ using protocol::State;
 
 namespace {
 
-/// A frame that stops half-way is given up after this: a human's `?` must then get through.
+/// An incomplete frame is dropped after this time, so that a typed `?` is recognised again.
 constexpr std::uint32_t kFrameTimeoutUs = 2'000'000;
-/// Of the clock and of the lateness, each in whole microseconds.
+/// Resolution of the tick's time: clock and delay are each in whole microseconds.
 constexpr std::uint64_t kReadingGrainUs = 2;
-/// Telemetry leaves so much of the ring to replies.
+/// Bytes of the ring that telemetry leaves free for replies.
 constexpr std::uint32_t kReplyRoom = 2 * protocol::kMaxWire;
 
 void raise_to(std::atomic<std::uint32_t>& maximum, std::uint32_t value) {
@@ -36,14 +36,14 @@ void App::poll() {
   send_telemetry();
   watch_host();
   feed_watchdog();
-  if (reboot_wanted_ && tx_.empty()) {
-    reboot_wanted_ = false;
+  if (reboot_requested_ && tx_.empty()) {
+    reboot_requested_ = false;
     port::reboot(reboot_target_);
   }
 }
 
 bool App::work_pending() const {
-  return !rx_.empty() || !tx_.empty() || !records_.empty() || reboot_wanted_ ||
+  return !rx_.empty() || !tx_.empty() || !records_.empty() || reboot_requested_ ||
          fed_at_tick_ != master_ticks_.load();
 }
 
@@ -62,7 +62,7 @@ void App::on_rx_byte(std::uint8_t byte) {
 
 void App::on_tick(std::uint64_t now_us, std::uint32_t late_ns) {
   master_ticks_.store(master_ticks_.load(std::memory_order_relaxed) + 1);
-  // Between the command to start and the hardware's start lies up to one tick.
+  // The hardware starts up to one tick after the start command.
   if (state_.load() != State::kRunning || !port::outputs_running()) return;
   raise_to(late_max_ns_, late_ns);
   if (late_ns > protocol::kLateNs) count(Fault::kTickLate);
@@ -72,7 +72,7 @@ void App::on_tick(std::uint64_t now_us, std::uint32_t late_ns) {
     first_tick_seen_ = true;
     tick_began_us_ = began_us;
     report_tick(began_us);
-    return;  // both halves are fresh
+    return;  // both halves were filled by start()
   }
   const auto elapsed_us = static_cast<std::uint32_t>(began_us - tick_began_us_);
   const std::uint32_t ticks = std::max<std::uint32_t>((elapsed_us + kTickUs / 2) / kTickUs, 1);
@@ -80,8 +80,8 @@ void App::on_tick(std::uint64_t now_us, std::uint32_t late_ns) {
     count(Fault::kTickMissed, ticks - 1);
     schedule_.skip(ticks - 1);
   }
-  // Ticks come from the clock that is read here: a difference within the grain of the reading is
-  // no difference in time.
+  // The clock read here also generates the ticks: a difference within the resolution of the reading
+  // is a rounding error.
   const std::uint64_t due_us = tick_began_us_ + std::uint64_t{ticks} * kTickUs;
   if (began_us - due_us + kReadingGrainUs <= 2 * kReadingGrainUs) began_us = due_us;
   tick_began_us_ = began_us;
@@ -101,12 +101,12 @@ void App::push_record(const Record& record) {
 }
 
 void App::report_tick(std::uint64_t began_us) {
-  const std::uint8_t wanted = subscribed_.load(std::memory_order_relaxed);
+  const std::uint8_t reports = subscribed_.load(std::memory_order_relaxed);
   const std::uint32_t tick = tick_.load(std::memory_order_relaxed);
   const TickPlan& plan = plans_[tick & 1u];
   Record record{tick, static_cast<std::uint32_t>(began_us), plan.fired, {}, false};
-  if ((wanted & protocol::kSubscribeTicks) != 0) push_record(record);
-  if ((wanted & protocol::kSubscribeEdges) == 0) return;
+  if ((reports & protocol::kSubscribeTicks) != 0) push_record(record);
+  if ((reports & protocol::kSubscribeEdges) == 0) return;
   record.is_edge = true;
   for (std::uint8_t i = 0; i < plan.edge_count; ++i) {
     record.edge = plan.edges[i];
@@ -164,7 +164,7 @@ void App::send_telemetry() {
                           ? send_telemetry(protocol::TriggerEdge{r->tick, r->edge.slot,
                                                                  r->edge.channel, r->edge.level})
                           : send_telemetry(protocol::TriggerTick{r->tick, r->mcu_us, r->fired});
-    if (!sent) return;  // the line is full: wait; the ring of records counts what is lost
+    if (!sent) return;  // the transmit ring is full: wait; lost records are counted when pushed
     ++telemetry_sequence_;
     records_.pop();
   }
@@ -215,7 +215,8 @@ void App::watch_host() {
 }
 
 void App::feed_watchdog() {
-  // Fed only by a main loop that sees ticks go by: either of the two hanging ends in a reset.
+  // Fed only when the main loop has seen a new tick: if loop or interrupt hangs, the watchdog
+  // resets.
   const std::uint32_t ticks = master_ticks_.load();
   if (ticks == fed_at_tick_) return;
   fed_at_tick_ = ticks;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trigger controller itself: commands, the tick interrupt, telemetry, health.
+// The trigger controller's application: commands, the tick interrupt, telemetry, health.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ inline constexpr std::array<std::uint8_t, 3> kVersion = {0, 1, 0};
 /// Members marked "interrupt" may be called from one; all others from the main loop only.
 class App {
  public:
-  /// Once, after the port has brought up its hardware and before interrupts are enabled.
+  /// Call once, after the port has initialised the hardware and before interrupts are enabled.
   void init();
   /// One round of the main loop. Never blocks.
   void poll();
-  /// Whether poll() would find something to do: the main loop may sleep where not.
+  /// Whether poll() has something to do; if not, the main loop may sleep.
   bool work_pending() const;
 
   /// Interrupt: a received byte.
@@ -35,11 +35,11 @@ class App {
   bool next_tx_byte(std::uint8_t& byte) { return tx_.pop(byte); }
   /// Interrupt, once a master tick, at `now_us`, `late_ns` after the hardware's tick.
   void on_tick(std::uint64_t now_us, std::uint32_t late_ns);
-  /// Interrupt: what the tick interrupt took, entry to exit.
+  /// Interrupt: run time of the tick interrupt, entry to exit.
   void on_tick_done(std::uint32_t cost_ns);
 
  private:
-  /// What the interrupt hands to the main loop for telemetry.
+  /// What the interrupt passes to the main loop for telemetry.
   struct Record {
     std::uint32_t tick = 0;
     std::uint32_t mcu_us = 0;
@@ -107,14 +107,14 @@ class App {
   std::uint64_t tick_began_us_ = 0;
 
   // Main loop only.
-  bool greeted_ = false;
+  bool hello_done_ = false;
   bool host_lost_ = false;
   std::uint64_t last_frame_us_ = 0;
   std::uint64_t last_byte_us_ = 0;
   std::uint64_t silence_max_us_ = 0;
   std::uint32_t fed_at_tick_ = 0;
   std::uint8_t telemetry_sequence_ = 0;
-  bool reboot_wanted_ = false;
+  bool reboot_requested_ = false;
   protocol::RebootTarget reboot_target_ = protocol::RebootTarget::kFirmware;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One function per command. All are idempotent: a repeated command does no further harm.
+// One function per command. All are idempotent: a repeated command has no further effect.
 #include <algorithm>
 
 #include "firmware/app/app.h"
@@ -32,10 +32,10 @@ class App::Body {
 
 void App::handle_frame() {
   const std::uint8_t type = decoder_.type();
-  if (type >= protocol::kReplyBit) return;  // an echo of our own side of the line
+  if (type >= protocol::kReplyBit) return;  // an echo of a frame that this side sent
   Body reply;
   const Verdict verdict = dispatch(reply);
-  // Hello answers in full even to a stranger, who learns by it what to flash.
+  // Hello gets the full answer even with another message table: the host reports what to flash.
   if (verdict != Verdict::kOk && type != protocol::Hello::kId) reply.drop_message();
   const auto reply_type = static_cast<std::uint8_t>(type | protocol::kReplyBit);
   if (!send(reply_type, decoder_.sequence(), reply.finish(verdict), 0)) count(Fault::kReplyLost);
@@ -45,9 +45,9 @@ Verdict App::dispatch(Body& reply) {
   const std::uint8_t type = decoder_.type();
   if (type == protocol::Hello::kId) return hello(reply);
   if (type == protocol::Reboot::kId) return reboot();
-  if (!greeted_) return Verdict::kGreetFirst;
-  const bool harmless = type == protocol::Status::kId || type == protocol::SelfTest::kId;
-  if (identity_.image_bad && !harmless) return Verdict::kImageBad;
+  if (!hello_done_) return Verdict::kHelloFirst;
+  const bool read_only = type == protocol::Status::kId || type == protocol::SelfTest::kId;
+  if (identity_.image_bad && !read_only) return Verdict::kImageBad;
 
   const bool empty = decoder_.body().empty();
   switch (type) {
@@ -90,8 +90,8 @@ Verdict App::hello(Body& reply) {
   answer.image_ok = !identity_.image_bad;
   answer.uid = identity_.uid;
   reply.put(answer);
-  greeted_ = hello.table_hash == protocol::kTableHash;
-  return greeted_ ? Verdict::kOk : Verdict::kTableMismatch;
+  hello_done_ = hello.table_hash == protocol::kTableHash;
+  return hello_done_ ? Verdict::kOk : Verdict::kTableMismatch;
 }
 
 Verdict App::status(Body& reply) {
@@ -114,7 +114,7 @@ Verdict App::set_channel() {
   if (!TriggerSchedule::valid(config)) return Verdict::kArgument;
   if (schedule_.get(config.channel) == config) return Verdict::kOk;
   if (state_.load() == State::kRunning) return Verdict::kState;
-  // The lines driven so far are let go of inactive; arming drives the new set.
+  // Sets the lines driven so far inactive; arm() drives the new set.
   stop();
   schedule_.set(config);
   return Verdict::kOk;
@@ -174,7 +174,7 @@ std::uint32_t App::failed_self_tests() {
   expect(protocol::SelfTestBit::kClock, identity_.clock != protocol::ClockSource::kInternal);
   static constexpr std::uint8_t kDigits[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   expect(protocol::SelfTestBit::kCrc, protocol::crc16(kDigits) == 0x29B1);
-  if (state_.load() == State::kArmed) {  // driven and still: the pins must read as driven
+  if (state_.load() == State::kArmed) {  // driven, no edges: the pins must read back as driven
     const auto mask = schedule_.enabled();
     const auto driven = static_cast<std::uint16_t>(schedule_.idle_word() & mask);
     expect(protocol::SelfTestBit::kOutputs, (port::outputs_read(driven) & mask) == driven);
@@ -194,7 +194,7 @@ Verdict App::reboot() {
   if (state_.load() == State::kRunning) return Verdict::kState;
   stop();
   reboot_target_ = reboot.target;
-  reboot_wanted_ = true;
+  reboot_requested_ = true;
   return Verdict::kOk;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ring between one producer and one consumer, interrupt and main loop; no locks.
+// A queue without locks between one producer and one consumer (interrupt and main loop).
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ class Ring {
     if (tail == head_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[tail & (N - 1)];
   }
-  /// Consumer only, after front() gave a value.
+  /// Consumer only, after front() returned a value.
   void pop() { tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
   bool pop(T& value) {
     const T* first = front();
@@ -36,7 +36,7 @@ class Ring {
     pop();
     return true;
   }
-  /// Producer: at least so many pushes will succeed.
+  /// Producer: at least this many pushes will succeed.
   std::uint32_t free() const { return N - (head_.load() - tail_.load()); }
   bool empty() const { return head_.load() == tail_.load(); }
 

@@ -22,7 +22,7 @@ bool TriggerSchedule::valid(const ChannelConfig& config) {
   if ((config.flags & ~(protocol::kFlagEnable | protocol::kFlagActiveLow)) != 0) return false;
   if (!config.enabled()) return true;
   if (config.divider < 1 || config.divider > protocol::kMaxDivider) return false;
-  // A pulse that reached into the next period would be cut at the start of a run.
+  // A pulse that extends into the next period would be cut at the start of a run.
   const std::uint32_t end = std::uint32_t{config.phase_slots} + config.width_slots;
   return config.width_slots >= 1 && end < period_slots(config);
 }
@@ -76,8 +76,8 @@ void TriggerSchedule::fill_channel(std::uint32_t channel, Words words, TickPlan&
     plan.edges[plan.edge_count++] = {static_cast<std::uint8_t>(slot),
                                      static_cast<std::uint8_t>(channel), high};
   };
-  // A period is at least one tick, so that each kind of edge falls into a tick at most once.
-  // An end at slot 0 belongs to the pulse that ended with the tick before.
+  // A period is at least one tick, so each kind of edge occurs at most once per tick.
+  // An end at slot 0 belongs to the pulse that ended with the previous tick.
   const std::uint32_t begin = position == 0 ? 0 : period - position;
   const std::uint32_t end = position <= width ? width - position : period - position + width;
   if (begin < kSlotsPerTick) {

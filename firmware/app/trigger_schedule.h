@@ -17,7 +17,7 @@ struct SlotEdge {
   std::uint8_t level = 0;
 };
 
-/// What one tick will do, besides its words.
+/// What happens in one tick, besides its words.
 struct TickPlan {
   std::uint16_t fired = 0;  ///< channels whose pulse begins
   std::uint8_t edge_count = 0;
@@ -30,17 +30,17 @@ class TriggerSchedule {
 
   /// The rules stated at protocol::ChannelConfig; a disabled channel is always valid.
   static bool valid(const protocol::ChannelConfig& config);
-  /// False, and nothing changed, where not valid.
+  /// False, and no change, where `config` is not valid.
   bool set(const protocol::ChannelConfig& config);
   /// `channel` < kChannels.
   protocol::ChannelConfig get(std::uint32_t channel) const { return configs_[channel]; }
   std::uint16_t enabled() const;
 
-  /// Back to tick 0.
+  /// Restarts at tick 0.
   void rewind();
-  /// Passes over `ticks` ticks.
+  /// Skips `ticks` ticks.
   void skip(std::uint32_t ticks);
-  /// Writes the next tick. Slot 0 restates every enabled line, later slots hold only changes.
+  /// Writes the next tick. Slot 0 sets every enabled line, later slots hold only changes.
   void fill(Words words, TickPlan& plan);
   /// The word that makes every enabled line inactive.
   std::uint32_t idle_word() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Worst stack of the firmware, from the call graphs that the compiler writes (-fcallgraph-info=su):
+// Largest stack of the firmware, from the compiler's call graphs (-fcallgraph-info=su):
 // mixrig-stack-use FOLDER. Main loop, then every interrupt that may nest on top of it.
 #include <cstdio>
 #include <filesystem>
@@ -33,7 +33,7 @@ void read_graph(const std::filesystem::path& path, Graph& graph) {
   }
 }
 
-/// Deepest stack from `name` down; a cycle is an error of its own.
+/// Largest stack of `name` and what it calls; sets `recursive` where there is a cycle.
 long depth(const Graph& graph, const std::string& name, std::set<std::string>& path,
            bool& recursive) {
   const auto found = graph.find(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts size and CRC into a linked image: mixrig-stamp RAW IMAGE HEADER
+// Writes size and CRC into a linked image: mixrig-stamp RAW IMAGE HEADER
 #include <cstdio>
 #include <cstring>
 #include <fstream>

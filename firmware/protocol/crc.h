@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check sums of the wire (CRC-16) and of images (CRC-32), four bits a step: 16-entry tables.
+// Checksums of the wire (CRC-16) and of images (CRC-32), four bits per step with 16-entry tables:
+// the firmware is freestanding and small, so zlib (which the host uses) is not available to it.
 #pragma once
 
 #include <array>

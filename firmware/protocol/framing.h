@@ -48,15 +48,15 @@ constexpr std::size_t encode_frame(std::uint8_t type, std::uint8_t sequence,
   return o;
 }
 
-/// What a byte completed.
+/// What the last byte completed.
 enum class FrameEvent : std::uint8_t {
   kNone,   ///< nothing yet
-  kFrame,  ///< a frame that passed its check: type(), sequence(), body()
-  kBad,    ///< a frame that failed: too long, too short, broken COBS or CRC
-  kProbe,  ///< a human typed `?` and Enter
+  kFrame,  ///< a valid frame: type(), sequence(), body()
+  kBad,    ///< an invalid frame: too long, too short, wrong COBS or CRC
+  kProbe,  ///< a person typed `?` and Enter
 };
 
-/// Takes bytes, finds frames; any delimiter starts afresh, so one bad frame costs only itself.
+/// Finds frames in bytes; every delimiter starts a new frame, so a bad one does not harm the next.
 class FrameDecoder {
  public:
   /// type(), sequence() and body() are valid after kFrame until the next push.
@@ -68,7 +68,7 @@ class FrameDecoder {
     if (n == 0) return FrameEvent::kNone;
     return !too_long && unpack(n) ? FrameEvent::kFrame : FrameEvent::kBad;
   }
-  /// Forgets a frame that has begun.
+  /// Drops a frame that has begun.
   constexpr void reset() {
     fill_ = 0;
     too_long_ = false;
@@ -86,7 +86,7 @@ class FrameDecoder {
     } else {
       too_long_ = true;
     }
-    // Message types 0x0A and 0x0D are never given out, so that no frame begins like this.
+    // Message types 0x0A and 0x0D are never assigned, so that no frame begins like this.
     if (fill_ == 2 && buffer_[0] == '?' && (byte == '\r' || byte == '\n')) {
       reset();
       return FrameEvent::kProbe;

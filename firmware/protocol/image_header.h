@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The header inside a firmware image, and the check that flasher and firmware both make.
+// The header inside a firmware image, and the checksum that host and firmware both verify.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 namespace mixrig::protocol {
 
 inline constexpr std::uint32_t kFlashBase = 0x08000000;
-inline constexpr std::size_t kHeaderOffset = 0x200;       ///< after the vector table
-inline constexpr std::size_t kVectorBlock = 256;          ///< written last: no vectors, no boot
+inline constexpr std::size_t kHeaderOffset = 0x200;  ///< after the vector table
+inline constexpr std::size_t kVectorBlock = 256;  ///< written last: without vectors nothing boots
 inline constexpr std::size_t kMaxImage = 128u * 1024;     ///< sectors 0..4
 inline constexpr std::uint32_t kImageMagic = 0x4754584D;  ///< "MXTG"
 inline constexpr std::uint16_t kBoardF405 = 405;

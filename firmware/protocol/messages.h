@@ -18,9 +18,9 @@ inline constexpr std::uint32_t kTickUs = 1'000'000 / kTickHz;
 inline constexpr std::uint32_t kSlotsPerTick = 100;
 inline constexpr std::uint32_t kSlotUs = kTickUs / kSlotsPerTick;
 inline constexpr std::uint32_t kChannels = 16;
-inline constexpr std::uint16_t kMaxDivider = 600;  ///< one pulse in 6 s
+inline constexpr std::uint16_t kMaxDivider = 600;  ///< one pulse every 6 s
 
-/// Raised when the meaning of a field changes though its size does not.
+/// Increased when the meaning of a field changes but not its size.
 inline constexpr std::uint32_t kMeaning = 1;
 
 /// Added to the type of a command to give that of its reply; replies begin with a Verdict byte.
@@ -32,9 +32,9 @@ enum class Verdict : std::uint8_t {
   kLength,         ///< body of the wrong length
   kArgument,       ///< a value out of range
   kState,          ///< not in this state
-  kGreetFirst,     ///< no Hello since reset: the controller was reset, or never greeted
+  kHelloFirst,     ///< no Hello since the last reset of the controller
   kTableMismatch,  ///< the other side was built from another message table
-  kImageBad,       ///< the image fails its check sum: only Hello, Status and Reboot are served
+  kImageBad,       ///< the image fails its checksum: only Hello, Status and Reboot are served
 };
 
 enum class State : std::uint8_t { kIdle, kArmed, kRunning };
@@ -43,16 +43,16 @@ enum class ClockSource : std::uint8_t { kEmulated, kCrystal, kInternal };
 
 /// What can go wrong on the controller; counted in Status, saturating.
 enum class Fault : std::uint8_t {
-  kFrameBad,       ///< a frame failed its check
+  kFrameBad,       ///< a frame with a wrong CRC or length
   kRxOverrun,      ///< received bytes were lost
   kReplyLost,      ///< no room to send a reply
   kTelemetryLost,  ///< no room to send ticks or edges
-  kTickLate,       ///< tick interrupt later than kLateNs; the outputs were not touched by it
+  kTickLate,       ///< tick interrupt later than kLateNs; the outputs were on time
   kTickMissed,     ///< refill too late: the outputs repeated an old tick
-  kHostLost,       ///< host silent for kHostSilentUs while running; triggers kept running
+  kHostLost,       ///< no command for kHostSilentUs while running; triggers continued
   kWatchdog,       ///< the last reset came from the watchdog
   kClockFallback,  ///< the crystal did not start: internal oscillator, 1 % off
-  kImageBad,       ///< the image in flash fails its check sum
+  kImageBad,       ///< the image in flash fails its checksum
   kCount,
 };
 inline constexpr std::size_t kFaults = static_cast<std::size_t>(Fault::kCount);
@@ -79,8 +79,8 @@ struct HelloReply {
   }
 };
 
-/// First word of every conversation. Layout of Hello, HelloReply and Reboot never changes, so
-/// that any host can greet and re-flash any firmware.
+/// First command after a reset. The layouts of Hello, HelloReply and Reboot never change, so that
+/// any host can identify and flash any firmware.
 struct Hello {
   static constexpr std::uint8_t kId = 0x01;
   static constexpr const char* kName = "hello";
@@ -94,9 +94,9 @@ struct StatusReply {
   std::uint16_t enabled = 0;        ///< mask of channels
   std::uint32_t tick = 0;           ///< current tick, counted from start
   std::uint64_t now_us = 0;         ///< controller clock, never wraps
-  std::uint32_t late_max_ns = 0;    ///< worst entry into the tick interrupt since start
-  std::uint32_t cost_max_ns = 0;    ///< worst run time of the tick interrupt since start
-  std::uint16_t silence_max_s = 0;  ///< longest silence of the host while running
+  std::uint32_t late_max_ns = 0;    ///< largest delay of the tick interrupt since start
+  std::uint32_t cost_max_ns = 0;    ///< longest run time of the tick interrupt since start
+  std::uint16_t silence_max_s = 0;  ///< longest time without a command while running
   std::array<std::uint16_t, kFaults> faults{};
   static constexpr auto fields(auto& m) {
     return std::tie(m.state, m.enabled, m.tick, m.now_us, m.late_max_ns, m.cost_max_ns,
@@ -144,7 +144,7 @@ struct GetChannel {
   static constexpr auto fields(auto& m) { return std::tie(m.channel); }
 };
 
-/// Idle -> armed: enabled lines are driven, inactive. Harmless where already armed.
+/// Idle -> armed: enabled lines are driven, inactive. No effect where already armed.
 struct Arm {
   static constexpr std::uint8_t kId = 0x12;
   static constexpr const char* kName = "arm";
@@ -152,7 +152,7 @@ struct Arm {
   static constexpr auto fields(auto&) { return std::tuple<>(); }
 };
 
-/// Armed -> running from the next master tick, which is tick 0. Harmless where running.
+/// Armed -> running from the next master tick, which is tick 0. No effect where running.
 struct Start {
   static constexpr std::uint8_t kId = 0x13;
   static constexpr const char* kName = "start";
@@ -183,7 +183,7 @@ struct Subscribe {
 enum class SelfTestBit : std::uint8_t { kImage, kTimer, kClock, kCrc, kOutputs, kCount };
 
 struct SelfTestReply {
-  std::uint32_t failures = 0;  ///< 0 is a pass
+  std::uint32_t failures = 0;  ///< 0: all passed
   static constexpr auto fields(auto& m) { return std::tie(m.failures); }
 };
 
@@ -195,9 +195,10 @@ struct SelfTest {
 };
 
 enum class RebootTarget : std::uint8_t { kFirmware, kBootloader };
-inline constexpr std::uint32_t kRebootKey = 0x544F4F42;  // "BOOT": no stray byte reboots a rig
+inline constexpr std::uint32_t kRebootKey =
+    0x544F4F42;  // "BOOT": protects against reboots by damaged frames
 
-/// Refused while running. Reply first, reset after the reply has left.
+/// Refused while running. The reset follows after the reply was sent.
 struct Reboot {
   static constexpr std::uint8_t kId = 0x31;
   static constexpr const char* kName = "reboot";
@@ -207,7 +208,7 @@ struct Reboot {
   static constexpr auto fields(auto& m) { return std::tie(m.target, m.key); }
 };
 
-/// Controller -> host, one per master tick while running. May be lost; `tick` shows it.
+/// Controller -> host, one per master tick while running. May be lost; gaps in `tick` show it.
 struct TriggerTick {
   static constexpr std::uint8_t kId = 0xC0;
   static constexpr const char* kName = "tick";
@@ -230,7 +231,7 @@ struct TriggerEdge {
   static constexpr auto fields(auto& m) { return std::tie(m.tick, m.slot, m.channel, m.level); }
 };
 
-/// All of them, in the order that the hash is made of.
+/// All messages, in the order in which they enter the hash.
 using MessageTable = std::tuple<Hello, Status, SetChannel, GetChannel, Arm, Start, Stop, Subscribe,
                                 SelfTest, Reboot, TriggerTick, TriggerEdge>;
 
@@ -260,7 +261,7 @@ constexpr std::uint32_t hash_table(std::tuple<M...>*) {
 }
 }  // namespace detail
 
-/// Names the message table: both sides refuse a partner with another one.
+/// Identifies the message table: both sides refuse one that differs.
 inline constexpr std::uint32_t kTableHash = detail::hash_table(static_cast<MessageTable*>(nullptr));
 
 }  // namespace mixrig::protocol

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time types that cannot be mixed, and the clock that is injected.
+// Time types that cannot be mixed, and the clock interface.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,7 @@ using DeviceTime = ClockDomain<struct DeviceTag>::time_point;  ///< one camera's
 inline double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
 inline double milliseconds(Duration d) { return seconds(d) * 1e3; }
 
-/// Source of host time. Injected everywhere, so that tests own time. Thread-safe.
+/// Source of host time. Passed in everywhere, so that tests can control time. Thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -45,7 +45,7 @@ class SystemClock final : public Clock {
   void sleep_until(HostTime until) override;
 };
 
-/// A clock that moves only when told; sleep_until moves it.
+/// A clock that stands still until advance() or sleep_until() moves it.
 class ManualClock final : public Clock {
  public:
   HostTime now() const override { return now_; }

@@ -12,17 +12,7 @@ namespace mixrig {
 namespace {
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
-  switch (level) {
-    case LogLevel::kDebug:
-      return spdlog::level::debug;
-    case LogLevel::kInfo:
-      return spdlog::level::info;
-    case LogLevel::kWarning:
-      return spdlog::level::warn;
-    case LogLevel::kError:
-      return spdlog::level::err;
-  }
-  return spdlog::level::info;
+  return level == LogLevel::kInfo ? spdlog::level::info : spdlog::level::warn;
 }
 
 spdlog::logger& logger() {

@@ -6,16 +6,14 @@
 
 namespace mixrig {
 
-enum class LogLevel { kDebug, kInfo, kWarning, kError };
+enum class LogLevel { kInfo, kWarning };
 
 /// Lowest level that is written; kWarning at start. Thread-safe.
 void set_log_level(LogLevel level);
 /// Writes one line "level category: message" to stderr. Thread-safe.
 void log(LogLevel level, std::string_view category, std::string_view message);
 
-inline void log_debug(std::string_view c, std::string_view m) { log(LogLevel::kDebug, c, m); }
 inline void log_info(std::string_view c, std::string_view m) { log(LogLevel::kInfo, c, m); }
 inline void log_warning(std::string_view c, std::string_view m) { log(LogLevel::kWarning, c, m); }
-inline void log_error(std::string_view c, std::string_view m) { log(LogLevel::kError, c, m); }
 
 }  // namespace mixrig

@@ -6,9 +6,9 @@
 namespace mixrig {
 
 Crew::Crew(int threads) {
-  const int wanted =
+  const int total =
       threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  for (int i = 1; i < wanted; ++i) workers_.emplace_back([this, i] { work(i); });
+  for (int i = 1; i < total; ++i) workers_.emplace_back([this, i] { work(i); });
 }
 
 Crew::~Crew() {

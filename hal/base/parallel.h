@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixed crew of threads that share out rows. No allocation per call.
+// A fixed set of threads that process bands of rows in parallel. No allocation per call.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,7 @@
 
 namespace mixrig {
 
-/// Runs one body over bands of [0, count) on a fixed number of threads, the caller among them.
+/// Runs one body over bands of [0, count) on a fixed number of threads, including the caller's.
 /// One call at a time per crew; the body must not call back into the same crew.
 class Crew {
  public:
@@ -22,14 +22,14 @@ class Crew {
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
   /// Calls body(begin, end) for disjoint bands of at most `grain` that cover [0, count);
-  /// returns after the last one. Bands are handed out in order, first come first served.
+  /// returns after the last one. The next band, in order, goes to the next free thread.
   template <typename Body>
   void rows(int count, int grain, Body&& body) {
     rows_by_worker(count, grain, [&body](int, int begin, int end) { body(begin, end); });
   }
 
   /// As rows, with body(worker, begin, end): bands of one worker (0 .. threads() - 1) never run at
-  /// the same time, so that each may have memory of its own.
+  /// the same time, so that each worker can have its own scratch memory.
   template <typename Body>
   void rows_by_worker(int count, int grain, Body&& body) {
     run(

@@ -11,11 +11,11 @@
 
 namespace mixrig {
 
-/// What kind of thing went wrong. The command maps kUsage and kFormat to exit status 2
-/// (the user's words or file are wrong), everything else to 1 (it failed while running).
+/// Kind of an error. The command maps kUsage and kFormat to exit status 2 (wrong arguments or a
+/// wrong file), everything else to 1 (it failed while running).
 enum class ErrorCode { kUsage, kFormat, kNotFound, kIo, kDevice, kTimeout, kData, kUnsupported };
 
-/// One error, told once: `context` is a whole line "what, why, where: what to do".
+/// One error: `context` is a complete line "what, why, where: what to do".
 struct Error {
   ErrorCode code = ErrorCode::kIo;
   std::string context;
@@ -71,7 +71,7 @@ class [[nodiscard]] Result<void> {
   std::optional<Error> error_;
 };
 
-/// Leaves the function with the error of `expression`, a Result<void>.
+/// Returns from the function with the error of `expression`, a Result<void>.
 #define MIXRIG_TRY(expression)                                     \
   do {                                                             \
     if (auto mixrig_try_result = (expression); !mixrig_try_result) \
@@ -80,7 +80,7 @@ class [[nodiscard]] Result<void> {
 
 #define MIXRIG_CONCAT_INNER(a, b) a##b
 #define MIXRIG_CONCAT(a, b) MIXRIG_CONCAT_INNER(a, b)
-/// `MIXRIG_ASSIGN(auto x, f());` declares x from f()'s value or leaves with f()'s error.
+/// `MIXRIG_ASSIGN(auto x, f());` declares x from f()'s value or returns f()'s error.
 #define MIXRIG_ASSIGN(declaration, expression)                         \
   auto MIXRIG_CONCAT(mixrig_result_, __LINE__) = (expression);         \
   if (!MIXRIG_CONCAT(mixrig_result_, __LINE__))                        \

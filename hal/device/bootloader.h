@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bootloader of a micro-controller: reads, erases and writes its flash.
+// Interface of a micro-controller's bootloader: reads, erases and writes flash.
 #pragma once
 
 #include <cstdint>
@@ -19,24 +19,24 @@ struct FlashSector {
 
 struct BootloaderInfo {
   std::string name;           ///< for people: protocol, version, chip
-  std::uint16_t chip_id = 0;  ///< 0x413 for an STM32F405; 0 where the bootloader cannot tell
+  std::uint16_t chip_id = 0;  ///< 0x413 for an STM32F405; 0 where it is not reported
   std::vector<FlashSector> sectors;
 };
 
-/// For one thread. Errors of every method: kTimeout when it is silent, kDevice when it refuses.
-/// No method trusts that flash holds what was written: read it back.
+/// For one thread. Errors of every method: kTimeout without an answer, kDevice when it refuses.
+/// write() does not check what flash holds afterwards: read it back.
 class Bootloader {
  public:
   virtual ~Bootloader() = default;
-  /// Must come first.
+  /// Call it first.
   virtual Result<BootloaderInfo> connect() = 0;
-  /// A UART carries no check sum of what is read: read twice where it matters.
+  /// Over a UART the data has no checksum: read twice where it matters.
   virtual Result<void> read(std::uint32_t address, std::span<std::uint8_t> out) = 0;
-  /// One of those that connect() told, no other.
+  /// `sector` must be one that connect() returned.
   virtual Result<void> erase(const FlashSector& sector) = 0;
-  /// Address and size are multiples of 4; the sectors have been erased.
+  /// Address and size are multiples of 4; the sectors must be erased already.
   virtual Result<void> write(std::uint32_t address, std::span<const std::uint8_t> data) = 0;
-  /// Leaves the bootloader for the program whose vectors lie at `address`.
+  /// Leaves the bootloader and starts the program whose vector table is at `address`.
   virtual Result<void> go(std::uint32_t address) = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A two-way stream of bytes: a serial port, a pty, a socket, or a script of a test.
+// A two-way stream of bytes: a serial port, a pty, a socket, or a script in a test.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace mixrig::device {
 
 enum class Parity { kNone, kEven };
 
-/// How a serial line talks; 8 data bits, 1 stop bit always.
+/// Settings of a serial line; always 8 data bits and 1 stop bit.
 struct LineSettings {
   int baud = 115'200;
   Parity parity = Parity::kNone;
@@ -23,11 +23,12 @@ struct LineSettings {
 class ByteStream {
  public:
   virtual ~ByteStream() = default;
-  /// Reads what is there, at least one byte, waiting at most `timeout`; 0 bytes when none came.
+  /// Reads the bytes that have arrived; waits at most `timeout` for the first one. 0 when none
+  /// arrived.
   virtual Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) = 0;
-  /// Writes all of it. Errors: kTimeout when the other end does not take it within a second.
+  /// Writes all bytes. Errors: kTimeout when the other end does not accept them within a second.
   virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
-  /// Only real ports have a line to set; ptys and sockets carry bytes whatever it says.
+  /// Only serial ports have these settings; ptys and sockets ignore them.
   virtual Result<void> set_line(const LineSettings& /*settings*/) { return {}; }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras: what they are, what may be set, how they deliver frames and tell their health.
+// Cameras: description, controls, delivery of frames, and health.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@ enum class StampClock {
   kDevice,  ///< the device's own oscillator: host/sync maps it
 };
 
-/// Wishes for a stream; zeros and kUnknown mean "as the device is".
+/// Requested stream settings; zeros and kUnknown keep the device's present ones.
 struct StreamRequest {
   Size size{};
   PixelFormat format = PixelFormat::kUnknown;
   double rate_hz = 0;
-  bool hardware_trigger = false;  ///< one frame an edge on the trigger line, where the device can
+  bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
 };
 
 enum class CameraControl {
@@ -48,28 +48,28 @@ struct CameraInfo {
   PixelFormat format = PixelFormat::kUnknown;
   double rate_hz = 0;  ///< nominal, 0 where unknown or triggered
   StampClock stamp_clock = StampClock::kNone;
-  bool hardware_trigger = false;  ///< it waits for edges
+  bool hardware_trigger = false;  ///< exposes on trigger edges
   std::vector<ControlRange> controls{};
 };
 
-/// Where a device stands now.
+/// Present state of a device.
 enum class DeviceState {
   kStopped,
   kStreaming,
-  kLost,    ///< unplugged or failed; the driver looks for it again by itself
-  kFailed,  ///< given up, see the last error of start()
+  kLost,    ///< unplugged or failed; the driver tries to reopen it
+  kFailed,  ///< the driver gave up: see the last error of start()
 };
 std::string_view name(DeviceState state);
 
-/// Counts since construction; they never go back.
+/// Counts since construction; they never decrease.
 struct StreamHealth {
   DeviceState state = DeviceState::kStopped;
   std::uint64_t frames = 0;       ///< published
-  std::uint64_t lost = 0;         ///< missing by the device's counter
+  std::uint64_t lost = 0;         ///< missing according to the device's counter
   std::uint64_t incomplete = 0;   ///< published with kFrameIncomplete
   std::uint64_t overrun = 0;      ///< dropped because every buffer was in use
   std::uint64_t link_errors = 0;  ///< malformed packets, failed transfers
-  std::uint64_t returns = 0;      ///< times the device was lost and came back
+  std::uint64_t returns = 0;      ///< times the device was lost and found again
 };
 
 /// A camera. Methods are for one thread, except health(), which any thread may call.
@@ -80,7 +80,7 @@ class Camera {
   /// Delivers frames to `sink` on the driver's thread until stop(). Errors: kDevice, kUsage when
   /// it runs already.
   virtual Result<void> start(FrameSink sink) = 0;
-  /// Returns after the last call to the sink. Harmless when stopped.
+  /// Returns after the last call to the sink. Does nothing when stopped.
   virtual void stop() = 0;
   /// Errors: kUnsupported, kUsage outside the range, kDevice.
   virtual Result<void> set(CameraControl control, double value) = 0;

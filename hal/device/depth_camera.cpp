@@ -7,7 +7,7 @@
 namespace mixrig::device {
 namespace {
 
-/// Frames pass through unchanged; only what their numbers mean is added.
+/// Passes frames through unchanged and adds the meaning of their numbers.
 class DepthView final : public DepthCamera {
  public:
   DepthView(std::unique_ptr<Camera> camera, const DepthInfo& info)

@@ -28,7 +28,7 @@ struct DepthInfo {
   std::optional<DeviceIntrinsics> intrinsics{};
 };
 
-/// State of the sensor beside its stream; NaN where the device does not tell.
+/// State of the sensor beside its stream; NaN where the device does not report it.
 struct DepthHealth {
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
   double mean_amplitude =
@@ -48,11 +48,11 @@ class DepthCamera {
   virtual DepthHealth depth_health() const = 0;
 };
 
-/// Metres of a kDepth16 frame; 0 = unknown. Keeps the memory of `out`.
+/// Converts a kDepth16 frame to metres; 0 = unknown. Reuses the memory of `out`.
 /// Errors: kData where the frame is of another format or shorter than its size says.
 Result<void> to_metres(const Frame& frame, const DepthInfo& info, Image<float>& out);
 
-/// A camera that delivers 16-bit steps, seen as a depth camera.
+/// Wraps a camera that delivers 16-bit steps as a depth camera.
 std::unique_ptr<DepthCamera> as_depth_camera(std::unique_ptr<Camera> camera, const DepthInfo& info);
 
 }  // namespace mixrig::device

@@ -38,12 +38,13 @@ std::size_t row_bytes(PixelFormat format, int width);
 /// Bytes of a whole picture with rows of `stride` bytes; 0 for kMjpeg and kUnknown.
 std::size_t image_bytes(PixelFormat format, Size size, std::size_t stride);
 
-/// What is known to be wrong with a frame. Bits.
+/// Known defects of a frame, as a bit mask.
 enum FrameFlag : std::uint32_t {
   kFrameOk = 0,
-  kFrameIncomplete = 1U << 0,  ///< bytes are missing or the device said so: do not use the pixels
-  kFrameAfterGap = 1U << 1,    ///< frames before it were lost (counter jumped)
-  kFrameRestarted = 1U << 2,   ///< first one after the device came back: the counter is new
+  kFrameIncomplete =
+      1U << 0,               ///< bytes are missing, or the device reports it: do not use the pixels
+  kFrameAfterGap = 1U << 1,  ///< frames before it were lost (counter jumped)
+  kFrameRestarted = 1U << 2,  ///< first frame after the device was reopened: its counter restarted
 };
 
 struct Frame {
@@ -55,12 +56,12 @@ struct Frame {
       amplitude{};             ///< ToF: 16-bit amplitudes, same size and packed; or empty
   std::uint64_t sequence = 0;  ///< the device's counter
   DeviceTime device_time{};    ///< the device's stamp of mid-exposure, own clock
-  HostTime received{};         ///< when the driver had it
+  HostTime received{};         ///< when the driver received it
   Duration exposure{};         ///< 0 where unknown
   std::uint32_t flags = kFrameOk;
 };
 
-/// Dropping the last reference gives the memory back to its pool.
+/// Dropping the last reference returns the buffer to its pool.
 using FramePtr = std::shared_ptr<const Frame>;
 
 /// Receives frames on the driver's thread, in order. Must not block and must not throw.

@@ -30,8 +30,8 @@ struct FrameSlots {
 
 namespace {
 
-/// Places the control block in its slot; the slot is free again when that block is gone, which is
-/// after the frame itself can no longer be reached.
+/// Places the shared_ptr's control block in the slot. The slot becomes free when that block is
+/// deallocated, which is after the last reference to the frame is gone.
 template <typename T>
 struct SlotAllocator {
   using value_type = T;

@@ -18,7 +18,7 @@ class FramePool {
   /// `buffers` frames of at most `bytes` picture and `amplitude_bytes` amplitude each.
   FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes = 0);
 
-  /// A buffer that is being filled. Publish it or let it go.
+  /// A buffer that is being filled. Publish it, or destroy it to return the buffer.
   class Draft {
    public:
     Draft() = default;

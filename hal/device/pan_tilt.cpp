@@ -2,7 +2,8 @@
 #include "hal/device/pan_tilt.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 namespace mixrig::device {
 
@@ -17,14 +18,11 @@ Result<void> await_position(PanTilt& head, PanTiltAngles target, Clock& clock, D
     if (std::abs(pan_off_rad) <= 0.51 * step.pan_rad &&
         std::abs(tilt_off_rad) <= 0.51 * step.tilt_rad)
       return {};
-    if (clock.now() >= end) {
-      char line[160];
-      std::snprintf(line, sizeof line,
-                    "pan-tilt unit is %.4f rad (pan) and %.4f rad (tilt) off after %.1f s: "
-                    "check limits, load and power",
-                    pan_off_rad, tilt_off_rad, seconds(timeout));
-      return Error{ErrorCode::kTimeout, line};
-    }
+    if (clock.now() >= end)
+      return Error{ErrorCode::kTimeout,
+                   fmt::format("pan-tilt unit is {:.4f} rad (pan) and {:.4f} rad (tilt) off after "
+                               "{:.1f} s: check limits, load and power",
+                               pan_off_rad, tilt_off_rad, seconds(timeout))};
     clock.sleep_until(clock.now() + kPoll);
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One USB device with vendor requests and a bulk pipe in: the seam between ToF drivers and libusb.
+// One USB device with vendor requests and a bulk IN pipe: the interface that keeps libusb out of
+// the ToF drivers.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace mixrig::device {
 
-/// How a bulk pipe stands after a wait.
+/// State of a bulk pipe after pump().
 enum class BulkState {
   kFlowing,
   kStalled,  ///< the device halted the pipe, or transfers failed: cancel() and submit() again
@@ -28,17 +29,17 @@ class UsbBulk {
   virtual ~UsbBulk() = default;
   /// Finds the device and claims its stream interface. Errors: kNotFound, kDevice.
   virtual Result<void> open() = 0;
-  /// Cancels what is in flight. Harmless when closed.
+  /// Cancels all transfers. Does nothing when closed.
   virtual void close() = 0;
-  /// A vendor request to the interface: reads into `in` where it is not empty. Returns the bytes
-  /// that came. Errors: kDevice.
+  /// A vendor request to the interface: reads into `in` where it is not empty. Returns the count
+  /// of bytes read. Errors: kDevice.
   virtual Result<std::size_t> request(std::uint8_t request, std::uint16_t value,
                                       std::span<std::uint8_t> in) = 0;
   /// Clears a halt and puts transfers in flight. Errors: kDevice.
   virtual Result<void> submit() = 0;
-  /// After it no transfer is in flight.
+  /// No transfer is in flight when it returns.
   virtual void cancel() = 0;
-  /// Hands on what came, waiting at most `timeout`, and puts the transfers back in flight.
+  /// Passes received bytes to `sink`, waiting at most `timeout`, and resubmits the transfers.
   virtual BulkState pump(Duration timeout, const BulkSink& sink) = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Control transfers of one USB device: the seam between DfuSe and libusb.
+// Control transfers of one USB device: the interface between the DfuSe protocol and libusb.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace mixrig::device {
 /// What the descriptors say about a DFU interface.
 struct DfuInterface {
   std::uint8_t number = 0;
-  std::size_t transfer_size = 0;  ///< bytes of a data block at most
+  std::size_t transfer_size = 0;  ///< largest data block, bytes
   std::string memory_layout;      ///< name of the alternate setting, "@Internal Flash /0x0800..."
 };
 
@@ -25,7 +25,7 @@ class UsbControl {
   virtual const DfuInterface& dfu() const = 0;
   virtual Result<void> send(std::uint8_t request, std::uint16_t value,
                             std::span<const std::uint8_t> data) = 0;
-  /// Returns how many bytes came, at most out.size().
+  /// Returns the count of bytes read, at most out.size().
   virtual Result<std::size_t> receive(std::uint8_t request, std::uint16_t value,
                                       std::span<std::uint8_t> out) = 0;
 };

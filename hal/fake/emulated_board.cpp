@@ -24,7 +24,7 @@ bool has_vectors(const EmulatedFlash& flash) {
   return stack >> 20 == 0x200 && EmulatedFlash::contains(entry, 2);
 }
 
-/// What the firmware's own check would say.
+/// Result of the firmware's own image check.
 bool image_good(const EmulatedFlash& flash, std::uint32_t& crc) {
   protocol::ImageHeader header;
   std::memcpy(&header, flash.bytes().data() + protocol::kHeaderOffset, sizeof header);
@@ -74,7 +74,7 @@ std::vector<std::uint8_t> EmulatedBoard::transmitted() {
   return bytes;
 }
 
-/// From firmware to bootloader and back, as the one hands over to the other.
+/// Switches between firmware and bootloader when one has started the other.
 void EmulatedBoard::follow() {
   if (!flash_.powered()) mode_ = BoardMode::kNothing;
   if (mode_ == BoardMode::kFirmware && firmware_->in_bootloader()) {
@@ -137,14 +137,14 @@ Result<void> BoardStream::set_line(const device::LineSettings& wanted) {
   return {};
 }
 
-/// Moves bytes whose time has come, at the present time.
+/// Delivers the bytes that are due at the present time.
 void BoardStream::deliver() {
   board_.advance_to(board_time_us(clock_.now()));
   while (!to_board_.empty() && to_board_.front().at <= clock_.now()) {
     board_.receive(to_board_.front().bytes);
     to_board_.pop_front();
   }
-  // Twice: leaving one mode may make the next one speak.
+  // Twice: after a change of mode the board may send again at once.
   for (int i = 0; i < 2; ++i) {
     std::vector<std::uint8_t> bytes = board_.transmitted();
     if (bytes.empty() || line.cut) continue;

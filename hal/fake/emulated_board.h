@@ -23,12 +23,12 @@ class EmulatedBoard {
  public:
   EmulatedBoard() : rom_(flash_) {}
 
-  /// Power off and on. Boots the bootloader where `boot0`, else what is in flash: the firmware
-  /// where vectors are there (with the verdict of its own check), nothing where they are not.
+  /// Power off and on. Starts the bootloader if `boot0`; else the firmware if flash holds a vector
+  /// table (with the result of its own image check); else nothing runs.
   void power_cycle(bool boot0);
   void receive(std::span<const std::uint8_t> bytes);
   std::vector<std::uint8_t> transmitted();
-  /// Of the board's own clock.
+  /// `time_us` is of the board's own clock.
   void advance_to(std::uint64_t time_us);
   std::uint64_t next_event_us() const;
 
@@ -50,17 +50,17 @@ class EmulatedBoard {
   std::uint64_t boot_us_ = 0;
 };
 
-/// The host's end of the line to a board, on a manual clock that reading moves.
+/// The host's end of the line to a board, on a manual clock that read() advances.
 class BoardStream final : public device::ByteStream {
  public:
   struct Line {
-    double byte_error_share = 0;  ///< of bytes, either way: replaced by another
-    Duration delay_max{};         ///< of each transfer, either way, drawn evenly from 0
+    double byte_error_share = 0;  ///< share of bytes, either way, that are replaced by another
+    Duration delay_max{};         ///< of each transfer, either way, uniform from 0
     double drift_ppm = 0;         ///< of the board's clock
-    bool cut = false;             ///< nothing gets through
+    bool cut = false;             ///< no byte arrives, either way
   };
 
-  /// Both outlive it.
+  /// Both must outlive it.
   BoardStream(EmulatedBoard& board, ManualClock& clock, std::uint64_t seed = 1)
       : board_(board), clock_(clock), random_(seed) {}
 
@@ -71,7 +71,7 @@ class BoardStream final : public device::ByteStream {
   void reseed(std::uint64_t seed) { random_.seed(seed); }
   Line line;
   device::LineSettings settings;  ///< as last set
-  /// The board's clock when the host's is at `host`: what a clock map should find.
+  /// The board's clock when the host's is at `host`: the truth for tests of a clock map.
   std::uint64_t board_time_us(HostTime host) const;
   HostTime host_time(double board_us) const;
 

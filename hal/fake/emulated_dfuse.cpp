@@ -79,7 +79,7 @@ Result<void> EmulatedDfuse::download(std::uint16_t block, std::span<const std::u
   return {};
 }
 
-/// Carries out what was downloaded; an erase of a protected sector would tell nothing here.
+/// Carries out what was downloaded. As on the device, no error reports a write-protected sector.
 void EmulatedDfuse::perform() {
   const auto fail = [&](std::uint8_t why) {
     state_ = kErrorState;

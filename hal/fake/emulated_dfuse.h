@@ -14,7 +14,7 @@ namespace mixrig::fake {
 
 class EmulatedDfuse final : public device::UsbControl {
  public:
-  /// `flash` outlives it.
+  /// `flash` must outlive it.
   explicit EmulatedDfuse(EmulatedFlash& flash);
 
   const device::DfuInterface& dfu() const override { return interface_; }

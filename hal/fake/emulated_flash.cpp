@@ -47,7 +47,7 @@ bool EmulatedFlash::erase_sector(int sector) {
   if (sector < 0 || sector >= kSectors || !begin_change(failing)) return false;
   const std::uint32_t begin = sector_begin(sector);
   std::uint32_t end = sector_begin(sector + 1);
-  // Cut off in the middle: the first half is blank, the rest still as it was.
+  // Interrupted midway: the first half is blank, the rest unchanged.
   if (failing) end = begin + (end - begin) / 2;
   std::fill(bytes_.begin() + begin, bytes_.begin() + end, std::uint8_t{0xFF});
   settle();

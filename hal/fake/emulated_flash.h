@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The flash of an STM32F405: sectors, bits that only an erase sets again, and power that fails.
+// The flash of an STM32F405: sectors, bits that only an erase sets to 1, and power failures.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ class EmulatedFlash {
 
   EmulatedFlash() : bytes_(kSize, 0xFF) {}
 
-  /// First byte of a sector as an offset; of kSectors, the end.
+  /// Offset of a sector's first byte; for kSectors the size of flash.
   static std::uint32_t sector_begin(int sector);
   static std::optional<int> sector_of(std::uint32_t address);
   static bool contains(std::uint32_t address, std::size_t size);
 
-  /// False where the power is off or failed in the middle: half of it is done then.
+  /// False where the power is off, or fails midway: then half of it is done.
   bool program(std::uint32_t address, std::span<const std::uint8_t> data);
   bool erase_sector(int sector);
   bool erase_all();
   std::span<const std::uint8_t> read(std::uint32_t address, std::size_t size) const;
   std::span<const std::uint8_t> bytes() const { return bytes_; }
-  /// As a programmer would fill it, bypassing all rules.
+  /// Fills flash directly, without the rules of erase and program.
   void load(std::span<const std::uint8_t> image);
 
   /// The power fails in the middle of the n-th change (program or erase) from now, n >= 1.

@@ -76,7 +76,7 @@ void EmulatedRom::answer(std::span<const std::uint8_t> bytes) {
 void EmulatedRom::receive(std::uint8_t byte) {
   if (!flash_.powered() || gone_to_) return;
   if (!synchronized_) {
-    // The first 0x7F tells the baud rate; anything else is not understood.
+    // The bootloader measures the baud rate on the first 0x7F and ignores other bytes.
     if (byte != kSync) return;
     synchronized_ = true;
     await_command();
@@ -160,7 +160,7 @@ void EmulatedRom::on_write_address() {
 }
 
 void EmulatedRom::on_write_size() {
-  // Size stays in front of the data: the check sum covers it.
+  // The size stays in front of the data: the checksum covers it.
   needed_ = input_[0] + std::size_t{3};
   then_ = &EmulatedRom::on_write_data;
 }
@@ -191,7 +191,7 @@ void EmulatedRom::on_erase_count() {
 }
 
 void EmulatedRom::on_erase_all() {
-  // One bank only: of the special codes the F405 knows the mass erase.
+  // One bank only: of the special codes the F405 supports the mass erase alone.
   if (xor_of(input_) != 0 || input_[1] != 0xFF) return refuse();
   await_command();
   if (flash_.erase_all()) acknowledge();

@@ -14,7 +14,7 @@ namespace mixrig::fake {
 
 class EmulatedRom {
  public:
-  /// `flash` outlives it. Stays silent while the flash has no power.
+  /// `flash` must outlive it. Sends nothing while the flash has no power.
   explicit EmulatedRom(EmulatedFlash& flash) : flash_(flash), ram_(kRamSize, 0) {}
 
   /// A byte from the host; answers are in output(), the caller erases what it sent.
@@ -22,7 +22,7 @@ class EmulatedRom {
   std::vector<std::uint8_t>& output() { return output_; }
   /// As after a reset: waits for the first 0x7F.
   void reset();
-  /// Where the host told it to go; it has stopped then.
+  /// Address of the host's Go command; the bootloader has stopped then.
   std::optional<std::uint32_t> gone_to() const { return gone_to_; }
   bool synchronized() const { return synchronized_; }
 
@@ -34,7 +34,7 @@ class EmulatedRom {
  private:
   static constexpr std::uint32_t kRamBase = 0x20000000;
   static constexpr std::uint32_t kRamSize = 128 * 1024;
-  static constexpr std::uint32_t kOwnRam = 12 * 1024;  ///< the bootloader's own, not to be touched
+  static constexpr std::uint32_t kOwnRam = 12 * 1024;  ///< reserved for the bootloader
 
   using Handler = void (EmulatedRom::*)();
   void expect(std::size_t bytes, Handler then);
@@ -54,7 +54,7 @@ class EmulatedRom {
   void on_erase_pages();
   void on_go_address();
   void answer(std::span<const std::uint8_t> bytes);
-  /// What may be read at `address`; empty where nothing may.
+  /// Memory that may be read at `address`; empty where none may.
   std::span<const std::uint8_t> readable(std::uint32_t address, std::size_t size) const;
 
   EmulatedFlash& flash_;

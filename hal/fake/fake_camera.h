@@ -25,15 +25,15 @@ class FakeCamera final : public device::Camera {
   Result<double> get(device::CameraControl control) override;
   device::StreamHealth health() const override;
 
-  /// One exposure now: the counter goes on, and a frame whose bytes all hold the counter's low
+  /// One exposure now: the counter increments, and a frame whose bytes all hold the counter's low
   /// byte is delivered while it streams and is plugged in. `count` > 1 repeats the same counter.
   void emit(int count = 1);
-  void drop_next(int frames) { drop_ += frames; }  ///< exposed, but lost on the way
+  void drop_next(int frames) { drop_ += frames; }  ///< exposed, but never delivered
   void damage_next() { damage_ = true; }           ///< arrives incomplete
-  void repeat();                                   ///< the last frame arrives once more
+  void repeat();                                   ///< delivers the last frame once more
   void set_clock(Duration ahead);  ///< its stamps are the host's time plus this from now on
   void unplug();
-  void replug();  ///< the counter starts anew
+  void replug();  ///< the counter restarts
   void fail_next_start(Error error) { start_error_ = std::move(error); }
 
  private:

@@ -21,7 +21,7 @@ FakePanTilt::FakePanTilt(Clock& clock) : clock_(clock), moved_(clock.now()) {
   info_.maximum = {2.5, 0.5};
 }
 
-/// Called with the lock held: counts the command, and the fault answers it.
+/// Counts the command and returns the error of the present fault. Call with the lock held.
 Result<void> FakePanTilt::answer() {
   ++health_.commands;
   if (fault_ == Fault::kSilent) {
@@ -30,7 +30,7 @@ Result<void> FakePanTilt::answer() {
   }
   if (fault_ == Fault::kGarbage) {
     ++health_.noise_bytes;
-    return Error{ErrorCode::kDevice, info_.uri + ": pan-tilt unit gives no sound answer"};
+    return Error{ErrorCode::kDevice, info_.uri + ": pan-tilt unit gives no valid answer"};
   }
   return {};
 }

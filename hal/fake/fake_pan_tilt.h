@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pan-tilt head without a wire: it moves by the injected clock, with back doors for faults.
+// A pan-tilt head without a serial line: it moves by the given clock, with back doors for faults.
 #pragma once
 
 #include <mutex>
@@ -14,8 +14,8 @@ class FakePanTilt final : public device::PanTilt {
  public:
   enum class Fault {
     kNone,
-    kSilent,   ///< every call is a kTimeout
-    kGarbage,  ///< every call is a kDevice: it talks nonsense
+    kSilent,   ///< every call fails with kTimeout
+    kGarbage,  ///< every call fails with kDevice: an invalid answer
     kStalled,  ///< answers, but does not move
   };
   explicit FakePanTilt(Clock& clock);
@@ -28,7 +28,7 @@ class FakePanTilt final : public device::PanTilt {
   device::PanTiltHealth health() const override;
 
   void set_fault(Fault fault);
-  /// The head reports that it ran into a limit, unasked.
+  /// The head reports that it hit a limit.
   void hit_limit();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trigger master that a test ticks by hand.
+// A trigger master whose ticks the test produces.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ class FakeTrigger final : public device::TriggerMaster {
   Result<void> stop() override;
   Result<std::size_t> read_ticks(std::span<device::TriggerTick> out, Duration timeout) override;
 
-  /// The next tick happens now, where it runs; returns its number.
+  /// The next tick happens now, if it runs; returns its number.
   std::uint64_t tick();
-  /// As after a brown-out: idle, and tick numbers begin anew.
+  /// As after a brown-out: idle, and tick numbers restart.
   void reset();
   bool running() const;
-  /// Its cable is pulled: it goes on firing, but nobody hears it.
+  /// Its cable is unplugged: it continues to fire, but reports and answers are lost.
   void set_silent(bool silent);
-  /// Ticks that nobody has read yet.
+  /// Reported ticks that were not read yet.
   std::size_t waiting() const;
   /// Waits until start() was called for the `count`-th time.
   bool wait_for_start(int count, Duration timeout);

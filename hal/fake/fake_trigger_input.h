@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trigger line that a test pulls.
+// A trigger line whose edges the test produces.
 #pragma once
 
 #include <mutex>
@@ -32,7 +32,7 @@ class FakeTriggerInput final : public device::TriggerInput {
 
   /// A rising edge now.
   void edge() { edge(clock_.now()); }
-  /// A rising edge that is stamped so.
+  /// A rising edge stamped `at`.
   void edge(HostTime at) {
     const std::lock_guard lock(mutex_);
     if (!sink_) return;

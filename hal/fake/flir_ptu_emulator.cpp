@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 namespace mixrig::fake {
 namespace {
@@ -48,42 +49,42 @@ void FlirPtuEmulator::move(HostTime now) {
   }
 }
 
-void FlirPtuEmulator::run(std::string_view words, HostTime now) {
+void FlirPtuEmulator::run(std::string_view command, HostTime now) {
   ++commands_;
   move(now);
-  if (words == "ED" || words == "EE") {
-    echo_ = words == "EE";
+  if (command == "ED" || command == "EE") {
+    echo_ = command == "EE";
     return answer("*");
   }
-  if (words == "FV" || words == "FT") {
-    verbose_ = words == "FV";
+  if (command == "FV" || command == "FT") {
+    verbose_ = command == "FV";
     return answer("*");
   }
-  if (words == "CI" || words == "CV" || words == "I" || words == "S" || words == "A")
+  if (command == "CI" || command == "CV" || command == "I" || command == "S" || command == "A")
     return answer("*");
-  if (words == "V") return answer("* Pan-Tilt Controller v2.14.0, emulated");
-  if (words == "H") {
+  if (command == "V") return answer("* Pan-Tilt Controller v2.14.0, emulated");
+  if (command == "H") {
     for (Axis& axis : axes_) axis.target = std::lround(axis.position);
     return answer("*");
   }
-  if (words.size() >= 2 && (words[0] == 'P' || words[0] == 'T'))
-    return on_axis(words[0] == 'P' ? 0 : 1, words[1], words.substr(2));
+  if (command.size() >= 2 && (command[0] == 'P' || command[0] == 'T'))
+    return on_axis(command[0] == 'P' ? 0 : 1, command[1], command.substr(2));
   answer("! Illegal command");
 }
 
 void FlirPtuEmulator::on_axis(int index, char what, std::string_view value) {
   const Axis& axis = axes_[static_cast<std::size_t>(index)];
   const std::string name = kAxisNames[static_cast<std::size_t>(index)];
-  char number[32];
   switch (what) {
     case 'P':
       return on_position(index, value);
     case 'S':
     case 'A':
       return on_setting(index, what, value);
-    case 'R':
-      std::snprintf(number, sizeof number, "%.4f", axis.arcsec);
-      return answer_number(std::string(number) + " seconds arc per " + name + " position", number);
+    case 'R': {
+      const std::string number = fmt::format("{:.4f}", axis.arcsec);
+      return answer_number(number + " seconds arc per " + name + " position", number);
+    }
     case 'N':
     case 'X': {
       const std::string limit = std::to_string(what == 'N' ? axis.minimum : axis.maximum);
@@ -151,7 +152,7 @@ std::string FlirPtuEmulator::with_faults(std::string line) {
   if (roll() < faults.noise_share) {
     const int count = std::uniform_int_distribution<>(1, 8)(random_);
     std::string noise;
-    // Any byte but those that begin a reply: the protocol has no way to tell such noise apart.
+    // Any byte but those that begin a reply: the protocol cannot distinguish such noise.
     while (static_cast<int>(noise.size()) < count) {
       const char byte = static_cast<char>(std::uniform_int_distribution<>(1, 255)(random_));
       if (byte != '*' && byte != '!') noise += byte;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pan-tilt unit at the level of its bytes: the ASCII protocol, moving axes, and faults.
+// A pan-tilt unit emulated byte by byte: the ASCII protocol, moving axes, and faults.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@
 
 namespace mixrig::fake {
 
-/// Speaks like a PTU-D46. Commands end in space or CR; time comes from the caller, so that the
-/// same object serves a test under a manual clock and a program behind a socket. Not thread-safe.
+/// Behaves like a PTU-D46. Commands end in space or CR; time comes from the caller, so that the
+/// same class serves tests with a manual clock and a program behind a socket. Not thread-safe.
 class FlirPtuEmulator {
  public:
   struct Faults {
-    double limit_report_share = 0;  ///< of replies: "!P" or "!T" put at a random place
+    double limit_report_share = 0;  ///< of replies: "!P" or "!T" inserted at a random place
     double noise_share = 0;         ///< of replies: 1 to 8 random bytes before it
-    bool silent = false;            ///< takes commands, answers nothing
+    bool silent = false;            ///< reads commands, never answers
     bool stalled = false;           ///< answers, but the axes do not move
-    int late_replies = 0;           ///< so many replies wait until the next command has come
+    int late_replies = 0;           ///< how many replies are held back until the next command
   };
   explicit FlirPtuEmulator(std::uint64_t seed = 1) : random_(seed) {}
 
@@ -44,7 +44,7 @@ class FlirPtuEmulator {
     long target = 0, minimum = -3090, maximum = 3090;
     double arcsec = 185.1428;
   };
-  void run(std::string_view words, HostTime now);
+  void run(std::string_view command, HostTime now);
   void move(HostTime now);
   void on_axis(int index, char what, std::string_view value);
   void on_position(int index, std::string_view value);
@@ -62,15 +62,15 @@ class FlirPtuEmulator {
   std::uint64_t commands_ = 0, limit_reports_ = 0;
 };
 
-/// The host's end of a cable to the emulator, under an injected clock: a read that finds nothing
-/// lets the time-out pass.
+/// The host's end of a cable to the emulator, on a given clock: a read that finds nothing waits for
+/// the time-out.
 class FlirPtuLine final : public device::ByteStream {
  public:
   FlirPtuLine(FlirPtuEmulator& unit, Clock& clock) : unit_(unit), clock_(clock) {}
   Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   bool unplugged = false;
-  std::size_t longest_read = 64;  ///< how many bytes a read gives at most
+  std::size_t longest_read = 64;  ///< bytes that one read returns at most
 
  private:
   FlirPtuEmulator& unit_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that knows libgpiod, version 1 (Debian 12); version 2 would be one more file like this.
+// The only file that uses libgpiod, version 1 (Debian 12); version 2 would be a second such file.
 #include "hal/linux/gpiod_lines.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 #include <gpiod.h>
 
-#include "hal/linux/software_trigger.h"
+#include "hal/wire/software_trigger.h"
 
 namespace mixrig::device {
 namespace {
@@ -63,14 +63,14 @@ Result<Lines> open_lines(const std::string& text) {
 
 class GpiodInput final : public TriggerInput {
  public:
-  GpiodInput(Lines lines, Clock& clock, std::string uri)
-      : lines_(std::move(lines)), clock_(clock), uri_(std::move(uri)) {}
+  GpiodInput(Lines lines, std::string uri) : lines_(std::move(lines)), uri_(std::move(uri)) {}
   ~GpiodInput() override { stop(); }
 
   Result<void> start(EdgeSink sink) override {
     if (thread_.joinable()) return Error{ErrorCode::kUsage, uri_ + ": runs already"};
     if (gpiod_line_request_rising_edge_events(line(), kConsumer) < 0)
-      return system_error(ErrorCode::kDevice, uri_ + ": line cannot be had: is it in use?", errno);
+      return system_error(ErrorCode::kDevice, uri_ + ": line cannot be requested: is it in use?",
+                          errno);
     sink_ = std::move(sink);
     stop_ = false;
     set_state(DeviceState::kStreaming);
@@ -102,7 +102,7 @@ class GpiodInput final : public TriggerInput {
       gpiod_line_event event{};
       if (ready == 0) continue;
       if (ready < 0 || gpiod_line_event_read(line(), &event) < 0) {
-        // The chip was unplugged: it does not come back under the same handle.
+        // The chip was unplugged: its handle stays invalid when it is plugged in again.
         set_state(DeviceState::kFailed);
         return;
       }
@@ -116,7 +116,6 @@ class GpiodInput final : public TriggerInput {
   }
 
   Lines lines_;
-  Clock& clock_;
   std::string uri_;
   EdgeSink sink_;
   std::thread thread_;
@@ -149,12 +148,12 @@ class GpiodOutputs final : public LineOutputs {
 
 }  // namespace
 
-Result<std::unique_ptr<TriggerInput>> open_gpiod_input(const std::string& line, Clock& clock) {
+Result<std::unique_ptr<TriggerInput>> open_gpiod_input(const std::string& line) {
   MIXRIG_ASSIGN(Lines lines, open_lines(line));
   if (lines.lines.size() != 1)
-    return Error{ErrorCode::kUsage, "gpiod:" + line + ": one line is listened to, not several"};
+    return Error{ErrorCode::kUsage, "gpiod:" + line + ": give one line, not several"};
   return std::unique_ptr<TriggerInput>(
-      std::make_unique<GpiodInput>(std::move(lines), clock, "gpiod:" + line));
+      std::make_unique<GpiodInput>(std::move(lines), "gpiod:" + line));
 }
 
 Result<std::unique_ptr<TriggerMaster>> open_gpiod_trigger(const std::string& text, Clock& clock) {

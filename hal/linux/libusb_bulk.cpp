@@ -52,7 +52,7 @@ class LibusbBulk final : public UsbBulk {
   int in_flight_ = 0;
   bool cancelling_ = false;
   BulkState state_ = BulkState::kFlowing;
-  const BulkSink* sink_ = nullptr;  ///< of the pump() that runs
+  const BulkSink* sink_ = nullptr;  ///< set while pump() runs
 };
 
 LibusbBulk::~LibusbBulk() {
@@ -155,7 +155,7 @@ Result<void> LibusbBulk::submit() {
   return {};
 }
 
-/// Waits until libusb has given every transfer back: their memory is ours.
+/// Waits until libusb has returned every transfer: their memory belongs to this object.
 void LibusbBulk::cancel() {
   cancelling_ = true;
   if (in_flight_ > 0)

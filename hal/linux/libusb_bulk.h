@@ -16,8 +16,8 @@ struct BulkAddress {
   std::uint8_t subclass = 0, protocol = 0;  ///< of the vendor-class interface
 };
 
-/// Eight transfers of 64 KiB are in flight, so that the bus never waits for the host. `name` is for
-/// error lines. Errors: kIo when libusb does not start. Not opened yet.
+/// Returns a closed pipe. Eight transfers of 64 KiB are in flight, so that the bus never waits for
+/// the host. `name` is for error lines. Errors: kIo when libusb does not start.
 Result<std::unique_ptr<UsbBulk>> make_libusb_bulk(const BulkAddress& address, std::string name);
 
 }  // namespace mixrig::device

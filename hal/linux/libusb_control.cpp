@@ -121,7 +121,7 @@ std::size_t transfer_size(const libusb_interface_descriptor& setting) {
   return 0;
 }
 
-/// The alternate setting whose name tells of the flash that programs run from.
+/// Claims the alternate setting whose name describes the flash that programs run from.
 Result<DfuInterface> claim_flash(Session& session, const std::string& name) {
   libusb_config_descriptor* config = nullptr;
   const int status =

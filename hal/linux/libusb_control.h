@@ -9,7 +9,7 @@
 
 namespace mixrig::device {
 
-/// `id` is "VID:PID" in hex. Takes the alternate setting of the internal flash. Errors: kUsage,
+/// `id` is "VID:PID" in hex. Selects the alternate setting of the internal flash. Errors: kUsage,
 /// kNotFound, kIo (permissions), kDevice (no DfuSe interface; two such devices).
 Result<std::unique_ptr<UsbControl>> open_dfu_device(const std::string& id);
 

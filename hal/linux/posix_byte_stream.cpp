@@ -99,7 +99,7 @@ Result<std::size_t> PosixByteStream::read(std::span<std::uint8_t> out, Duration 
 
 Result<void> PosixByteStream::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    // A socket whose other end is gone would end this process by a signal.
+    // MSG_NOSIGNAL: writing to a closed socket would otherwise raise SIGPIPE and end this process.
     const ssize_t n = is_socket_ ? ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
                                  : ::write(fd_, bytes.data(), bytes.size());
     if (n > 0) {
@@ -112,7 +112,7 @@ Result<void> PosixByteStream::write(std::span<const std::uint8_t> bytes) {
     }
     MIXRIG_ASSIGN(const bool ready,
                   wait_for(fd_, POLLOUT, std::chrono::milliseconds(kWriteTimeoutMs), name_));
-    if (!ready) return Error{ErrorCode::kTimeout, name_ + " takes no bytes: is it hung?"};
+    if (!ready) return Error{ErrorCode::kTimeout, name_ + " accepts no bytes: does it hang?"};
   }
   return {};
 }
@@ -123,14 +123,14 @@ Result<void> PosixByteStream::set_line(const LineSettings& settings) {
   const speed_t speed = settings.baud == 115'200 ? B115200 : settings.baud == 9'600 ? B9600 : B0;
   if (speed == B0) {
     return Error{ErrorCode::kUnsupported,
-                 name_ + ": no such rate, " + std::to_string(settings.baud) + " baud"};
+                 name_ + ": unsupported rate, " + std::to_string(settings.baud) + " baud"};
   }
   cfsetspeed(&terminal, speed);
   terminal.c_cflag &= ~static_cast<tcflag_t>(PARENB | PARODD);
   if (settings.parity == Parity::kEven) terminal.c_cflag |= PARENB;
   if (tcsetattr(fd_, TCSADRAIN, &terminal) == 0) return {};
-  // A pty drops the parity flag: its bytes have none. Where nothing else changes, that is an error
-  // to the C library, not to us.
+  // A pty ignores the parity flag, and the C library reports an error where nothing else changed.
+  // That is accepted here.
   const int cause = errno;
   termios now{};
   const bool all_but_parity = tcgetattr(fd_, &now) == 0 && cfgetospeed(&now) == speed &&

@@ -11,7 +11,7 @@ namespace mixrig::device {
 
 class PosixByteStream final : public ByteStream {
  public:
-  /// A terminal device, set raw. Errors: kNotFound, kIo.
+  /// A terminal device, set to raw mode. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> open_terminal(const std::string& path);
   /// A Unix socket. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> connect_unix(const std::string& path);
@@ -23,7 +23,7 @@ class PosixByteStream final : public ByteStream {
 
   Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  /// Sets what a terminal takes; sockets ignore it.
+  /// Sets what a terminal supports; sockets ignore it.
   Result<void> set_line(const LineSettings& settings) override;
 
  private:

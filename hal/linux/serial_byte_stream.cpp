@@ -48,7 +48,7 @@ SerialByteStream::~SerialByteStream() {
 }
 
 Result<std::size_t> SerialByteStream::read(std::span<std::uint8_t> out, Duration timeout) {
-  // A time-out of 0 would mean for ever.
+  // libserialport waits forever with a time-out of 0.
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
   const sp_return n =
       ms <= 0 ? sp_nonblocking_read(port_, out.data(), out.size())
@@ -61,7 +61,7 @@ Result<void> SerialByteStream::write(std::span<const std::uint8_t> bytes) {
   const sp_return n = sp_blocking_write(port_, bytes.data(), bytes.size(), kWriteTimeoutMs);
   if (n < 0) return serial_error(ErrorCode::kDevice, "lost " + name_ + ": unplugged?", n);
   if (static_cast<std::size_t>(n) != bytes.size()) {
-    return Error{ErrorCode::kTimeout, name_ + " takes no bytes: is it hung?"};
+    return Error{ErrorCode::kTimeout, name_ + " accepts no bytes: does it hang?"};
   }
   return {};
 }

@@ -31,7 +31,7 @@ class SerialByteStream final : public ByteStream {
   std::string name_;
 };
 
-/// Any stream by its name: `unix:PATH` a socket, a pty through PosixByteStream, else a port.
+/// Opens a stream by its name: `unix:PATH` a socket, a pty by PosixByteStream, else a serial port.
 Result<std::unique_ptr<ByteStream>> open_byte_stream(const std::string& name);
 
 }  // namespace mixrig::device

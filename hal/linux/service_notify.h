@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words to the service manager that started this process (systemd's sd_notify protocol).
+// State reports to the service manager that started this process (systemd's sd_notify protocol).
 #pragma once
 
 #include <string_view>
 
 namespace mixrig::device {
 
-/// Sends `state`, such as "READY=1" or "WATCHDOG=1". Nothing happens where no manager listens
+/// Sends `state`, such as "READY=1" or "WATCHDOG=1". Does nothing without a service manager
 /// (NOTIFY_SOCKET). Never blocks. True when it was sent.
+/// Own code in place of libsystemd: a board binary should not link a library for one datagram.
 bool notify_service(std::string_view state);
 
 }  // namespace mixrig::device

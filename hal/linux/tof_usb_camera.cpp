@@ -11,7 +11,7 @@
 
 #include "hal/base/log.h"
 #include "hal/linux/libusb_bulk.h"
-#include "hal/linux/tof_usb_decoder.h"
+#include "hal/wire/tof_usb_decoder.h"
 
 namespace mixrig::device {
 namespace {
@@ -49,8 +49,8 @@ class TofUsbCamera final : public DepthCamera {
   Clock& clock_;
   CameraInfo info_;
   TofDescription description_;
-  HostTime heard_{};
-  bool flows_ = false;  ///< bytes came since the stream was started
+  HostTime last_bytes_at_{};
+  bool streams_ = false;  ///< bytes arrived since the stream was started
   std::optional<FramePool> pool_;
   std::optional<TofUsbDecoder> decoder_;
   FrameSink sink_;
@@ -86,8 +86,8 @@ Result<void> TofUsbCamera::start_stream() {
   decoder_->restart();
   MIXRIG_TRY(pipe_->submit());
   const auto started = pipe_->request(kStream, 1, {});
-  heard_ = clock_.now();
-  flows_ = false;
+  last_bytes_at_ = clock_.now();
+  streams_ = false;
   if (started) return {};
   pipe_->cancel();
   return started.error();
@@ -113,14 +113,14 @@ void TofUsbCamera::stop() {
 
 void TofUsbCamera::work() {
   const BulkSink take = [this](std::span<const std::uint8_t> bytes) {
-    heard_ = clock_.now();
-    flows_ = true;
-    decoder_->feed(bytes, heard_, sink_);
+    last_bytes_at_ = clock_.now();
+    streams_ = true;
+    decoder_->feed(bytes, last_bytes_at_, sink_);
   };
   while (!stop_) {
     BulkState state = pipe_->pump(kWait, take);
-    // One that has not sent anything yet waits for its trigger.
-    if (state == BulkState::kFlowing && flows_ && clock_.now() - heard_ > kSilence)
+    // A camera that has not sent anything yet may be waiting for its trigger.
+    if (state == BulkState::kFlowing && streams_ && clock_.now() - last_bytes_at_ > kSilence)
       state = BulkState::kStalled;
     if (state != BulkState::kFlowing)
       recover(state);
@@ -131,7 +131,7 @@ void TofUsbCamera::work() {
   (void)pipe_->request(kStream, 0, {});
 }
 
-/// Until it streams again. Logged once, not per try.
+/// Restarts the stream, or reopens the device, until it streams. Logged once, not per try.
 void TofUsbCamera::recover(BulkState state) {
   pipe_->cancel();
   if (state == BulkState::kStalled) ++stalls_;

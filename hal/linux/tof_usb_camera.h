@@ -11,11 +11,11 @@
 
 namespace mixrig::device {
 
-/// A pipe that stalls, or is silent for a second, is cleared and started again (a link error and a
-/// return); a device that went away is looked for four times a second.
+/// A pipe that stalls, or delivers nothing for a second, is restarted (counted as a link error and
+/// a return); after the device was unplugged, the driver looks for it four times a second.
 /// `id` is "VVVV:PPPP" in hexadecimal. Errors: kUsage, kNotFound, kDevice.
 Result<std::unique_ptr<DepthCamera>> open_tof_usb(const std::string& id, Clock& clock);
-/// The same over any pipe. Errors: those of the pipe; kDevice for a description that is not sound.
+/// The same over any pipe. Errors: those of the pipe; kDevice for an invalid description.
 Result<std::unique_ptr<DepthCamera>> open_tof(std::unique_ptr<UsbBulk> pipe, std::string uri,
                                               Clock& clock);
 

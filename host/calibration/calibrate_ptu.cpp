@@ -53,7 +53,7 @@ double chi2(const estimation::Estimate<estimation::PanTiltCalibration>& found) {
   return found.residuals.squaredNorm();
 }
 
-/// The repeatability under which the residuals are as large as they should be.
+/// The repeatability for which the residuals match their expected size.
 double find_repeatability(const Poses& poses) {
   const auto dof = static_cast<double>(6 * poses.chain.size() - kChainParameters);
   const auto excess = [&](double sigma) {
@@ -70,10 +70,10 @@ double find_repeatability(const Poses& poses) {
 }
 
 /// Direction and a point of an axis in base axes, from the head's place at two angles.
-camera_io::PanTilt::Axis axis_of(const estimation::PanTiltChain& chain, bool pan) {
+calibration_file::PanTilt::Axis axis_of(const estimation::PanTiltChain& chain, bool pan) {
   const geometry::Pose zero = estimation::base_from_head(chain, 0, 0);
   const geometry::Pose turned = estimation::base_from_head(chain, pan ? 0.1 : 0, pan ? 0 : 0.1);
-  camera_io::PanTilt::Axis axis;
+  calibration_file::PanTilt::Axis axis;
   axis.direction =
       estimation::rotation_log((turned.rotation * zero.rotation.conjugate()).normalized())
           .normalized();
@@ -137,7 +137,7 @@ Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
   const auto found = estimation::calibrate_pan_tilt(poses.chain, report.repeatability_rad);
   if (!found.usable())
     return Error{ErrorCode::kData,
-                 "the views do not carry the pan-tilt unit: " + found.verdict.reason +
+                 "the views do not determine the pan-tilt unit: " + found.verdict.reason +
                      ": turn both axes by 10 degrees and more, with the board in "
                      "the picture"};
   if (found.verdict.standing == estimation::Standing::kWeak)
@@ -150,7 +150,7 @@ Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
   report.covariance = found.covariance;
   report.views = static_cast<int>(poses.views.size());
   report.residual_px = chain_residual_px(data, model, poses, found.value);
-  camera_io::PanTilt& unit = report.calibration.pan_tilt.emplace();
+  calibration_file::PanTilt& unit = report.calibration.pan_tilt.emplace();
   unit.pan = axis_of(found.value.chain, true), unit.tilt = axis_of(found.value.chain, false);
   unit.head_from_target = estimation::base_from_camera(found.value.chain, 0, 0);
   unit.repeatability_rad = report.repeatability_rad;

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <fmt/format.h>
+
 #include "host/config/document_state.h"
 #include "host/config/nearest.h"
 
@@ -16,15 +18,15 @@ constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 
 std::optional<std::string> Document::State::unknown_key(const Node& table,
                                                         const std::string& table_name) const {
-  const auto asked = known.find(&table);
-  if (asked == known.end()) return std::nullopt;  // nobody read it: its own key is unknown
+  const auto read = known.find(&table);
+  if (read == known.end()) return std::nullopt;  // not read at all: its own key is unknown
   for (std::size_t i = 0; i < table.keys.size(); ++i) {
     const std::string key = dotted(table_name, table.keys[i]);
     const Node& item = table.items[i];
-    if (!asked->second.contains(table.keys[i])) {
-      const auto meant = nearest(table.keys[i], {asked->second.begin(), asked->second.end()});
-      return name + ":" + std::to_string(item.line) + ": key \"" + key +
-             "\": not known: " + (meant ? "did you mean \"" + *meant + "\"?" : "remove it");
+    if (!read->second.contains(table.keys[i])) {
+      const auto meant = nearest(table.keys[i], {read->second.begin(), read->second.end()});
+      return fmt::format("{}:{}: key \"{}\": not known: {}", name, item.line, key,
+                         meant ? "did you mean \"" + *meant + "\"?" : "remove it");
     }
     if (item.kind == Node::Kind::kTable)
       if (auto found = unknown_key(item, key)) return found;
@@ -56,7 +58,7 @@ Result<Document> Document::parse(std::string_view text, const std::string& name)
 Table Document::root() { return {this, &state_->root, ""}; }
 
 Result<void> Document::finish() const {
-  // A misspelt key is told before the value that it leaves missing.
+  // A misspelt key is reported before the value that is missing because of it.
   if (auto unknown = state_->unknown_key(state_->root, ""))
     return Error{ErrorCode::kFormat, *unknown};
   if (state_->first_error) return Error{ErrorCode::kFormat, *state_->first_error};
@@ -85,7 +87,7 @@ Result<std::string> expand_environment(const std::string& text) {
     const char* value = std::getenv(name.c_str());
     if (value == nullptr)
       return Error{ErrorCode::kUsage, "environment variable " + name +
-                                          " is not set: set it to the folder that is meant"};
+                                          " is not set: set it to the folder that the file means"};
     out += value;
     at = close + 1;
   }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "host/config/table.h"
 #include "host/config/toml_tree.h"
 
@@ -15,15 +17,15 @@ namespace mixrig::config {
 struct Document::State {
   std::string name;  ///< of the file
   Node root;
-  std::map<const Node*, std::set<std::string, std::less<>>> known;  ///< keys asked for, a table
+  std::map<const Node*, std::set<std::string, std::less<>>>
+      known;  ///< keys that were read, by table
   std::optional<std::string> first_error;
 
   /// "NAME:LINE: ..." of the first unknown key below `table`, if any.
   std::optional<std::string> unknown_key(const Node& table, const std::string& table_name) const;
 
   void note(int line, const std::string& key, const std::string& what) {
-    if (!first_error)
-      first_error = name + ":" + std::to_string(line) + ": key \"" + key + "\": " + what;
+    if (!first_error) first_error = fmt::format("{}:{}: key \"{}\": {}", name, line, key, what);
   }
 };
 

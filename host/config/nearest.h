@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The known word that a misspelt one most likely meant.
+// The known word that is nearest to a misspelt one.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,8 @@ namespace mixrig::config {
 /// Insertions, deletions and replacements that lead from a to b (Levenshtein 1966).
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The word of least edit distance; nullopt where none is nearer than half of its own length.
+/// The word of least edit distance; nullopt where every known word needs more edits than half of
+/// its length.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace mixrig::config

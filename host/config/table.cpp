@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed getters over the parsed tree; they note what is wrong and carry on.
+// Typed getters over the parsed tree; they note what is wrong and return a default.
 #include "host/config/table.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 #include "host/config/document_state.h"
 
 namespace mixrig::config {
 namespace {
-
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", value);
-  return text;
-}
 
 std::optional<double> number_of(const Node& node) {
   if (const auto* integer = std::get_if<long long>(&node.value))
@@ -36,6 +31,15 @@ bool Table::is_number(std::string_view key) const {
   return node != nullptr && number_of(*node).has_value();
 }
 
+std::vector<std::string> Table::keys() const {
+  return node_ != nullptr ? node_->keys : std::vector<std::string>();
+}
+
+std::size_t Table::size_of(std::string_view key) const {
+  const Node* node = find(key, false);
+  return node != nullptr && node->kind == Node::Kind::kArray ? node->items.size() : 0;
+}
+
 const Node* Table::find(std::string_view key, bool required) const {
   document_->state_->known[node_].emplace(key);
   const Node* node = node_ != nullptr ? node_->find(key) : nullptr;
@@ -51,14 +55,14 @@ void Table::fail(std::string_view key, const std::string& what) const {
 
 void Table::fail(std::string_view key, const Error& error) const { fail(key, to_line(error)); }
 
-void Table::wrong_type(std::string_view key, const char* wanted) const {
-  fail(key, std::string("must be ") + wanted + ": correct the value");
+void Table::wrong_type(std::string_view key, std::string_view wanted) const {
+  fail(key, fmt::format("must be {}: correct the value", wanted));
 }
 
 bool Table::check(std::string_view key, double value, Range range) const {
   if (std::isfinite(value) && value >= range.min && value <= range.max) return true;
-  fail(key, number_text(value) + " is out of range: give " + number_text(range.min) + " to " +
-                number_text(range.max));
+  fail(key,
+       fmt::format("{:.6g} is out of range: give {:.6g} to {:.6g}", value, range.min, range.max));
   return false;
 }
 
@@ -127,16 +131,16 @@ std::vector<double> Table::numbers(std::string_view key, std::size_t min_count,
   if (node == nullptr) return values;
   if (const auto single = number_of(*node); single && min_count == 1)
     return check(key, *single, range) ? std::vector{*single} : values;
-  const std::string count = min_count == max_count
-                                ? std::to_string(min_count)
-                                : std::to_string(min_count) + " to " + std::to_string(max_count);
+  const std::string wanted =
+      min_count == max_count ? fmt::format("an array of {} numbers", min_count)
+                             : fmt::format("an array of {} to {} numbers", min_count, max_count);
   const std::size_t size = node->items.size();
   if (node->kind != Node::Kind::kArray || size < min_count || size > max_count)
-    return wrong_type(key, ("an array of " + count + " numbers").c_str()), values;
+    return wrong_type(key, wanted), values;
   std::vector<double> read;
   for (const Node& item : node->items) {
     const auto value = number_of(item);
-    if (!value) return wrong_type(key, ("an array of " + count + " numbers").c_str()), values;
+    if (!value) return wrong_type(key, wanted), values;
     if (!check(key, *value, range)) return values;
     read.push_back(*value);
   }
@@ -153,10 +157,12 @@ std::vector<double> Table::matrix(std::string_view key, std::size_t rows,
     for (const Node& item : node->items[row].items)
       if (const auto value = number_of(item); value && node->items[row].items.size() == columns)
         values.push_back(*value);
-  if (values.size() == rows * columns) return values;
+  const bool finite =
+      std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  if (values.size() == rows * columns && finite) return values;
   if (node != nullptr) {
-    const std::string wanted = std::to_string(rows) + " arrays of " + std::to_string(columns);
-    wrong_type(key, (wanted + " numbers").c_str());
+    wrong_type(key,
+               fmt::format("{} arrays of {} {}numbers", rows, columns, finite ? "" : "finite "));
   }
   return std::vector<double>(rows * columns, 0.0);
 }

@@ -25,9 +25,9 @@ inline constexpr Range kNotNegative{0.0, 1e12};
 struct Node;
 class Document;
 
-/// One table of a document. Getters never fail at once: what is wrong is noted in the document,
-/// a default is returned, and Document::finish() tells. A key is known once it was asked for.
-/// Borrows from the document. Not thread-safe.
+/// One table of a document. Getters do not fail at once: the document notes the first thing that is
+/// wrong, the getter returns a default, and Document::finish() returns the error. A key is known
+/// once a getter has read it. Valid as long as the document. Not thread-safe.
 class Table {
  public:
   /// False for an optional table that the file does not have; getters then return defaults.
@@ -35,6 +35,10 @@ class Table {
   bool has(std::string_view key) const;
   /// True where the key is there and holds one number.
   bool is_number(std::string_view key) const;
+  /// Keys of this table in alphabetical order. They do not become known by this.
+  std::vector<std::string> keys() const;
+  /// Number of elements of the array of that key; 0 where the key is absent or holds no array.
+  std::size_t size_of(std::string_view key) const;
 
   double number(std::string_view key, Range range = {}) const;
   double number_or(std::string_view key, double fallback, Range range = {}) const;
@@ -45,10 +49,11 @@ class Table {
   std::string text_or(std::string_view key, std::string_view fallback) const;
   /// Index of the word in `words`.
   int one_of(std::string_view key, const std::vector<std::string>& words, int fallback) const;
-  /// Between `min_count` and `max_count` numbers; where one is enough, a bare number will do.
+  /// Between `min_count` and `max_count` numbers; where one is enough, a number without brackets is
+  /// read too.
   std::vector<double> numbers(std::string_view key, std::size_t min_count, std::size_t max_count,
                               Range range = {}) const;
-  /// `rows` arrays of `columns` numbers, row by row.
+  /// `rows` arrays of `columns` finite numbers, row by row.
   std::vector<double> matrix(std::string_view key, std::size_t rows, std::size_t columns) const;
   /// A table that may be absent.
   Table table(std::string_view key) const;
@@ -67,7 +72,7 @@ class Table {
   Table(Document* document, const Node* node, std::string name)
       : document_(document), node_(node), name_(std::move(name)) {}
   const Node* find(std::string_view key, bool required) const;
-  void wrong_type(std::string_view key, const char* wanted) const;
+  void wrong_type(std::string_view key, std::string_view wanted) const;
   bool check(std::string_view key, double value, Range range) const;
   Table child(std::string_view key, const Node* node) const;
 
@@ -76,20 +81,20 @@ class Table {
   std::string name_;  ///< dotted name in the file, empty for the root
 };
 
-/// A TOML file, what was asked of it, and what was wrong with it.
+/// A TOML file, which of its keys were read, and what was wrong with it.
 class Document {
  public:
   /// Errors: kNotFound, kFormat (file:line).
   static Result<Document> read(const std::filesystem::path& path);
-  /// The same from text; `name` stands for the file. Pure: what fuzzers feed.
+  /// The same from text; `name` stands for the file. Pure: fuzzers call it.
   static Result<Document> parse(std::string_view text, const std::string& name);
   Document(Document&&) noexcept;
   Document& operator=(Document&&) noexcept;
   ~Document();
 
   Table root();
-  /// Call when every key has been asked for. Errors: kFormat, the first of: a key that nobody
-  /// asked for (with the nearest that somebody did), else what getters and fail() noted.
+  /// Call when every key has been read. Errors: kFormat, the first of: a key that was not read
+  /// (with the nearest one that was), else what getters and fail() noted.
   Result<void> finish() const;
 
  private:
@@ -103,12 +108,12 @@ class Document {
 /// brace is not closed.
 Result<std::string> expand_environment(const std::string& text);
 
-/// A file or folder that `key` names, from `folder` on; ${NAME} is an environment variable. Empty
-/// where the key is absent from an optional table, or wrong (which is noted).
+/// The file or folder that `key` names, relative to `folder`; ${NAME} is an environment variable.
+/// Empty where the key is absent from an optional table, or wrong (which is noted).
 std::filesystem::path path_at(const Table& table, std::string_view key,
                               const std::filesystem::path& folder);
 
-/// Whole of a text file of at most `max_bytes`. Errors: kNotFound, kFormat where it is larger.
+/// The whole text of a file of at most `max_bytes`. Errors: kNotFound, kFormat where it is larger.
 Result<std::string> read_text(const std::filesystem::path& path, std::size_t max_bytes);
 
 }  // namespace mixrig::config

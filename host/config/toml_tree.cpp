@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// toml++ behind a bounded, plain tree.
+// toml++ to a plain tree of limited size.
 #include "host/config/toml_tree.h"
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 constexpr int kMaxKeyParts = 16;
 
-/// toml++ bounds the depth of brackets but not of dotted keys, and frees a tree by recursion:
-/// a key of many dots would end the stack. Returns the line of such a key, 0 where there is none.
+/// toml++ limits the depth of brackets but not of dotted keys, and frees a tree by recursion: a key
+/// of many dots would overflow the stack. Returns the line of such a key, 0 where there is none.
 int line_of_deep_key(std::string_view text) {
   int line = 1, dots = 0;
   for (const char c : text) {
@@ -60,7 +60,7 @@ Error bad_text(const std::string& name, long line, const std::string& why) {
 }  // namespace
 
 Result<Node> parse_toml(std::string_view text, const std::string& name) {
-  if (text.size() > kMaxBytes) return bad_text(name, 1, "larger than 1 MiB: this is no manifest");
+  if (text.size() > kMaxBytes) return bad_text(name, 1, "larger than 1 MiB: give the right file");
   if (const int line = line_of_deep_key(text); line != 0)
     return bad_text(name, line, "a key of more than 16 parts: remove it");
   try {

@@ -26,7 +26,7 @@ struct Node {
   }
 };
 
-/// Parses TOML 1.0. Pure and bounded: text up to 1 MiB, keys of at most 16 parts.
+/// Parses TOML 1.0. Pure. Limits: text up to 1 MiB, keys of at most 16 parts.
 /// Errors: kFormat, "name:line: why: what to do".
 Result<Node> parse_toml(std::string_view text, const std::string& name);
 

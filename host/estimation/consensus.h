@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits that survive outliers: all data if they agree with the stated noise, else the largest
-// agreeing subset found by sampling (MSAC score, Torr and Zisserman 2000).
+// Fits that withstand outliers: all measurements if they agree with the stated noise, else the
+// largest subset that agrees, found by random sampling (Fischler and Bolles 1981) with the score of
+// MSAC (Torr and Zisserman 2000).
 #pragma once
 
 #include <algorithm>
@@ -16,8 +17,8 @@
 
 namespace mixrig::estimation {
 
-/// z of the test that measurements, each of which belongs to the fit, contradict each other (p =
-/// 1e-7): a refusal needs more evidence than the search for outliers.
+/// z of the test whether inliers contradict each other (p = 1e-7): a refusal needs more evidence
+/// than the search for outliers.
 inline constexpr double kContradictionZ = 5.2;
 
 /// Sizes of an estimation problem.
@@ -26,6 +27,37 @@ struct ProblemSize {
   int sample;        ///< measurements that determine a model up to a few solutions
   int residual_dim;  ///< residuals per measurement
   int parameters;
+};
+
+/// Keeps the best of sampled models: the one with the least sum over all measurements of
+/// min(cost, limit) (MSAC; with costs of 0 and 1 and limit 1, RANSAC).
+template <typename Model>
+class BestModel {
+ public:
+  BestModel(int measurements, double limit)
+      : measurements_(measurements), limit_(limit), score_(limit * measurements) {}
+
+  /// `cost(model, i)` of measurement i; NaN counts as an outlier. The sum stops where the model can
+  /// no longer win; of equal models the first is kept.
+  template <typename Cost>
+  void offer(const Model& model, Cost&& cost) {
+    double score = 0;
+    for (int i = 0; i < measurements_ && score < score_; ++i) {
+      const double c = cost(model, i);
+      score += c < limit_ ? c : limit_;
+    }
+    if (score < score_) score_ = score, model_ = model;
+  }
+
+  /// Empty until a model with an inlier was offered.
+  [[nodiscard]] const std::optional<Model>& model() const { return model_; }
+  /// Share of the measurements that the best model explains, 0..1; its inliers' costs reduce it.
+  [[nodiscard]] double share() const { return 1.0 - score_ / (limit_ * measurements_); }
+
+ private:
+  int measurements_;
+  double limit_, score_;
+  std::optional<Model> model_;
 };
 
 template <typename Model>
@@ -87,35 +119,28 @@ std::vector<int> largest_consensus(const ProblemSize& size, Sample&& sample, Cos
       static_cast<int>(2 * std::log(1e-6) / std::log1p(-std::pow(0.5, size.sample)));
   const double limit = chi2_limit(size.residual_dim, kInlierZ);
   const int n = size.measurements;
-  std::optional<Model> best;
-  double best_score = limit * n;
+  BestModel<Model> best(n, limit);
   int trials = 0;
   visit_samples(n, size.sample, max_trials, [&](std::span<const int> indices) {
     ++trials;
-    for (const Model& model : sample(indices)) {
-      double score = 0;
-      for (int i = 0; i < n && score < best_score; ++i) {
-        const double c = cost(model, i);
-        score += c < limit ? c : limit;  // NaN counts as an outlier
-      }
-      if (score < best_score) best_score = score, best = model;
-    }
-    // Enough once a better model would have been met with probability 1 - 1e-6.
-    const double share = 1.0 - best_score / (limit * n);
-    return std::pow(1.0 - std::pow(share, size.sample), trials) > 1e-6;
+    for (const Model& model : sample(indices)) best.offer(model, cost);
+    // Enough once a better model would have been sampled with probability 1 - 1e-6.
+    return std::pow(1.0 - std::pow(best.share(), size.sample), trials) > 1e-6;
   });
-  // The noise of its few measurements is in the sampled model: a wider gate, for the refit to cut.
+  // The sampled model holds the noise of its few measurements: a wider gate here, the refit's gate
+  // cuts the rest.
   constexpr double kWider = 4;
-  return best ? agreeing(n, *best, cost, kWider * limit) : std::vector<int>{};
+  return best.model() ? agreeing(n, *best.model(), cost, kWider * limit) : std::vector<int>{};
 }
 
 }  // namespace detail
 
 /// Fits all measurements; where `whitened` and they disagree with their noise, the largest
-/// subset that agrees. A subset counts only with two witnesses beyond its sample and three fifths
-/// of all measurements: of points behind a camera, half now and then lie so near to a plane that
-/// turning it explains them. `fit(indices)` -> optional<Model> is the full least-squares fit,
-/// `sample(indices)` -> a range of Models, `cost(model, i)` the squared (whitened) residual.
+/// subset that agrees. A subset is accepted only with two measurements more than a sample has and
+/// three fifths of all measurements: half of the points are not enough, because they can lie so
+/// close to a plane that a rotated camera explains them. `fit(indices)` -> optional<Model> is the
+/// full least-squares fit, `sample(indices)` -> a range of Models, `cost(model, i)` the squared
+/// (whitened) residual.
 template <typename Model, typename Fit, typename Sample, typename Cost>
 ConsensusFit<Model> fit_with_consensus(const ProblemSize& size, bool whitened, Fit&& fit,
                                        Sample&& sample, Cost&& cost) {

@@ -9,7 +9,7 @@
 
 namespace mixrig::estimation {
 
-/// Eigenvalues of a symmetric matrix, growing, and their unit vectors as columns.
+/// Eigenvalues of a symmetric matrix in ascending order, and their unit eigenvectors as columns.
 struct Spectrum {
   Eigen::Vector3d values;
   Eigen::Matrix3d axes;
@@ -21,14 +21,14 @@ struct PointSpread {
   Eigen::Vector3d mean_m, spread_m;
   Eigen::Matrix3d axes;
 };
-/// Of the points named by `indices`, at least one. Keeps its digits far from the origin.
+/// Of the points named by `indices`, at least one. Loses no precision far from the origin.
 PointSpread spread_of(std::span<const Eigen::Vector3d> points_m, std::span<const int> indices);
 
 /// The rotation that maximises trace(R^T cross); with cross = sum of w b a^T it is the
 /// least-squares rotation b = R a (Arun 1987 with Umeyama's 1991 sign).
 struct RotationFit {
   Eigen::Quaterniond rotation;
-  Eigen::Vector3d singular_values;  ///< of cross, falling
+  Eigen::Vector3d singular_values;  ///< of cross, in descending order
   bool mirrored;                    ///< the best orthogonal matrix is a reflection
 };
 RotationFit fit_rotation(const Eigen::Matrix3d& cross);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear least squares of any size, compiled once: Eigen's QR takes the compiler long.
+// Linear least squares of any size, compiled once: Eigen's QR takes long to compile.
 #pragma once
 
 #include <Eigen/Core>

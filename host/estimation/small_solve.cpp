@@ -8,7 +8,7 @@
 namespace mixrig::estimation::detail {
 namespace {
 
-/// A model in the shape that TinySolver asks for.
+/// A model with the interface that TinySolver requires.
 struct TinyFunction {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
@@ -23,7 +23,7 @@ struct TinyFunction {
   }
 };
 
-/// TinySolver squares the condition number; Gauss-Newton steps by QR win the digits back.
+/// TinySolver squares the condition number; Gauss-Newton steps by QR recover the precision.
 void polish(const SmallModel& model, SmallSolution& s) {
   const auto evaluate = [&] { model(s.x.data(), s.residuals.data(), s.jacobian.data()); };
   evaluate();

@@ -22,7 +22,7 @@ struct SmallSolution {
   Eigen::MatrixXd information() const;  ///< J^T J
 };
 
-/// Fills `residuals`, and `jacobian` (column-major) where it is no nullptr, at x.
+/// Fills `residuals`, and `jacobian` (column-major) unless it is nullptr, at x.
 using SmallModel = std::function<void(const double* x, double* residuals, double* jacobian)>;
 
 /// Minimises from x = 0; parameters should be of order one.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every estimator returns: a value, how sure it is, and whether the data carry it at all.
+// What every estimator returns: a value, its covariance, and a verdict whether the data determine
+// it at all.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,7 @@ namespace mixrig::estimation {
 enum class Standing {
   kOk,         ///< value and covariance hold in every direction
   kWeak,       ///< they hold, but one direction is far less certain than the rest
-  kDegenerate  ///< the data cannot carry an answer; the value means nothing
+  kDegenerate  ///< the data do not determine an answer; the value means nothing
 };
 
 /// ok | weak(direction, sigma) | degenerate(reason).
@@ -37,8 +38,8 @@ struct Verdict {
 /// "ok", "weak" or "degenerate".
 const char* name_of(Standing standing);
 
-/// An estimate that knows its limits. Where the verdict is degenerate, `value` is the default
-/// value, `covariance` is empty and only `verdict.reason` speaks.
+/// An estimate with its covariance and verdict. Where the verdict is degenerate, `value` is the
+/// default value, `covariance` is empty and `verdict.reason` says why.
 template <typename T>
 struct Estimate {
   T value{};
@@ -61,10 +62,10 @@ struct Judgement {
   Verdict verdict;
 };
 
-/// The worst direction is weak from this multiple on of the sigma that the same amount of
-/// information, spread evenly over all directions, would give.
+/// The worst direction is weak where its sigma is at least this multiple of the sigma that the same
+/// amount of information, spread evenly over all directions, would give.
 inline constexpr double kWeakRatio = 5.0;
-/// An estimate whose sigma exceeds this share of the scene's own extent is no estimate.
+/// An estimate whose sigma exceeds this share of the scene's own extent is degenerate.
 inline constexpr double kDegenerateShare = 0.25;
 
 /// Judges the information matrix (J^T J of whitened residuals) of a fit. `extent` makes the
@@ -80,8 +81,8 @@ inline constexpr double kInlierZ = 3.0;
 /// z of the test that a whole fit agrees with the stated noise (p = 5e-5).
 inline constexpr double kFitZ = 3.9;
 
-/// Sigma as stated, or from the residuals where it is not (at least `rounding`, what the digits
-/// of the input leave); nullopt without redundancy.
+/// Sigma as stated, or estimated from the residuals (at least `rounding`, the rounding error of the
+/// input); nullopt without redundancy.
 std::optional<double> noise_sigma(std::optional<double> stated, double squared_sum, int dof,
                                   double rounding);
 

@@ -50,7 +50,7 @@ struct Projection {
   Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kPinholeParameters> d_parameters;
 };
 /// Projects with `parameters` alone and differentiates, for solvers: the domain of the model is not
-/// looked up, which costs more than the projection. nullopt where the model has no pixel at all:
+/// checked, which costs more than the projection. nullopt where the model has no pixel at all:
 /// behind a pinhole, at the fisheye's backward axis, at the centre, or where it is not finite.
 std::optional<Projection> project_with_jacobians(LensKind kind, const double* parameters,
                                                  const Eigen::Vector3d& p);

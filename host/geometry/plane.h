@@ -18,7 +18,7 @@ struct Plane {
 };
 
 /// Total least squares plane of at least three points that are not collinear.
-/// Errors: kData where the points cannot carry a plane (too few, collinear, not finite).
+/// Errors: kData where the points do not determine a plane (too few, collinear, not finite).
 Result<Plane> fit_plane(std::span<const Eigen::Vector3d> points_m);
 
 }  // namespace mixrig::geometry

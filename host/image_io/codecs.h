@@ -18,7 +18,7 @@ constexpr int kMaxSidePx = 16384;
 bool is_png(Bytes bytes);
 bool is_jpeg(Bytes bytes);
 
-/// Each fills `image`; `name` stands in the error line. Errors: kFormat.
+/// Each fills `image`; `name` appears in the error line. Errors: kFormat.
 Result<void> decode_png(Bytes bytes, const std::string& name, Image<Rgb8>& image);
 Result<void> decode_png(Bytes bytes, const std::string& name, Image<std::uint16_t>& image);
 Result<void> decode_png(Bytes bytes, const std::string& name, Image<std::uint8_t>& image);
@@ -28,7 +28,7 @@ Result<void> decode_jpeg(Bytes bytes, const std::string& name, Image<Rgb8>& imag
 Error bad_picture(const std::string& name, const std::string& why,
                   const std::string& what_to_do = "replace the file");
 
-/// Makes the image that large without filling it anew where the size stays.
+/// Gives the image a size; does nothing if it has that size already.
 template <typename T>
 void resize(Image<T>& image, Size size) {
   if (image.size() != size) image.reset(size);

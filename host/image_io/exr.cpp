@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR files of float channels. OpenEXR reports by exceptions, which end here.
+// OpenEXR files of float channels. OpenEXR throws exceptions; they are caught here.
 #include <algorithm>
 #include <exception>
 
@@ -10,16 +10,16 @@
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 
+#include "hal/base/partial_path.h"
 #include "host/image_io/codecs.h"
 #include "host/image_io/image_io.h"
-#include "host/image_io/partial_path.h"
 
 namespace mixrig::image_io {
 namespace {
 
 constexpr int kMaxChannels = 64;
-/// Deflate, the tightest of OpenEXR's lossless methods, makes at most 1032 bytes of one, and a
-/// value takes at least two; a header that promises more is damaged.
+/// Deflate has the highest compression ratio of OpenEXR's lossless methods, at most 1032, and a
+/// value takes at least two bytes; a header that declares more values is damaged.
 constexpr std::size_t kMaxValuesPerByte = 516;
 
 Imf::Slice slice_of(float* pixels, std::ptrdiff_t stride, const Imath::Box2i& window) {
@@ -29,7 +29,7 @@ Imf::Slice slice_of(float* pixels, std::ptrdiff_t stride, const Imath::Box2i& wi
           static_cast<std::size_t>(stride) * sizeof(float)};
 }
 
-/// Size of the data window; empty where the file cannot hold that many values.
+/// Size of the data window; empty if the file cannot hold that many values.
 Size checked_size(const Imath::Box2i& window, int channels, std::size_t file_bytes) {
   const auto width = static_cast<std::int64_t>(window.max.x) - window.min.x + 1;
   const auto height = static_cast<std::int64_t>(window.max.y) - window.min.y + 1;
@@ -47,7 +47,7 @@ Result<std::vector<Channel>> read(const std::filesystem::path& path) {
   const Imath::Box2i window = file.header().dataWindow();
   const Size size = checked_size(window, count, std::filesystem::file_size(path));
   if (count > kMaxChannels || size.empty())
-    return bad_picture(path.string(), "its header promises more than the file can hold");
+    return bad_picture(path.string(), "its header declares more than the file can hold");
 
   std::vector<Channel> channels;
   Imf::FrameBuffer frame;
@@ -70,7 +70,7 @@ void write(const std::filesystem::path& path, const std::vector<Channel>& channe
   Imf::FrameBuffer frame;
   for (const Channel& channel : channels) {
     header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
-    // Imf only reads through the slices of an output file.
+    // OpenEXR only reads through the slices of an output file.
     frame.insert(channel.name, slice_of(const_cast<float*>(channel.pixels.row(0)),
                                         channel.pixels.stride(), header.dataWindow()));
   }

@@ -11,7 +11,7 @@
 namespace mixrig::image_io {
 namespace {
 
-/// Larger files are no pictures of at most kMaxSidePx that anyone meant.
+/// No picture of at most kMaxSidePx per side needs a larger file.
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31;
 
 struct CloseFile {

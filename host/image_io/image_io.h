@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Picture files: PNG, JPEG, OpenEXR. Readers fill a given image, and keep its memory where they
-// can.
+// Picture files: PNG, JPEG, OpenEXR. Readers fill a given image and reuse its memory if the size is
+// the same.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace mixrig::image_io {
 /// Errors: kNotFound, kFormat (truncated, damaged, larger than 16384 px), naming the file.
 Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image);
 
-/// Decodes PNG or JPEG bytes; `name` stands in the error line.
+/// Decodes PNG or JPEG bytes; `name` appears in the error line. Errors: kFormat.
 Result<void> decode_rgb8(const std::uint8_t* bytes, std::size_t size, const std::string& name,
                          Image<Rgb8>& image);
 
@@ -30,6 +30,9 @@ Result<void> read_gray8(const std::filesystem::path& path, Image<std::uint8_t>& 
 Result<void> write_png(const std::filesystem::path& path, ImageView<const Rgb8> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint8_t> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint16_t> image);
+
+/// The bytes of a PNG file. Errors: kIo for an image without pixels.
+Result<std::string> encode_png(ImageView<const Rgb8> image);
 
 /// One channel of an EXR file, 32-bit float.
 struct Channel {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JPEG decoding with libjpeg. Its errors leave by longjmp, so the functions that call setjmp hold
-// nothing that needs a destructor.
+// JPEG decoding with libjpeg. It reports errors by longjmp, so functions that call setjmp have no
+// local variables with destructors.
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -13,8 +13,8 @@
 namespace mixrig::image_io {
 namespace {
 
-/// Each block of 8x8 pixels costs at least one bit in the file; a header that promises more
-/// pixels is damaged, and is refused before memory is asked for.
+/// Each block of 8x8 pixels takes at least one bit in the file; a header that declares more pixels
+/// is damaged, and is refused before memory is allocated.
 constexpr std::size_t kMaxPixelsPerByte = 8 * 64;
 
 class JpegReader {
@@ -76,7 +76,7 @@ class JpegReader {
     info->err->format_message(info, self->why_);
     std::longjmp(self->jump_, 1);
   }
-  /// libjpeg paints over missing data with a warning; here that is an error.
+  /// libjpeg fills in missing data and only warns; here that is an error.
   static void on_message(j_common_ptr info, int level) {
     if (level < 0 && info->err->msg_code != JWRN_EXTRANEOUS_DATA) on_error(info);
   }

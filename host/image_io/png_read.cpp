@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG decoding with libpng. libpng leaves by longjmp, so the functions that call setjmp hold
-// nothing that needs a destructor.
+// PNG decoding with libpng. It reports errors by longjmp, so functions that call setjmp have no
+// local variables with destructors.
 #include <algorithm>
 #include <bit>
 #include <csetjmp>
@@ -14,8 +14,8 @@
 namespace mixrig::image_io {
 namespace {
 
-/// Deflate makes at most 1032 bytes of one (zlib, "Technical Details"); a header that promises
-/// more is damaged, and is refused before memory is asked for.
+/// Highest compression ratio of deflate (zlib, "Technical Details"); a header that declares more
+/// data is damaged, and is refused before memory is allocated.
 constexpr std::size_t kMaxInflation = 1032;
 
 class PngReader {
@@ -55,7 +55,7 @@ class PngReader {
     return true;
   }
 
-  /// Applies the conversions; false where the file is too short for what it promises.
+  /// Applies the conversions; false if the file is too short for the declared size.
   bool start() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_interlace_handling(png_);
@@ -99,7 +99,7 @@ class PngReader {
   png_infop info_ = nullptr;
   Bytes rest_;
   std::size_t size_;
-  std::size_t raw_bytes_ = 0;  ///< what the deflate stream must hold
+  std::size_t raw_bytes_ = 0;  ///< uncompressed size of the deflate stream
   char text_[128] = {};
   const char* why_ = "out of memory";
 };

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG encoding with libpng. libpng leaves by longjmp, so the function that calls setjmp holds
-// nothing that needs a destructor.
+// PNG encoding with libpng. It reports errors by longjmp, so the function that calls setjmp has no
+// local variables with destructors.
 #include <bit>
-#include <cerrno>
 #include <csetjmp>
-#include <cstdio>
 #include <vector>
 
 #include <png.h>
 
+#include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
-#include "host/image_io/partial_path.h"
 
 namespace mixrig::image_io {
 namespace {
 
-/// zlib level: takes are written frame by frame, and level 9 saves a few per cent for many
+/// zlib level: takes are written frame by frame, and level 9 saves only a few per cent in many
 /// times the time.
 constexpr int kCompression = 3;
 
@@ -28,10 +26,15 @@ struct PngRows {
 
 void on_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void on_warning(png_structp, png_const_charp) {}
+void on_write(png_structp png, png_bytep bytes, std::size_t count) {
+  static_cast<std::string*>(png_get_io_ptr(png))
+      ->append(reinterpret_cast<const char*>(bytes), count);
+}
+void on_flush(png_structp) {}
 
-bool encode(png_structp png, png_infop info, std::FILE* file, const PngRows& picture) {
+bool encode(png_structp png, png_infop info, const PngRows& picture, std::string& out) {
   if (png == nullptr || info == nullptr || setjmp(png_jmpbuf(png)) != 0) return false;
-  png_init_io(png, file);
+  png_set_write_fn(png, &out, on_write, on_flush);
   png_set_compression_level(png, kCompression);
   png_set_IHDR(png, info, static_cast<png_uint_32>(picture.size.width),
                static_cast<png_uint_32>(picture.size.height), picture.bit_depth, picture.color_type,
@@ -43,35 +46,36 @@ bool encode(png_structp png, png_infop info, std::FILE* file, const PngRows& pic
   return true;
 }
 
-bool encode(std::FILE* file, const PngRows& picture) {
+template <typename T>
+Result<std::string> encode(ImageView<const T> image, int bit_depth, int color_type) {
+  if (image.empty()) return Error{ErrorCode::kIo, "it has no pixels"};
+  PngRows picture{image.size, bit_depth, color_type, {}};
+  for (int y = 0; y < image.size.height; ++y)
+    picture.rows.push_back(reinterpret_cast<png_const_bytep>(image.row(y)));
+  std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
-  const bool done = encode(png, info, file, picture);
+  const bool done = encode(png, info, picture, bytes);
   png_destroy_write_struct(&png, &info);
-  return done;
+  if (!done) return Error{ErrorCode::kIo, "libpng cannot encode it"};
+  return bytes;
 }
 
 template <typename T>
 Result<void> write(const std::filesystem::path& path, ImageView<const T> image, int bit_depth,
                    int color_type) {
-  const std::string what = "cannot write picture '" + path.string() + "'";
-  if (image.empty()) return Error{ErrorCode::kIo, what + ": it has no pixels"};
-  PngRows picture{image.size, bit_depth, color_type, {}};
-  for (int y = 0; y < image.size.height; ++y)
-    picture.rows.push_back(reinterpret_cast<png_const_bytep>(image.row(y)));
-
-  PartialPath partial(path);
-  std::FILE* file = std::fopen(partial.path().c_str(), "wb");
-  if (file == nullptr) return system_error(ErrorCode::kIo, what, errno);
-  const bool encoded = encode(file, picture);
-  const int encode_errno = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (!encoded || !closed)
-    return system_error(ErrorCode::kIo, what, encoded ? errno : encode_errno);
-  return partial.commit();
+  const auto bytes = encode(image, bit_depth, color_type);
+  if (!bytes)
+    return Error{bytes.error().code,
+                 "cannot write picture '" + path.string() + "': " + bytes.error().context};
+  return write_file(path, *bytes);
 }
 
 }  // namespace
+
+Result<std::string> encode_png(ImageView<const Rgb8> image) {
+  return encode(image, 8, PNG_COLOR_TYPE_RGB);
+}
 
 Result<void> write_png(const std::filesystem::path& path, ImageView<const Rgb8> image) {
   return write(path, image, 8, PNG_COLOR_TYPE_RGB);

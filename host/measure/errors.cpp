@@ -19,11 +19,11 @@ std::string text(Size size) {
 }
 
 Result<void> check_sizes(const ResultImages& r, const TruthImages& t) {
-  const Size want = t.labels.size;
+  const Size expected = t.labels.size;
   for (Size size : {r.color.size, r.warped_depth_m.size, r.matte.size, r.light.size, r.layer.size,
                     t.color.size, t.depth_m.size, t.matte.size, t.light.size})
-    if (size != want || want.empty())
-      return Error{ErrorCode::kData, "truth and composite disagree in size: " + text(want) +
+    if (size != expected || expected.empty())
+      return Error{ErrorCode::kData, "truth and composite disagree in size: " + text(expected) +
                                          " against " + text(size) +
                                          ": composite in the view that the truth was made for"};
   return {};

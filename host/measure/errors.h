@@ -16,7 +16,7 @@ inline constexpr std::uint8_t kLayerVirtual = 2;
 inline constexpr std::uint8_t kTofSees = 4;       ///< the ToF camera sees the real surface
 inline constexpr std::uint8_t kInSilhouette = 8;  ///< inside the virtual objects, occluded or not
 
-/// What the compositor made of a frame. All images of a frame, these and the truth, have one size.
+/// Results of the compositor for a frame. All images of a frame, these and the truth, have one size.
 struct ResultImages {
   ImageView<const Rgb8> color;            ///< composite, sRGB
   ImageView<const float> warped_depth_m;  ///< 0 unknown
@@ -25,7 +25,7 @@ struct ResultImages {
   ImageView<const std::uint8_t> layer;    ///< visible: 0 background, 1 person, 2 virtual
 };
 
-/// What really was there.
+/// Ground truth of a frame.
 struct TruthImages {
   ImageView<const Rgb8> color;
   ImageView<const float> depth_m;  ///< real scene, 0 where nothing is
@@ -34,7 +34,7 @@ struct TruthImages {
   ImageView<const std::uint8_t> labels;
 };
 
-/// A sum of something and the number of pixels that gave it.
+/// A sum over pixels and their number.
 struct Sum {
   double value = 0;
   std::uint64_t count = 0;

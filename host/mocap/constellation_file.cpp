@@ -2,7 +2,7 @@
 #include "host/mocap/constellation_file.h"
 
 #include "host/config/table.h"
-#include "host/estimation/constellation.h"
+#include "host/estimation/markers/constellation.h"
 
 namespace mixrig::mocap {
 

@@ -15,14 +15,15 @@ namespace mixrig::mocap {
 
 struct Constellation {
   std::string name;
-  double sigma_m = 1e-3;  ///< noise of an observed marker, with the error of its place here
+  double sigma_m =
+      1e-3;  ///< noise of an observed marker, including the error of its position in this file
   std::vector<Eigen::Vector3d> markers_m;  ///< in body axes, 3 to 64
 };
 
 /// Errors: kNotFound, kFormat (file:line: key); kData for a constellation that looks the same when
 /// turned, naming the markers that can be confused.
 Result<Constellation> read_constellation(const std::filesystem::path& path);
-/// The same from text; `name` stands for the file. Pure: what fuzzers feed.
+/// The same from text; `name` is the file's name in errors. Pure: the entry point of the fuzzer.
 Result<Constellation> parse_constellation(std::string_view text, const std::string& name);
 
 }  // namespace mixrig::mocap

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "host/camera_io/calibration.h"
+#include "host/calibration_file/calibration.h"
 #include "host/config/table.h"
-#include "host/estimation/constellation.h"
-#include "host/estimation/multilateration.h"
+#include "host/estimation/markers/constellation.h"
+#include "host/estimation/points/multilateration.h"
 
 namespace mixrig::mocap {
 namespace {
@@ -67,7 +67,7 @@ struct Sight {
   std::optional<estimation::Bearing> bearing;
 };
 
-/// A depth is z; the distance is along the ray of its pixel (paper C, eq. 90).
+/// A depth is z; the distance is along the ray of its pixel (Cortes Reina 2015, eq. 90).
 Result<Sight> sight_of(const SeenMarker& marker, const ExternalInput& input) {
   Sight sight{marker.measured_m, std::nullopt};
   if (marker.pixel_px) {
@@ -96,7 +96,7 @@ Estimate<Vector3d> centre_of_ranges(const ExternalInput& input, const std::vecto
   std::vector<double> ranges;
   for (const SeenMarker& marker : input.markers) centres.push_back(marker.world_m);
   for (const Sight& sight : sights) ranges.push_back(sight.distance_m);
-  // Of two mirrored solutions, the camera is where its body is.
+  // Of two mirrored solutions the one near the camera's body is right.
   return estimation::multilaterate(centres, ranges,
                                    {input.sigma_range_m, world_from_body.translation_m});
 }
@@ -115,7 +115,7 @@ Estimate<Vector3d> in_body(const Estimate<Vector3d>& world, const Estimate<Pose>
   return answer;
 }
 
-/// What a weak pose says of its translation.
+/// The translation's verdict from that of a weak pose.
 estimation::Verdict part_of(const estimation::Verdict& pose) {
   const Vector3d step_m = pose.sigma * pose.direction.tail<3>();
   if (!(step_m.norm() > 0)) return estimation::Verdict::ok();
@@ -130,10 +130,11 @@ double rms_of_ranges(const ExternalInput& input, const std::vector<Sight>& sight
   return used.empty() ? 0 : std::sqrt(sum / static_cast<double>(used.size()));
 }
 
-/// The camera of a calibration.yaml. Errors: as reading it; kData where it lacks the camera.
+/// The camera of a calibration.toml. Errors: as reading it; kData where it lacks the camera.
 Result<geometry::AnyCamera> named_camera(const std::filesystem::path& file,
                                          const std::string& name) {
-  MIXRIG_ASSIGN(const camera_io::Calibration calibration, camera_io::read_calibration(file));
+  MIXRIG_ASSIGN(const calibration_file::Calibration calibration,
+                calibration_file::read_calibration(file));
   if (const auto* camera = calibration.camera(name)) return camera->model;
   return Error{ErrorCode::kData,
                file.string() + ": holds no camera " + name + ": calibrate it first"};
@@ -187,7 +188,7 @@ Result<ExternalCalibration> calibrate_external(const ExternalInput& input) {
   const auto match = estimation::match_constellation(input.body.markers_m, input.body_seen_m,
                                                      {input.body.sigma_m, 0});
   if (!match.usable())
-    return Error{ErrorCode::kData, "the camera's body is not found among what was seen of it: " +
+    return Error{ErrorCode::kData, "the camera's body is not found among its observed markers: " +
                                        match.verdict.reason};
   result.world_from_body = {match.value.world_from_body, match.covariance, match.residuals,
                             match.inliers, match.verdict};
@@ -204,7 +205,7 @@ Result<ExternalCalibration> calibrate_external(const ExternalInput& input) {
         "[camera] and noise.range_m");
     const auto centre = centre_of_ranges(input, seen, match.value.world_from_body);
     if (!centre.usable())
-      return Error{ErrorCode::kData, "the camera's place cannot be told from its distances: " +
+      return Error{ErrorCode::kData, "the distances do not determine the camera's position: " +
                                          centre.verdict.reason};
     result.range_rms_m = rms_of_ranges(input, seen, centre.value, centre.inliers);
     result.camera_in_body_m = in_body(centre, result.world_from_body);
@@ -213,7 +214,7 @@ Result<ExternalCalibration> calibrate_external(const ExternalInput& input) {
   const auto camera = estimation::locate_camera(sights, *input.sigma_range_m);
   if (!camera.usable())
     return Error{ErrorCode::kData,
-                 "the camera's pose cannot be told from its markers: " + camera.verdict.reason};
+                 "the markers do not determine the camera's pose: " + camera.verdict.reason};
   result.range_rms_m = rms_of_ranges(input, seen, camera.value.translation_m, camera.inliers);
   result.body_from_camera = estimation::body_from_camera(result.world_from_body, camera);
   result.camera_in_body_m.value = result.body_from_camera.value.translation_m;

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// External calibration (paper C, section 3.1): where the depth camera sits on its tracked body.
+// External calibration (Cortes Reina 2015, section 3.1): the depth camera's pose on its tracked
+// body.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-#include "host/estimation/external.h"
+#include "host/estimation/pose/external.h"
 #include "host/geometry/any_camera.h"
 #include "host/mocap/constellation_file.h"
 
 namespace mixrig::mocap {
 
-/// A marker of the second constellation, which stands before the camera.
+/// A marker of the second constellation, which is in front of the camera.
 struct SeenMarker {
   Eigen::Vector3d world_m = Eigen::Vector3d::Zero();  ///< by the motion capture
   std::optional<Eigen::Vector2d> pixel_px;            ///< in the depth camera's picture
@@ -23,7 +24,7 @@ struct SeenMarker {
 struct ExternalInput {
   std::optional<geometry::AnyCamera> camera;  ///< the depth camera; needed where there are pixels
   std::string camera_name = "tof";
-  std::string calibration_file;  ///< where the camera is to be taken from; empty: as stated
+  std::string calibration_file;  ///< file that holds the camera; empty: the camera is in the input
   std::vector<SeenMarker> markers;
   double range_offset_m = 0;            ///< to add to each distance, such as a marker's radius
   std::optional<double> sigma_range_m;  ///< unset: from the residuals
@@ -32,8 +33,8 @@ struct ExternalInput {
   std::vector<Eigen::Vector3d> body_seen_m;  ///< its markers by the motion capture, any order
 };
 
-/// What came out. With pixels: the whole pose. From distances alone, as in the paper: the place;
-/// the orientation is taken from the tracking, and `body_from_camera` is degenerate.
+/// The result. With pixels: the whole pose. From distances alone, as in Cortes Reina 2015: the
+/// position; the orientation is taken from the tracking, and `body_from_camera` is degenerate.
 struct ExternalCalibration {
   estimation::Estimate<geometry::Pose> world_from_body;
   estimation::Estimate<geometry::Pose> body_from_camera;
@@ -42,13 +43,13 @@ struct ExternalCalibration {
 };
 
 /// Reads a TOML file, which docs/formats.md shows, and the camera that it names in a
-/// calibration.yaml beside it. Errors: kNotFound, kFormat (file:line: key); kData for a
+/// calibration.toml beside it. Errors: kNotFound, kFormat (file:line: key); kData for a
 /// constellation that looks the same when turned.
 Result<ExternalInput> read_external(const std::filesystem::path& path);
-/// The same from text, without the other file. Pure: what fuzzers feed.
+/// The same from text, without the other file. Pure: the entry point of the fuzzer.
 Result<ExternalInput> parse_external(std::string_view text, const std::string& name);
 
-/// Errors: kData, saying which of body and camera the data cannot carry, and why.
+/// Errors: kData, with which of body and camera the data do not determine, and why.
 Result<ExternalCalibration> calibrate_external(const ExternalInput& input);
 
 }  // namespace mixrig::mocap

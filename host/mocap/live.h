@@ -18,7 +18,7 @@ struct LiveOptions {
 };
 
 /// Frames until `stop`, their number, the end of the duration, or silence. Errors: kDevice where
-/// not one came; those of the receiver.
+/// no frame came; those of the receiver.
 Result<std::vector<stream::NatNetFrame>> receive_frames(stream::NatNetReceiver& receiver,
                                                         const LiveOptions& options,
                                                         const std::atomic<bool>& stop,

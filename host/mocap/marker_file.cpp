@@ -28,7 +28,7 @@ Cells cells_of(std::string_view line) {
   }
 }
 
-/// Where the columns stand; -1 for one that lacks.
+/// Indices of the columns; -1 for a missing one.
 struct Columns {
   int frame, t, x, y, z, id, marker, occluded, residual, valid, error;
   int q[4];  // x y z w
@@ -61,7 +61,7 @@ Result<Columns> columns_of(const Cells& header, const std::string& name) {
   return c;
 }
 
-/// One line's numbers; once a cell is broken, `broken` names its column and everything reads 0.
+/// One line's numbers. After an invalid cell, `broken` names its column and all values read 0.
 class Line {
  public:
   Line(const Cells& cells, const Cells& header) : cells_(cells), header_(header) {}

@@ -2,17 +2,18 @@
 #include "host/mocap/track.h"
 
 #include <cmath>
-#include <cstdio>
 #include <set>
 
-#include "host/estimation/constellation.h"
+#include <fmt/format.h>
+
+#include "host/estimation/markers/constellation.h"
 
 namespace mixrig::mocap {
 namespace {
 
 using geometry::Pose;
 
-/// Takes the recording's world to one with z up.
+/// Rotation from the recording's world to one with z up.
 Pose z_up_from(Up up) {
   if (up == Up::kZ) return {};
   return {Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())), {0, 0, 0}};
@@ -81,13 +82,11 @@ Result<MocapTrack> track_bodies(const std::vector<stream::NatNetFrame>& frames,
 
 std::string to_tum(const MocapTrack& track) {
   std::string text = "# t x y z qx qy qz qw, z up, seconds and metres\n";
-  char line[256];
   for (const TrackedPose& p : track.poses) {
     const auto& t = p.world_from_camera.translation_m;
     const auto& q = p.world_from_camera.rotation;
-    std::snprintf(line, sizeof line, "%.6f %.7f %.7f %.7f %.9f %.9f %.9f %.9f\n", p.time_s, t.x(),
-                  t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-    text += line;
+    text += fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.time_s,
+                        t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   }
   return text;
 }

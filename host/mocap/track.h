@@ -16,8 +16,8 @@ namespace mixrig::mocap {
 enum class Up { kY, kZ };  ///< which axis of the recording points up
 
 struct TrackOptions {
-  Up up = Up::kY;                   ///< what comes out has z up
-  int body_id = 0;                  ///< 0: the only body; for constellations no matter
+  Up up = Up::kY;                   ///< the result has z up
+  int body_id = 0;                  ///< 0: the only body; ignored for constellations
   geometry::Pose body_from_camera;  ///< of the external calibration
 };
 
@@ -33,8 +33,8 @@ struct MocapTrack {
   double residual_rms_m = 0;  ///< of markers to the body's shape; 0 where bodies were given
 };
 
-/// Poses from markers alone: labels are found by shape (match_constellation), whatever the
-/// recording says; occluded markers are left out.
+/// Poses from markers alone: labels are found by shape (match_constellation), the recording's
+/// labels are ignored; occluded markers are left out.
 MocapTrack track_markers(const std::vector<stream::NatNetFrame>& frames,
                          const Constellation& constellation, const TrackOptions& options);
 

@@ -2,15 +2,14 @@
 // Background folders: background.toml, two EXR files, two pictures to look at.
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <span>
 
+#include "hal/base/partial_path.h"
+#include "hal/base/srgb.h"
 #include "host/config/table.h"
-#include "host/config/toml_text.h"
+#include "host/config/writer.h"
 #include "host/image_io/image_io.h"
-#include "host/image_io/partial_path.h"
-#include "host/model/srgb.h"
 #include "host/model/static_background.h"
 
 namespace mixrig::model {
@@ -21,25 +20,16 @@ using image_io::Channel;
 
 std::string manifest_text(const StaticBackground& background) {
   const geometry::Pinhole& v = background.view;
-  const std::array<double, 2> size{static_cast<double>(v.size_px.width),
-                                   static_cast<double>(v.size_px.height)};
-  const std::array<double, 4> view{v.fx_px, v.fy_px, v.cx_px, v.cy_px};
-  std::string text = "format = 1\nframes = " + std::to_string(background.frames) +
-                     "\nsize_px = " + config::toml_array(size) +
-                     "\nview = " + config::toml_array(view) + "\n";
-  if (!background.floor) return text;
-  const Eigen::Vector3d& n = background.floor->normal;
-  return text + "\n[floor]  # camera axes: points p with normal . p + offset_m = 0\nnormal = " +
-         config::toml_array(std::array<double, 3>{n.x(), n.y(), n.z()}) +
-         "\noffset_m = " + config::toml_number(background.floor->offset_m) + "\n";
-}
-
-Result<void> write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (file) return {};
-  return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
+  config::Writer root;
+  root.set("format", 1).set("frames", background.frames).set("size_px", v.size_px);
+  root.set("view", std::array<double, 4>{v.fx_px, v.fy_px, v.cx_px, v.cy_px});
+  if (!background.floor) return root.text();
+  // In camera axes: points p with normal . p + offset_m = 0.
+  config::Writer floor;
+  floor.set("normal", std::span<const double>(background.floor->normal.data(), 3));
+  floor.set("offset_m", background.floor->offset_m);
+  root.set("floor", std::move(floor));
+  return root.text();
 }
 
 Result<void> write_previews(const StaticBackground& background, const fs::path& folder) {
@@ -48,7 +38,8 @@ Result<void> write_previews(const StaticBackground& background, const fs::path& 
   for (int y = 0; y < color.height(); ++y)
     for (int x = 0; x < color.width(); ++x) {
       const Rgbf& c = background.color.at(x, y);
-      color.at(x, y) = {srgb_from_linear(c.r), srgb_from_linear(c.g), srgb_from_linear(c.b)};
+      color.at(x, y) = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
+                            srgb_byte_from_linear(c.b)};
       depth_mm.at(x, y) = static_cast<std::uint16_t>(
           std::clamp(1000.0F * background.depth_m.at(x, y), 0.0F, 65535.0F));
     }
@@ -125,14 +116,14 @@ Result<void> save(const StaticBackground& background, const fs::path& folder) {
       !fs::is_empty(folder, error))
     return Error{ErrorCode::kUsage,
                  "'" + folder.string() + "' exists and is not a background: give another folder"};
-  image_io::PartialPath partial(folder);
+  PartialPath partial(folder);
   fs::create_directories(partial.path(), error);
   if (error)
     return system_error(ErrorCode::kIo, "cannot make folder '" + partial.path().string() + "'",
                         error.value());
   MIXRIG_TRY(write_layers(background, partial.path()));
   MIXRIG_TRY(write_previews(background, partial.path()));
-  MIXRIG_TRY(write_text(partial.path() / "background.toml", manifest_text(background)));
+  MIXRIG_TRY(write_file(partial.path() / "background.toml", manifest_text(background)));
   return partial.commit();
 }
 

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <span>
 
+#include "hal/base/order_statistics.h"
 #include "hal/base/parallel.h"
-#include "host/model/srgb.h"
+#include "hal/base/srgb.h"
 
 namespace mixrig::model {
 namespace {
@@ -20,23 +21,15 @@ constexpr float kLeastColorSigma = 0.288675F / 255.0F;
 /// Standard deviation of a normal distribution in units of its median absolute deviation.
 constexpr float kSigmaPerMad = 1.4826F;
 
-/// Middle value; the mean of both middle ones for an even count. Reorders. Precondition: not empty.
-float median(std::span<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5F * (*middle + *std::max_element(values.begin(), middle));
-}
-
 struct Spread {
   float center, sigma;
 };
 
 /// Median and scaled median absolute deviation. Overwrites the values.
 Spread robust_spread(std::span<float> values) {
-  const float center = median(values);
+  const float center = median_in_place(values);
   for (float& value : values) value = std::abs(value - center);
-  return {center, kSigmaPerMad * median(values)};
+  return {center, kSigmaPerMad * median_in_place(values)};
 }
 
 std::uint16_t to_steps(float depth_m) {
@@ -107,7 +100,7 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
     out.depth_m.row(y)[x] = z.center;
     out.depth_sigma_m.row(y)[x] = std::max(z.sigma, kLeastDepthSigma_m);
   };
-  const auto& linear = linear_from_srgb();
+  const auto& linear = linear_of_srgb_bytes();
   const auto learn_channel = [&](int x, int y, std::uint8_t Rgb8::*channel,
                                  std::vector<float>& values) {
     values.clear();

@@ -25,7 +25,8 @@ struct StaticBackground {
   int frames = 0;
 };
 
-/// Collects empty frames; a person who crosses a pixel in a minority of them does no harm.
+/// Collects empty frames; a person who covers a pixel in a minority of them does not
+/// matter.
 /// Not thread-safe.
 class StaticBackgroundBuilder {
  public:

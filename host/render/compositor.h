@@ -18,6 +18,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/geometry/camera_model.h"
+#include "host/geometry/depth_noise.h"
 #include "host/geometry/pose.h"
 
 namespace mixrig::render {
@@ -54,7 +55,7 @@ struct Light {
   std::vector<Lamp> lamps;
 };
 
-/// Empty room in the view; borrowed. Empty images where nothing was learned yet.
+/// The room without people in the view; borrowed. Empty images where nothing was learned yet.
 struct BackgroundView {
   ImageView<const float> depth_m;  ///< 0 unknown
   ImageView<const float> depth_sigma_m;
@@ -66,11 +67,6 @@ struct KeyParams {
   float threshold_m = 0.05F;
   float noise_factor = 4.0F;
   bool color = true;
-};
-
-/// Standard deviation of one ToF value at z: floor + linear z + quadratic z^2.
-struct NoiseParams {
-  float floor_m = 0.005F, linear = 0.002F, quadratic_per_m = 0.001F;
 };
 
 struct CaptureBox {
@@ -85,7 +81,7 @@ struct CompositorSetup {
   geometry::CameraModel tof;
   geometry::Pose target_from_tof;
   bool depth_is_distance = false;  ///< along the ray, not along z
-  NoiseParams noise;
+  geometry::DepthNoise noise;      ///< of one ToF value
   BackgroundView background;
   std::vector<VirtualObject> objects;
   Light light;
@@ -97,25 +93,6 @@ struct FrameInput {
   ImageView<const Rgb8> plate;         ///< sRGB, distorted, size of `target`
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
-};
-
-/// What the key says of a pixel of the real scene.
-enum class PixelState : std::uint8_t { kUnknown = 0, kBackground = 1, kForeground = 2, kEdge = 3 };
-
-/// What fills at least half of a pixel of the composite: the layer that mixed depth is of.
-enum class Layer : std::uint8_t { kBackground = 0, kPerson = 1, kVirtual = 2 };
-
-/// All images have the view's size; kept between frames, so nothing allocates after the first.
-struct FrameOutput {
-  Image<Rgb8> color;               ///< the composite, sRGB
-  Image<float> mixed_depth_m;      ///< z of what is visible, 0 unknown
-  Image<float> segmented_depth_m;  ///< z of people, 0 elsewhere
-  Image<std::uint8_t> matte;       ///< people, 255 = all
-  bool inspect = false;            ///< fill the images below too
-  Image<float> warped_depth_m;     ///< ToF depth in the view before keying, 0 unknown
-  Image<std::uint8_t> state;       ///< PixelState
-  Image<float> light;              ///< light map, 0..1
-  Image<std::uint8_t> layer;       ///< Layer
 };
 
 enum class Stage {
@@ -133,19 +110,64 @@ enum class Stage {
 };
 std::string_view name(Stage stage);
 
-/// Wall time of each stage of the last frame, milliseconds; 0 for a stage that did not run.
+/// Decision of the key for a pixel of the real scene.
+enum class PixelState : std::uint8_t { kUnknown = 0, kBackground = 1, kForeground = 2, kEdge = 3 };
+
+/// What fills at least half of a pixel of the composite: the layer that mixed depth is of.
+enum class Layer : std::uint8_t { kBackground = 0, kPerson = 1, kVirtual = 2 };
+
+/// A set of images of FrameOutput: a sum of the bits below.
+using OutputMask = std::uint32_t;
+inline constexpr OutputMask kColor = 1, kMixedDepth = 2, kSegmentedDepth = 4, kMatte = 8;
+inline constexpr OutputMask kWarpedDepth = 16;
+inline constexpr OutputMask kState = 32;  ///< makes the matte too, which decides the states
+inline constexpr OutputMask kLight = 64, kLayer = 128;
+inline constexpr OutputMask kComposite = kColor | kMixedDepth | kSegmentedDepth | kMatte;
+inline constexpr OutputMask kAll = kComposite | kWarpedDepth | kState | kLight | kLayer;
+
+/// Images of one frame. The wanted ones have the view's size, the others stay as they were: what is
+/// not wanted is not stored, and not computed where nothing else needs it.
+struct FrameOutput {
+  OutputMask wanted = kComposite;  ///< what compose() makes; collect() sets what it delivered
+  Image<Rgb8> color;               ///< the composite, sRGB
+  Image<float> mixed_depth_m;      ///< z of what is visible, 0 unknown
+  Image<float> segmented_depth_m;  ///< z of people, 0 elsewhere
+  Image<std::uint8_t> matte;       ///< people, 255 = all
+  Image<float> warped_depth_m;     ///< ToF depth in the view before keying, 0 unknown
+  Image<std::uint8_t> state;       ///< PixelState
+  Image<float> light;              ///< light map, 0..1
+  Image<std::uint8_t> layer;       ///< Layer
+};
+
+/// Time of each stage of one frame, milliseconds; 0 for a stage that did not run.
 using StageTimes = std::array<float, static_cast<std::size_t>(Stage::kCount)>;
 
 /// Composites frames of one take. Not thread-safe; gles instances stay on the thread that made
 /// them.
 class Compositor {
  public:
+  /// Frames that may be submitted and not yet collected.
+  static constexpr int kMostInFlight = 2;
+
   virtual ~Compositor() = default;
-  /// Errors: kData for images of a wrong size.
-  virtual Result<void> compose(const FrameInput& input, FrameOutput& output) = 0;
+  /// Starts a frame that makes the `wanted` images; `input` is read before it returns. gles only
+  /// queues the work of the GPU, cpu does all of it here. Errors: kData for images of a wrong size
+  /// and a pose that is not finite, kUsage for more than kMostInFlight frames; then no frame was
+  /// started.
+  virtual Result<void> submit(const FrameInput& input, OutputMask wanted) = 0;
+  /// Waits for the oldest frame in flight and delivers its images: frames come out in the order of
+  /// submit(). The images that `output` held may be exchanged for them, so that memory is used
+  /// again. Errors: kUsage where no frame is in flight.
+  virtual Result<void> collect(FrameOutput& output) = 0;
+  /// Number of frames submitted and not yet collected.
+  virtual int in_flight() const = 0;
+  /// Of the frame collected last.
   virtual const StageTimes& stage_times() const = 0;
   /// "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER.
   virtual std::string renderer() const = 0;
+
+  /// Submits a frame and collects it. Errors: of both; kUsage while other frames are in flight.
+  Result<void> compose(const FrameInput& input, FrameOutput& output);
 };
 
 enum class Backend { kAuto, kGles, kCpu };

@@ -2,8 +2,9 @@
 #include "host/render/exposure.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "hal/base/srgb.h"
 
 namespace mixrig::render {
 namespace {
@@ -13,23 +14,9 @@ constexpr float kDarkest = 0.01F, kBrightest = 0.9F;  // linear; beyond, noise o
 constexpr std::size_t kLeastSamples = 60;
 constexpr float kMostGain = 8;
 
-float luminance(const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126F, 0.7152F, 0.0722F)); }
-
 bool is_usable(const glm::vec3& c) {
   return glm::all(glm::greaterThan(c, glm::vec3(kDarkest))) &&
          glm::all(glm::lessThan(c, glm::vec3(kBrightest)));
-}
-
-const std::array<float, 256>& linear_of_srgb() {
-  static const auto table = [] {
-    std::array<float, 256> t{};
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const double v = static_cast<double>(i) / 255;
-      t[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
-    return t;
-  }();
-  return table;
 }
 
 }  // namespace
@@ -52,7 +39,7 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
 }
 
 glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
-  const auto& linear = linear_of_srgb();
+  const auto& linear = linear_of_srgb_bytes();
   ratios_.clear();
   for (const Sample& s : samples_) {
     const Rgb8 p = plate.row(s.y)[s.x];

@@ -12,7 +12,7 @@
 
 namespace mixrig::render {
 
-/// Cameras set exposure and white balance by themselves: a person in dark clothes brightens the
+/// Cameras change exposure and white balance automatically: a person in dark clothes brightens the
 /// whole room. The meter compares a sparse grid of plate pixels with the learned background. Shared
 /// by both back ends. Not thread-safe.
 class ExposureMeter {
@@ -21,7 +21,7 @@ class ExposureMeter {
   ExposureMeter(const Tables& tables, const BackgroundView& background);
   /// Gain per channel, plate = gain * learned in linear light, within 1/8 and 8: the densest third
   /// of the samples' ratios, so that people may fill up to two thirds of the picture. 1 where too
-  /// few pixels can tell. Allocates nothing.
+  /// few pixels are usable. Allocates nothing.
   glm::vec3 gain(ImageView<const Rgb8> plate);
 
  private:

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/frame_io.h"
 
-#include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace mixrig::render {
 namespace {
 
 Result<void> check_size(Size have, Size want, const char* what, const char* camera) {
   if (have == want) return {};
-  const auto text = [](Size size) {
-    return std::to_string(size.width) + " x " + std::to_string(size.height);
-  };
-  return Error{ErrorCode::kData, std::string("compose: the ") + what + " is " + text(have) +
-                                     ", the " + camera + " camera " + text(want)};
+  const auto text = [](Size size) { return fmt::format("{} x {}", size.width, size.height); };
+  return Error{
+      ErrorCode::kData,
+      fmt::format("compose: the {} is {}, the {} camera {}: pass pictures of the size that "
+                  "the compositor was made for",
+                  what, text(have), camera, text(want))};
 }
 
 template <typename T>
@@ -31,16 +34,35 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   return {};
 }
 
-void size_outputs(Size view_size, FrameOutput& output) {
-  size_to(view_size, output.color);
-  size_to(view_size, output.mixed_depth_m);
-  size_to(view_size, output.segmented_depth_m);
-  size_to(view_size, output.matte);
-  if (!output.inspect) return;
-  size_to(view_size, output.warped_depth_m);
-  size_to(view_size, output.state);
-  size_to(view_size, output.light);
-  size_to(view_size, output.layer);
+OutputMask with_needed(OutputMask wanted) { return wanted & kState ? wanted | kMatte : wanted; }
+
+void size_outputs(Size view_size, OutputMask which, FrameOutput& output) {
+  for_each_image(output, output, [&](OutputMask bit, auto& image, auto&) {
+    if (which & bit) size_to(view_size, image);
+  });
+}
+
+void deliver(FrameOutput& from, FrameOutput& to) {
+  to.wanted = from.wanted;
+  for_each_image(from, to, [&](OutputMask bit, auto& made, auto& delivered) {
+    if (from.wanted & bit) std::swap(made, delivered);
+  });
+}
+
+NeededPasses needed_passes(OutputMask wanted, bool has_objects) {
+  NeededPasses needed;
+  needed.light = has_objects && (wanted & (kColor | kLight));
+  // Without virtual objects the colour is the plate and the light map is 1.
+  needed.key = needed.light || (wanted & ~(kColor | kWarpedDepth | kLight));
+  needed.mix = wanted & (kColor | kMixedDepth | kSegmentedDepth | kLayer);
+  return needed;
+}
+
+Result<void> Compositor::compose(const FrameInput& input, FrameOutput& output) {
+  if (in_flight() > 0)
+    return Error{ErrorCode::kUsage, "compose: other frames are in flight: collect them first"};
+  MIXRIG_TRY(submit(input, output.wanted));
+  return collect(output);
 }
 
 void decide_states(const Image<std::uint8_t>& matte, Image<std::uint8_t>& state) {

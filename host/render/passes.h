@@ -8,15 +8,26 @@
 
 #include <glm/glm.hpp>
 
+#include "hal/base/srgb.h"
+#include "host/geometry/depth_noise.h"
+#include "host/render/constants.h"
+
 namespace mixrig::render {
 
-inline constexpr int kBlockPx = 8;       ///< side of the key's blocks
-inline constexpr int kLightTilePx = 4;   ///< people's light is found once in such a tile
-inline constexpr int kBlockerTaps = 12;  ///< of the search for shadow casters
-inline constexpr int kShadowTaps = 24;   ///< of the shadow filter
+/// Luminance of linear light.
+inline float luminance(const glm::vec3& c) {
+  return glm::dot(c, glm::vec3(kRec709Red, kRec709Green, kRec709Blue));
+}
 
-/// An object this far behind the background still touches it: noise of the learned depth.
-inline constexpr float kContactSlackM = 0.02F;
+/// geometry::DepthNoise in single precision, as the passes compute with it.
+struct NoiseParams {
+  float floor_m = 0, linear = 0, quadratic_per_m = 0;
+  float sigma_m(float z_m) const { return floor_m + z_m * (linear + z_m * quadratic_per_m); }
+};
+inline NoiseParams noise_params(const geometry::DepthNoise& noise) {
+  return {static_cast<float>(noise.floor_m), static_cast<float>(noise.linear),
+          static_cast<float>(noise.quadratic_per_m)};
+}
 
 /// Tap i of n on the unit disc: evenly spread along a spiral (Vogel 1979).
 inline glm::vec2 vogel_tap(int i, int n) {
@@ -40,7 +51,7 @@ struct PinholeParams {
 /// Distance to z, flying pixels out, cuts at depth steps. ToF resolution.
 struct CorrectParams {
   bool depth_is_distance = false;
-  float noise_floor_m = 0.005F, noise_linear = 0.002F, noise_quadratic_per_m = 0.001F;
+  NoiseParams noise = noise_params({});
   float step_sigmas = 6.0F;  ///< a depth step is this many standard deviations of a difference
   float step_min_m = 0.04F;  ///< and at least this
   float step_bends = 6.0F;   ///< or this many mean bends: noise on dark surfaces
@@ -69,7 +80,7 @@ struct LampParams {
   glm::mat4 lamp_from_camera{1};
   float map_focal_texel = 1;
   float map_center_texel = 0;
-  int map_size_texel = 0;    ///< 0: this lamp throws no shadow into the view
+  int map_size_texel = 0;    ///< 0: this lamp casts no shadow into the view
   float casters_near_m = 0;  ///< lamp z of the nearest caster: what is nearer is lit
 };
 
@@ -79,11 +90,8 @@ struct LightParams {
   float exposure = 1;
 };
 
-/// Depth key with doubt decided by colour.
+/// Depth key with doubt decided by colour; the depth limit itself is Tables::key_limit_w.
 struct KeyPassParams {
-  float threshold_m = 0.05F;
-  float noise_factor = 4.0F;
-  float noise_floor_m = 0.005F, noise_linear = 0.002F, noise_quadratic_per_m = 0.001F;
   bool color = true;
   bool crop = false;
   glm::mat4 world_from_camera{1};

@@ -27,7 +27,7 @@ Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::
     for (int x = 0; x < map.width(); ++x) {
       const Eigen::Vector2d ray = view.unproject({x, y});
       const auto px = target.project({ray.x(), ray.y(), 1.0});
-      // Past the lens' domain there is no picture: the corner stands in.
+      // The lens sees nothing there: the plate's corner is used.
       map.row(y)[x] = px ? glm::vec2(px->x(), px->y()) : glm::vec2(0);
     }
   return map;
@@ -72,7 +72,7 @@ PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& 
       if (u + du < 0 || v + dv < 0 || u + du >= depth_m.size.width || v + dv >= depth_m.size.height)
         continue;
       const float z = depth_m.row(v + dv)[u + du];
-      // A sample from beyond a depth step belongs to another surface.
+      // A sample behind a depth step belongs to another surface.
       if (!(z > 0) || std::abs(z - z0) > 0.1F * z0) continue;
       const double x = du / view.fx_px, y = dv / view.fy_px, w = 1 / z - w0;
       n += 1, sx += x, sy += y, sw += w, sxx += x * x, sxy += x * y, syy += y * y;
@@ -113,7 +113,7 @@ Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
       const float z = 1 / value;
       const float spread =
           background.depth_sigma_m.empty() ? 0 : background.depth_sigma_m.row(y)[x];
-      const float sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
+      const float sigma = noise.sigma_m(z);
       const float threshold =
           std::max(key.threshold_m, key.noise_factor * std::sqrt(spread * spread + sigma * sigma));
       value = threshold < z ? 1 / (z - threshold) : kInfinity;
@@ -139,9 +139,7 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.plate_is_view) t.plate_px = plate_map(setup.target, setup.view);
 
   t.correct.depth_is_distance = setup.depth_is_distance;
-  t.correct.noise_floor_m = setup.noise.floor_m;
-  t.correct.noise_linear = setup.noise.linear;
-  t.correct.noise_quadratic_per_m = setup.noise.quadratic_per_m;
+  t.correct.noise = noise_params(setup.noise);
   t.warp.camera_from_tof = to_glm(setup.target_from_tof.matrix());
   t.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
   t.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
@@ -151,7 +149,7 @@ Tables make_tables(const CompositorSetup& setup) {
   t.has_background = !setup.background.depth_m.empty();
   if (!t.has_background) return t;
   const int radius_px = static_cast<int>(std::ceil(t.tof_footprint_px));
-  t.key_limit_w = key_limit(setup.background, setup.key, setup.noise, radius_px);
+  t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
   t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
   return t;
 }

@@ -3,6 +3,8 @@
 // Poses are combined in double and rounded to float once they are relative to the camera.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -96,6 +98,15 @@ class FramePreparer {
   std::vector<MapFit> fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };
+
+/// Tiles to either side over which a person's normal is measured.
+inline int normal_reach_tiles(float tof_footprint_px) {
+  return std::max(
+      1, static_cast<int>(std::lround(kNormalFootprints * tof_footprint_px / kLightTilePx)));
+}
+
+/// Least matte byte that shows a person.
+inline constexpr auto kPersonByte = static_cast<std::uint8_t>(255 * kPersonMatte + 0.5F);
 
 /// Vertex in camera or lamp axes.
 inline glm::vec3 transform(const glm::mat4& m, const glm::vec3& p) {

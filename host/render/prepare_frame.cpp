@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 constexpr int kSmallestMap = 64, kLargestMap = 1024;
-constexpr double kNearM = 0.01;
 
 glm::dmat4 to_glm(const Eigen::Matrix4d& m) {
   glm::dmat4 out;
@@ -62,7 +61,7 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
   int behind = 0;
   for (const glm::dvec3& corner : corners) {
     const glm::dvec3 p = apply(camera_from_world, corner);
-    if (p.z < kNearM) {
+    if (p.z < kNearestM) {
       ++behind;
       continue;
     }
@@ -102,11 +101,6 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
 
   params_.light = {setup.light.ambient, setup.light.exposure};
   KeyPassParams& key = params_.key;
-  key.threshold_m = setup.key.threshold_m;
-  key.noise_factor = setup.key.noise_factor;
-  key.noise_floor_m = setup.noise.floor_m;
-  key.noise_linear = setup.noise.linear;
-  key.noise_quadratic_per_m = setup.noise.quadratic_per_m;
   key.color = setup.key.color;
   key.crop = setup.capture_box.has_value();
   if (key.crop)
@@ -126,8 +120,9 @@ void FramePreparer::fit_maps() {
         std::all_of(caster_corners_m_.begin(), caster_corners_m_.end(),
                     [&](auto& p) { return glm::dot(p - lamp.position_m, *lamp.direction) <= 0; });
     if (dark || all_behind) continue;
-    // A lamp inside its casters has no way to look at them all: it looks on past the centre.
-    const bool at_center = glm::distance(center, lamp.position_m) < kNearM;
+    // A lamp at the centre of its casters has no direction to them: its own is taken, or straight
+    // down.
+    const bool at_center = glm::distance(center, lamp.position_m) < kNearestM;
     const glm::dvec3 fallback = lamp.direction ? *lamp.direction : glm::dvec3(0, 0, -1);
     MapFit& fit = fits_[i];
     fit.lamp_from_world =
@@ -136,9 +131,9 @@ void FramePreparer::fit_maps() {
     for (const glm::dvec3& corner : caster_corners_m_) {
       const glm::dvec3 p = apply(fit.lamp_from_world, corner);
       const double tan =
-          p.z > kNearM ? std::max(std::abs(p.x), std::abs(p.y)) / p.z : kLargestTanHalf;
+          p.z > kNearestM ? std::max(std::abs(p.x), std::abs(p.y)) / p.z : kLargestTanHalf;
       fit.tan_half = std::min(kLargestTanHalf, std::max(fit.tan_half, tan));
-      fit.near_m = std::max(kNearM, std::min(fit.near_m, p.z));
+      fit.near_m = std::max(kNearestM, std::min(fit.near_m, p.z));
     }
   }
 }

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "host/render/compositor.h"
 
 namespace mixrig::render {
@@ -9,9 +11,7 @@ namespace {
 
 Error bad(const std::string& what) { return {ErrorCode::kData, "compositor: " + what}; }
 
-std::string text(Size size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height);
-}
+std::string text(Size size) { return fmt::format("{} x {}", size.width, size.height); }
 
 bool finite(const geometry::Pose& pose) {
   return pose.rotation.coeffs().allFinite() && pose.translation_m.allFinite() &&
@@ -24,8 +24,8 @@ bool finite(const glm::dvec3& v) {
 template <typename T>
 Result<void> same_size(const ImageView<T>& image, Size view, const char* name) {
   if (image.empty() || image.size == view) return {};
-  return bad("background " + std::string(name) + " is " + text(image.size) + ", the view " +
-             text(view) + ": learn the background in this view");
+  return bad(fmt::format("background {} is {}, the view {}: learn the background in this view",
+                         name, text(image.size), text(view)));
 }
 
 Result<void> check_background(const BackgroundView& background, Size view) {
@@ -40,9 +40,9 @@ Result<void> check_background(const BackgroundView& background, Size view) {
 
 Result<void> check_mesh(const MeshView& mesh, const std::string& where) {
   const std::size_t n = mesh.positions_m.size();
-  if (mesh.normals.size() != n) return bad(where + " has not one normal a vertex");
-  if (!mesh.uv.empty() && mesh.uv.size() != n) return bad(where + " has not one uv a vertex");
-  if (mesh.indices.size() % 3 != 0) return bad(where + " has indices that are no triangles");
+  if (mesh.normals.size() != n) return bad(where + " does not have one normal a vertex");
+  if (!mesh.uv.empty() && mesh.uv.size() != n) return bad(where + " does not have one uv a vertex");
+  if (mesh.indices.size() % 3 != 0) return bad(where + " has indices that do not form triangles");
   for (const std::uint32_t index : mesh.indices)
     if (index >= n) return bad(where + " has an index past its vertices");
   for (const glm::vec3& p : mesh.positions_m)
@@ -52,7 +52,7 @@ Result<void> check_mesh(const MeshView& mesh, const std::string& where) {
 
 Result<void> check_objects(const std::vector<VirtualObject>& objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const std::string where = "object " + std::to_string(i + 1);
+    const std::string where = fmt::format("object {}", i + 1);
     if (!finite(objects[i].world_from_object)) return bad(where + " has a pose that is not rigid");
     if (!(objects[i].scale > 0) || !std::isfinite(objects[i].scale))
       return bad(where + " has a scale that is not positive");
@@ -70,7 +70,7 @@ Result<void> check_light(const Light& light) {
     return bad("exposure is not positive");
   for (std::size_t i = 0; i < light.lamps.size(); ++i) {
     const Lamp& lamp = light.lamps[i];
-    const std::string where = "lamp " + std::to_string(i + 1);
+    const std::string where = fmt::format("lamp {}", i + 1);
     if (!finite(lamp.position_m)) return bad(where + " has a position that is not finite");
     if (lamp.direction &&
         !(finite(*lamp.direction) && std::abs(glm::length(*lamp.direction) - 1) < 1e-3))
@@ -95,7 +95,7 @@ Result<void> validate(const CompositorSetup& setup) {
   MIXRIG_TRY(geometry::validate(setup.tof));
   MIXRIG_TRY(geometry::validate(geometry::CameraModel{setup.view, {}}));
   if (!finite(setup.target_from_tof)) return bad("target_from_tof is not a rigid transform");
-  const NoiseParams& n = setup.noise;
+  const geometry::DepthNoise& n = setup.noise;
   if (!(n.floor_m >= 0 && n.linear >= 0 && n.quadratic_per_m >= 0) ||
       !std::isfinite(n.floor_m + n.linear + n.quadratic_per_m))
     return bad("depth noise is negative or not finite");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounded reading of glTF accessors. Private to this room.
+// Reading of glTF accessors, with all bounds checked. Private to this room.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tinygltf behind limits: nesting, and files only from the model's own folder.
+// tinygltf with limits: nesting depth, and files only from the model's own folder.
 #include "host/scene/gltf_file.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ bool is_glb(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= kGlbHeaderBytes && std::memcmp(bytes.data(), "glTF", 4) == 0;
 }
 
-/// tinygltf walks JSON by recursion, so its nesting is bounded beforehand.
+/// tinygltf parses JSON by recursion, so its nesting is checked before.
 bool is_nested_too_deep(std::span<const std::uint8_t> json) {
   int depth = 0;
   bool in_text = false, escaped = false;
@@ -46,7 +46,7 @@ std::span<const std::uint8_t> json_of(std::span<const std::uint8_t> bytes) {
   return rest.first(std::min<std::size_t>(length, rest.size()));
 }
 
-/// The file that a URI means, inside `folder`; empty where it leads out of it or to nothing.
+/// The file inside `folder` that a URI names; empty where it is outside or does not exist.
 fs::path resolve(const std::string& name, const fs::path& folder) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);
@@ -73,8 +73,8 @@ bool read_file(std::vector<unsigned char>* out, std::string* error, const std::s
   return true;
 }
 
-/// Keeps the bytes of an external picture. One inside a buffer is left alone: tinygltf does not
-/// check that its view lies inside, so its bytes are fetched later, with a check.
+/// Keeps the bytes of an external picture. Those of a picture inside a buffer are read later, with
+/// a check: tinygltf does not check that its view lies inside the buffer.
 bool keep_picture(tinygltf::Image* image, int index, std::string*, std::string*, int, int,
                   const unsigned char* bytes, int size, void* pictures) {
   auto& kept = *static_cast<std::vector<std::vector<std::uint8_t>>*>(pictures);

@@ -19,12 +19,12 @@ struct GltfFile {
   std::vector<std::vector<std::uint8_t>> pictures;  ///< external ones; those in a buffer are empty
 };
 
-/// Parses .gltf or .glb bytes; files that it names are read from `folder` and nowhere else.
+/// Parses .gltf or .glb bytes; files that it names are read only from inside `folder`.
 /// Errors: kFormat, without the file's name.
 Result<GltfFile> parse_gltf(std::span<const std::uint8_t> bytes,
                             const std::filesystem::path& folder);
 
-/// Error{kFormat, why}: the lines of this room, which load_gltf() completes with the file's name.
+/// Error{kFormat, why}; load_gltf() adds the file's name.
 Error bad_gltf(const std::string& why);
 
 }  // namespace mixrig::scene

@@ -52,8 +52,8 @@ Result<std::vector<std::uint32_t>> read_triangles(const tinygltf::Model& gltf,
   return triangles(corners, primitive.mode);
 }
 
-/// Gives every triangle its own vertices and its plane's normal, as glTF asks where normals are
-/// missing.
+/// Gives every triangle its own vertices and the normal of its plane, as glTF requires where
+/// normals are missing.
 void make_flat(Mesh& mesh) {
   Mesh flat;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {

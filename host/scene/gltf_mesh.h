@@ -10,8 +10,8 @@
 namespace mixrig::scene {
 
 /// Triangles of a primitive, moved by `world` (glTF axes, 4x4 affine) and turned into object axes.
-/// Material and texture are left to the caller; `uv_set` is the n of TEXCOORD_n, -1 for none.
-/// Errors: kFormat for points and lines, indices out of range, and what accessors do wrong.
+/// The caller sets material and texture; `uv_set` is the n of TEXCOORD_n, -1 for none.
+/// Errors: kFormat for points and lines, indices out of range, and invalid accessors.
 Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
                        const Eigen::Matrix4d& world, int uv_set);
 

@@ -19,10 +19,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;
-constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, instances counted
+constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
 constexpr int kMaxNodeDepth = 64;
 
-/// Turns a parsed file into a model; each node at most once, as glTF demands of its trees.
+/// Makes a model of a parsed file. Each node is used at most once, as glTF requires of its trees.
 class ModelBuilder {
  public:
   explicit ModelBuilder(const GltfFile& file) : file_(file), visited_(file.gltf.nodes.size()) {}
@@ -105,7 +105,7 @@ class ModelBuilder {
     return {};
   }
 
-  /// The default material for -1 and for what does not exist: no picture hangs on it.
+  /// The default material, which has no texture, for -1 and for an index out of range.
   tinygltf::Material material_of(int index) const {
     const auto& materials = file_.gltf.materials;
     return index >= 0 && static_cast<std::size_t>(index) < materials.size()

@@ -10,7 +10,7 @@
 
 namespace mixrig::scene {
 
-/// As load_gltf, from bytes; the files that they name are read from `folder` and nowhere else.
+/// As load_gltf, from bytes; the files that they name are read only from inside `folder`.
 /// Errors: kFormat, without the model's name.
 Result<Model> parse_model(std::span<const std::uint8_t> bytes, const std::filesystem::path& folder);
 

@@ -33,7 +33,7 @@ struct Model {
   std::vector<Image<Rgb8>> textures;  ///< sRGB
 };
 
-/// Reads .gltf or .glb (told apart by content): meshes, node transforms, base colour and texture.
+/// Reads .gltf or .glb (which one, by content): meshes, node transforms, base colour and texture.
 /// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles).
 Result<Model> load_gltf(const std::filesystem::path& path);
 
@@ -72,7 +72,8 @@ struct Light {
 
 enum class PoseSource { kTake, kFloor, kIdentity };
 
-/// A box in world axes; real points outside it are cropped (paper C, section 3.1 "Cropping").
+/// A box in world axes; real points outside it are cropped (Cortes Reina
+/// 2015, section 3.1 "Cropping").
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
 };
@@ -90,7 +91,7 @@ struct KeySettings {
 
 struct Scene {
   std::filesystem::path path;
-  std::filesystem::path calibration;  ///< calibration.yaml in place of the source's own, or empty
+  std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
   PoseSource pose_source = PoseSource::kTake;
   std::optional<CaptureVolume> capture_volume;
   Background background;

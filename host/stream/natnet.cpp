@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the wire is little-endian");
 
-/// Reads values in order; once the bytes have run out, everything reads as zero.
+/// Reads values in order; past the end of the bytes all values read as zero.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -56,7 +56,7 @@ class Reader {
   bool ok_ = true;
 };
 
-/// A section's count, behind which newer versions tell its bytes; `body` reads what it knows.
+/// A section: its count, in newer versions its size in bytes, then its items, which `body` reads.
 template <typename Body>
 void section(Reader& reader, NatNetVersion version, std::size_t item_size, Body&& body) {
   const std::size_t count = reader.count(item_size);
@@ -66,7 +66,7 @@ void section(Reader& reader, NatNetVersion version, std::size_t item_size, Body&
   const std::size_t begin = reader.at();
   body(count);
   const std::size_t used = reader.at() - begin;
-  // More bytes than are known here: a newer server. Fewer: the section was read past its end.
+  // A newer server sends more bytes than `body` reads. Fewer: `body` read past the section's end.
   if (used > static_cast<std::size_t>(size)) return reader.skip(reader.left() + 1);
   reader.skip(static_cast<std::size_t>(size) - used);
 }

@@ -14,7 +14,7 @@
 
 namespace mixrig::stream {
 
-/// 3.0 and up; what a server says in its first answer. Packets do not carry it.
+/// 3.0 and up; a server sends it in its first answer only, not in other packets.
 struct NatNetVersion {
   int major = 3, minor = 0;
   bool at_least(int want_major, int want_minor) const {
@@ -33,7 +33,7 @@ struct NatNetMarker {
   int body_id = 0;  ///< 0: of no body
   int marker_id = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  bool occluded = false;  ///< not seen: the position is what the body lets expect
+  bool occluded = false;  ///< not seen: the position is predicted from the body
   double residual_m = 0;
 };
 
@@ -41,7 +41,7 @@ struct NatNetFrame {
   int number = 0;
   double time_s = 0;  ///< of Motive, since its start
   std::vector<NatNetBody> bodies;
-  std::vector<NatNetMarker> markers;  ///< labelled ones, foreign ones too
+  std::vector<NatNetMarker> markers;  ///< labelled ones, also of no body
 };
 
 enum class NatNetKind : std::uint16_t { kServerInfo = 1, kModel = 5, kFrame = 7 };
@@ -62,7 +62,7 @@ Result<NatNetVersion> parse_server_info(std::span<const std::byte> payload);
 
 /// Frame from the payload of a kFrame packet. Pure, bounded by the payload: counts that it cannot
 /// hold are refused before anything is stored. Bodies whose rotation is no unit quaternion or
-/// that are not finite come out as not tracked. Errors: kFormat, naming the section.
+/// that are not finite are returned as not tracked. Errors: kFormat, naming the section.
 Result<NatNetFrame> parse_frame(std::span<const std::byte> payload, NatNetVersion version);
 
 /// All frames of a file of packets, with the version that its server info states, else `version`.

@@ -16,8 +16,8 @@ namespace mixrig::stream {
 namespace {
 
 constexpr std::size_t kMostBytes = 65536;  // of a datagram
-constexpr Duration kAskEvery = std::chrono::seconds(1);
-constexpr int kRestart = 1000;  // numbers this far back: the server began anew
+constexpr Duration kRequestEvery = std::chrono::seconds(1);
+constexpr int kRestart = 1000;  // numbers this far back: the server restarted
 
 Error socket_error(const std::string& what) {
   return system_error(ErrorCode::kDevice, "motion capture: " + what, errno);
@@ -99,7 +99,7 @@ NatNetReceiver::NatNetReceiver(sockaddr_in server, std::vector<Socket> sockets,
       clock_(&clock),
       buffer_(kMostBytes) {}
 
-/// On the loopback where the server is, so that nobody else reaches it.
+/// Bound to the loopback interface if the server is there, so that no other machine reaches it.
 Result<NatNetReceiver::Socket> NatNetReceiver::open_command(const sockaddr_in& server) {
   Socket socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (socket.fd() < 0) return socket_error("no socket");
@@ -141,24 +141,24 @@ Result<NatNetReceiver> NatNetReceiver::open(const NatNetAddress& address, NatNet
   return NatNetReceiver(server, std::move(sockets), version, clock);
 }
 
-/// A server that is not there yet answers by nothing, or by an error that the next read tells:
-/// neither ends us.
-void NatNetReceiver::ask() {
+/// Without a server there is no answer, or an error that the next read returns: neither ends the
+/// receiver.
+void NatNetReceiver::request_stream() {
   const HostTime now = clock_->now();
-  if (asked_ && now - *asked_ < kAskEvery) return;
-  asked_ = now;
+  if (requested_ && now - *requested_ < kRequestEvery) return;
+  requested_ = now;
   constexpr auto kPacket = connect_packet();
   (void)::sendto(sockets_.front().fd(), kPacket.data(), kPacket.size(), 0,
                  reinterpret_cast<const sockaddr*>(&server_), sizeof server_);
 }
 
 Result<std::optional<NatNetFrame>> NatNetReceiver::next(Duration timeout) {
-  ask();
+  request_stream();
   std::array<pollfd, 2> wait{};
   for (std::size_t i = 0; i < sockets_.size(); ++i) wait[i] = {sockets_[i].fd(), POLLIN, 0};
-  const auto until_asked = kAskEvery - (clock_->now() - *asked_);
+  const auto until_request = kRequestEvery - (clock_->now() - *requested_);
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(
-      std::max(std::min<Duration>(timeout, until_asked), Duration(0)));
+      std::max(std::min<Duration>(timeout, until_request), Duration(0)));
   if (::poll(wait.data(), sockets_.size(), static_cast<int>(ms.count())) < 0 && errno != EINTR)
     return socket_error("waiting failed");
   for (std::size_t i = 0; i < sockets_.size(); ++i)

@@ -25,19 +25,19 @@ struct NatNetAddress {
 /// Errors: kUsage.
 Result<NatNetAddress> parse_natnet_address(const std::string& uri);
 
-/// What came. A frame is lost where numbers jump, late where they do not grow.
+/// Counts of datagrams. A frame is lost where numbers jump, late where they do not increase.
 struct NatNetCounts {
   long frames = 0, lost = 0, late = 0;
   long malformed = 0;  ///< datagrams that are no packet of NatNet
   long foreign = 0;    ///< datagrams from another machine
 };
 
-/// Asks the server for its stream, once a second as servers want it, and reads what it sends.
-/// Only datagrams of the server's own address are read. Not thread-safe.
+/// Requests the stream from the server once a second, as servers require, and reads its datagrams.
+/// Datagrams from other addresses are ignored. Not thread-safe.
 class NatNetReceiver {
  public:
-  /// `version` holds until the server tells its own. Errors: kNotFound for a name that is not
-  /// known, kDevice where no socket can be had.
+  /// `version` is used until the server sends its own. Errors: kNotFound for an unknown host name,
+  /// kDevice where no socket can be opened.
   static Result<NatNetReceiver> open(const NatNetAddress& address, NatNetVersion version,
                                      const Clock& clock);
 
@@ -63,7 +63,7 @@ class NatNetReceiver {
                  const Clock& clock);
   static Result<Socket> open_command(const sockaddr_in& server);
   static Result<Socket> open_group(const NatNetAddress& address, const sockaddr_in& server);
-  void ask();
+  void request_stream();
   Result<std::optional<NatNetFrame>> read(int fd);
   Result<std::optional<NatNetFrame>> take(const NatNetPacket& packet);
   bool is_next(int number);
@@ -72,7 +72,7 @@ class NatNetReceiver {
   std::vector<Socket> sockets_;  ///< of commands, then of the group
   NatNetVersion version_;
   const Clock* clock_;
-  std::optional<HostTime> asked_;
+  std::optional<HostTime> requested_;
   std::optional<int> last_number_;
   std::vector<std::byte> buffer_;
   NatNetCounts counts_;

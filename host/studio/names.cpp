@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names of scenarios and rigs.
-#include <span>
+#include <fmt/format.h>
 
 #include "host/studio/studio.h"
 
@@ -34,8 +34,7 @@ Result<T> parse(const std::array<Named<T>, N>& table, std::string_view what,
     if (entry.name == text) return entry.value;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
-  return Error{ErrorCode::kUsage, "unknown " + std::string(what) + " '" + std::string(text) +
-                                      "': use one of " + known};
+  return Error{ErrorCode::kUsage, fmt::format("unknown {} '{}': use one of {}", what, text, known)};
 }
 
 template <typename T, std::size_t N>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rigs.
+// The rig presets.
 #include "host/studio/rig.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ Optics optics_of(Size size, double field_deg, std::array<double, 5> distortion, 
   return {size, f, f, 0.5 * (size.width - 1) + off_x, 0.5 * (size.height - 1) + off_y, distortion};
 }
 
-/// A camera `x_m` to the right and `y_m` below the target camera, turned a little.
+/// A camera `x_m` to the right of and `y_m` below the target camera, rotated by `turn_deg`.
 geometry::Pose mounted(double x_m, double y_m, double turn_deg) {
   const Eigen::AngleAxisd about(turn_deg * kDeg, Eigen::Vector3d(0.35, 1, 0.2).normalized());
   return {Eigen::Quaterniond(about), {x_m, y_m, 0.012}};

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The virtual studio: scenes, cameras and what they see, frame by frame.
+// The virtual studio: scenes, cameras and their pictures, frame by frame.
 #include "host/studio/studio.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "host/studio/fisheye.h"
-#include "host/studio/layout.h"
-#include "host/studio/object.h"
-#include "host/studio/person.h"
-#include "host/studio/picture.h"
+#include <fmt/format.h>
+
+#include "host/studio/sensors/fisheye.h"
+#include "host/studio/sensors/picture.h"
+#include "host/studio/sensors/tof_camera.h"
 #include "host/studio/srgb.h"
-#include "host/studio/tof_camera.h"
+#include "host/studio/stage/layout.h"
+#include "host/studio/stage/object.h"
+#include "host/studio/stage/person.h"
 
 namespace mixrig::studio {
 namespace {
@@ -27,20 +29,19 @@ Result<void> check(const StudioOptions& o) {
     return Error{ErrorCode::kUsage, "studio: " + std::move(what)};
   };
   if (o.frames < 2 || o.frames > 100000)
-    return wrong("frames must be 2 to 100000, not " + std::to_string(o.frames));
+    return wrong(fmt::format("frames must be 2 to 100000, not {}", o.frames));
   for (const int side : {o.size_px.width, o.size_px.height})
     if (side < 32 || side > 4096)
-      return wrong("size must be 32 to 4096 pixels a side, not " + std::to_string(o.size_px.width) +
-                   "x" + std::to_string(o.size_px.height));
+      return wrong(fmt::format("size must be 32 to 4096 pixels per side, not {}x{}",
+                               o.size_px.width, o.size_px.height));
   if (o.threads < 0 || o.threads > 256)
-    return wrong("threads must be 0 to 256, not " + std::to_string(o.threads));
+    return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
   return {};
 }
 
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const TofSensor& sensor) {
   StudioInfo info;
-  info.name = std::string(name(options.scenario)) + " " + std::to_string(options.seed) + ", " +
-              std::string(name(options.rig));
+  info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
   info.rate_hz = kRate_hz;
   info.frames = options.frames;
   info.empty_frames = std::min(kEmptyFrames, options.frames / 2);
@@ -54,7 +55,8 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const T
   return info;
 }
 
-/// The room without its shell and lamps: the shell is convex, so neither shades anything.
+/// The room without walls, floor, ceiling and lamps: these are the convex hull of the room, so they
+/// shade nothing.
 Mesh furniture_of(const Mesh& room) {
   Mesh furniture = room;
   furniture.indices.clear(), furniture.materials.clear();
@@ -79,7 +81,7 @@ struct Studio::State {
         info(make_info(o, layout, tof_sensor(o.rig))),
         materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
         lamps(info.light),
-        performer(o.scenario, o.seed, layout.stage, info.empty_frames / kRate_hz),
+        motion(o.scenario, o.seed, layout.stage, info.empty_frames / kRate_hz),
         crew(o.threads),
         room(device),
         furniture(device),
@@ -95,39 +97,39 @@ struct Studio::State {
     furniture.set(things);
     Mesh statue = object_in_world(info.object);
     object.set(statue);
-    shadowers = {&furniture, &object, &person, o.cache};
+    casters = {&furniture, &object, &person, o.cache};
   }
 
-  /// Puts the person of a frame into the scenes, at the frame's time and at its four taps.
+  /// Builds the person of a frame: at mid-exposure and at the times of the four ToF taps.
   void place_person(int number, double time_s);
-  /// Traces and lights what does not move, where it is not there already.
-  void see_static(const CameraPlace& place, bool with_truth);
-  void see_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics, Sight& sight,
-                  bool with_object);
+  /// Traces and lights the parts that do not move, unless they are cached.
+  void trace_static(const CameraPlace& place, bool with_truth);
+  void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
+                    SceneSurfels& surfels, bool with_object);
   void draw_color(Frame& frame);
   void draw_truth(const CameraPlace& place, Truth& truth);
-  bool tof_sees(const Vec3& point, const TraceScene& scene) const;
+  bool visible_to_tof(const Vec3& point, const TraceScene& scene) const;
 
   StudioOptions options;
   Layout layout;
   StudioInfo info;
   Materials materials;
   LampSet lamps;
-  Choreography performer;
+  PersonMotion motion;
   Crew crew;
   TraceScene room;
   Occluder furniture, object, person;
   std::array<TraceScene, 4> taps;
-  Shadowers shadowers;
+  ShadowCasters casters;
   RayGrid plate_rays, view_rays;
   TofCamera tof;
-  Sight plate, view;
+  SceneSurfels plate, view;
   bool has_plate = false, has_view = false;
-  Image<std::uint8_t> room_seen;  ///< by the ToF camera, people left out
+  Image<std::uint8_t> room_visible;  ///< room surfaces visible to the ToF camera, without people
   Eigen::Vector3d tof_eye_m;
   geometry::Pose tof_from_world;
   NormalTable normal;
-  Mesh spare;  ///< memory of the last mesh
+  Mesh spare;  ///< reused memory
 };
 
 Studio::Studio(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -147,54 +149,55 @@ void Studio::State::place_person(int number, double time_s) {
   const bool present = number > info.empty_frames;
   const auto fill = [&](auto& scene, double t) {
     spare.clear();
-    if (present) build_person(performer.build(), performer.at(t), spare);
+    if (present) build_person(motion.build(), motion.at(t), spare);
     scene.set(spare);
   };
   fill(person, time_s);
   for (int k = 0; k < 4; ++k) fill(taps[k], time_s + (k - 1.5) / 4 * tof.sensor().exposure_s);
 }
 
-void Studio::State::see_static(const CameraPlace& place, bool with_truth) {
+void Studio::State::trace_static(const CameraPlace& place, bool with_truth) {
   const bool keep = options.cache && !info.camera_moves;
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
     const geometry::Pose world_from_tof = place.world_from_target * info.tof.target_from_tof;
     tof_eye_m = world_from_tof.translation_m;
     tof_from_world = geometry::inverse(world_from_tof);
-    tof.see_room(room, materials, world_from_tof, crew);
-    plate.room.build(room, materials, make_eye(plate_rays, place.world_from_target), all, crew);
-    light_surfels(plate.room, lamps, shadowers, false, false, crew);
+    tof.trace_room(room, materials, world_from_tof, crew);
+    plate.room.build(room, materials, camera_rays(plate_rays, place.world_from_target), all, crew);
+    light_surfels(plate.room, lamps, casters, false, false, crew);
     has_plate = true, has_view = has_view && keep;
   }
   if (!with_truth || (has_view && keep)) return;
-  const Eye eye = make_eye(view_rays, place.world_from_target);
-  view.room.build(room, materials, eye, all, crew);
-  light_surfels(view.room, lamps, shadowers, true, false, crew);
-  view.object.build(object.scene, materials, eye,
+  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
+  view.room.build(room, materials, rays, all, crew);
+  light_surfels(view.room, lamps, casters, true, false, crew);
+  view.object.build(object.scene, materials, rays,
                     covered_by(object.scene.mesh(), info.view, place.world_from_target), crew);
-  light_surfels(view.object, lamps, shadowers, true, false, crew);
-  room_seen.reset(options.size_px);
+  light_surfels(view.object, lamps, casters, true, false, crew);
+  room_visible.reset(options.size_px);
   crew.rows(all.y1, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < all.x1; ++x) {
         const float z = view.room.centre_z(x, y);
         const Vec3 point =
-            eye.position + z * eye.direction(static_cast<float>(x), static_cast<float>(y));
-        room_seen.at(x, y) = z < kMiss && tof_sees(point, room) ? 1 : 0;
+            rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
+        room_visible.at(x, y) = z < kMiss && visible_to_tof(point, room) ? 1 : 0;
       }
   });
   has_view = true;
 }
 
-void Studio::State::see_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
-                               Sight& sight, bool with_object) {
+void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
+                                 const Optics& optics, SceneSurfels& surfels, bool with_object) {
   const Rect rect = covered_by(person.scene.mesh(), optics, place.world_from_target);
-  sight.person.build(person.scene, materials, make_eye(rays, place.world_from_target), rect, crew);
-  light_surfels(sight.person, lamps, shadowers, with_object, true, crew);
+  surfels.person.build(person.scene, materials, camera_rays(rays, place.world_from_target), rect,
+                       crew);
+  light_surfels(surfels.person, lamps, casters, with_object, true, crew);
 }
 
-/// Inside the ToF camera's picture, and nothing of `scene` before it.
-bool Studio::State::tof_sees(const Vec3& point, const TraceScene& scene) const {
+/// True if the point projects into the ToF picture and nothing of `scene` occludes it.
+bool Studio::State::visible_to_tof(const Vec3& point, const TraceScene& scene) const {
   const Eigen::Vector3d in_tof = tof_from_world * point.cast<double>();
   if (in_tof.z() < 0.05) return false;
   const Optics& optics = info.tof.optics;
@@ -205,8 +208,8 @@ bool Studio::State::tof_sees(const Vec3& point, const TraceScene& scene) const {
       px.y() > optics.size_px.height - 1)
     return false;
   const Vec3 eye = tof_eye_m.cast<float>();
-  const Vec3 way = eye - point;
-  return !scene.blocked(point + 3e-3F * way.normalized(), eye);
+  const Vec3 towards = eye - point;
+  return !scene.blocked(point + 3e-3F * towards.normalized(), eye);
 }
 
 void Studio::State::draw_color(Frame& frame) {
@@ -216,7 +219,7 @@ void Studio::State::draw_color(Frame& frame) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < options.size_px.width; ++x) {
         const Vec3 light =
-            exposure * compose_pixel(plate, x, y, lamps, info.light.ambient, shadowers, false).real;
+            exposure * compose_pixel(plate, x, y, lamps, info.light.ambient, casters, false).real;
         const std::uint64_t pixel =
             static_cast<std::uint64_t>(y) * 65536 + static_cast<unsigned>(x);
         const std::uint64_t bits = hash_key(hash_key(options.seed, 0xC0102),
@@ -237,18 +240,20 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
   const Size size = options.size_px;
   truth.depth_m.reset(size), truth.background_depth_m.reset(size), truth.matte.reset(size);
   truth.light.reset(size), truth.composite.reset(size), truth.labels.reset(size);
-  const Eye eye = make_eye(view_rays, place.world_from_target);
+  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
   const auto exposure = static_cast<float>(info.light.exposure);
   crew.rows(size.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
-        const Pixel p = compose_pixel(view, x, y, lamps, info.light.ambient, shadowers, true);
+        const Pixel p = compose_pixel(view, x, y, lamps, info.light.ambient, casters, true);
         const float behind = view.room.centre_z(x, y), before = view.person.centre_z(x, y);
         const float z = std::min(behind, before);
         const Vec3 point =
-            eye.position + z * eye.direction(static_cast<float>(x), static_cast<float>(y));
-        const bool room_clear = before < behind ? tof_sees(point, room) : room_seen.at(x, y) != 0;
-        const bool seen = room_clear && (person.scene.empty() || tof_sees(point, person.scene));
+            rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
+        const bool room_clear =
+            before < behind ? visible_to_tof(point, room) : room_visible.at(x, y) != 0;
+        const bool seen =
+            room_clear && (person.scene.empty() || visible_to_tof(point, person.scene));
         truth.depth_m.at(x, y) = z < kMiss ? z : 0;
         truth.background_depth_m.at(x, y) = behind < kMiss ? behind : 0;
         truth.matte.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * p.person));
@@ -269,19 +274,19 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   frame.world_from_target = place.world_from_target;
   frame.pan_rad = place.pan_rad, frame.tilt_rad = place.tilt_rad;
   s.place_person(number, frame.time_s);
-  s.see_static(place, truth != nullptr);
-  s.see_person(place, s.plate_rays, s.info.target, s.plate, false);
+  s.trace_static(place, truth != nullptr);
+  s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);
   s.draw_color(frame);
   s.tof.render(s.taps, s.materials, number, s.crew, frame.tof_distance_m, frame.tof_amplitude);
   if (s.options.fisheye)
     draw_fisheye(s.info.fisheye, place.world_from_target * s.info.fisheye.target_from_fisheye,
-                 s.room, s.shadowers, s.materials, s.lamps, s.info.light, s.crew, frame.fisheye);
+                 s.room, s.casters, s.materials, s.lamps, s.info.light, s.crew, frame.fisheye);
   if (truth == nullptr) return;
-  s.see_person(place, s.view_rays, s.info.view, s.view, true);
+  s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);
   truth->person_on_floor_m.reset();
   if (number > s.info.empty_frames) {
-    const Vec3 pelvis = s.performer.at(frame.time_s).pelvis;
+    const Vec3 pelvis = s.motion.at(frame.time_s).pelvis;
     truth->person_on_floor_m = Eigen::Vector2d(pelvis.x(), pelvis.y());
   }
 }

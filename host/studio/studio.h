@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The virtual studio: a ray-traced room, person and rig that know the truth of every frame.
+// The virtual studio: a ray-traced room, person and rig, with ground truth for every frame.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@
 
 namespace mixrig::studio {
 
-/// What happens. The camera stands still except in pan, handheld and pendulum.
+/// What the person and the camera do. The camera stands still except in pan, handheld and
+/// pendulum.
 enum class Scenario { kStill, kWalk, kTalk, kPan, kHandheld, kPendulum, kEdges, kFar, kDark };
 /// The depth camera beside the target camera.
 enum class RigPreset { kSr3000, kKinect2, kHelios2 };
@@ -37,10 +38,11 @@ struct StudioOptions {
   int threads = 0;           ///< 0: one per core
   bool raw_depth = false;    ///< leave the ToF camera's systematic error in
   bool fisheye = false;      ///< render Frame::fisheye
-  bool cache = true;         ///< keep what is static between frames; the pictures are the same
+  bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
 };
 
-/// A camera in OpenCV's terms. Pixel (0,0) is the centre of the top-left pixel.
+/// A pinhole camera with OpenCV's distortion model. Pixel (0,0) is the centre of the top-left
+/// pixel.
 struct Optics {
   Size size_px;
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
@@ -60,7 +62,7 @@ struct TofInfo {
   DepthNoise noise;
 };
 
-/// The equidistant camera that looks for lamps: angle to the axis = radius / focal length; the
+/// The equidistant fisheye camera: angle to the optical axis = radius / focal length. The image
 /// circle touches the picture's shorter side.
 struct FisheyeInfo {
   Size size_px;
@@ -83,7 +85,7 @@ struct Light {
   std::vector<Panel> lamps;
 };
 
-/// Triangles of one texture in object axes, z up; counter-clockwise seen from outside.
+/// Triangles with one texture in object axes, z up; counter-clockwise seen from outside.
 struct ObjectMesh {
   std::vector<Eigen::Vector3f> positions_m, normals;
   std::vector<Eigen::Vector2f> uv;  ///< v grows downwards
@@ -97,14 +99,14 @@ struct VirtualObject {
   geometry::Pose world_from_object;
 };
 
-/// What holds for the whole take.
+/// Properties of the whole take.
 struct StudioInfo {
   std::string name;  ///< "walk 7, kinect2"
   double rate_hz = 25;
   int frames = 0;
-  int empty_frames = 0;  ///< frames 1..empty_frames show nobody
+  int empty_frames = 0;  ///< frames 1..empty_frames show no person
   Optics target;
-  Optics view;  ///< ideal view in which truth is given: target without distortion
+  Optics view;  ///< truth is given in this view: the target camera without distortion
   TofInfo tof;
   FisheyeInfo fisheye;
   Light light;
@@ -112,37 +114,37 @@ struct StudioInfo {
   bool camera_moves = false;
 };
 
-/// What the sensors deliver for one moment.
+/// The measurements of all sensors at one time.
 struct Frame {
   int number = 0;     ///< 1-based
   double time_s = 0;  ///< mid-exposure
   Image<Rgb8> color;
-  Image<float> tof_distance_m;  ///< along the ray, in whole depth units; 0 = unknown
-  Image<float> tof_amplitude;   ///< counts, 65535 = a full tap
-  Image<Rgb8> fisheye;          ///< equidistant, 185 degrees; empty unless asked for
+  Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
+  Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
+  Image<Rgb8> fisheye;          ///< equidistant, 185 degrees; empty unless StudioOptions::fisheye
   geometry::Pose world_from_target;
-  double pan_rad = 0, tilt_rad = 0;  ///< of the pan-tilt unit, whole steps
+  double pan_rad = 0, tilt_rad = 0;  ///< of the pan-tilt unit, multiple of its step
 };
 
-/// What really is there, in the ideal view.
+/// Ground truth of a frame, in the ideal view.
 struct Truth {
   static constexpr std::uint8_t kBackground = 0, kPerson = 1, kVirtual = 2;  ///< visible layer
-  static constexpr std::uint8_t kTofSees = 4;     ///< ToF camera sees the real surface
+  static constexpr std::uint8_t kTofSees = 4;     ///< real surface is visible to the ToF camera
   static constexpr std::uint8_t kSilhouette = 8;  ///< inside the object's silhouette
-  Image<float> depth_m;                           ///< z of the real scene at the pixel's centre
+  Image<float> depth_m;                           ///< z of the real scene at the pixel centre
   Image<float> background_depth_m;                ///< the same without people
   Image<std::uint8_t> matte;                      ///< coverage by people, 255 = all
-  Image<float> light;                             ///< luminance of light with / without the object
+  Image<float> light;          ///< luminance of the light with the object / without it
   Image<Rgb8> composite;       ///< noise-free picture with the object in it, sRGB
   Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
-  std::optional<Eigen::Vector2d> person_on_floor_m;  ///< below the pelvis, world x y
+  std::optional<Eigen::Vector2d> person_on_floor_m;  ///< vertically below the pelvis, world x y
 };
 
-/// Renders frames in any order; a frame's bytes depend on the options alone, not on threads,
-/// order or cache. Memory is reused. Not thread-safe; works on threads of its own.
+/// Renders frames in any order. The bytes of a frame depend on the options only, not on the number
+/// of threads, the order or the cache. Memory is reused. Not thread-safe; starts its own threads.
 class Studio {
  public:
-  /// Errors: kUsage for options out of range, kUnsupported where Embree does not start.
+  /// Errors: kUsage for options out of range, kUnsupported if Embree does not start.
   static Result<Studio> create(const StudioOptions& options);
   Studio(Studio&&) noexcept;
   Studio& operator=(Studio&&) noexcept;

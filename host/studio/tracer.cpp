@@ -29,7 +29,7 @@ void upload(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const vo
 }  // namespace
 
 Result<TraceDevice> TraceDevice::create() {
-  // One thread a build: the caller shares out the work, and trees come out the same every time.
+  // One thread: the caller distributes the work, and builds are reproducible.
   RTCDevice device = rtcNewDevice("threads=1");
   if (device == nullptr)
     return Error{ErrorCode::kUnsupported,

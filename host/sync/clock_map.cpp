@@ -8,8 +8,8 @@ namespace mixrig::sync {
 
 namespace {
 
-constexpr double kResolution_s = 1e-6;  // the controller tells whole microseconds
-constexpr double kSlopeMax = 5e-3;      // ten times worse than any crystal or RC oscillator trimmed
+constexpr double kResolution_s = 1e-6;  // the controller reports whole microseconds
+constexpr double kSlopeMax = 5e-3;      // above the error of any crystal or trimmed RC oscillator
 
 }  // namespace
 
@@ -33,7 +33,7 @@ ClockMap::Verdict ClockMap::add(McuTime mcu, HostTime sent, HostTime received) {
   const double at_s = since_first_s(mcu);
   keep({at_s, seconds(sent - first_host_) - at_s - kResolution_s,
         seconds(received - first_host_) - at_s});
-  // A crystal that wanders makes old bounds wrong before new ones.
+  // The drift of a crystal changes: the oldest bounds become wrong first.
   while (!fit() && count_ > 1) {
     const int dropped = (count_ + 1) / 2;
     first_ = (first_ + dropped) % kSpans;
@@ -44,7 +44,7 @@ ClockMap::Verdict ClockMap::add(McuTime mcu, HostTime sent, HostTime received) {
     }
   }
   if (corner_count_ > 0) return verdict;
-  // Even within one second nothing fits: the clock jumped just now.
+  // No line fits even one second of bounds: the clock has just jumped.
   if (verdict == Verdict::kOk) ++restarts_;
   reset(mcu, sent);
   keep({0, -kResolution_s, seconds(received - sent)});
@@ -62,7 +62,7 @@ void ClockMap::keep(const Trip& trip) {
     return;
   }
   Span& last = spans_[(first_ + count_ - 1) % kSpans];
-  // Bounds of different times are compared along the drift as known so far.
+  // Bounds of different times are compared after the present estimate of the drift is removed.
   const auto level = [&](const Trip& t, double value_s) { return value_s - line_.slope * t.at_s; };
   if (level(trip, trip.low_s) > level(last.low, last.low.low_s)) last.low = trip;
   if (level(trip, trip.high_s) < level(last.high, last.high.high_s)) last.high = trip;
@@ -112,7 +112,7 @@ void ClockMap::clip(double at_s, double limit_s, double sign) {
       kept[n++] = {here.offset_s + t * (next.offset_s - here.offset_s),
                    here.slope + t * (next.slope - here.slope)};
     }
-    // Too many corners: leave this bound out; the polygon stays right, only larger.
+    // Too many corners: skip this bound; the polygon stays valid, only larger.
     if (n > kCorners - 2) return;
   }
   std::copy_n(kept.begin(), n, corners_.begin());

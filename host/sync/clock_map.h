@@ -10,25 +10,25 @@
 
 namespace mixrig::sync {
 
-/// Every round trip says for certain that the controller read its clock after the question left
-/// and before the answer was here. Lines (offset, drift) that satisfy all of these bounds form a
-/// convex polygon; the estimate is its centroid. This is a regression on the shortest delays either
-/// way: longer ones, however long, do not touch the polygon, so that it is robust without weights.
-/// Each second keeps its tightest two bounds: minutes are remembered. The bounds hold whatever the
-/// delays are like; the centroid assumes that the least delay of both ways is alike. Nothing
-/// allocates. One thread.
+/// In every round trip the controller read its clock after the request was sent and before the
+/// answer was received: two bounds of the offset. Lines (offset, drift) that satisfy all bounds
+/// form a convex polygon; the estimate is its centroid. Only the shortest delays of each direction
+/// limit the polygon; longer ones, however long, do not change it, so the estimate is robust
+/// without weights. Each second keeps its two tightest bounds, for kSpans seconds. The bounds hold
+/// for any delays; the centroid assumes that the shortest delays of both directions are equal.
+/// Nothing allocates. One thread.
 class ClockMap {
  public:
   enum class Verdict {
     kOk,
-    kRestarted,  ///< no line fits any more: what was learned before this sample is forgotten
+    kRestarted,  ///< no line fits any more: all earlier samples were dropped
   };
   /// The controller read `mcu`, in whole microseconds, between `sent` and `received`.
   Verdict add(McuTime mcu, HostTime sent, HostTime received);
 
   /// Empty before the first sample.
   std::optional<HostTime> to_host(McuTime mcu) const;
-  /// How far to_host(mcu) can be off at most, were the drift constant over the window.
+  /// Largest possible error of to_host(mcu), if the drift is constant over the window.
   std::optional<Duration> bound(McuTime mcu) const;
   /// (host rate / controller rate - 1) * 1e6.
   double drift_ppm() const { return line_.slope * 1e6; }
@@ -44,7 +44,7 @@ class ClockMap {
     double at_s = 0;               ///< controller time since the first sample
     double low_s = 0, high_s = 0;  ///< host minus controller time lies between these
   };
-  /// The best of a second: greatest lower bound, least upper bound.
+  /// The tightest bounds of one second: greatest lower bound, least upper bound.
   struct Span {
     double begin_s = 0;
     Trip low, high;

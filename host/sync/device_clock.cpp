@@ -5,20 +5,16 @@
 #include <cmath>
 #include <span>
 
+#include "hal/base/order_statistics.h"
+
 namespace mixrig::sync {
 namespace {
 
-constexpr double kLongestSpan_s = 1.0;  // 256 s of memory: slower than any crystal warms up
-constexpr double kJump_s = 0.5;         // no delay of a live stream is as long
-constexpr int kSurprisesToRestart = 3;
-constexpr double kLargestDrift = 5e-3;  // 5000 ppm: beyond it the stamps are no clock
+constexpr double kLongestSpan_s = 1.0;  // 256 s in all: longer than a crystal warms up
+constexpr double kJump_s = 0.5;         // longer than any delay of a live stream
+constexpr int kOutliersToRestart = 3;
+constexpr double kLargestDrift = 5e-3;  // 5000 ppm: stamps that drift more are unusable
 constexpr int kRounds = 4;
-
-double median(std::span<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -31,8 +27,8 @@ DeviceClock::Verdict DeviceClock::add(DeviceTime stamp, HostTime received) {
   const double delay_s = seconds(received - first_received_) - stamp_s;
   const bool backwards = stamp_s < last_stamp_s_ - kJump_s;
   const bool far = std::abs(delay_s - line(stamp_s)) > kJump_s;
-  surprises_ = far ? surprises_ + 1 : 0;
-  if (backwards || surprises_ >= kSurprisesToRestart) {
+  outliers_in_row_ = far ? outliers_in_row_ + 1 : 0;
+  if (backwards || outliers_in_row_ >= kOutliersToRestart) {
     ++restarts_;
     reset(stamp, received);
     return Verdict::kRestarted;
@@ -61,13 +57,13 @@ void DeviceClock::reset(DeviceTime stamp, HostTime received) {
   last_stamp_s_ = 0;
   offset_s_ = slope_ = 0;
   jitter_ = {};
-  surprises_ = 0;
+  outliers_in_row_ = 0;
 }
 
 void DeviceClock::keep(Point point) {
   Point& last = points_[static_cast<std::size_t>(count_ - 1)];
   if (point.stamp_s < span_end_s_) {
-    // Delays within a span differ by jitter, not by drift: the least one is nearest to the truth.
+    // Delays within a span differ by jitter, not by drift: the least one has the least jitter.
     if (point.delay_s >= last.delay_s) return;
     last = point;
     if (count_ == 1) fit();
@@ -79,7 +75,7 @@ void DeviceClock::keep(Point point) {
   span_end_s_ = point.stamp_s + span_s_;
 }
 
-/// Makes room: joins neighbours while spans may grow, forgets the oldest after that.
+/// Frees space: merges neighbouring spans until they reach kLongestSpan_s, then drops the oldest.
 void DeviceClock::thin_out() {
   if (span_s_ >= kLongestSpan_s) {
     std::copy(points_.begin() + 1, points_.end(), points_.begin());
@@ -99,11 +95,12 @@ void DeviceClock::fit() {
   const auto n = static_cast<std::size_t>(count_);
   std::array<double, kPoints> scratch;
   for (std::size_t i = 0; i < n; ++i) scratch[i] = points_[i].delay_s;
-  double offset = median({scratch.data(), n}), slope = n < 5 ? 0 : slope_, scale = 0;
+  double offset = upper_median_in_place(std::span(scratch.data(), n)), slope = n < 5 ? 0 : slope_,
+         scale = 0;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < n; ++i)
       scratch[i] = std::abs(points_[i].delay_s - offset - slope * points_[i].stamp_s);
-    scale = std::max(1.4826 * median({scratch.data(), n}), 1e-6);
+    scale = std::max(1.4826 * upper_median_in_place(std::span(scratch.data(), n)), 1e-6);
     const double cut = (round == 0 ? 1e3 : 4.7) * scale;
     double w = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (std::size_t i = 0; i < n; ++i) {

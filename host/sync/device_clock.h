@@ -11,23 +11,23 @@
 namespace mixrig::sync {
 
 /// Arrival = stamp + offset + drift + delay, where the delay is never less than a constant and
-/// often close to it. The least delay of every short span is kept, and a robust line is laid
-/// through those (as in Moon, Skelly and Towsley, "Estimation and removal of clock skew from
-/// network delay measurements", 1999, with a fit that bears outliers in place of the hull).
-/// The constant part of the delay cannot be seen from stamps; it is the `latency` that the user of
-/// this class knows or measures. Nothing allocates. One thread.
+/// often close to it. The least delay of every short span is kept, and a robust line is fitted
+/// to those (as in Moon, Skelly and Towsley, "Estimation and removal of clock skew from
+/// network delay measurements", 1999, with a robust fit in place of the convex hull).
+/// The constant part of the delay is not observable from stamps; the user of this class has to
+/// measure it. Nothing allocates. One thread.
 class DeviceClock {
  public:
   enum class Verdict {
     kOk,
-    kRestarted,  ///< the device's clock jumped: what was learned is forgotten
+    kRestarted,  ///< the device's clock jumped: all earlier samples were dropped
   };
-  /// One frame: what the device's clock said and when the frame arrived.
+  /// One frame: its stamp by the device's clock and the time of its arrival.
   Verdict add(DeviceTime stamp, HostTime received);
 
-  /// Host time of a device stamp, `least delay` late; empty before the first sample.
+  /// Host time of a device stamp plus the least delay; empty before the first sample.
   std::optional<HostTime> to_host(DeviceTime stamp) const;
-  /// (host rate / device rate - 1) * 1e6; 0 until half a second was seen.
+  /// (host rate / device rate - 1) * 1e6; 0 for the first half second.
   double drift_ppm() const { return slope_ * 1e6; }
   /// Scatter of the kept delays around the line, standard deviation by MAD.
   Duration jitter() const { return jitter_; }
@@ -47,7 +47,7 @@ class DeviceClock {
 
   std::array<Point, kPoints> points_{};
   int count_ = 0;
-  double span_s_ = 0.1;  ///< one point a span
+  double span_s_ = 0.1;  ///< one point is kept per span
   double span_end_s_ = 0;
   bool started_ = false;
   DeviceTime first_stamp_{};
@@ -55,7 +55,7 @@ class DeviceClock {
   double last_stamp_s_ = 0;
   double offset_s_ = 0, slope_ = 0;
   Duration jitter_{};
-  int surprises_ = 0;
+  int outliers_in_row_ = 0;
   std::uint64_t restarts_ = 0;
 };
 

@@ -9,45 +9,45 @@ namespace {
 
 constexpr Duration kSilence = std::chrono::milliseconds(250);
 constexpr std::uint64_t kTrusted_ticks = 200;
-constexpr Duration kNewBeginning = std::chrono::seconds(1);
+constexpr Duration kRestartGap = std::chrono::seconds(1);
 
 }  // namespace
 
 std::optional<EdgeTicks::Made> EdgeTicks::add(HostTime at) {
   ++counts_.edges;
   const HostTime tick_at = at - line_.rest;
-  if (const auto number = told_number(tick_at)) {
+  if (const auto number = master_number(tick_at)) {
     const std::uint64_t tick = nearest(*number);
     count(tick);
     judge(*number, tick);
     last_ = Tick{tick, tick_at};
     return std::nullopt;
   }
-  const bool anew = !last_ || (!master_ && tick_at - last_->at > kNewBeginning);
-  if (anew && master_) return std::nullopt;  // edges alone do not tell its numbers
+  const bool restarts = !last_ || (!master_ && tick_at - last_->at > kRestartGap);
+  if (restarts && master_) return std::nullopt;  // edges alone do not determine its numbers
   Tick tick{static_cast<std::uint64_t>(line_.phase), tick_at};
-  if (!anew) {
+  if (!restarts) {
     tick.sequence = nearest(static_cast<double>(last_->sequence) +
-                            seconds(tick_at - last_->at) / told_.period_s());
+                            seconds(tick_at - last_->at) / master_ticks_.period_s());
     count(tick.sequence);
     if (tick.sequence <= last_->sequence) return std::nullopt;
   }
-  const bool restarted = anew && last_;
+  const bool restarted = restarts && last_;
   last_ = tick;
   ++counts_.filled;
   return Made{tick, restarted};
 }
 
-/// By the master's own word, while it is fresh.
-std::optional<double> EdgeTicks::told_number(HostTime tick_at) const {
-  const auto newest = told_.newest();
+/// Number by the master's reported ticks, if the newest one is not older than kSilence.
+std::optional<double> EdgeTicks::master_number(HostTime tick_at) const {
+  const auto newest = master_ticks_.newest();
   if (!newest) return std::nullopt;
-  const auto newest_at = told_.time_of(*newest);
+  const auto newest_at = master_ticks_.time_of(*newest);
   if (!newest_at || tick_at - *newest_at > kSilence) return std::nullopt;
-  return told_.number_at(tick_at);
+  return master_ticks_.number_at(tick_at);
 }
 
-/// Of the ticks that fire the line.
+/// The nearest one of the ticks that fire the line.
 std::uint64_t EdgeTicks::nearest(double number) const {
   const double tick =
       std::round((number - line_.phase) / line_.divider) * line_.divider + line_.phase;
@@ -64,8 +64,8 @@ void EdgeTicks::count(std::uint64_t tick) {
 }
 
 void EdgeTicks::judge(double number, std::uint64_t tick) {
-  if (told_count_ < kTrusted_ticks) return;
-  const double off_s = (number - static_cast<double>(tick)) * told_.period_s();
+  if (master_tick_count_ < kTrusted_ticks) return;
+  const double off_s = (number - static_cast<double>(tick)) * master_ticks_.period_s();
   ++judged_;
   offset_sum_s_ += off_s;
   offset_square_s2_ += off_s * off_s;
@@ -73,8 +73,9 @@ void EdgeTicks::judge(double number, std::uint64_t tick) {
 }
 
 void EdgeTicks::restart() {
-  told_ = TickHistory(std::chrono::nanoseconds(std::llround(told_.period_s() * 1e9)));
-  told_count_ = 0;
+  master_ticks_ =
+      TickHistory(std::chrono::nanoseconds(std::llround(master_ticks_.period_s() * 1e9)));
+  master_tick_count_ = 0;
   last_.reset();
 }
 

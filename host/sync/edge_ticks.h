@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Master ticks by the edges of one trigger line that the host's own kernel stamps: a second opinion
-// about the master's word, and ticks where it says nothing.
+// Master ticks from the edges of one trigger line, stamped by the host's kernel: a check of the
+// ticks that the master reports, and a replacement while it reports none.
 #pragma once
 
 #include <cstdint>
@@ -19,49 +19,49 @@ struct EdgeLine {
 
 struct EdgeCounts {
   std::uint64_t edges = 0;
-  std::uint64_t lost = 0;     ///< pulses that were not seen, by the time between two edges
-  std::uint64_t doubled = 0;  ///< edges of a pulse that had one: the line rings
-  std::uint64_t filled = 0;   ///< ticks made of edges
-  /// Edge less the master's word, from two seconds after its start on: its clock is known then.
+  std::uint64_t lost = 0;     ///< pulses without an edge, by the time between two edges
+  std::uint64_t doubled = 0;  ///< further edges of one pulse: the line rings
+  std::uint64_t filled = 0;   ///< ticks made from edges
+  /// Edge minus reported tick, from two seconds after the start on: the clock map is accurate then.
   double offset_mean_ms = 0, offset_sd_ms = 0, offset_max_ms = 0;
 };
 
 /// Nothing allocates. One thread.
 class EdgeTicks {
  public:
-  /// `master`: somebody tells ticks. Without one the first edge is tick `phase`, and so is the
-  /// first after a second without edges: whoever fires the line has begun anew.
+  /// `master`: a master reports ticks. Without one the first edge is tick `phase`, and so is the
+  /// first after a second without edges: the device that fires the line has restarted.
   EdgeTicks(EdgeLine line, Duration nominal_period, bool master)
-      : line_(line), master_(master), told_(nominal_period) {}
+      : line_(line), master_(master), master_ticks_(nominal_period) {}
 
-  /// A tick as the master tells it.
-  void told(Tick tick) {
-    told_.add(tick);
-    ++told_count_;
+  /// A tick that the master reports.
+  void on_master_tick(Tick tick) {
+    master_ticks_.add(tick);
+    ++master_tick_count_;
   }
   struct Made {
     Tick tick;
-    bool restarted = false;  ///< numbers begin anew with it
+    bool restarted = false;  ///< tick numbers start again with it
   };
-  /// An edge. A tick where the master tells none: there is none, or it has been silent for a
-  /// quarter of a second and numbers are known from before.
+  /// An edge. Returns a tick where the master reports none: there is no master, or it has reported
+  /// nothing for a quarter of a second and earlier tick numbers are known.
   std::optional<Made> add(HostTime at);
-  /// The master was started anew.
+  /// The master was restarted.
   void restart();
   EdgeCounts counts() const;
 
  private:
-  std::optional<double> told_number(HostTime tick_at) const;
+  std::optional<double> master_number(HostTime tick_at) const;
   std::uint64_t nearest(double number) const;
   void count(std::uint64_t tick);
   void judge(double number, std::uint64_t tick);
 
   EdgeLine line_;
   bool master_;
-  TickHistory told_;
+  TickHistory master_ticks_;
   std::optional<Tick> last_;  ///< of the last edge
   EdgeCounts counts_;
-  std::uint64_t judged_ = 0, told_count_ = 0;
+  std::uint64_t judged_ = 0, master_tick_count_ = 0;
   double offset_sum_s_ = 0, offset_square_s2_ = 0, offset_max_s_ = 0;
 };
 

@@ -22,7 +22,7 @@ struct TimedFrame {
   HostTime mid_exposure{};
 };
 
-/// One moment: stream 0 leads; the others are the nearest to it, or empty.
+/// Frames of one moment: stream 0 leads; of the others the frame nearest to it, or none.
 struct FrameSet {
   std::uint64_t tick = 0;
   std::array<TimedFrame, kMaxStreams> frames;
@@ -33,26 +33,26 @@ using FrameSetSink = std::function<void(const FrameSet&)>;
 
 /// How a stream joins the leading one.
 struct Join {
-  int farthest_ticks = 0;  ///< its frame is at most so many ticks away
-  /// A set waits until the stream has reached its tick. Not for slower streams: sets would pile up
-  /// until their next frame and then leave in one burst.
+  int farthest_ticks = 0;  ///< largest distance of its frame from the leading one
+  /// A set waits until the stream has reached its tick. False for slower streams: sets would
+  /// accumulate until their next frame and then be emitted in one burst.
   bool awaited = true;
 };
 
-/// Joins streams by tick. A set leaves when every awaited stream has reached its tick, or when the
-/// leading stream is two frames further: a camera that fell silent costs its frames, not the
-/// others'. Of each stream it takes the nearest frame that is there.
+/// Joins streams by tick. A set is emitted when every awaited stream has reached its tick, or when
+/// the leading stream is two frames further: a camera that stops sending does not stop the others.
+/// Each stream contributes the nearest frame that has arrived.
 /// Nothing allocates after construction. One thread.
 class FrameSetBuilder {
  public:
-  /// One entry a stream; entry 0, the leading stream, is not looked at.
+  /// One entry per stream; entry 0, the leading stream, is not used.
   FrameSetBuilder(std::span<const Join> streams, FrameSetSink sink);
 
-  /// Takes a usable frame; others are refused and counted.
+  /// Accepts a frame whose pairing is usable; others are refused and counted.
   void add(std::size_t stream, TimedFrame frame);
-  /// Emits what waits.
+  /// Emits the waiting sets.
   void flush();
-  /// Emits what waits and forgets the rest: tick numbers begin anew.
+  /// Emits the waiting sets and drops all other frames: tick numbers start again.
   void restart();
 
   std::uint64_t sets() const { return sets_; }

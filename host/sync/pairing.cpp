@@ -8,8 +8,8 @@ namespace mixrig::sync {
 namespace {
 
 constexpr double kFarthest_s = 0.5;
-constexpr int kAgree = 3;
-constexpr std::uint64_t kWindow = 64;  // counters that may still come late
+constexpr int kAgreeingFrames = 3;
+constexpr std::uint64_t kWindow = 64;  // a frame may arrive this many counters late
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void TickHistory::add(Tick tick) {
   ticks_[(begin_ + count_) % kKept] = tick;
   ++count_;
   const Tick &first = kept(0), &last = kept(count_ - 1);
-  // The master is a crystal: its period is what the kept span says, once that is long enough.
+  // The master has a crystal: its period is the mean over the kept ticks, if they are enough.
   if (last.sequence - first.sequence >= 50)
     period_s_ = seconds(last.at - first.at) / static_cast<double>(last.sequence - first.sequence);
 }
@@ -78,24 +78,24 @@ std::optional<HostTime> TickHistory::time_of(std::uint64_t sequence) const {
 
 Pairing FramePairer::pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at,
                           HostTime received) {
-  if (timing_.divider <= 0) return done(pair_free(ticks, sequence, at));
-  if (!remember(sequence)) return done({.status = PairStatus::kDuplicate});
+  if (timing_.divider <= 0) return counted(pair_free(ticks, sequence, at));
+  if (!note_counter(sequence)) return counted({.status = PairStatus::kDuplicate});
   const auto by_time = ticks.number_at(at - timing_.delay);
   if (locked_)
-    return done(pair_locked(sequence, by_time, ticks.number_at(received), ticks.period_s()));
-  if (!by_time) return done({.status = PairStatus::kNoTick});
-  return done(lock(sequence, *by_time, ticks.period_s()));
+    return counted(pair_locked(sequence, by_time, ticks.number_at(received), ticks.period_s()));
+  if (!by_time) return counted({.status = PairStatus::kNoTick});
+  return counted(lock(sequence, *by_time, ticks.period_s()));
 }
 
 void FramePairer::restart() {
   if (locked_) ++counts_.relocks;
-  locked_ = any_ = false;
+  locked_ = has_counter_ = false;
   agreeing_ = disagreeing_ = repeats_ = 0;
   seen_ = newest_ = 0;
 }
 
 Pairing FramePairer::pair_free(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
-  if (!remember(sequence)) return {.status = PairStatus::kDuplicate};
+  if (!note_counter(sequence)) return {.status = PairStatus::kDuplicate};
   const auto number = ticks.number_at(at - timing_.delay);
   if (!number || *number < -0.5) return {.status = PairStatus::kNoTick};
   const double tick = std::round(*number);
@@ -106,7 +106,7 @@ Pairing FramePairer::pair_free(const TickHistory& ticks, std::uint64_t sequence,
 
 Pairing FramePairer::pair_locked(std::uint64_t sequence, std::optional<double> by_time,
                                  std::optional<double> by_arrival, double period_s) {
-  const std::int64_t tick = tie_ + timing_.divider * static_cast<std::int64_t>(sequence);
+  const std::int64_t tick = offset_ + timing_.divider * static_cast<std::int64_t>(sequence);
   if (tick < 0) return {.status = PairStatus::kNoTick};
   Pairing pairing{.status = sequence == newest_ ? PairStatus::kPaired : PairStatus::kReordered,
                   .tick = static_cast<std::uint64_t>(tick)};
@@ -134,12 +134,12 @@ Pairing FramePairer::pair_locked(std::uint64_t sequence, std::optional<double> b
     return pairing;
   }
   if (!by_time) return {.status = PairStatus::kNoTick};
-  return contradicted(pairing, sequence, *by_time, period_s);
+  return handle_contradiction(pairing, sequence, *by_time, period_s);
 }
 
-/// One frame may be held up; that the next one is as well means that the tie is broken.
-Pairing FramePairer::contradicted(Pairing pairing, std::uint64_t sequence, double by_time,
-                                  double period_s) {
+/// A single frame may be late; if the next one contradicts as well, the offset has changed.
+Pairing FramePairer::handle_contradiction(Pairing pairing, std::uint64_t sequence, double by_time,
+                                          double period_s) {
   if (++disagreeing_ == 1) {
     agreeing_ = 0;
     (void)lock(sequence, by_time, period_s);
@@ -152,17 +152,17 @@ Pairing FramePairer::contradicted(Pairing pairing, std::uint64_t sequence, doubl
   return lock(sequence, by_time, period_s);
 }
 
-/// Looks for the tie: the nearest tick that fires this stream, the same for three frames in a row.
+/// Finds the offset: the nearest tick that fires this stream; three frames in a row must agree.
 Pairing FramePairer::lock(std::uint64_t sequence, double by_time, double period_s) {
   const double divider = timing_.divider;
   const double tick = std::round((by_time - timing_.phase) / divider) * divider + timing_.phase;
-  const auto tie =
+  const auto offset =
       static_cast<std::int64_t>(tick) - timing_.divider * static_cast<std::int64_t>(sequence);
-  agreeing_ = agreeing_ > 0 && tie == candidate_ ? agreeing_ + 1 : 1;
-  candidate_ = tie;
-  if (agreeing_ < kAgree || tick < 0) return {.status = PairStatus::kLocking};
+  agreeing_ = agreeing_ > 0 && offset == candidate_offset_ ? agreeing_ + 1 : 1;
+  candidate_offset_ = offset;
+  if (agreeing_ < kAgreeingFrames || tick < 0) return {.status = PairStatus::kLocking};
   locked_ = true;
-  tie_ = tie;
+  offset_ = offset;
   transport_ticks_.reset();
   agreeing_ = disagreeing_ = 0;
   return {.status = PairStatus::kPaired,
@@ -170,22 +170,22 @@ Pairing FramePairer::lock(std::uint64_t sequence, double by_time, double period_
           .residual = Duration(std::llround((by_time - tick) * period_s * 1e9))};
 }
 
-/// False when the counter was seen before. A counter far behind, or one that repeats for several
-/// frames, is no straggler: the camera counts anew.
-bool FramePairer::remember(std::uint64_t sequence) {
-  const bool known = any_ && sequence <= newest_ && newest_ - sequence < kWindow &&
+/// False when the counter was seen before. A counter far behind, or repeated counters of several
+/// frames, are not late frames: the camera has restarted its counter.
+bool FramePairer::note_counter(std::uint64_t sequence) {
+  const bool known = has_counter_ && sequence <= newest_ && newest_ - sequence < kWindow &&
                      (seen_ & 1ULL << (newest_ - sequence)) != 0;
   repeats_ = known ? repeats_ + 1 : 0;
-  if (any_ && (sequence + kWindow <= newest_ || repeats_ >= kAgree))
+  if (has_counter_ && (sequence + kWindow <= newest_ || repeats_ >= kAgreeingFrames))
     restart();
   else if (known)
     return false;
-  if (!any_ || sequence > newest_) {
-    const std::uint64_t step = any_ ? sequence - newest_ : kWindow;
-    if (any_) counts_.missing += step - 1;
+  if (!has_counter_ || sequence > newest_) {
+    const std::uint64_t step = has_counter_ ? sequence - newest_ : kWindow;
+    if (has_counter_) counts_.missing += step - 1;
     seen_ = step < kWindow ? (seen_ << step) | 1 : 1;
     newest_ = sequence;
-    any_ = true;
+    has_counter_ = true;
     return true;
   }
   seen_ |= 1ULL << (newest_ - sequence);
@@ -193,7 +193,7 @@ bool FramePairer::remember(std::uint64_t sequence) {
   return true;
 }
 
-Pairing FramePairer::done(Pairing pairing) {
+Pairing FramePairer::counted(Pairing pairing) {
   ++counts_.by_status[static_cast<std::size_t>(pairing.status)];
   return pairing;
 }

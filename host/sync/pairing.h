@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tick of the master made a frame: by the camera's counter, with time as the standing check.
+// Finds the master's tick that triggered a frame: by the camera's counter, always checked by time.
 #pragma once
 
 #include <array>
@@ -17,18 +17,18 @@ struct Tick {
   HostTime at{};
 };
 
-/// The last ticks, and where those lie that were not told. Sequences rise; a tick that is not newer
-/// than the last one means that the master restarted, and the older ones are forgotten.
+/// The last ticks; missing ones are interpolated. Sequences rise; a tick that is not newer than the
+/// last one means that the master restarted, and the older ones are dropped.
 class TickHistory {
  public:
   explicit TickHistory(Duration nominal_period) : period_s_(seconds(nominal_period)) {}
   void add(Tick tick);
-  /// Numbers begin anew: the old ones count no more.
-  void forget() { begin_ = count_ = 0; }
+  /// Drops all ticks: their numbers start again.
+  void clear() { begin_ = count_ = 0; }
 
   /// Fractional tick number at a time; empty when the nearest known tick is half a second away.
   std::optional<double> number_at(HostTime at) const;
-  /// Time of a tick, told or interpolated; empty as above.
+  /// Time of a tick, reported or interpolated; empty as above.
   std::optional<HostTime> time_of(std::uint64_t sequence) const;
   bool empty() const { return count_ == 0; }
   /// Number of the last one; empty before the first.
@@ -48,19 +48,19 @@ class TickHistory {
   std::uint64_t lost_ = 0, restarts_ = 0;
 };
 
-/// How a stream hangs on the master. divider 0: it runs free and is only stamped.
+/// How the master triggers a stream. divider 0: it runs free and is only stamped.
 struct StreamTiming {
-  int divider = 4;   ///< one frame every so many ticks
-  int phase = 0;     ///< the tick numbers that fire it are phase mod divider
+  int divider = 4;   ///< ticks per frame
+  int phase = 0;     ///< it is triggered by tick numbers that are phase mod divider
   Duration delay{};  ///< from the tick to the stamp of the frame: exposure, transport
 };
 
 enum class PairStatus {
   kPaired,     ///< counter and time agree
-  kLate,       ///< counter and time contradict each other: held up, or a trigger was missed
+  kLate,       ///< counter and time contradict each other: late, or a trigger was missed
   kReordered,  ///< paired by its counter; a later frame came first
   kDuplicate,  ///< the counter was seen before: drop it
-  kLocking,    ///< counter and ticks are not tied together yet: do not use it
+  kLocking,    ///< the offset of ticks to counter is not known yet: do not use it
   kNoTick,     ///< no tick is known near its time
 };
 inline constexpr int kPairStatuses = 6;
@@ -69,7 +69,7 @@ std::string_view name(PairStatus status);
 struct Pairing {
   PairStatus status = PairStatus::kNoTick;
   std::uint64_t tick = 0;      ///< valid for kPaired and kReordered
-  Duration residual{};         ///< stamp less the tick's time less delay
+  Duration residual{};         ///< stamp - time of the tick - delay
   bool clock_doubted = false;  ///< paired by counter and arrival, against the stamp
   bool usable() const { return status == PairStatus::kPaired || status == PairStatus::kReordered; }
 };
@@ -77,28 +77,28 @@ struct Pairing {
 struct PairingCounts {
   std::array<std::uint64_t, kPairStatuses> by_status{};
   std::uint64_t missing = 0;       ///< ticks of this stream that have no frame
-  std::uint64_t clock_doubts = 0;  ///< frames whose stamp contradicted counter and arrival
-  std::uint64_t relocks = 0;       ///< times the tie of counter and ticks had to be found again
+  std::uint64_t clock_doubts = 0;  ///< frames whose stamp handle_contradiction counter and arrival
+  std::uint64_t relocks = 0;       ///< times the offset of ticks to counter was lost
   std::uint64_t of(PairStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
 
-/// Pairs the frames of one stream. Three frames in a row must agree about the tie between counter
-/// and tick before it is believed, at start and whenever it breaks: a camera that missed or doubled
-/// a trigger is found out by time, and meanwhile its frames are kLate and kLocking, never wrongly
-/// paired. A tie breaks only when stamp and arrival both contradict it: a stamp alone means that
-/// the camera's clock was set, a late arrival alone that the host was busy. Nothing allocates. One
-/// thread.
+/// Pairs the frames of one stream. The offset of ticks to counter is accepted after three frames
+/// in a row that agree, at the start and whenever it is lost: time shows that a camera missed or
+/// doubled a trigger, and until the new offset is known its frames are kLate and kLocking, never
+/// wrongly paired. The offset is lost only when stamp and arrival both contradict it: a wrong stamp
+/// alone means that the camera's clock was set, a late arrival alone that the host was busy.
+/// Nothing allocates. One thread.
 class FramePairer {
  public:
   explicit FramePairer(StreamTiming timing) : timing_(timing) {}
-  /// `sequence` is the camera's counter, `at` the frame's stamp in host time, `received` when it
-  /// was there.
+  /// `sequence` is the camera's counter, `at` the frame's stamp in host time, `received` the time
+  /// of its arrival.
   Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at, HostTime received);
   /// A camera without a clock.
   Pairing pair(const TickHistory& ticks, std::uint64_t sequence, HostTime at) {
     return pair(ticks, sequence, at, at);
   }
-  /// The device came back: its counter is new.
+  /// The device was reopened: its counter starts again.
   void restart();
   const PairingCounts& counts() const { return counts_; }
 
@@ -106,19 +106,20 @@ class FramePairer {
   Pairing pair_free(const TickHistory& ticks, std::uint64_t sequence, HostTime at);
   Pairing pair_locked(std::uint64_t sequence, std::optional<double> by_time,
                       std::optional<double> by_arrival, double period_s);
-  Pairing contradicted(Pairing pairing, std::uint64_t sequence, double by_time, double period_s);
+  Pairing handle_contradiction(Pairing pairing, std::uint64_t sequence, double by_time,
+                               double period_s);
   Pairing lock(std::uint64_t sequence, double by_time, double period_s);
-  Pairing done(Pairing pairing);
-  bool remember(std::uint64_t sequence);
+  Pairing counted(Pairing pairing);
+  bool note_counter(std::uint64_t sequence);
 
   StreamTiming timing_;
   PairingCounts counts_;
   bool locked_ = false;
-  std::int64_t tie_ = 0;  ///< tick - divider * counter
-  std::int64_t candidate_ = 0;
-  std::optional<double> transport_ticks_;  ///< usual time from tick to arrival, of this tie
+  std::int64_t offset_ = 0;  ///< tick - divider * counter
+  std::int64_t candidate_offset_ = 0;
+  std::optional<double> transport_ticks_;  ///< mean time from tick to arrival, since the lock
   int agreeing_ = 0, disagreeing_ = 0, repeats_ = 0;
-  bool any_ = false;
+  bool has_counter_ = false;
   std::uint64_t newest_ = 0;  ///< largest counter
   std::uint64_t seen_ = 0;    ///< bit k: counter newest_ - k was seen
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a pan-tilt head was at a moment between two queries.
+// Interpolates the position of a pan-tilt head between two queries.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class PanTiltTrack {
  public:
   void add(const device::PanTiltSample& sample);
   /// Linear between the neighbouring samples of each axis. After the newest sample the head is
-  /// taken to stand still if its last two positions are equal and at most `kHold` old; empty in
+  /// assumed to stand still if its last two positions are equal and at most `kHold` old; empty in
   /// every other case outside the samples.
   std::optional<device::PanTiltAngles> at(HostTime time) const;
   static constexpr Duration kHold = std::chrono::milliseconds(500);

@@ -2,8 +2,7 @@
 // Reading of take.toml.
 #include "host/take/manifest.h"
 
-#include <algorithm>
-
+#include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/take/picture_files.h"
 
@@ -14,7 +13,6 @@ using config::Range;
 using config::Table;
 
 constexpr Range kCount{1, 10'000'000};
-constexpr Range kFocal{1.0, 1e6}, kCenter{-1e5, 1e5}, kLens{-1e4, 1e4};
 
 StreamInfo read_stream(const Table& table) {
   StreamInfo stream;
@@ -30,25 +28,6 @@ StreamInfo read_stream(const Table& table) {
   return stream;
 }
 
-geometry::CameraModel read_camera(const Table& table) {
-  geometry::CameraModel camera;
-  const auto size = table.numbers("size_px", 2, 2, {1, 16384});
-  camera.pinhole.size_px = {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  camera.pinhole.fx_px = table.number("fx", kFocal);
-  camera.pinhole.fy_px = table.number("fy", kFocal);
-  camera.pinhole.cx_px = table.number("cx", kCenter);
-  camera.pinhole.cy_px = table.number("cy", kCenter);
-  geometry::Lens::Coefficients k{};
-  if (table.has("distortion")) {
-    const auto values = table.numbers("distortion", 4, k.size(), kLens);
-    std::copy(values.begin(), values.end(), k.begin());
-  }
-  camera.lens = geometry::Lens(k);
-  if (!table.present()) return camera;
-  if (const auto valid = geometry::validate(camera); !valid) table.fail("fx", valid.error());
-  return camera;
-}
-
 std::optional<geometry::Pinhole> read_view(const Table& target, Size size) {
   if (!target.has("view")) return std::nullopt;
   const auto v = target.numbers("view", 4, 4);
@@ -57,23 +36,11 @@ std::optional<geometry::Pinhole> read_view(const Table& target, Size size) {
   return view;
 }
 
-geometry::Pose read_pose(const Table& table) {
-  const auto r = table.matrix("rotation", 3, 3);
-  const auto t = table.numbers("translation_m", 3, 3, {-1e6, 1e6});
-  if (!table.present()) return {};
-  const Eigen::Matrix3d rotation =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
-  auto pose = geometry::pose_from_matrix(rotation, {t[0], t[1], t[2]});
-  if (pose) return *pose;
-  table.fail("rotation", pose.error());
-  return {};
-}
-
 void read_depth(const Table& table, TakeInfo& info) {
   info.depth = read_stream(table);
   info.depth_unit_m = table.number_or("unit_m", info.depth_unit_m, {1e-7, 10.0});
   info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
-  info.depth_kind = static_cast<DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
+  info.depth_kind = static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
   if (!table.has("noise")) return;
   const auto noise = table.numbers("noise", 3, 3, {0.0, 10.0});
   info.noise = {noise[0], noise[1], noise[2]};
@@ -82,7 +49,7 @@ void read_depth(const Table& table, TakeInfo& info) {
 void read_pose_source(const Table& table, Manifest& manifest) {
   manifest.pose_file = table.text_or("file", "");
   const Table fixed = table.table("world_from_target");
-  if (fixed.present()) manifest.fixed_pose = read_pose(fixed);
+  if (fixed.present()) manifest.fixed_pose = calibration_file::parse_pose(fixed);
   if (table.present() && fixed.present() == !manifest.pose_file.empty())
     table.fail("file", "give either file or world_from_target");
 }
@@ -117,10 +84,12 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   if (is_list(info.color) != is_list(info.depth) || (info.amplitude && is_list(info.color)))
     root.fail("depth", "lists (.txt) must name both colour and depth, and no amplitude");
   const Table target = root.required_table("target");
-  info.target = read_camera(target);
+  info.target = calibration_file::parse_pinhole(target);
   info.view = read_view(target, info.target.size_px());
-  info.tof = read_camera(root.required_table("tof"));
-  info.target_from_tof = read_pose(root.required_table("target_from_tof"));
+  info.tof = calibration_file::parse_pinhole(root.required_table("tof"));
+  info.target_from_tof =
+      calibration_file::parse_calibrated_pose(root.required_table("target_from_tof"), "tof")
+          .target_from;
   read_pose_source(root.table("pose"), manifest);
   info.has_poses = !manifest.pose_file.empty() || manifest.fixed_pose.has_value();
   const Table truth = root.table("truth");

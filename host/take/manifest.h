@@ -11,7 +11,7 @@
 
 namespace mixrig::take {
 
-/// What take.toml tells; `info.frames` is left to the reader of the streams.
+/// What take.toml says; `info.frames` is set by the reader of the streams.
 struct Manifest {
   TakeInfo info;
   std::string pose_file;                     ///< empty where there is none

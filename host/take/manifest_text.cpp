@@ -2,75 +2,69 @@
 // Writing of take.toml.
 #include <array>
 
-#include "host/config/toml_text.h"
+#include "host/calibration_file/tables.h"
+#include "host/config/writer.h"
 #include "host/take/manifest.h"
 
 namespace mixrig::take {
 namespace {
 
-using config::toml_array;
-using config::toml_number;
-using config::toml_text;
+using config::Writer;
 
-std::string stream_text(const char* table, const StreamInfo& stream) {
-  return std::string("\n[") + table + "]\npath = " + toml_text(stream.path) +
-         "\nfirst = " + std::to_string(stream.first) + "\ncount = " + std::to_string(stream.count) +
-         "\nrate_hz = " + toml_number(stream.rate_hz) + "\n";
+Writer stream_table(const StreamInfo& stream) {
+  Writer table;
+  table.set("path", stream.path);
+  table.set("first", stream.first).set("count", stream.count).set("rate_hz", stream.rate_hz);
+  return table;
 }
 
-std::string camera_text(const char* table, const geometry::CameraModel& camera) {
-  const geometry::Pinhole& p = camera.pinhole;
-  std::string text = std::string("\n[") + table + "]\nsize_px = [" +
-                     std::to_string(p.size_px.width) + ", " + std::to_string(p.size_px.height) +
-                     "]\nfx = " + toml_number(p.fx_px) + "\nfy = " + toml_number(p.fy_px) +
-                     "\ncx = " + toml_number(p.cx_px) + "\ncy = " + toml_number(p.cy_px) + "\n";
-  if (!camera.lens.is_ideal())
-    text += "distortion = " + toml_array(camera.lens.coefficients()) + "\n";
-  return text;
+Writer depth_table(const TakeInfo& info) {
+  Writer table = stream_table(info.depth);
+  table.set("unit_m", info.depth_unit_m).set("unknown", info.depth_unknown);
+  table.set("kind", info.depth_kind == capture::DepthKind::kZ ? "z" : "distance");
+  table.set("noise", std::array<double, 3>{info.noise.floor_m, info.noise.linear,
+                                           info.noise.quadratic_per_m});
+  return table;
 }
 
-std::string pose_text(const geometry::Pose& pose) {
-  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
-  std::string text = "rotation = [";
-  for (int row = 0; row < 3; ++row) {
-    const std::array<double, 3> values{r(row, 0), r(row, 1), r(row, 2)};
-    text += (row > 0 ? ", " : "") + toml_array(values);
-  }
-  const Eigen::Vector3d& t = pose.translation_m;
-  return text + "]\ntranslation_m = " + toml_array(std::array<double, 3>{t.x(), t.y(), t.z()}) +
-         "\n";
+Writer target_table(const TakeInfo& info) {
+  Writer table = calibration_file::camera_table(info.target);
+  if (info.view)
+    table.set("view", std::array<double, 4>{info.view->fx_px, info.view->fy_px, info.view->cx_px,
+                                            info.view->cy_px});
+  return table;
 }
 
-std::string depth_text(const TakeInfo& info) {
-  const std::array<double, 3> noise{info.noise.floor_m, info.noise.linear,
-                                    info.noise.quadratic_per_m};
-  return stream_text("depth", info.depth) + "unit_m = " + toml_number(info.depth_unit_m) +
-         "\nunknown = " + std::to_string(info.depth_unknown) +
-         "\nkind = " + (info.depth_kind == DepthKind::kZ ? "\"z\"" : "\"distance\"") +
-         "\nnoise = " + toml_array(noise) + "\n";
+/// With a matrix, as takes have always had it: a quaternion would read back with other last bits.
+Writer pose_table(const geometry::Pose& pose) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = pose.rotation.toRotationMatrix();
+  Writer table;
+  table.set_matrix("rotation", 3, {rotation.data(), 9});
+  table.set("translation_m", std::span<const double>(pose.translation_m.data(), 3));
+  return table;
+}
+
+Writer truth_table(const TakeInfo& info) {
+  Writer table;
+  table.set("path", "truth").set("depth_unit_m", info.truth_depth_unit_m);
+  return table;
 }
 
 }  // namespace
 
 std::string manifest_text(const TakeInfo& info) {
-  std::string text = "format = 1\nname = " + toml_text(info.name) + "\nroot = \".\"\n";
-  if (!info.calibration.empty())
-    text += "calibration = " + toml_text(info.calibration.string()) + "\n";
-  text += stream_text("color", info.color) + depth_text(info);
-  if (info.amplitude) text += stream_text("amplitude", *info.amplitude);
-  text += camera_text("target", info.target);
-  if (info.view) {
-    const std::array<double, 4> view{info.view->fx_px, info.view->fy_px, info.view->cx_px,
-                                     info.view->cy_px};
-    text += "view = " + toml_array(view) + "\n";
-  }
-  text += camera_text("tof", info.tof);
-  text += "\n[target_from_tof]\n" + pose_text(info.target_from_tof);
-  if (info.has_poses) text += "\n[pose]\nfile = \"poses.txt\"\n";
-  if (info.has_truth)
-    text += "\n[truth]\npath = \"truth\"\ndepth_unit_m = " + toml_number(info.truth_depth_unit_m) +
-            "\n";
-  return text;
+  Writer root, pose;
+  root.set("format", 1).set("name", info.name).set("root", ".");
+  if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
+  root.set("color", stream_table(info.color)).set("depth", depth_table(info));
+  if (info.amplitude) root.set("amplitude", stream_table(*info.amplitude));
+  root.set("target", target_table(info));
+  root.set("tof", calibration_file::camera_table(info.tof));
+  root.set("target_from_tof", pose_table(info.target_from_tof));
+  pose.set("file", "poses.txt");
+  if (info.has_poses) root.set("pose", std::move(pose));
+  if (info.has_truth) root.set("truth", truth_table(info));
+  return root.text();
 }
 
 }  // namespace mixrig::take

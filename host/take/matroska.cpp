@@ -16,8 +16,8 @@ Result<void> start_gstreamer() {
 }  // namespace
 
 const char* raw_format(PixelKind kind) {
-  // FFV1's RGB is stored by a reversible transform; of the 8-bit orders GStreamer's encoder takes
-  // this one.
+  // FFV1's RGB is stored by a reversible transform; of the 8-bit channel orders
+  // GStreamer's encoder accepts this one.
   return kind == PixelKind::kRgb8 ? "BGRx" : "GRAY16_LE";
 }
 
@@ -76,7 +76,7 @@ Error Pipeline::error(ErrorCode code, const std::string& what) const {
 bool Pipeline::has_failed() const {
   GstBus* bus = gst_element_get_bus(pipeline_.get());
   GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
-  // It stays on the bus for error() to tell.
+  // The message stays on the bus, where error() reads it.
   if (message != nullptr) gst_bus_post(bus, message);
   gst_object_unref(bus);
   return message != nullptr;

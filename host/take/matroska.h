@@ -11,7 +11,7 @@
 
 namespace mixrig::take {
 
-/// What a stream's pixels are: 8-bit colour, or 16-bit grey.
+/// Pixel format of a stream: 8-bit colour, or 16-bit grey.
 enum class PixelKind { kRgb8, kGray16 };
 
 /// GStreamer's name of the raw format that FFV1 stores without loss.
@@ -33,13 +33,13 @@ class Pipeline {
 
   GstElement* get() const { return pipeline_.get(); }
   GstElement* element(const char* name) const;
-  /// Errors: kIo with the pipeline's own words.
+  /// Errors: kIo with the pipeline's own message.
   Result<void> play();
   /// The last error that the pipeline posted, as "WHAT: WHY".
   Error error(ErrorCode code, const std::string& what) const;
   bool has_failed() const;
-  /// Waits for a message; "cannot VERB FILE" else. Errors: kFormat after an error of the pipeline
-  /// or ten seconds of silence.
+  /// Waits for a message. Errors: kFormat "cannot VERB FILE" after an error of the pipeline or ten
+  /// seconds without a message.
   Result<void> wait_for(GstMessageType message, const char* verb) const;
 
  private:
@@ -62,7 +62,7 @@ class MatroskaWriter {
   /// Errors: kData for another size, kIo.
   Result<void> write(ImageView<const Rgb8> image);
   Result<void> write(ImageView<const std::uint16_t> image);
-  /// Errors: kIo. The file is whole only after this.
+  /// Errors: kIo. The file is complete only after this.
   Result<void> finish();
 
  private:

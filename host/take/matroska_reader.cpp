@@ -16,7 +16,7 @@ struct SampleUnref {
 };
 using SamplePtr = std::unique_ptr<GstSample, SampleUnref>;
 
-/// A damaged file may stall the demuxer; no frame of a file takes longer.
+/// A damaged file may stall the demuxer; reading a valid frame never takes this long.
 constexpr GstClockTime kPatience = 10 * GST_SECOND;
 
 class MatroskaStream final : public PictureStream {
@@ -49,7 +49,7 @@ class MatroskaStream final : public PictureStream {
   }
 
   Result<void> read(int index, Image<float>&) override {
-    return Error{ErrorCode::kData, name(index) + " holds steps, not metres"};
+    return Error{ErrorCode::kData, name(index) + " holds integer depth steps, not metres"};
   }
 
  private:
@@ -57,7 +57,7 @@ class MatroskaStream final : public PictureStream {
     return pipeline_.error(ErrorCode::kFormat, "cannot read '" + name(index) + "': " + why);
   }
 
-  /// The stamp of a frame tells its number: Matroska rounds stamps to milliseconds.
+  /// The frame's number from its stamp: Matroska rounds stamps to milliseconds.
   int index_of(GstSample* sample) const {
     const GstClockTime pts = GST_BUFFER_PTS(gst_sample_get_buffer(sample));
     if (!GST_CLOCK_TIME_IS_VALID(pts)) return -1;
@@ -66,7 +66,7 @@ class MatroskaStream final : public PictureStream {
   }
 
   Result<void> seek(int index) {
-    // A quarter into the frame: stamps are rounded, and the frame before must be over.
+    // A quarter period after the stamp: stamps are rounded, and the frame before must have ended.
     const auto position = static_cast<gint64>((index + 0.25) / rate_hz_ * GST_SECOND);
     const auto flags = static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE);
     if (gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, flags, position) != 0) return {};
@@ -76,7 +76,7 @@ class MatroskaStream final : public PictureStream {
   /// The next frame; null at the end, after an error, or when nothing comes for too long.
   SamplePtr next_sample() {
     constexpr GstClockTime kStep =
-        20 * GST_MSECOND;  // an error of the demuxer does not wake a sink
+        20 * GST_MSECOND;  // an error of the demuxer does not end a sink's wait
     for (GstClockTime waited = 0; waited < kPatience; waited += kStep) {
       SamplePtr sample(gst_app_sink_try_pull_sample(GST_APP_SINK(sink_.get()), kStep));
       if (sample || gst_app_sink_is_eos(GST_APP_SINK(sink_.get())) != 0 || pipeline_.has_failed())
@@ -89,7 +89,7 @@ class MatroskaStream final : public PictureStream {
     if (index < 0 || index >= count_)
       return Error{ErrorCode::kData,
                    "'" + path_.string() + "' has no frame " + std::to_string(index + 1)};
-    constexpr int kSkipAhead = 8;  // below that decoding on is cheaper than seeking
+    constexpr int kSkipAhead = 8;  // up to that many, decoding them is faster than seeking
     if (index < next_ || index > next_ + kSkipAhead) MIXRIG_TRY(seek(index));
     for (int guard = 0; guard <= kSkipAhead + 2; ++guard) {
       SamplePtr sample = next_sample();
@@ -104,7 +104,7 @@ class MatroskaStream final : public PictureStream {
 
   template <typename T, typename CopyRow>
   Result<void> copy(int index, Image<T>& image, PixelKind wanted, CopyRow copy_row) {
-    if (kind_ != wanted) return Error{ErrorCode::kData, name(index) + " has other pixels"};
+    if (kind_ != wanted) return Error{ErrorCode::kData, name(index) + " has another pixel format"};
     MIXRIG_ASSIGN(const SamplePtr sample, pull(index));
     GstVideoInfo info;
     GstMapInfo map;
@@ -145,7 +145,7 @@ Result<std::unique_ptr<PictureStream>> open_matroska(const std::filesystem::path
   MIXRIG_ASSIGN(Pipeline pipeline, Pipeline::create(description, path));
   GstElementPtr sink(pipeline.element("sink"));
   MIXRIG_TRY(pipeline.play());
-  // A pipeline seeks only once it has its first frame.
+  // A pipeline can seek only after its first frame.
   MIXRIG_TRY(pipeline.wait_for(GST_MESSAGE_ASYNC_DONE, "open"));
   return std::unique_ptr<PictureStream>(std::make_unique<MatroskaStream>(
       std::move(pipeline), std::move(sink), path, kind, count, rate_hz));

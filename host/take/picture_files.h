@@ -9,7 +9,8 @@
 
 namespace mixrig::take {
 
-/// A file name with one number in it, such as "color/%06d.png". printf never sees the pattern.
+/// A file name with one number in it, such as "color/%06d.png". The pattern is not passed to
+/// printf.
 class NumberedName {
  public:
   /// Errors: kFormat unless there is exactly one %d or %0Nd, N at most 9.
@@ -21,7 +22,7 @@ class NumberedName {
   std::size_t digits_ = 0;
 };
 
-/// Picture files, one an index. PNG and JPEG by content; .exr by name, its channel Z or its only
+/// Picture files, one per index. PNG and JPEG by content; .exr by name, its channel Z or its only
 /// one.
 class PictureFiles final : public PictureStream {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stream of pictures of a take, whatever it is stored as. Private to this room.
+// A stream of pictures of a take, in any storage format. Private to this room.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace mixrig::take {
 class PictureStream {
  public:
   virtual ~PictureStream() = default;
-  /// What picture `index` is called in an error line.
+  /// Name of picture `index` for error messages.
   virtual std::string name(int index) const = 0;
   /// Errors: kNotFound, kFormat, kData, naming the file.
   virtual Result<void> read(int index, Image<Rgb8>& image) = 0;

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes, read frame by frame.
+// Reads takes frame by frame.
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "hal/base/log.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
+#include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/picture_files.h"
@@ -20,10 +25,10 @@ namespace {
 
 constexpr std::size_t kMaxManifestBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
-constexpr double kMaxPairDifference_s = 0.02;  // as TUM's own tools pair
+constexpr double kMaxPairDifference_s = 0.02;  // the default of TUM's own tools
 constexpr double kMaxPoseGap_s = 0.1;
 
-/// Where a frame's parts are in their streams.
+/// Index of each part of a frame in its stream.
 struct FrameIndex {
   int color = 0, depth = 0;
   double time_s = 0;
@@ -41,6 +46,9 @@ struct TakeReader::State {
   Manifest manifest;
   std::unique_ptr<PictureStream> color, depth, amplitude;
   std::vector<FrameIndex> frames;
+  std::map<int, FrameTick> ticks;                     ///< by frame number, where recorded
+  std::map<int, device::PanTiltAngles> pan_tilt;      ///< the same
+  std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 
   TakeInfo& info() { return manifest.info; }
@@ -50,6 +58,8 @@ struct TakeReader::State {
   Result<void> index_numbered();
   Result<void> index_lists(const Lists& lists);
   Result<std::vector<StampedPose>> read_poses();
+  Result<void> read_tables();
+  void describe(int number, capture::Capture& capture) const;
   Result<void> read_steps(PictureStream& stream, int index, double unit, int unknown,
                           Image<float>& out);
   fs::path truth_file(const char* what, int number) const;
@@ -102,6 +112,49 @@ Result<std::vector<StampedPose>> TakeReader::State::read_poses() {
   const fs::path path = info().root / manifest.pose_file;
   MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
   return parse_trajectory(text, path.string());
+}
+
+/// ticks.csv and pan_tilt.csv, which recordings of a live rig have.
+Result<void> TakeReader::State::read_tables() {
+  std::error_code error;
+  if (const fs::path path = info().root / "ticks.csv"; fs::exists(path, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(ticks, parse_ticks(text, path.string()));
+  }
+  if (const fs::path path = info().root / "pan_tilt.csv"; fs::exists(path, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(pan_tilt, parse_pan_tilt(text, path.string()));
+  }
+  return {};
+}
+
+/// All of a capture but its images.
+void TakeReader::State::describe(int number, capture::Capture& capture) const {
+  using capture::Stream;
+  using capture::StreamStatus;
+  const FrameIndex& index = frames[static_cast<std::size_t>(number - 1)];
+  capture.number = number;
+  capture.time_s = index.time_s;
+  capture.mid_exposure = HostTime(Duration(std::llround(index.time_s * 1e9)));
+  capture.tick = 0;
+  if (const auto known = ticks.find(number); known != ticks.end()) {
+    capture.tick = known->second.tick;
+    capture.mid_exposure = known->second.mid_exposure;
+  }
+  capture.pan_tilt.reset();
+  const auto angles = pan_tilt.find(number);
+  if (angles != pan_tilt.end()) capture.pan_tilt = angles->second;
+  capture.cameras = cameras;
+  capture.world_from_target = index.world_from_target;
+  capture.pose_origin = !manifest.pose_file.empty() ? capture::PoseOrigin::kRecorded
+                        : manifest.fixed_pose       ? capture::PoseOrigin::kFixed
+                                                    : capture::PoseOrigin::kUnknown;
+  capture.status = {};
+  capture.set_status(Stream::kPlate, StreamStatus::kFresh);
+  capture.set_status(Stream::kDepth, StreamStatus::kFresh);
+  if (!pan_tilt.empty())
+    capture.set_status(Stream::kPanTilt, angles != pan_tilt.end() ? StreamStatus::kFresh
+                                                                  : StreamStatus::kMissing);
 }
 
 Result<void> TakeReader::State::index_numbered() {
@@ -157,9 +210,7 @@ Result<void> TakeReader::State::read_steps(PictureStream& stream, int index, dou
 }
 
 fs::path TakeReader::State::truth_file(const char* what, int number) const {
-  char name[16];
-  std::snprintf(name, sizeof(name), "%06d.png", number);
-  return manifest.info.root / manifest.truth_path / what / name;
+  return manifest.info.root / manifest.truth_path / what / fmt::format("{:06d}.png", number);
 }
 
 namespace {
@@ -198,7 +249,12 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   auto state = std::make_unique<State>();
   MIXRIG_ASSIGN(state->manifest, open_manifest(path));
   MIXRIG_TRY(state->open_streams());
+  MIXRIG_TRY(state->read_tables());
   TakeInfo& info = state->info();
+  info.rate_hz = info.color.rate_hz;
+  info.file = path;
+  info.camera_tables = {"target", "tof", "target_from_tof"};
+  state->cameras = std::make_shared<capture::RigCameras>(info);
   info.path = path;
   info.frames = static_cast<int>(state->frames.size());
   if (info.frames == 0)
@@ -214,7 +270,7 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
 
 const TakeInfo& TakeReader::info() const { return state_->manifest.info; }
 
-Result<void> TakeReader::read(int number, TakeFrame& frame) {
+Result<void> TakeReader::read(int number, capture::Capture& frame) {
   State& s = *state_;
   const TakeInfo& info = s.info();
   if (number < 1 || number > info.frames)
@@ -222,11 +278,9 @@ Result<void> TakeReader::read(int number, TakeFrame& frame) {
                                            std::to_string(number) + ": it has 1 to " +
                                            std::to_string(info.frames)};
   const FrameIndex& index = s.frames[static_cast<std::size_t>(number - 1)];
-  frame.number = number;
-  frame.time_s = index.time_s;
-  frame.world_from_target = index.world_from_target;
-  MIXRIG_TRY(s.color->read(index.color, frame.color));
-  MIXRIG_TRY(check_size(frame.color, info.target.size_px(), s.color->name(index.color), "target"));
+  s.describe(number, frame);
+  MIXRIG_TRY(s.color->read(index.color, frame.plate));
+  MIXRIG_TRY(check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
   MIXRIG_TRY(
       s.read_steps(*s.depth, index.depth, info.depth_unit_m, info.depth_unknown, frame.depth_m));
   MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(), s.depth->name(index.depth), "tof"));
@@ -235,7 +289,7 @@ Result<void> TakeReader::read(int number, TakeFrame& frame) {
   return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
 }
 
-Result<void> TakeReader::read_truth(int number, TruthFrame& truth) {
+Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   State& s = *state_;
   const TakeInfo& info = s.info();
   if (!info.has_truth || number < 1 || number > info.frames)

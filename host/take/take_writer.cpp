@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes, written frame by frame into a folder that appears at the end.
+// Writes takes frame by frame into a folder that gets its name at the end.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "host/image_io/image_io.h"
-#include "host/image_io/partial_path.h"
+#include "hal/base/partial_path.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A rate that players take where none is known; Matroska stamps need one.
+/// Used where no rate is known; Matroska stamps need one.
 constexpr double kDefaultRate_hz = 25.0;
 
 Result<void> make_folder(const fs::path& path) {
@@ -31,11 +32,7 @@ Result<void> make_folder(const fs::path& path) {
   return {};
 }
 
-std::string number_name(int number) {
-  char name[16];
-  std::snprintf(name, sizeof(name), "%06d.png", number);
-  return name;
-}
+std::string number_name(int number) { return fmt::format("{:06d}.png", number); }
 
 /// One 16-bit or colour stream, as pictures or as a Matroska file.
 class StreamWriter {
@@ -103,7 +100,7 @@ struct TakeWriter::State {
   Result<void> write_text(const char* name, const std::string& text) const;
   Result<void> copy_calibration();
 
-  image_io::PartialPath partial;
+  PartialPath partial;
   TakeInfo info;
   StreamWriter color, depth, amplitude;
   std::string poses;
@@ -120,9 +117,9 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
   return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
 }
 
-/// A take takes its calibration along.
+/// Copies the calibration into the take.
 Result<void> TakeWriter::State::copy_calibration() {
-  constexpr const char* kName = "calibration.yaml";
+  constexpr const char* kName = "calibration.toml";
   std::error_code error;
   fs::copy_file(info.calibration, partial.path() / kName, error);
   if (error)
@@ -151,9 +148,9 @@ Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& in
   return TakeWriter(std::move(state));
 }
 
-Result<void> TakeWriter::write(const TakeFrame& frame) {
+Result<void> TakeWriter::write(const capture::Capture& frame) {
   State& s = *state_;
-  MIXRIG_TRY(s.color.write(frame.color.view()));
+  MIXRIG_TRY(s.color.write(frame.plate.view()));
   to_steps(frame.depth_m, s.info.depth_unit_m, s.info.depth_unknown, s.steps);
   MIXRIG_TRY(s.depth.write(std::as_const(s.steps).view()));
   if (!frame.amplitude.empty()) {
@@ -165,7 +162,7 @@ Result<void> TakeWriter::write(const TakeFrame& frame) {
   return {};
 }
 
-Result<void> TakeWriter::write_truth(const TruthFrame& truth) {
+Result<void> TakeWriter::write_truth(const capture::Truth& truth) {
   State& s = *state_;
   s.info.has_truth = true;
   const fs::path folder = s.partial.path() / "truth";
@@ -189,7 +186,7 @@ Result<void> TakeWriter::finish() {
   for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude}) MIXRIG_TRY(stream->finish());
   s.info.color = s.color.info();
   s.info.depth = s.depth.info();
-  // A frame of which a stream could not be written is not one.
+  // A frame counts only if all its streams were written.
   s.info.color.count = s.info.depth.count = s.frames;
   s.info.amplitude.reset();
   if (s.amplitude.info().count > 0) {

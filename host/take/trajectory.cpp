@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r,";
 
-/// Takes the first word off `line`; empty at its end.
+/// Removes the first word of `line` and returns it; empty at its end.
 std::string_view next_word(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kBlank));
@@ -28,7 +28,7 @@ std::optional<double> to_number(std::string_view word) {
   return value;
 }
 
-/// Calls use(line) for each line that holds something; false from it is an error of that line.
+/// Calls use(line) for each line that is not blank; where it returns false, that line is an error.
 template <typename Use>
 Result<void> each_line(std::string_view text, const std::string& name, const char* wanted,
                        Use use) {

@@ -42,7 +42,7 @@ std::vector<std::pair<int, int>> associate(const std::vector<StampedFile>& color
   std::vector<std::tuple<double, int, int>> candidates;
   for (std::size_t c = 0; c < color.size(); ++c) {
     const double t = color[c].time_s;
-    // A few neighbours in time are enough, and keep a list of equal stamps from costing n^2.
+    // A few neighbours in time are enough, and bound the cost for lists of equal stamps.
     constexpr std::ptrdiff_t kNeighbours = 4;
     const auto here = std::lower_bound(depth_times.begin(), depth_times.end(), std::pair(t, 0));
     auto at = here - std::min(kNeighbours, here - depth_times.begin());

@@ -14,7 +14,7 @@ namespace mixrig::take {
 bool is_tum_folder(const std::filesystem::path& folder);
 
 /// The manifest of a TUM folder without take.toml: ROS' default intrinsics (525, 319.5, 239.5 at
-/// 640x480, depth registered to colour), 1/5000 m, ground truth where it lies there.
+/// 640x480, depth registered to colour), 1/5000 m, ground truth where the folder has it.
 Manifest tum_manifest(const std::filesystem::path& folder);
 
 /// Indices of colour and depth stamps that belong together: each at most once, closest pairs

@@ -4,25 +4,25 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/app/output_folder.h"
-#include "host/app/plot.h"
+#include "hal/base/partial_path.h"
+#include "host/report/plot.h"
 #include "host/image_io/image_io.h"
-#include "host/sync/align.h"
+#include "host/trajectory/align.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
 namespace {
 
-struct Words {
+struct Arguments {
   std::string a, b, json, plot;
-  sync::AlignOptions options;
+  trajectory::AlignOptions options;
 };
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// Exactly the documented keys; null where there is no answer.
-nlohmann::json report_of(const estimation::Estimate<sync::Alignment>& estimate) {
-  const sync::Alignment& v = estimate.value;
+/// Exactly the documented keys; null where a value is not observable.
+nlohmann::json report_of(const estimation::Estimate<trajectory::Alignment>& estimate) {
+  const trajectory::Alignment& v = estimate.value;
   nlohmann::json report = {{"time_offset_s", nullptr},       {"time_offset_sigma_s", nullptr},
                            {"rotation_xyzw", nullptr},       {"rotation_sigma_deg", nullptr},
                            {"median_residual_deg", nullptr}, {"verdict", nullptr}};
@@ -36,8 +36,8 @@ nlohmann::json report_of(const estimation::Estimate<sync::Alignment>& estimate) 
   return report;
 }
 
-void print(const estimation::Estimate<sync::Alignment>& estimate) {
-  const sync::Alignment& v = estimate.value;
+void print(const estimation::Estimate<trajectory::Alignment>& estimate) {
+  const trajectory::Alignment& v = estimate.value;
   std::printf("time offset   t_A = t_B %+.6f s  (sigma %.6f s)\n", v.time_offset_s,
               v.time_offset_sigma_s);
   std::printf("rotation      A from B  xyzw %.6f %.6f %.6f %.6f  (sigma %.4f deg)\n",
@@ -58,59 +58,59 @@ void print(const estimation::Estimate<sync::Alignment>& estimate) {
               estimate.verdict.reason.empty() ? "" : ": ", estimate.verdict.reason.c_str());
 }
 
-Result<void> write_plot(const std::string& path, const sync::Alignment& alignment) {
-  app::Plot plot{"Residual of the aligned relative rotations",
+Result<void> write_plot(const std::string& path, const trajectory::Alignment& alignment) {
+  report::Plot plot{"Residual of the aligned relative rotations",
                  "time of A from its start, s",
                  "residual, deg",
                  {{"residual", {}}}};
   const double start_s = alignment.residuals.empty() ? 0 : alignment.residuals.front().t_s;
   for (const auto& r : alignment.residuals)
     plot.series[0].points.push_back({r.t_s - start_s, r.angle_rad * kDegrees, {}});
-  return image_io::write_png(path, app::draw(plot, {960, 480}));
+  return image_io::write_png(path, report::draw(plot, {960, 480}));
 }
 
-Result<sync::Trajectory> read(const std::string& path) {
-  MIXRIG_ASSIGN(sync::Trajectory trajectory, sync::read_trajectory(path));
+Result<trajectory::Trajectory> read(const std::string& path) {
+  MIXRIG_ASSIGN(trajectory::Trajectory trajectory, trajectory::read_trajectory(path));
   if (trajectory.empty())
     return Error{ErrorCode::kData, path + ": holds no usable pose: give t x y z qx qy qz qw lines"};
   return trajectory;
 }
 
-Result<nlohmann::json> act(const Words& words) {
-  MIXRIG_ASSIGN(const sync::Trajectory a, read(words.a));
-  MIXRIG_ASSIGN(const sync::Trajectory b, read(words.b));
-  const auto estimate = sync::align(a, b, words.options);
+Result<nlohmann::json> act(const Arguments& arguments) {
+  MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
+  MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
+  const auto estimate = trajectory::align(a, b, arguments.options);
   const nlohmann::json report = report_of(estimate);
-  if (words.json == "-")
+  if (arguments.json == "-")
     std::printf("%s\n", report.dump(2).c_str());
-  else if (!words.json.empty())
-    MIXRIG_TRY(app::write_text(words.json, report.dump(2) + "\n"));
+  else if (!arguments.json.empty())
+    MIXRIG_TRY(write_file(arguments.json, report.dump(2) + "\n"));
   if (!estimate.usable())
     return Error{ErrorCode::kData,
-                 words.a + " and " + words.b + " cannot be aligned: " + estimate.verdict.reason};
-  if (words.json != "-") print(estimate);
-  if (!words.plot.empty()) MIXRIG_TRY(write_plot(words.plot, estimate.value));
+                 arguments.a + " and " + arguments.b + " cannot be aligned: " + estimate.verdict.reason};
+  if (arguments.json != "-") print(estimate);
+  if (!arguments.plot.empty()) MIXRIG_TRY(write_plot(arguments.plot, estimate.value));
   return report;
 }
 
 }  // namespace
 
 void add_align_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "align", "time offset and rotation between two trajectories of one rigid body");
-  command->add_option("A", words->a, "trajectory, TUM or CSV: t x y z qx qy qz qw")->required();
-  command->add_option("B", words->b, "trajectory of the other sensor: t_A = t_B + offset")
+  command->add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw")->required();
+  command->add_option("B", arguments->b, "trajectory of the other sensor: t_A = t_B + offset")
       ->required();
-  command->add_option("--window", words->options.window_s, "relative motions are over this time, s")
+  command->add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
       ->check(CLI::Range(0.05, 10.0));
-  command->add_option("--plot", words->plot, "PNG of the residuals over time");
-  command->add_option("--json", words->json, "FILE that the report is written to; none: stdout")
+  command->add_option("--plot", arguments->plot, "PNG of the residuals over time");
+  command->add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")
       ->expected(0, 1)
       ->default_str("-");
-  command->callback([&context, words, command] {
-    if (command->count("--json") > 0 && words->json.empty()) words->json = "-";
-    context.action = [words] { return act(*words); };
+  command->callback([&context, arguments, command] {
+    if (command->count("--json") > 0 && arguments->json.empty()) arguments->json = "-";
+    context.action = [arguments] { return act(*arguments); };
   });
 }
 

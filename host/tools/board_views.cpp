@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "hal/base/order_statistics.h"
 #include "hal/base/parallel.h"
-#include "host/calibration/suggest_board.h"
+#include "host/calibration/board/suggest_board.h"
 #include "host/image_io/image_io.h"
 #include "host/tools/command.h"
 
@@ -106,10 +107,8 @@ Result<void> check_board(const std::vector<std::string>& images, const BoardSpec
     for (const auto& p : view.board.px) low = low.cwiseMin(p), high = high.cwiseMax(p);
     shares.push_back(calibration::homography_misfit_px(view.board, board) / (high - low).norm());
   }
-  std::nth_element(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2),
-                   shares.end());
   constexpr double kWrongShare = 0.05;
-  if (shares[shares.size() / 2] < kWrongShare) return {};
+  if (upper_median(shares) < kWrongShare) return {};
   const auto at = std::find_if(images.begin(), images.end(), [&](const std::string& path) {
     return fs::path(path).filename() == all.views.front().name;
   });

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/calibration/intrinsics.h"
+#include "host/calibration/intrinsics/intrinsics.h"
 
 namespace mixrig::tools {
 

@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/camera_io/calibration.h"
+#include <fmt/format.h>
+
+#include "host/calibration_file/calibration.h"
 #include "host/mocap/external.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -66,54 +68,58 @@ void print(const mocap::ExternalCalibration& calibration) {
   std::printf("\n");
 }
 
-struct Words {
+struct ExternalArguments {
   std::string input, calibration;
 };
 
-/// target_from_body as an entry of calibration.yaml. Errors: kData where the way from the camera to
+/// target_from_body as an entry of calibration.toml. Errors: kData where the pose of the camera in
 /// the target camera is not known.
-Result<camera_io::CalibratedPose> entry_of(const mocap::ExternalInput& input,
-                                           const mocap::ExternalCalibration& found,
-                                           const Words& words) {
+Result<calibration_file::CalibratedPose> entry_of(const mocap::ExternalInput& input,
+                                                  const mocap::ExternalCalibration& found,
+                                                  const ExternalArguments& arguments) {
   const auto& pose = found.body_from_camera;
   if (!pose.usable())
-    return Error{ErrorCode::kData, words.input + ": nothing is written: " + pose.verdict.reason};
+    return Error{ErrorCode::kData,
+                 arguments.input + ": nothing is written: " + pose.verdict.reason};
   geometry::Pose target_from_camera;
   if (input.camera_name != "target") {
     const std::string& file =
-        input.calibration_file.empty() ? words.calibration : input.calibration_file;
-    MIXRIG_ASSIGN(const camera_io::Calibration known, camera_io::read_calibration(file));
-    const auto* way = known.pose(input.camera_name);
-    if (way == nullptr)
-      return Error{ErrorCode::kData, file + ": does not tell where camera " + input.camera_name +
-                                         " stands to the target camera: calibrate the rig first"};
-    target_from_camera = way->target_from;
+        input.calibration_file.empty() ? arguments.calibration : input.calibration_file;
+    MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                  calibration_file::read_calibration(file));
+    const auto* pose_of_camera = known.pose(input.camera_name);
+    if (pose_of_camera == nullptr)
+      return Error{ErrorCode::kData,
+                   fmt::format("{}: has no pose of camera {} in the target camera: run mixrig "
+                               "calibrate rig first",
+                               file, input.camera_name)};
+    target_from_camera = pose_of_camera->target_from;
   }
-  camera_io::CalibratedPose entry;
+  calibration_file::CalibratedPose entry;
   entry.name = "body";
   entry.target_from = target_from_camera * geometry::inverse(pose.value);
-  // First order of the inverse, in the target's axes.
+  // Covariance of the inverse to first order, in the axes of the target camera.
   const Eigen::Matrix3d turn = entry.target_from.rotation.toRotationMatrix();
   Eigen::Matrix<double, 6, 6> map = Eigen::Matrix<double, 6, 6>::Zero();
   map.topLeftCorner<3, 3>() = map.bottomRightCorner<3, 3>() = -turn;
   map.bottomLeftCorner<3, 3>() = -turn * estimation::skew(pose.value.translation_m);
   entry.covariance = map * pose.covariance * map.transpose();
   entry.views = 1;
-  camera_io::InputHash hash;
-  MIXRIG_TRY(hash.add_file(words.input));
-  entry.origin = camera_io::origin_now(hash);
+  calibration_file::InputHash hash;
+  MIXRIG_TRY(hash.add_file(arguments.input));
+  entry.origin = calibration_file::origin_now(hash);
   return entry;
 }
 
-Result<nlohmann::json> calibrate(const Words& words) {
-  MIXRIG_ASSIGN(const mocap::ExternalInput input, mocap::read_external(words.input));
+Result<nlohmann::json> calibrate(const ExternalArguments& arguments) {
+  MIXRIG_ASSIGN(const mocap::ExternalInput input, mocap::read_external(arguments.input));
   const auto found = mocap::calibrate_external(input);
-  if (!found) return Error{found.error().code, words.input + ": " + found.error().context};
+  if (!found) return Error{found.error().code, arguments.input + ": " + found.error().context};
   print(*found);
-  if (!words.calibration.empty()) {
-    camera_io::Calibration calibration;
-    MIXRIG_ASSIGN(calibration.poses.emplace_back(), entry_of(input, *found, words));
-    MIXRIG_TRY(camera_io::update_calibration(words.calibration, calibration));
+  if (!arguments.calibration.empty()) {
+    calibration_file::Calibration calibration;
+    MIXRIG_ASSIGN(calibration.poses.emplace_back(), entry_of(input, *found, arguments));
+    MIXRIG_TRY(calibration_file::update_calibration(arguments.calibration, calibration));
   }
   return report_of(*found);
 }
@@ -121,16 +127,18 @@ Result<nlohmann::json> calibrate(const Words& words) {
 }  // namespace
 
 void add_calibrate_external_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<ExternalArguments>();
   CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
   CLI::App* command = group.add_subcommand(
       "external", "where the depth camera sits on its body, from a tracked constellation");
   command
-      ->add_option("FILE", words->input, "TOML: markers, what the camera saw of them, and its body")
+      ->add_option("FILE", arguments->input,
+                   "TOML: markers, what the camera saw of them, and its body")
       ->required();
-  command->add_option("--calibration", words->calibration,
-                      "calibration.yaml that the pose of the body is written into");
-  command->callback([&context, words] { context.action = [words] { return calibrate(*words); }; });
+  command->add_option("--calibration", arguments->calibration,
+                      "calibration.toml to write the pose of the body into");
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return calibrate(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
-#include "host/app/canvas.h"
+#include <fmt/format.h>
+
+#include "host/report/canvas.h"
 
 namespace mixrig::tools {
 namespace {
 
-using app::Canvas;
+using report::Canvas;
 using calibration::Intrinsics;
 using calibration::UncertaintyMap;
 using calibration::ViewFit;
@@ -20,16 +21,10 @@ constexpr Rgb8 kPaper{255, 255, 255}, kInk{30, 30, 30}, kFrame{200, 200, 200}, k
     kResidual{214, 96, 30}, kLeftOut{170, 170, 170};
 constexpr double kPanel_px = 480, kTop_px = 50, kGap_px = 30;
 
-std::string words(const char* format, double a, double b = 0) {
-  char text[120];
-  std::snprintf(text, sizeof(text), format, a, b);
-  return text;
-}
-
-/// A panel of the camera's picture: `scale` panel pixels to one of its.
+/// A panel that shows the camera's picture: `scale` panel pixels per picture pixel.
 struct Panel {
   double left_px, scale, height_px;
-  app::Point at(double x, double y) const {
+  report::Point at(double x, double y) const {
     return {left_px + (x + 0.5) * scale, kTop_px + (y + 0.5) * scale};
   }
 };
@@ -53,10 +48,11 @@ void frame(Canvas& canvas, const Panel& p, const std::string& title) {
 void draw_residuals(Canvas& canvas, const Panel& p, const Intrinsics& in) {
   // A residual of three sigma is drawn 20 panel pixels long.
   const double enlarged = 20 / std::max(3 * in.sigma_px, 1e-6);
-  frame(canvas, p, words("residuals, %.3f px RMS, drawn %.0f-fold", in.rms_px, enlarged / p.scale));
+  frame(canvas, p,
+        fmt::format("residuals, {:.3f} px RMS, drawn {:.0f}-fold", in.rms_px, enlarged / p.scale));
   for (const ViewFit& view : in.views)
     for (std::size_t i = 0; i < view.px.size(); ++i) {
-      const app::Point from = p.at(view.px[i].x(), view.px[i].y());
+      const report::Point from = p.at(view.px[i].x(), view.px[i].y());
       const Eigen::Vector2d r =
           view.residual_px[i] *
           std::min(1.0, 5 * in.sigma_px / std::max(view.residual_px[i].norm(), 1e-9));
@@ -65,7 +61,7 @@ void draw_residuals(Canvas& canvas, const Panel& p, const Intrinsics& in) {
     }
 }
 
-/// White at none, through yellow, to red at one pixel and more.
+/// Colour of an uncertainty: white at 0, through yellow, to red at one pixel and more.
 Rgb8 heat(double sigma_px) {
   const double t = std::clamp(std::sqrt(sigma_px), 0.0, 1.0);
   const auto level = [](double v) {
@@ -76,9 +72,9 @@ Rgb8 heat(double sigma_px) {
 
 void draw_uncertainty(Canvas& canvas, const Panel& p, const Intrinsics& in,
                       const UncertaintyMap& map) {
-  frame(
-      canvas, p,
-      words("uncertainty of projection, px: median %.3f, worst %.3f", map.median_px, map.worst_px));
+  frame(canvas, p,
+        fmt::format("uncertainty of projection, px: median {:.3f}, worst {:.3f}", map.median_px,
+                    map.worst_px));
   const double width = kPanel_px / map.columns, height = p.height_px / map.rows;
   const auto counts = calibration::coverage(in, map.columns, map.rows);
   for (int r = 0; r < map.rows; ++r)
@@ -89,30 +85,30 @@ void draw_uncertainty(Canvas& canvas, const Panel& p, const Intrinsics& in,
       Image<Rgb8> cell({static_cast<int>(std::ceil(width)), static_cast<int>(std::ceil(height))},
                        heat(map.sigma_px[i]));
       canvas.picture(static_cast<int>(x), static_cast<int>(y), cell);
-      canvas.text({x + width / 2, y + height / 2}, words("%.2f", map.sigma_px[i]), 11, kInk,
-                  app::Align::kCenter);
-      canvas.text({x + width / 2, y + height / 2 + 13}, words("%.0f pts", counts[i]), 9, kInk,
-                  app::Align::kCenter);
+      canvas.text({x + width / 2, y + height / 2}, fmt::format("{:.2f}", map.sigma_px[i]), 11, kInk,
+                  report::Align::kCenter);
+      canvas.text({x + width / 2, y + height / 2 + 13}, fmt::format("{} pts", counts[i]), 9, kInk,
+                  report::Align::kCenter);
     }
 }
 
 void draw_views(Canvas& canvas, const Panel& p, const Intrinsics& in) {
   double worst = 1e-6;
   for (const ViewFit& view : in.views) worst = std::max(worst, view.rms_px);
-  frame(canvas, p, words("error of every view, px RMS; longest bar %.3f", worst));
+  frame(canvas, p, fmt::format("error of every view, px RMS; longest bar {:.3f}", worst));
   const double step = p.height_px / static_cast<double>(std::max<std::size_t>(in.views.size(), 1));
   const double text_px = std::clamp(0.7 * step, 6.0, 12.0);
   for (std::size_t v = 0; v < in.views.size(); ++v) {
     const ViewFit& view = in.views[v];
     const double y = kTop_px + (static_cast<double>(v) + 0.5) * step, left = p.left_px + 150;
     canvas.text({left - 6, y + text_px / 3}, view.name, text_px, view.used ? kInk : kLeftOut,
-                app::Align::kRight);
+                report::Align::kRight);
     if (view.used)
       canvas.line({{left, y}, {left + (kPanel_px - 220) * view.rms_px / worst, y}}, 0.6 * step,
                   kPoint);
     canvas.text({p.left_px + kPanel_px - 4, y + text_px / 3},
-                view.used ? words("%.3f", view.rms_px) : "left out", text_px,
-                view.used ? kInk : kLeftOut, app::Align::kRight);
+                view.used ? fmt::format("{:.3f}", view.rms_px) : "left out", text_px,
+                view.used ? kInk : kLeftOut, report::Align::kRight);
   }
 }
 

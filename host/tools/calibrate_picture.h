@@ -3,7 +3,7 @@
 #pragma once
 
 #include "hal/base/image.h"
-#include "host/calibration/uncertainty.h"
+#include "host/calibration/intrinsics/uncertainty.h"
 
 namespace mixrig::tools {
 

@@ -15,18 +15,18 @@ using nlohmann::json;
 
 constexpr double kDeg = std::numbers::pi / 180;
 
-struct Words {
+struct PtuArguments {
   std::string set, out, camera, calibration;
   int threads = 0;
 };
 
 json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Axes and origin in the camera's axes at angles zero, where no choice of base matters.
+/// Axes and points in camera axes at angles zero, which do not depend on the choice of the base.
 json report_of(const calibration::PtuReport& report) {
-  const camera_io::PanTilt& unit = *report.calibration.pan_tilt;
+  const calibration_file::PanTilt& unit = *report.calibration.pan_tilt;
   const geometry::Pose camera_from_base = geometry::inverse(unit.head_from_target);
-  const auto axis = [&](const camera_io::PanTilt::Axis& a) {
+  const auto axis = [&](const calibration_file::PanTilt::Axis& a) {
     return json{{"direction", to_json(camera_from_base.rotation * a.direction)},
                 {"point_m", to_json(camera_from_base * a.point_m)},
                 {"scale", a.scale}};
@@ -56,17 +56,17 @@ void print(const calibration::PtuReport& report) {
     std::fprintf(stderr, "mixrig: warning: %s\n", warning.c_str());
 }
 
-Result<json> calibrate(const Words& words) {
-  MIXRIG_ASSIGN(const calibration::ViewSet set, calibration::read_view_set(words.set));
+Result<json> calibrate(const PtuArguments& arguments) {
+  MIXRIG_ASSIGN(const calibration::ViewSet set, calibration::read_view_set(arguments.set));
   calibration::PtuOptions options;
-  options.camera = words.camera.empty() ? set.cameras[0].name : words.camera;
-  options.threads = words.threads;
-  if (!words.calibration.empty()) {
-    MIXRIG_ASSIGN(const camera_io::Calibration known,
-                  camera_io::read_calibration(words.calibration));
-    const camera_io::CalibratedCamera* camera = known.camera(options.camera);
+  options.camera = arguments.camera.empty() ? set.cameras[0].name : arguments.camera;
+  options.threads = arguments.threads;
+  if (!arguments.calibration.empty()) {
+    MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                  calibration_file::read_calibration(arguments.calibration));
+    const calibration_file::CalibratedCamera* camera = known.camera(options.camera);
     if (camera == nullptr)
-      return Error{ErrorCode::kUsage, words.calibration + ": there is no camera \"" +
+      return Error{ErrorCode::kUsage, arguments.calibration + ": has no camera \"" +
                                           options.camera + "\": calibrate it first"};
     options.lens = camera->model;
   }
@@ -74,12 +74,12 @@ Result<json> calibrate(const Words& words) {
   MIXRIG_ASSIGN(calibration::PtuReport report,
                 calibration::calibrate_ptu(set, options,
                                            [&](const char*, int done, int) { bar.step(done); }));
-  if (!words.out.empty()) {
-    camera_io::InputHash hash;
+  if (!arguments.out.empty()) {
+    calibration_file::InputHash hash;
     for (const auto& path : calibration::files_of(set, options.camera))
       MIXRIG_TRY(hash.add_file(path));
-    report.calibration.pan_tilt->origin = camera_io::origin_now(hash);
-    MIXRIG_TRY(camera_io::update_calibration(words.out, report.calibration));
+    report.calibration.pan_tilt->origin = calibration_file::origin_now(hash);
+    MIXRIG_TRY(calibration_file::update_calibration(arguments.out, report.calibration));
   }
   print(report);
   return report_of(report);
@@ -88,17 +88,19 @@ Result<json> calibrate(const Words& words) {
 }  // namespace
 
 void add_calibrate_ptu_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<PtuArguments>();
   CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
   CLI::App* command =
       group.add_subcommand("ptu", "pan-tilt unit, from views of a board at known angles");
-  command->add_option("SET", words->set, "folder of views with angles (views.toml)")->required();
-  command->add_option("--calibration", words->calibration,
-                      "calibration.yaml that knows the camera's lens");
-  command->add_option("--camera", words->camera, "name in views.toml; the first if not given");
-  command->add_option("--out", words->out, "calibration.yaml that the result is written into");
-  command->add_option("--threads", words->threads, "0: one per core");
-  command->callback([words, &context] { context.action = [words] { return calibrate(*words); }; });
+  command->add_option("SET", arguments->set, "folder of views with angles (views.toml)")
+      ->required();
+  command->add_option("--calibration", arguments->calibration,
+                      "calibration.toml with the lens of the camera");
+  command->add_option("--camera", arguments->camera, "name in views.toml; the first if not given");
+  command->add_option("--out", arguments->out, "calibration.toml to write the result into");
+  command->add_option("--threads", arguments->threads, "0: one per core");
+  command->callback(
+      [arguments, &context] { context.action = [arguments] { return calibrate(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -5,7 +5,7 @@
 #include <memory>
 #include <numbers>
 
-#include "host/calibration/calibrate_rig.h"
+#include "host/calibration/rig/calibrate_rig.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 
@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr double kDeg = std::numbers::pi / 180;
 
-struct Words {
+struct RigArguments {
   std::string set, out, camera;
   bool corners_only = false, bend = false;
   int threads = 0;
@@ -62,7 +62,7 @@ json report_of(const calibration::RigReport& report) {
     by_corners[name] = camera_json(report.by_corners.cameras[c]);
     by_corners[name]["corner_px"] = report.corner_px[c];
   }
-  for (const camera_io::CalibratedPose& pose : report.calibration.poses) {
+  for (const calibration_file::CalibratedPose& pose : report.calibration.poses) {
     const Eigen::VectorXd s = pose.covariance.diagonal().cwiseSqrt();
     sigma[pose.name] = {{"deg", s.head<3>().norm() / kDeg}, {"mm", 1000 * s.tail<3>().norm()}};
   }
@@ -120,60 +120,65 @@ void print(const calibration::RigReport& report) {
 }
 
 Result<void> write(const calibration::ViewSet& set, const std::string& camera,
-                   const std::string& out, camera_io::Calibration& calibration) {
+                   const std::string& out, calibration_file::Calibration& calibration) {
   if (out.empty()) return {};
-  camera_io::InputHash hash;
+  calibration_file::InputHash hash;
   for (const auto& path : calibration::files_of(set, camera)) MIXRIG_TRY(hash.add_file(path));
-  const camera_io::Origin origin = camera_io::origin_now(hash);
+  const calibration_file::Origin origin = calibration_file::origin_now(hash);
   for (auto& entry : calibration.cameras) entry.origin = origin;
   for (auto& entry : calibration.poses) entry.origin = origin;
   if (calibration.depth_error) calibration.depth_error->origin = origin;
-  return camera_io::update_calibration(out, calibration);
+  return calibration_file::update_calibration(out, calibration);
 }
 
-Result<json> calibrate(const Words& words) {
-  MIXRIG_ASSIGN(const calibration::ViewSet set, calibration::read_view_set(words.set));
+Result<json> calibrate(const RigArguments& arguments) {
+  MIXRIG_ASSIGN(const calibration::ViewSet set, calibration::read_view_set(arguments.set));
   calibration::RigOptions options;
-  if (!words.camera.empty()) {
-    MIXRIG_ASSIGN(const int index, calibration::find_camera(set, words.camera));
+  if (!arguments.camera.empty()) {
+    MIXRIG_ASSIGN(const int index, calibration::find_camera(set, arguments.camera));
     if (set.cameras[static_cast<std::size_t>(index)].depth.empty())
-      return Error{ErrorCode::kUsage, "camera \"" + words.camera +
+      return Error{ErrorCode::kUsage, "camera \"" + arguments.camera +
                                           "\" has no depth in views.toml: name the depth camera "
                                           "with --camera"};
-    options.cameras = {words.camera};
+    options.cameras = {arguments.camera};
   } else if (set.cameras.size() < 2) {
-    return Error{ErrorCode::kUsage,
-                 words.set + ": a rig has two cameras and more: use mixrig calibrate intrinsics"};
+    return Error{
+        ErrorCode::kUsage,
+        arguments.set +
+            ": has only one camera, a rig has two or more: use mixrig calibrate intrinsics"};
   }
-  options.pixels = !words.corners_only, options.bend = words.bend, options.threads = words.threads;
+  options.pixels = !arguments.corners_only, options.bend = arguments.bend,
+  options.threads = arguments.threads;
   Progress bar("finding the board", set.views);
   MIXRIG_ASSIGN(calibration::RigReport report,
                 calibration::calibrate_rig(set, options, [&](const char* what, int done, int) {
                   if (std::string_view(what) == "views") bar.step(done);
                 }));
-  MIXRIG_TRY(write(set, words.camera, words.out, report.calibration));
+  MIXRIG_TRY(write(set, arguments.camera, arguments.out, report.calibration));
   print(report);
   return report_of(report);
 }
 
-void add_options(CLI::App& command, Words& words) {
-  command.add_option("SET", words.set, "folder of views (views.toml)")->required();
-  command.add_option("--out", words.out, "calibration.yaml that the result is written into");
-  command.add_flag("--corners-only", words.corners_only, "leave out the analysis of all pixels");
-  command.add_flag("--bend", words.bend, "solve for the board's bend even where corners show none");
-  command.add_option("--threads", words.threads, "0: one per core");
+void add_options(CLI::App& command, RigArguments& arguments) {
+  command.add_option("SET", arguments.set, "folder of views (views.toml)")->required();
+  command.add_option("--out", arguments.out, "calibration.toml to write the result into");
+  command.add_flag("--corners-only", arguments.corners_only,
+                   "leave out the analysis of all pixels");
+  command.add_flag("--bend", arguments.bend,
+                   "solve for the board's bend even where corners show none");
+  command.add_option("--threads", arguments.threads, "0: one per core");
 }
 
 }  // namespace
 
 void add_calibrate_rig_command(CLI::App& app, Context& context) {
   CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
-  auto rig = std::make_shared<Words>();
+  auto rig = std::make_shared<RigArguments>();
   CLI::App* command = group.add_subcommand("rig", "all cameras of a rig from views of a board");
   add_options(*command, *rig);
   command->callback([rig, &context] { context.action = [rig] { return calibrate(*rig); }; });
 
-  auto tof = std::make_shared<Words>();
+  auto tof = std::make_shared<RigArguments>();
   tof->camera = "tof";
   command = group.add_subcommand("tof", "lens and depth error of a depth camera");
   add_options(*command, *tof);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A build for a newer processor than this one ends in one line, not in "illegal instruction".
+// A build for a newer processor than this one ends with one error line, not by SIGILL.
 #if defined(__x86_64__)
 #include <cstring>
 
@@ -12,7 +12,7 @@ namespace {
 
 #define MIXRIG_BASELINE __attribute__((target("arch=x86-64")))
 
-/// The level's instructions are not to be used in here: what was included may hold none.
+/// This code must not use the instructions of the level, nor may any included code.
 MIXRIG_BASELINE bool has_level() {
   __builtin_cpu_init();
 #if defined(__AVX512F__)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every subcommand of `mixrig` shares: one file per subcommand, one add_*_command each.
+// Shared by all subcommands of `mixrig`: one file and one add_*_command per subcommand.
 #pragma once
 
 #include <functional>
@@ -21,12 +21,16 @@ struct Context {
   std::function<Result<nlohmann::json>()> action;
 };
 
+/// Every subcommand of this build: board_profile.cpp or full_profile.cpp, by MIXRIG_PROFILE.
+void add_commands(CLI::App& app, Context& context);
+/// Those of both profiles.
+void add_board_commands(CLI::App& app, Context& context);
+
 void add_run_command(CLI::App& app, Context& context);
 void add_explain_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_scan_command(CLI::App& app, Context& context);
 void add_bench_command(CLI::App& app, Context& context);
-void add_bench_estimation_command(CLI::App& app, Context& context);
 void add_studio_command(CLI::App& app, Context& context);
 void add_trigger_command(CLI::App& app, Context& context);
 void add_flash_command(CLI::App& app, Context& context);

@@ -1,57 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig diag: health of every device, and what to do.
+// mixrig diag: health of every device, with advice.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
-#include "host/app/live_source.h"
-#include "host/rig/diagnose.h"
-#include "host/rig/discover.h"
+#include "host/session/open_source.h"
+#include "host/live/diagnose.h"
+#include "host/live/discover.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
 namespace {
 
-struct Words {
+struct Arguments {
   std::string rig;
   double watch_s = 5;
   bool no_move = false, no_network = false;
 };
 
-void print(const std::vector<rig::Check>& checks) {
+void print(const std::vector<live::Check>& checks) {
   std::printf("%-6s %-12s %-14s %s\n", "", "device", "check", "measured");
-  for (const rig::Check& check : checks) {
+  for (const live::Check& check : checks) {
     std::printf("%-6s %-12s %-14s %s\n", std::string(name(check.verdict)).c_str(),
                 check.device.c_str(), check.what.c_str(), check.value.c_str());
     if (!check.advice.empty()) std::printf("%-6s -> %s\n", "", check.advice.c_str());
   }
 }
 
-nlohmann::json to_json(const std::vector<rig::Check>& checks) {
+nlohmann::json to_json(const std::vector<live::Check>& checks) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const rig::Check& check : checks)
+  for (const live::Check& check : checks)
     rows.push_back({{"device", check.device},
                     {"check", check.what},
                     {"verdict", std::string(name(check.verdict))},
                     {"value", check.value},
                     {"advice", check.advice}});
-  return {{"verdict", std::string(name(rig::worst(checks)))}, {"checks", rows}};
+  return {{"verdict", std::string(name(live::worst(checks)))}, {"checks", rows}};
 }
 
-Result<nlohmann::json> diag(const Words& words) {
+Result<nlohmann::json> diag(const Arguments& arguments) {
   SystemClock clock;
-  rig::RigConfig config;
-  if (words.rig.empty()) {
-    config = rig::discover({.network = !words.no_network}, clock);
+  live::RigConfig config;
+  if (arguments.rig.empty()) {
+    config = live::discover({.network = !arguments.no_network}, clock);
   } else {
-    MIXRIG_ASSIGN(config, rig::read_rig(words.rig));
+    MIXRIG_ASSIGN(config, live::read_rig(arguments.rig));
   }
-  rig::DiagnoseOptions options;
-  options.watch = Duration(static_cast<long>(words.watch_s * 1e9));
-  options.move_head = !words.no_move;
-  options.playable = app::open_playable;
-  const auto checks = rig::diagnose(config, options, clock);
+  live::DiagnoseOptions options;
+  options.watch = Duration(static_cast<long>(arguments.watch_s * 1e9));
+  options.move_head = !arguments.no_move;
+  const auto checks = live::diagnose(
+      config, live::DeviceOpener(clock, session::open_recordings(config)), options, clock);
   print(checks);
   return to_json(checks);
 }
@@ -59,16 +59,16 @@ Result<nlohmann::json> diag(const Words& words) {
 }  // namespace
 
 void add_diag_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("diag", "open every device, watch it, and judge its health");
-  command->add_option("--rig", words->rig, "rig.toml; what is plugged in where absent");
-  command->add_option("--watch", words->watch_s, "seconds")
+  command->add_option("--rig", arguments->rig, "rig.toml; if not given, the connected devices");
+  command->add_option("--watch", arguments->watch_s, "seconds")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 3600.0));
-  command->add_flag("--no-move", words->no_move, "leave the pan-tilt head where it is");
-  command->add_flag("--no-network", words->no_network, "do not look for cameras on the network");
-  command->callback([&context, words] { context.action = [words] { return diag(*words); }; });
+  command->add_flag("--no-move", arguments->no_move, "do not move the pan-tilt head");
+  command->add_flag("--no-network", arguments->no_network, "do not search the network for cameras");
+  command->callback([&context, arguments] { context.action = [arguments] { return diag(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

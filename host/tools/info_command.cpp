@@ -7,9 +7,10 @@
 #include <numbers>
 #include <vector>
 
-#include "host/app/contact_sheet.h"
-#include "host/app/report.h"
-#include "host/app/source.h"
+#include "host/output/contact_sheet.h"
+#include "host/session/run_report.h"
+#include "host/take/take.h"
+#include "host/take/take_source.h"
 #include "host/measure/percentile.h"
 #include "host/tools/command.h"
 
@@ -23,13 +24,13 @@ struct DepthStatistics {
   double nearest_m = 0, median_m = 0, farthest_m = 0;  ///< 1st, 50th and 99th percentile
 };
 
-Result<DepthStatistics> depth_statistics(app::FrameSource& source) {
+Result<DepthStatistics> depth_statistics(capture::CaptureSource& source) {
   constexpr int kFrames = 10;
-  take::TakeFrame frame;
+  capture::Capture frame;
   std::vector<float> known_m;
   std::size_t pixels = 0, unknown = 0;
   DepthStatistics out;
-  for (int number : app::spread(1, source.info().frames, kFrames)) {
+  for (int number : output::spread(1, source.info().frames, kFrames)) {
     MIXRIG_TRY(source.read(number, frame));
     ++out.frames;
     for (int y = 0; y < frame.depth_m.height(); ++y) {
@@ -55,7 +56,7 @@ double field_deg(const geometry::Pinhole& p) {
 
 nlohmann::json camera_json(const geometry::CameraModel& camera) {
   const geometry::Pinhole& p = camera.pinhole;
-  return {{"size", app::text(p.size_px)},
+  return {{"size", session::text(p.size_px)},
           {"fx", p.fx_px},
           {"fy", p.fy_px},
           {"cx", p.cx_px},
@@ -75,7 +76,7 @@ nlohmann::json report_of(const take::TakeInfo& info, const DepthStatistics& dept
       {"streams", {{"color", stream_json(info.color)}, {"depth", stream_json(info.depth)}}},
       {"target", camera_json(info.target)},
       {"tof", camera_json(info.tof)},
-      {"depth_kind", info.depth_kind == take::DepthKind::kZ ? "z" : "distance"},
+      {"depth_kind", info.depth_kind == capture::DepthKind::kZ ? "z" : "distance"},
       {"depth_unit_m", info.depth_unit_m},
       {"has_poses", info.has_poses},
       {"has_truth", info.has_truth},
@@ -99,7 +100,7 @@ void print_stream(const char* name, const take::StreamInfo& stream) {
 void print_camera(const char* name, const geometry::CameraModel& camera) {
   const geometry::Pinhole& p = camera.pinhole;
   std::printf("  %-10s %s, f %.1f %.1f, centre %.1f %.1f px, %.1f degrees wide, %s\n", name,
-              app::text(p.size_px).c_str(), p.fx_px, p.fy_px, p.cx_px, p.cy_px, field_deg(p),
+              session::text(p.size_px).c_str(), p.fx_px, p.fy_px, p.cx_px, p.cy_px, field_deg(p),
               camera.lens.is_ideal() ? "no distortion" : "distorted");
 }
 
@@ -117,17 +118,18 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
   std::printf(
       "  depth      %s, steps of %g mm, %.1f %% unknown, %.2f / %.2f / %.2f m "
       "(1st, 50th, 99th percentile of %d frames)\n",
-      info.depth_kind == take::DepthKind::kZ ? "z" : "distance", info.depth_unit_m * 1e3,
+      info.depth_kind == capture::DepthKind::kZ ? "z" : "distance", info.depth_unit_m * 1e3,
       depth.unknown_pct, depth.nearest_m, depth.median_m, depth.farthest_m, depth.frames);
   std::printf("  poses      %s\n  truth      %s\n", info.has_poses ? "yes" : "none",
               info.has_truth ? "yes" : "none");
 }
 
-Result<nlohmann::json> info(const std::string& take) {
-  MIXRIG_ASSIGN(const auto source, app::open_take_source(take));
+Result<nlohmann::json> info(const std::string& folder) {
+  MIXRIG_ASSIGN(const take::TakeReader reader, take::TakeReader::open(folder));
+  MIXRIG_ASSIGN(const auto source, take::open_take_source(folder));
   MIXRIG_ASSIGN(const DepthStatistics depth, depth_statistics(*source));
-  print(source->info(), depth);
-  return report_of(source->info(), depth);
+  print(reader.info(), depth);
+  return report_of(reader.info(), depth);
 }
 
 }  // namespace

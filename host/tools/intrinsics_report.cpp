@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 namespace mixrig::tools {
 namespace {
 
@@ -22,25 +24,21 @@ nlohmann::json numbers(const std::vector<double>& values) {
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
-  const auto text = [](const char* format, double a) {
-    char line[160];
-    std::snprintf(line, sizeof(line), format, a);
-    return std::string(line);
-  };
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))
-    why.push_back(text("a pixel is uncertain by %.2f px where it is worst", map.worst_px));
+    why.push_back(fmt::format("a pixel is uncertain by {:.2f} px where it is worst", map.worst_px));
   if (!(map.median_px <= kMedian_px))
-    why.push_back(text("the median pixel is uncertain by %.2f px", map.median_px));
+    why.push_back(fmt::format("the median pixel is uncertain by {:.2f} px", map.median_px));
   if (in.rms_px > kRms_px)
     why.push_back(
-        text("points miss by %.2f px RMS (views of two cameras, a wrong --model or a soft board?)",
-             in.rms_px));
+        fmt::format("points miss by {:.2f} px RMS (views of two cameras, a wrong --model or a soft "
+                    "board?)",
+                    in.rms_px));
   if (in.points_out > kPointsOut * (in.points + in.points_out))
-    why.push_back(text("%.0f %% of the points do not fit",
-                       100.0 * in.points_out / (in.points + in.points_out)));
+    why.push_back(fmt::format("{:.0f} % of the points do not fit",
+                              100.0 * in.points_out / (in.points + in.points_out)));
   if (in.bundle.views.size() < kFewViews)
-    why.push_back(text("only %.0f views", static_cast<double>(in.bundle.views.size())));
+    why.push_back(fmt::format("only {} views", in.bundle.views.size()));
   return why;
 }
 

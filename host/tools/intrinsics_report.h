@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mixrig calibrate intrinsics tells of a camera.
+// The report of mixrig calibrate intrinsics about a camera.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/calibration/uncertainty.h"
+#include "host/calibration/intrinsics/uncertainty.h"
 #include "host/tools/board_views.h"
 
 namespace mixrig::tools {
@@ -20,7 +20,7 @@ nlohmann::json report_of(const std::string& camera, const BoardViews& all,
                          const calibration::Intrinsics& in, const calibration::UncertaintyMap& map,
                          const calibration::Advice& advice, const std::vector<std::string>& why);
 
-/// The same for people, to stdout.
+/// The same as text, to stdout.
 void print(const std::string& camera, const BoardViews& all, const calibration::Intrinsics& in,
            const calibration::UncertaintyMap& map, const calibration::Advice& advice,
            const std::vector<std::string>& why);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The `mixrig` command: parses words, runs the chosen subcommand, tells its error as one line.
+// The `mixrig` command: parses arguments, runs the subcommand, prints its error as one line.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 
 #include "hal/base/log.h"
-#include "host/app/output_folder.h"
+#include "hal/base/partial_path.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/tools/command.h"
 
@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
 
-/// -v and --json stand behind every subcommand that has not made them its own.
+/// Adds -v and --json to every subcommand that does not define them itself.
 void add_common_options(CLI::App& command, Context& context) {
   if (command.get_option_no_throw("-v") == nullptr)
-    command.add_flag("-v,--verbose", context.verbose, "say what is done");
+    command.add_flag("-v,--verbose", context.verbose, "log the steps");
   for (CLI::App* child : command.get_subcommands({})) {
     if (child->get_option_no_throw("--json") == nullptr)
       child->add_option("--json", context.json_path, "FILE that the report is written to");
@@ -26,55 +26,7 @@ void add_common_options(CLI::App& command, Context& context) {
   }
 }
 
-void add_commands(CLI::App& app, Context& context) {
-  add_run_command(app, context);
-  add_scan_command(app, context);
-  add_explain_command(app, context);
-  add_info_command(app, context);
-#ifdef MIXRIG_HAS_STUDIO_COMMAND
-  add_studio_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_BENCH_COMMAND
-  add_bench_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_BENCH_ESTIMATION_COMMAND
-  add_bench_estimation_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_TRIGGER_COMMAND
-  add_trigger_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_FLASH_COMMAND
-  add_flash_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_RECORD_COMMAND
-  add_record_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_DIAG_COMMAND
-  add_diag_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_RIG_COMMAND
-  add_rig_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_ALIGN_COMMAND
-  add_align_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_CALIBRATE_EXTERNAL_COMMAND
-  add_calibrate_external_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_TRACK_COMMAND
-  add_track_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_CALIBRATE_INTRINSICS_COMMAND
-  add_calibrate_intrinsics_command(app, context);
-#endif
-#ifdef MIXRIG_HAS_CALIBRATE_RIG_COMMAND
-  add_calibrate_rig_command(app, context);
-  add_calibrate_ptu_command(app, context);
-#endif
-  add_common_options(app, context);
-}
-
-void tell(std::string line) {
+void print_error(std::string line) {
   std::replace(line.begin(), line.end(), '\n', ' ');
   std::fprintf(stderr, "mixrig: %s\n", line.c_str());
 }
@@ -102,7 +54,7 @@ int exit_status(const Error& error) {
   }
 }
 
-/// Where a report cannot be written is known before the work, not after.
+/// Checks before the work that the report can be written.
 Result<void> check_json_path(const std::string& path) {
   if (path.empty()) return {};
   const auto folder = std::filesystem::absolute(path).parent_path();
@@ -116,7 +68,7 @@ Result<void> act(const Context& context) {
   MIXRIG_TRY(check_json_path(context.json_path));
   MIXRIG_ASSIGN(const nlohmann::json report, context.action());
   if (context.json_path.empty()) return {};
-  return app::write_text(context.json_path, report.dump(2) + "\n");
+  return write_file(context.json_path, report.dump(2) + "\n");
 }
 
 int run(int argc, char** argv) {
@@ -126,17 +78,18 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "mixrig " MIXRIG_VERSION ", " + render::cpu_vectors());
   add_commands(app, context);
+  add_common_options(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
-    tell(usage_line(app, error));
+    print_error(usage_line(app, error));
     return kWrongUsage;
   }
   if (context.verbose) set_log_level(LogLevel::kInfo);
   const auto done = act(context);
   if (done) return kDone;
-  tell(to_line(done.error()));
+  print_error(to_line(done.error()));
   return exit_status(done.error());
 }
 
@@ -147,7 +100,7 @@ int main(int argc, char** argv) {
   try {
     return mixrig::tools::run(argc, argv);
   } catch (const std::exception& error) {
-    mixrig::tools::tell(std::string("failed unexpectedly: ") + error.what());
+    mixrig::tools::print_error(std::string("failed unexpectedly: ") + error.what());
     return mixrig::tools::kFailed;
   }
 }

@@ -21,19 +21,20 @@ std::optional<std::pair<int, int>> pair_of(const std::string& text, char mark) {
   return out;
 }
 
-/// The source that was named, else the take that the scene lies in.
-Result<std::string> source_of(const SessionWords& words) {
-  if (!words.source.empty()) return words.source;
-  const auto folder = (std::filesystem::path(".") / words.scene).parent_path();
+/// The given source, else the take in the scene's folder.
+Result<std::string> source_of(const SessionArguments& arguments) {
+  if (!arguments.source.empty()) return arguments.source;
+  const auto folder = (std::filesystem::path(".") / arguments.scene).parent_path();
   std::error_code code;
   if (std::filesystem::exists(folder / "take.toml", code)) return "take:" + folder.string();
   return Error{ErrorCode::kUsage,
-               "no --source given and no take.toml beside " + words.scene + ": name a --source"};
+               "no --source given and no take.toml beside " + arguments.scene +
+                   ": give a --source"};
 }
 
 }  // namespace
 
-Result<app::FrameRange> parse_range(const std::string& text, const std::string& option) {
+Result<session::FrameRange> parse_range(const std::string& text, const std::string& option) {
   const bool single = text.find('-') == std::string::npos;
   const auto range = pair_of(single ? text + "-" + text : text, '-');
   if (!range || range->first < 1 || range->second < range->first)
@@ -51,59 +52,55 @@ Result<Size> parse_size(const std::string& text, const std::string& option) {
   return Size{sides->first, sides->second};
 }
 
-void add_backend_options(CLI::App& command, SessionWords& words) {
+void add_backend_options(CLI::App& command, SessionArguments& arguments) {
   command
-      .add_option("--backend", words.backend,
-                  "auto, gles or cpu: auto takes gles on a real GPU, else cpu")
+      .add_option("--backend", arguments.backend,
+                  "auto, gles or cpu: auto uses gles on a real GPU, else cpu")
       ->check(CLI::IsMember({"auto", "gles", "cpu"}));
-  command.add_option("--threads", words.threads, "threads of the cpu back end, 0 = one per core")
+  command.add_option("--threads", arguments.threads, "threads of the cpu back end, 0 = one per core")
       ->check(CLI::Range(0, 256));
 }
 
-void add_calibration_option(CLI::App& command, SessionWords& words) {
-  command.add_option("--calibration", words.calibration,
-                     "calibration.yaml of the cameras; what scene, take or rig say if not given");
+void add_calibration_option(CLI::App& command, SessionArguments& arguments) {
+  command.add_option("--calibration", arguments.calibration,
+                     "calibration.toml of the cameras; that of scene, take or rig if not given");
 }
 
-void add_session_options(CLI::App& command, SessionWords& words) {
-  command.add_option("SCENE", words.scene, "scene.toml: what to composite")->required();
-#ifdef MIXRIG_HAS_STUDIO
+void add_session_options(CLI::App& command, SessionArguments& arguments) {
+  command.add_option("SCENE", arguments.scene, "scene.toml: what to composite")->required();
   constexpr const char* kSources =
       "take:DIR, studio[:SCENARIO,SEED,RIG] rendered on the fly, or rig[:RIG.TOML]";
-#else
-  constexpr const char* kSources = "take:DIR or rig[:RIG.TOML]";
-#endif
-  command.add_option("--source", words.source,
+  command.add_option("--source", arguments.source,
                      std::string(kSources) + "; the take beside SCENE if not given");
-  command.add_option("--size", words.size, "WxH to composite at; the take's own size if not given");
-  add_calibration_option(command, words);
-  add_backend_options(command, words);
+  command.add_option("--size", arguments.size, "WxH to composite at; the take's own size if not given");
+  add_calibration_option(command, arguments);
+  add_backend_options(command, arguments);
 }
 
-Result<std::optional<Size>> view_size(const SessionWords& words) {
-  if (words.size.empty()) return std::optional<Size>();
-  MIXRIG_ASSIGN(const Size size, parse_size(words.size, "--size"));
+Result<std::optional<Size>> view_size(const SessionArguments& arguments) {
+  if (arguments.size.empty()) return std::optional<Size>();
+  MIXRIG_ASSIGN(const Size size, parse_size(arguments.size, "--size"));
   return std::optional(size);
 }
 
-app::BackendChoice backend_choice(const SessionWords& words) {
-  const render::Backend backend = words.backend == "gles"  ? render::Backend::kGles
-                                  : words.backend == "cpu" ? render::Backend::kCpu
+session::BackendChoice backend_choice(const SessionArguments& arguments) {
+  const render::Backend backend = arguments.backend == "gles"  ? render::Backend::kGles
+                                  : arguments.backend == "cpu" ? render::Backend::kCpu
                                                            : render::Backend::kAuto;
-  return {backend, words.threads};
+  return {backend, arguments.threads};
 }
 
-Result<app::SessionOptions> session_options(const SessionWords& words) {
-  app::SessionOptions options;
-  options.scene = words.scene;
-  options.calibration = words.calibration;
-  MIXRIG_ASSIGN(options.source, source_of(words));
-  MIXRIG_ASSIGN(options.view_size, view_size(words));
-  options.backend = backend_choice(words);
+Result<session::SessionOptions> session_options(const SessionArguments& arguments) {
+  session::SessionOptions options;
+  options.scene = arguments.scene;
+  options.calibration = arguments.calibration;
+  MIXRIG_ASSIGN(options.source, source_of(arguments));
+  MIXRIG_ASSIGN(options.view_size, view_size(arguments));
+  options.backend = backend_choice(arguments);
   return options;
 }
 
-app::ProgressFn progress_bar() {
+session::ProgressFn progress_bar() {
   struct Bar {
     std::string what;
     std::optional<Progress> progress;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig record: live devices into a take.
+// mixrig record: records live devices into a take.
 #include <cstdio>
 #include <memory>
 
 #include "hal/linux/service_notify.h"
-#include "host/app/live_source.h"
-#include "host/app/rig_json.h"
-#include "host/rig/record.h"
-#include "host/rig/rig_config.h"
+#include "host/session/open_source.h"
+#include "host/report/rig_json.h"
+#include "host/live/record.h"
+#include "host/live/rig_config.h"
 #include "host/tools/command.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -16,21 +16,21 @@ namespace {
 
 constexpr Duration kNotifyEvery = std::chrono::seconds(1);
 
-struct Words {
+struct Arguments {
   std::string rig = "rig.toml", out, format = "mkv";
   double duration_s = 10, keep_free_mb = 512;
 };
 
-Result<nlohmann::json> record(const Words& words) {
-  MIXRIG_ASSIGN(const rig::RigConfig config, rig::read_rig(words.rig));
+Result<nlohmann::json> record(const Arguments& arguments) {
+  MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
-  MIXRIG_ASSIGN(rig::Devices devices,
-                rig::open_devices(config, rig::DeviceOpener(clock, app::open_playable)));
-  rig::RecordOptions options;
-  options.out = words.out;
-  options.duration = Duration(static_cast<long>(words.duration_s * 1e9));
-  options.least_free_bytes = static_cast<std::uint64_t>(words.keep_free_mb * 1048576.0);
-  options.format = words.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
+  live::RecordOptions options;
+  options.out = arguments.out;
+  options.duration = Duration(static_cast<long>(arguments.duration_s * 1e9));
+  options.least_free_bytes = static_cast<std::uint64_t>(arguments.keep_free_mb * 1048576.0);
+  options.format = arguments.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
   Progress progress("recording", 1000);
   HostTime notified{};
   options.progress = [&](double share) {
@@ -39,13 +39,13 @@ Result<nlohmann::json> record(const Words& words) {
     notified = clock.now();
     device::notify_service("READY=1\nWATCHDOG=1");  // only while frames come
   };
-  rig::LiveSession session(config, devices, clock);
+  live::LiveSession session(config, devices, clock);
   const StopOnSignal signals;
-  MIXRIG_ASSIGN(const rig::RecordReport report,
-                rig::record(session, config, devices, options, StopOnSignal::flag(), clock));
-  std::printf("%s: %d frames, %llu left out, ended: %s\n", words.out.c_str(), report.frames,
+  MIXRIG_ASSIGN(const live::RecordReport report,
+                live::record(session, config, devices, options, StopOnSignal::flag(), clock));
+  std::printf("%s: %d frames, %llu left out, ended: %s\n", arguments.out.c_str(), report.frames,
               static_cast<unsigned long long>(report.left_out), report.ended.c_str());
-  nlohmann::json json = app::to_json(report.session);
+  nlohmann::json json = report::to_json(report.session);
   json["frames"] = report.frames;
   json["left_out"] = report.left_out;
   json["ended"] = report.ended;
@@ -55,22 +55,22 @@ Result<nlohmann::json> record(const Words& words) {
 }  // namespace
 
 void add_record_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("record", "record a take from the devices of a rig");
-  command->add_option("OUT", words->out, "folder of the take")->required();
-  command->add_option("--rig", words->rig, "rig.toml")->capture_default_str();
-  command->add_option("--duration", words->duration_s, "seconds; Ctrl-C ends it earlier")
+  command->add_option("OUT", arguments->out, "folder of the take")->required();
+  command->add_option("--rig", arguments->rig, "rig.toml")->capture_default_str();
+  command->add_option("--duration", arguments->duration_s, "seconds; Ctrl-C ends it earlier")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 86400.0));
   command
-      ->add_option("--keep-free", words->keep_free_mb,
-                   "megabytes of the disk to leave; the take ends, whole, before")
+      ->add_option("--keep-free", arguments->keep_free_mb,
+                   "megabytes of disk to keep free; the take ends, complete, before that")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e9));
-  command->add_option("--format", words->format, "of the streams")
+  command->add_option("--format", arguments->format, "of the streams")
       ->capture_default_str()
       ->check(CLI::IsMember({"mkv", "png"}));
-  command->callback([&context, words] { context.action = [words] { return record(*words); }; });
+  command->callback([&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

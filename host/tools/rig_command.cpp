@@ -2,38 +2,29 @@
 // mixrig rig init: a rig.toml of what is plugged in.
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
-#include "host/rig/discover.h"
+#include "hal/base/partial_path.h"
+#include "host/live/discover.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
 namespace {
 
-struct Words {
+struct RigArguments {
   std::string out = "rig.toml";
   bool force = false, no_network = false;
 };
 
-Result<nlohmann::json> init(const Words& words) {
-  namespace fs = std::filesystem;
-  if (fs::exists(words.out) && !words.force)
+Result<nlohmann::json> init(const RigArguments& arguments) {
+  if (std::filesystem::exists(arguments.out) && !arguments.force)
     return Error{ErrorCode::kUsage,
-                 "'" + words.out + "' is there already: name another file, or --force"};
+                 "'" + arguments.out + "' exists: name another file, or use --force"};
   SystemClock clock;
-  const rig::RigConfig config = rig::discover({.network = !words.no_network}, clock);
-  const fs::path partial = words.out + ".partial";
-  {
-    std::ofstream file(partial);
-    file << rig::rig_text(config);
-    if (!file.flush()) return Error{ErrorCode::kIo, "cannot write '" + partial.string() + "'"};
-  }
-  std::error_code error;
-  fs::rename(partial, words.out, error);
-  if (error) return system_error(ErrorCode::kIo, "cannot write '" + words.out + "'", error.value());
-  std::printf("%s: %zu cameras, %s depth camera, %s trigger, %s pan-tilt unit\n", words.out.c_str(),
-              config.cameras.size(), config.depth ? "a" : "no",
+  const live::RigConfig config = live::discover({.network = !arguments.no_network}, clock);
+  MIXRIG_TRY(write_file(arguments.out, live::rig_text(config)));
+  std::printf("%s: %zu cameras, %s depth camera, %s trigger, %s pan-tilt unit\n",
+              arguments.out.c_str(), config.cameras.size(), config.depth ? "a" : "no",
               config.trigger_uri.empty() ? "no" : "a", config.pan_tilt_uri.empty() ? "no" : "a");
   return nlohmann::json{{"cameras", config.cameras.size()},
                         {"depth", config.depth.has_value()},
@@ -44,14 +35,16 @@ Result<nlohmann::json> init(const Words& words) {
 }  // namespace
 
 void add_rig_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<RigArguments>();
   CLI::App* rig = app.add_subcommand("rig", "describe the devices of a rig");
   rig->require_subcommand(1);
   CLI::App* command = rig->add_subcommand("init", "write a rig.toml of what is plugged in");
-  command->add_option("OUT", words->out, "file to write")->capture_default_str();
-  command->add_flag("--force", words->force, "replace the file");
-  command->add_flag("--no-network", words->no_network, "do not look for cameras on the network");
-  command->callback([&context, words] { context.action = [words] { return init(*words); }; });
+  command->add_option("OUT", arguments->out, "file to write")->capture_default_str();
+  command->add_flag("--force", arguments->force, "replace the file");
+  command->add_flag("--no-network", arguments->no_network,
+                    "do not look for cameras on the network");
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return init(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/app/run.h"
+#include "host/session/run.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
@@ -11,52 +11,51 @@
 namespace mixrig::tools {
 namespace {
 
-struct Words {
-  SessionWords session;
+struct Arguments {
+  SessionArguments session;
   std::string out, frames, format = "png";
   bool layers = false, inspect = false;
 };
 
-Result<nlohmann::json> run(const Words& words) {
-  MIXRIG_ASSIGN(app::SessionOptions session_words, session_options(words.session));
-  app::RunOptions options;
-  options.out = words.out;
-  options.output.format = words.format == "video"  ? app::OutputFormat::kVideo
-                          : words.format == "none" ? app::OutputFormat::kNone
-                                                   : app::OutputFormat::kPng;
-  options.output.layers = words.layers;
-  options.output.inspect = words.inspect;
-  if (!words.frames.empty()) {
-    MIXRIG_ASSIGN(options.frames, parse_range(words.frames, "--frames"));
+Result<nlohmann::json> run(const Arguments& arguments) {
+  MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
+  session::RunOptions options;
+  if (!arguments.out.empty()) options.out = arguments.out;
+  options.output.format = arguments.format == "video"  ? output::OutputFormat::kVideo
+                          : arguments.format == "none" ? output::OutputFormat::kNone
+                                                   : output::OutputFormat::kPng;
+  options.output.layers = arguments.layers;
+  options.output.inspect = arguments.inspect;
+  if (!arguments.frames.empty()) {
+    MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
   const StopOnSignal signals;
   SystemClock clock;
-  session_words.clock = &clock;
-  session_words.stop = options.stop = &StopOnSignal::flag();
-  MIXRIG_ASSIGN(const auto session, app::open_session(session_words));
-  MIXRIG_ASSIGN(const app::RunReport report, app::run(*session, options, clock, progress_bar()));
-  std::fputs(app::to_table(report).c_str(), stdout);
-  return app::to_json(report);
+  session_arguments.clock = &clock;
+  session_arguments.stop = options.stop = &StopOnSignal::flag();
+  MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
+  MIXRIG_ASSIGN(const session::RunReport report, session::run(*session, std::move(options), clock, progress_bar()));
+  std::fputs(session::to_table(report).c_str(), stdout);
+  return session::to_json(report);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "run", "composite a scene into a take; write pictures, contact sheet and report");
-  add_session_options(*command, words->session);
-  command->add_option("--out", words->out, "folder to write, new or made by an earlier run")
-      ->required();
-  command->add_option("--frames", words->frames,
+  add_session_options(*command, arguments->session);
+  command->add_option("--out", arguments->out, "folder to write, new or made by an earlier run; no files if not given");
+  command->add_option("--frames", arguments->frames,
                       "FIRST-LAST to composite; all after the learned ones if not given");
   command
-      ->add_option("--format", words->format,
+      ->add_option("--format", arguments->format,
                    "of composite and mixed depth: png, video (Matroska, lossless) or none")
       ->check(CLI::IsMember({"png", "video", "none"}));
-  command->add_flag("--layers", words->layers, "write segmented depth and matte as well");
-  command->add_flag("--inspect", words->inspect, "write warped depth, key and light map as well");
-  command->callback([&context, words] { context.action = [words] { return run(*words); }; });
+  command->add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
+  command->add_flag("--inspect", arguments->inspect, "write warped depth, key and light map as well");
+  command->callback([&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -6,16 +6,18 @@
 #include <memory>
 #include <numbers>
 
-#include "host/app/calibrated_source.h"
-#include "host/app/session.h"
+#include "hal/base/order_statistics.h"
+#include "host/capture/calibrated_source.h"
+#include "host/session/session.h"
+#include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 
 namespace mixrig::tools {
 namespace {
 
-struct Words {
-  SessionWords session;
+struct Arguments {
+  SessionArguments session;
   std::string take, frames, out;
 };
 
@@ -31,14 +33,12 @@ Coverage coverage_of(const model::StaticBackground& background) {
       if (background.depth_m.row(y)[x] > 0.0F)
         sigma_m.push_back(background.depth_sigma_m.row(y)[x]);
   if (sigma_m.empty()) return {};
-  const auto middle = sigma_m.begin() + static_cast<std::ptrdiff_t>(sigma_m.size() / 2);
-  std::nth_element(sigma_m.begin(), middle, sigma_m.end());
   return {100.0 * static_cast<double>(sigma_m.size()) /
               static_cast<double>(background.depth_m.size().area()),
-          *middle * 1e3};
+          upper_median_in_place(std::span(sigma_m)) * 1e3};
 }
 
-/// Angle by which the camera looks down onto the floor, 0 for a level one.
+/// Angle by which the camera looks down onto the floor, 0 for a level camera.
 double look_down_deg(const geometry::Plane& floor) {
   return -std::asin(std::clamp(floor.normal.z(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
@@ -70,17 +70,19 @@ void print(const model::StaticBackground& background) {
     std::printf("no floor found\n");
 }
 
-Result<nlohmann::json> scan(const Words& words) {
-  MIXRIG_ASSIGN(const auto size, view_size(words.session));
-  MIXRIG_ASSIGN(const app::FrameRange range, parse_range(words.frames, "--frames"));
-  MIXRIG_ASSIGN(auto recorded, app::open_take_source(words.take));
-  MIXRIG_ASSIGN(const auto source,
-                app::with_calibration(std::move(recorded), words.session.calibration));
-  MIXRIG_ASSIGN(const auto setup, app::setup_of(source->info(), size));
+Result<nlohmann::json> scan(const Arguments& arguments) {
+  MIXRIG_ASSIGN(const auto size, view_size(arguments.session));
+  MIXRIG_ASSIGN(const session::FrameRange range, parse_range(arguments.frames, "--frames"));
+  MIXRIG_ASSIGN(auto recorded, take::open_take_source(arguments.take));
+  const std::filesystem::path calibration = arguments.session.calibration.empty()
+                                                ? recorded->info().calibration
+                                                : std::filesystem::path(arguments.session.calibration);
+  MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
+  MIXRIG_ASSIGN(const auto setup, session::setup_of(source->info(), size));
   MIXRIG_ASSIGN(
       const model::StaticBackground background,
-      app::learn_background(*source, setup, range, backend_choice(words.session), progress_bar()));
-  MIXRIG_TRY(model::save(background, words.out));
+      session::learn_background(*source, setup, range, backend_choice(arguments.session), progress_bar()));
+  MIXRIG_TRY(model::save(background, arguments.out));
   print(background);
   return report_of(background);
 }
@@ -88,16 +90,16 @@ Result<nlohmann::json> scan(const Words& words) {
 }  // namespace
 
 void add_scan_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("scan", "learn the background of a static camera from empty frames");
-  command->add_option("--static", words->take, "TAKE: folder or take.toml")->required();
-  command->add_option("--frames", words->frames, "FIRST-LAST that show the empty room")->required();
-  command->add_option("OUT", words->out, "background folder to write")->required();
-  command->add_option("--size", words->session.size, "WxH of the view, if not the take's");
-  add_calibration_option(*command, words->session);
-  add_backend_options(*command, words->session);
-  command->callback([&context, words] { context.action = [words] { return scan(*words); }; });
+  command->add_option("--static", arguments->take, "TAKE: folder or take.toml")->required();
+  command->add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")->required();
+  command->add_option("OUT", arguments->out, "background folder to write")->required();
+  command->add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
+  add_calibration_option(*command, arguments->session);
+  add_backend_options(*command, arguments->session);
+  command->callback([&context, arguments] { context.action = [arguments] { return scan(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

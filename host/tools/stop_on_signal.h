@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C ends long work with a whole output.
+// Ctrl-C ends long work with a complete output.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace mixrig::tools {
 
-/// While it lives, the first SIGINT or SIGTERM sets flag(); another one half a second later kills,
-/// as ever. The old handlers come back after it. One at a time.
+/// While the object exists, the first SIGINT or SIGTERM sets flag(); another one half a second
+/// later ends the process. The destructor restores the old handlers. One object at a time.
 class StopOnSignal {
  public:
   StopOnSignal() {

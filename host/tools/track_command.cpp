@@ -5,8 +5,8 @@
 #include <fstream>
 #include <memory>
 
-#include "host/app/output_folder.h"
-#include "host/camera_io/calibration.h"
+#include "hal/base/partial_path.h"
+#include "host/calibration_file/calibration.h"
 #include "host/mocap/live.h"
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
@@ -16,7 +16,7 @@
 namespace mixrig::tools {
 namespace {
 
-struct Words {
+struct Arguments {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
   int body = 0;
   std::optional<double> duration_s;
@@ -31,7 +31,7 @@ struct Frames {
 Result<std::vector<std::byte>> read_bytes(const std::string& path) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code))
-    return Error{ErrorCode::kNotFound, path + ": no such recording"};
+    return Error{ErrorCode::kNotFound, path + ": there is no such recording: check the path"};
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
   if (!file.eof() && !file) return Error{ErrorCode::kIo, path + ": reading failed"};
@@ -48,50 +48,50 @@ Result<stream::NatNetVersion> parse_version(const std::string& text) {
   return version;
 }
 
-Result<Frames> receive(const Words& words, stream::NatNetVersion version) {
-  MIXRIG_ASSIGN(const auto address, stream::parse_natnet_address(words.mocap));
+Result<Frames> receive(const Arguments& arguments, stream::NatNetVersion version) {
+  MIXRIG_ASSIGN(const auto address, stream::parse_natnet_address(arguments.mocap));
   const SystemClock clock;
   MIXRIG_ASSIGN(auto receiver, stream::NatNetReceiver::open(address, version, clock));
   const StopOnSignal signals;
-  MIXRIG_ASSIGN(auto frames, mocap::receive_frames(receiver, {words.duration_s, words.frames},
+  MIXRIG_ASSIGN(auto frames, mocap::receive_frames(receiver, {arguments.duration_s, arguments.frames},
                                                    StopOnSignal::flag(), clock));
   return Frames{std::move(frames), receiver.counts()};
 }
 
-Result<Frames> read_frames(const Words& words) {
-  const std::filesystem::path path = words.mocap;
+Result<Frames> read_frames(const Arguments& arguments) {
+  const std::filesystem::path path = arguments.mocap;
   if (path.extension() == ".csv") {
     MIXRIG_ASSIGN(auto frames, mocap::read_mocap_csv(path));
     return Frames{std::move(frames), {}};
   }
-  MIXRIG_ASSIGN(const stream::NatNetVersion version, parse_version(words.version));
-  if (words.mocap == "natnet" || words.mocap.starts_with("natnet:") ||
-      words.mocap.starts_with("natnet,"))
-    return receive(words, version);
-  MIXRIG_ASSIGN(const std::vector<std::byte> bytes, read_bytes(words.mocap));
+  MIXRIG_ASSIGN(const stream::NatNetVersion version, parse_version(arguments.version));
+  if (arguments.mocap == "natnet" || arguments.mocap.starts_with("natnet:") ||
+      arguments.mocap.starts_with("natnet,"))
+    return receive(arguments, version);
+  MIXRIG_ASSIGN(const std::vector<std::byte> bytes, read_bytes(arguments.mocap));
   auto frames = stream::parse_capture(bytes, version);
-  if (!frames) return Error{frames.error().code, words.mocap + ": " + frames.error().context};
+  if (!frames) return Error{frames.error().code, arguments.mocap + ": " + frames.error().context};
   return Frames{*std::move(frames), {}};
 }
 
-Result<mocap::TrackOptions> track_options(const Words& words) {
+Result<mocap::TrackOptions> track_options(const Arguments& arguments) {
   mocap::TrackOptions options;
-  options.up = words.up == "z" ? mocap::Up::kZ : mocap::Up::kY;
-  options.body_id = words.body;
-  if (words.calibration.empty()) return options;
-  MIXRIG_ASSIGN(const camera_io::Calibration known, camera_io::read_calibration(words.calibration));
+  options.up = arguments.up == "z" ? mocap::Up::kZ : mocap::Up::kY;
+  options.body_id = arguments.body;
+  if (arguments.calibration.empty()) return options;
+  MIXRIG_ASSIGN(const calibration_file::Calibration known, calibration_file::read_calibration(arguments.calibration));
   const auto* body = known.pose("body");
   if (body == nullptr)
-    return Error{ErrorCode::kData, words.calibration +
+    return Error{ErrorCode::kData, arguments.calibration +
                                        ": holds no pose of the body: make one by "
                                        "mixrig calibrate external"};
   options.body_from_camera = geometry::inverse(body->target_from);
   return options;
 }
 
-Result<std::optional<mocap::Constellation>> constellation_of(const Words& words) {
-  if (words.constellation.empty()) return std::optional<mocap::Constellation>();
-  MIXRIG_ASSIGN(auto body, mocap::read_constellation(words.constellation));
+Result<std::optional<mocap::Constellation>> constellation_of(const Arguments& arguments) {
+  if (arguments.constellation.empty()) return std::optional<mocap::Constellation>();
+  MIXRIG_ASSIGN(auto body, mocap::read_constellation(arguments.constellation));
   return std::optional(std::move(body));
 }
 
@@ -105,7 +105,7 @@ nlohmann::json to_json(const stream::NatNetCounts& live) {
 
 void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCounts>& live) {
   if (live)
-    std::printf("%ld frames received, %ld lost, %ld late, %ld malformed, %ld from elsewhere\n",
+    std::printf("%ld frames received, %ld lost, %ld late, %ld malformed, %ld from other senders\n",
                 live->frames, live->lost, live->late, live->malformed, live->foreign);
   std::printf("%zu of %d frames have a pose\n", track.poses.size(), track.frames);
   if (track.residual_rms_m > 0)
@@ -114,19 +114,19 @@ void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCou
     std::printf("%d without: %s\n", count, reason.c_str());
 }
 
-Result<nlohmann::json> track(const Words& words) {
-  MIXRIG_ASSIGN(const auto options, track_options(words));
-  MIXRIG_ASSIGN(const auto body, constellation_of(words));
-  MIXRIG_ASSIGN(const Frames all, read_frames(words));
+Result<nlohmann::json> track(const Arguments& arguments) {
+  MIXRIG_ASSIGN(const auto options, track_options(arguments));
+  MIXRIG_ASSIGN(const auto body, constellation_of(arguments));
+  MIXRIG_ASSIGN(const Frames all, read_frames(arguments));
   const auto track = body ? mocap::track_markers(all.frames, *body, options)
                           : mocap::track_bodies(all.frames, options);
-  if (!track) return Error{track.error().code, words.mocap + ": " + track.error().context};
+  if (!track) return Error{track.error().code, arguments.mocap + ": " + track.error().context};
   print(*track, all.live);
   if (track->poses.empty())
     return Error{ErrorCode::kData,
-                 words.mocap + ": no frame has a pose" +
+                 arguments.mocap + ": no frame has a pose" +
                      (track->refused.empty() ? "" : ": " + track->refused.begin()->first)};
-  if (!words.out.empty()) MIXRIG_TRY(app::write_text(words.out, mocap::to_tum(*track)));
+  if (!arguments.out.empty()) MIXRIG_TRY(write_file(arguments.out, mocap::to_tum(*track)));
   return nlohmann::json{{"frames", track->frames},
                         {"poses", track->poses.size()},
                         {"residual_rms_m", track->residual_rms_m},
@@ -137,31 +137,31 @@ Result<nlohmann::json> track(const Words& words) {
 }  // namespace
 
 void add_track_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
   command
-      ->add_option("--mocap", words->mocap,
+      ->add_option("--mocap", arguments->mocap,
                    "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
                    "natnet[:HOST[:PORT]][,GROUP]")
       ->required();
-  command->add_option("--constellation", words->constellation,
-                      "TOML of the body's markers: poses are found from markers alone");
-  command->add_option("--body", words->body, "number of the rigid body; 0: the only one")
+  command->add_option("--constellation", arguments->constellation,
+                      "TOML of the body's markers: poses are computed from markers alone");
+  command->add_option("--body", arguments->body, "number of the rigid body; 0: the only one")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--calibration", words->calibration,
-                      "calibration.yaml with the body: poses of the target camera come out");
-  command->add_option("--up", words->up, "axis of the recording that points up")
+  command->add_option("--calibration", arguments->calibration,
+                      "calibration.toml with the body: the result is poses of the target camera");
+  command->add_option("--up", arguments->up, "axis of the recording that points up")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
-  command->add_option("--natnet", words->version, "version of packets that do not state theirs")
+  command->add_option("--natnet", arguments->version, "version of packets that do not state theirs")
       ->capture_default_str();
   command
-      ->add_option("--duration", words->duration_s,
-                   "seconds of a live stream; until Ctrl-C or five silent seconds if not given")
+      ->add_option("--duration", arguments->duration_s,
+                   "seconds of a live stream; if not given, until Ctrl-C or 5 s without data")
       ->check(CLI::PositiveNumber);
-  command->add_option("--frames", words->frames, "number of frames of a live stream");
-  command->add_option("--out", words->out, "trajectory in TUM format, z up");
-  command->callback([&context, words] { context.action = [words] { return track(*words); }; });
+  command->add_option("--frames", arguments->frames, "number of frames of a live stream");
+  command->add_option("--out", arguments->out, "trajectory in TUM format, z up");
+  command->callback([&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

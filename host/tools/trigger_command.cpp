@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "hal/linux/mcu_trigger.h"
+#include "hal/wire/mcu_trigger.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "host/sync/clock_map.h"
 #include "host/tools/command.h"
@@ -17,7 +17,7 @@ namespace {
 using device::McuTrigger;
 using std::chrono::microseconds;
 
-struct Words {
+struct Arguments {
   std::string port = "/dev/ttyUSB0";
   int channel = 0;
   int divider = 0;
@@ -26,9 +26,9 @@ struct Words {
   double duration_s = 0;
 };
 
-Result<std::unique_ptr<McuTrigger>> open_trigger(const Words& words, Clock& clock) {
-  MIXRIG_ASSIGN(auto stream, device::open_byte_stream(words.port));
-  return McuTrigger::open(std::move(stream), clock, words.port);
+Result<std::unique_ptr<McuTrigger>> open_trigger(const Arguments& arguments, Clock& clock) {
+  MIXRIG_ASSIGN(auto stream, device::open_byte_stream(arguments.port));
+  return McuTrigger::open(std::move(stream), clock, arguments.port);
 }
 
 const char* state_text(device::TriggerState state) {
@@ -90,15 +90,15 @@ nlohmann::json status_json(const device::TriggerInfo& info, const device::Trigge
           {"faults", faults}};
 }
 
-Result<nlohmann::json> show_status(const Words& words) {
+Result<nlohmann::json> show_status(const Arguments& arguments) {
   SystemClock clock;
-  MIXRIG_ASSIGN(const auto trigger, open_trigger(words, clock));
+  MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   MIXRIG_ASSIGN(const device::TriggerStatus status, trigger->status());
   print_info(trigger->info());
   print_status(status);
   nlohmann::json report = status_json(trigger->info(), status);
   MIXRIG_ASSIGN(report["channels"], print_channels(*trigger));
-  if (words.self_test) {
+  if (arguments.self_test) {
     MIXRIG_ASSIGN(const auto failed, trigger->self_test());
     report["self_test_failed"] = failed;
     for (const std::string& name : failed) std::printf("self-test failed: %s\n", name.c_str());
@@ -120,21 +120,21 @@ Result<Duration> whole_slots(double ms, const char* option) {
   return Duration(microseconds(static_cast<std::int64_t>(std::round(slots)) * 100));
 }
 
-Result<nlohmann::json> set_channel(const Words& words) {
-  device::TriggerChannel channel{words.divider, {}, {}, words.active_low};
-  MIXRIG_ASSIGN(channel.phase, whole_slots(words.phase_ms, "--phase"));
-  MIXRIG_ASSIGN(channel.width, whole_slots(words.width_ms, "--width"));
+Result<nlohmann::json> set_channel(const Arguments& arguments) {
+  device::TriggerChannel channel{arguments.divider, {}, {}, arguments.active_low};
+  MIXRIG_ASSIGN(channel.phase, whole_slots(arguments.phase_ms, "--phase"));
+  MIXRIG_ASSIGN(channel.width, whole_slots(arguments.width_ms, "--width"));
   SystemClock clock;
-  MIXRIG_ASSIGN(const auto trigger, open_trigger(words, clock));
-  MIXRIG_TRY(trigger->configure(words.channel, channel));
+  MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
+  MIXRIG_TRY(trigger->configure(arguments.channel, channel));
   nlohmann::json report;
   MIXRIG_ASSIGN(report["channels"], print_channels(*trigger));
   return report;
 }
 
-Result<nlohmann::json> start_or_stop(const Words& words, bool start) {
+Result<nlohmann::json> start_or_stop(const Arguments& arguments, bool start) {
   SystemClock clock;
-  MIXRIG_ASSIGN(const auto trigger, open_trigger(words, clock));
+  MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   if (start) {
     MIXRIG_TRY(trigger->start());
   } else {
@@ -145,10 +145,10 @@ Result<nlohmann::json> start_or_stop(const Words& words, bool start) {
   return status_json(trigger->info(), status);
 }
 
-/// One line a second: how far, how many reports came, how the clocks lie to each other.
-Result<nlohmann::json> monitor(const Words& words) {
+/// One line per second: tick number, reports received, relation of the clocks.
+Result<nlohmann::json> monitor(const Arguments& arguments) {
   SystemClock clock;
-  MIXRIG_ASSIGN(const auto trigger, open_trigger(words, clock));
+  MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   print_info(trigger->info());
   sync::ClockMap map;
   const HostTime begin = clock.now();
@@ -156,11 +156,11 @@ Result<nlohmann::json> monitor(const Words& words) {
   std::array<device::TriggerTick, 64> ticks;
   std::uint64_t got = 0;
   device::TriggerStatus status;
-  const auto wanted = Duration(static_cast<std::int64_t>(words.duration_s * 1e9));
-  while (words.duration_s <= 0 || clock.now() - begin < wanted) {
+  const auto wanted = Duration(static_cast<std::int64_t>(arguments.duration_s * 1e9));
+  while (arguments.duration_s <= 0 || clock.now() - begin < wanted) {
     MIXRIG_ASSIGN(const std::size_t n, trigger->read_ticks(ticks, std::chrono::milliseconds(20)));
     got += n;
-    for (std::size_t i = 0; i < n && words.every_tick; ++i) {
+    for (std::size_t i = 0; i < n && arguments.every_tick; ++i) {
       std::printf("tick %llu at %.6f s, channels %04x\n",
                   static_cast<unsigned long long>(ticks[i].tick),
                   seconds(ticks[i].at.time_since_epoch()), ticks[i].channels);
@@ -185,42 +185,42 @@ Result<nlohmann::json> monitor(const Words& words) {
   return report;
 }
 
-using Action = Result<nlohmann::json> (*)(const Words&);
+using Action = Result<nlohmann::json> (*)(const Arguments&);
 
-CLI::App* add_action(CLI::App& parent, Context& context, const std::shared_ptr<Words>& words,
+CLI::App* add_action(CLI::App& parent, Context& context, const std::shared_ptr<Arguments>& arguments,
                      const char* name, const char* what, Action action) {
   CLI::App* command = parent.add_subcommand(name, what);
-  command->add_option("--port", words->port, "serial port, or unix:SOCKET");
+  command->add_option("--port", arguments->port, "serial port, or unix:SOCKET");
   command->callback(
-      [&context, words, action] { context.action = [words, action] { return action(*words); }; });
+      [&context, arguments, action] { context.action = [arguments, action] { return action(*arguments); }; });
   return command;
 }
 
 }  // namespace
 
 void add_trigger_command(CLI::App& app, Context& context) {
-  auto words = std::make_shared<Words>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* trigger = app.add_subcommand("trigger", "the controller that triggers the cameras");
   trigger->require_subcommand(1);
   CLI::App* status =
-      add_action(*trigger, context, words, "status", "state, channels and faults", show_status);
-  status->add_flag("--self-test", words->self_test, "have the controller test itself");
+      add_action(*trigger, context, arguments, "status", "state, channels and faults", show_status);
+  status->add_flag("--self-test", arguments->self_test, "run the self-test of the controller");
   CLI::App* set =
-      add_action(*trigger, context, words, "set", "set a channel; it must not run", set_channel);
-  set->add_option("channel", words->channel, "0 to 15")->required();
-  set->add_option("--divider", words->divider, "of 100 Hz: 4 gives 25 Hz; 0 turns it off")
+      add_action(*trigger, context, arguments, "set", "set a stopped channel", set_channel);
+  set->add_option("channel", arguments->channel, "0 to 15")->required();
+  set->add_option("--divider", arguments->divider, "of 100 Hz: 4 gives 25 Hz; 0 turns it off")
       ->required();
-  set->add_option("--phase", words->phase_ms, "ms after the tick");
-  set->add_option("--width", words->width_ms, "ms that the pulse lasts");
-  set->add_flag("--active-low", words->active_low, "the line rests high");
-  add_action(*trigger, context, words, "start", "run all channels",
-             [](const Words& w) { return start_or_stop(w, true); });
-  add_action(*trigger, context, words, "stop", "stop; lines go inactive",
-             [](const Words& w) { return start_or_stop(w, false); });
+  set->add_option("--phase", arguments->phase_ms, "ms after the tick");
+  set->add_option("--width", arguments->width_ms, "ms that the pulse lasts");
+  set->add_flag("--active-low", arguments->active_low, "the idle level of the line is high");
+  add_action(*trigger, context, arguments, "start", "run all channels",
+             [](const Arguments& w) { return start_or_stop(w, true); });
+  add_action(*trigger, context, arguments, "stop", "stop; lines go inactive",
+             [](const Arguments& w) { return start_or_stop(w, false); });
   CLI::App* watch =
-      add_action(*trigger, context, words, "monitor", "ticks and clock, live", monitor);
-  watch->add_option("--seconds", words->duration_s, "how long; for ever without it");
-  watch->add_flag("--ticks", words->every_tick, "print every tick");
+      add_action(*trigger, context, arguments, "monitor", "ticks and clock, live", monitor);
+  watch->add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given");
+  watch->add_flag("--ticks", arguments->every_tick, "print every tick");
 }
 
 }  // namespace mixrig::tools

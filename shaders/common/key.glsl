@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass key, what its steps share. A state is render::PixelState in a byte; blocks are block_px wide.
+// Pass key, what its steps share. A state is render::PixelState in a byte; blocks are
+// block_px wide. Needs common/constants.glsl.
 const int unknown = 0, background = 1, foreground = 2, doubt = 3;
-const int block_px = 8;
 
 int to_state(float stored) { return int(stored * 255.0 + 0.5); }
 

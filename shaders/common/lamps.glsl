@@ -1,30 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lamps with their shadow maps. Positions and normals in camera axes, light linear. Maps hold
-// near_m / z in lamp axes, 0 for nothing. Needs common/color.glsl.
+// nearest_m / z in lamp axes, 0 for nothing. Needs common/constants.glsl and common/color.glsl.
 struct Lamp {
   mat4 lamp_from_camera;
   vec4 position_m, direction, intensity;  // direction 0: to all sides
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
   ivec4 map_size_texel;                   // x; 0 without map
 };
-layout(std140, binding = 0) uniform Lamps { Lamp lamps[max_lamps]; };
+layout(std140, binding = 0) uniform Lamps { Lamp lamps[most_lamps]; };
 layout(binding = 7) uniform sampler2DArray shadow_maps;
 uniform int lamp_count;
-uniform float map_near_m;
 uniform vec3 ambient;
-uniform vec2 blocker_taps[blocker_count], shadow_taps[shadow_count];
+uniform vec2 blocker_taps[blocker_tap_count], shadow_taps[shadow_tap_count];
 
 // Inverse lamp depth of the nearest texel, 0 outside the map.
 float texel(int i, vec2 at) {
   ivec2 t = ivec2(floor(at + 0.5));
   bool inside = min(t.x, t.y) >= 0 && max(t.x, t.y) < lamps[i].map_size_texel.x;
-  return inside ? texelFetch(shadow_maps, ivec3(t, i), 0).r / map_near_m : 0.0;
+  return inside ? texelFetch(shadow_maps, ivec3(t, i), 0).r / nearest_m : 0.0;
 }
 
 // Mean lamp depth of what lies before w within radius texels; 0 for nothing.
 float blocker_depth_m(int i, vec2 center, float radius, float w) {
   float sum = 0.0, count = 0.0;
-  for (int k = 0; k < blocker_count; ++k) {
+  for (int k = 0; k < blocker_tap_count; ++k) {
     float blocker = texel(i, center + radius * blocker_taps[k]);
     if (blocker > w) sum += 1.0 / blocker, count += 1.0;
   }
@@ -37,8 +36,8 @@ float visibility(int i, vec3 position_m, vec3 normal) {
   float focal = lamps[i].map_focal_texel, near_m = lamps[i].casters_near_m;
   float unmoved_z = (lamps[i].lamp_from_camera * vec4(position_m, 1.0)).z;
   if (unmoved_z <= near_m) return 1.0;
-  // A texel spans z / focal metres: two of them lift the point off its own surface.
-  vec3 lifted_m = position_m + 2.0 * unmoved_z / focal * normal;
+  // A texel spans z / focal metres: lift_texels of them lift the point off its own surface.
+  vec3 lifted_m = position_m + lift_texels * unmoved_z / focal * normal;
   vec3 p = (lamps[i].lamp_from_camera * vec4(lifted_m, 1.0)).xyz;
   if (p.z <= near_m) return 1.0;
   vec2 center = p.xy * (focal / p.z) + lamps[i].map_center_texel;
@@ -46,17 +45,17 @@ float visibility(int i, vec3 position_m, vec3 normal) {
   float search = reach * (1.0 / near_m - w);
   float last = float(lamps[i].map_size_texel.x - 1) + search;
   if (min(center.x, center.y) <= -search || max(center.x, center.y) >= last) return 1.0;
-  float blocker_m = blocker_depth_m(i, center, max(search, 1.0), w);
+  float blocker_m = blocker_depth_m(i, center, max(search, least_radius_texel), w);
   if (blocker_m <= 0.0) return 1.0;
-  float radius = max(reach * (1.0 / blocker_m - w), 1.0), lit = 0.0;
-  for (int k = 0; k < shadow_count; ++k)
+  float radius = max(reach * (1.0 / blocker_m - w), least_radius_texel), lit = 0.0;
+  for (int k = 0; k < shadow_tap_count; ++k)
     lit += texel(i, center + radius * shadow_taps[k]) > w ? 0.0 : 1.0;
-  return lit / float(shadow_count);
+  return lit / float(shadow_tap_count);
 }
 
 vec3 irradiance(int i, vec3 position_m, vec3 normal) {
   vec3 to_lamp = lamps[i].position_m.xyz - position_m;
-  float distance2 = max(dot(to_lamp, to_lamp), 1e-6);
+  float distance2 = max(dot(to_lamp, to_lamp), least_distance2);
   vec3 direction = to_lamp / sqrt(distance2);
   bool is_panel = lamps[i].direction.xyz != vec3(0);
   float emitter = is_panel ? max(0.0, -dot(lamps[i].direction.xyz, direction)) : 1.0;

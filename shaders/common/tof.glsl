@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass correct, what its sweeps share (README.md of host/render). Depths are z in metres, 0 unknown.
-const float steepest = 0.1;  // neighbours on a surface lie closer than this part of their depth
+// Needs common/constants.glsl.
 const ivec2 axes[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(-1, 1));
 
 // A value of the grid; 0, which is unknown, outside the picture.
@@ -14,5 +14,5 @@ float value_at(sampler2D grid, ivec2 at) {
 bool run_on(float a, float b, float c, float step_m) {
   float z = min(a, min(b, c));
   if (z <= 0.0 || max(a, max(b, c)) > (1.0 + 2.0 * steepest) * z) return false;
-  return abs(1.0 / a - 2.0 / b + 1.0 / c) * (z * z) <= 0.7 * step_m;
+  return abs(1.0 / a - 2.0 / b + 1.0 / c) * (z * z) <= plane_part * step_m;
 }

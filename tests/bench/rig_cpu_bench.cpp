@@ -16,7 +16,7 @@
 #include "hal/device/frame_pool.h"
 #include "hal/fake/fake_trigger.h"
 #include "hal/linux/tof_usb_camera.h"
-#include "host/rig/live_session.h"
+#include "host/live/live_session.h"
 #include "tests/support/fake_bulk.h"
 #include "tests/support/tof_stream.h"
 
@@ -143,11 +143,11 @@ class Emulator {
 
 int run(double seconds_wanted) {
   SystemClock clock;
-  rig::RigConfig config;
+  live::RigConfig config;
   config.lines = {{0, {.divider = 4, .width = 1ms}}, {1, {.divider = 10, .width = 1ms}}};
-  rig::Devices devices;
+  live::Devices devices;
   for (const double rate_hz : {25.0, 25.0, 10.0}) {
-    rig::CameraConfig camera;
+    live::CameraConfig camera;
     camera.name = "camera" + std::to_string(config.cameras.size());
     config.cameras.push_back(camera);
     devices.cameras.push_back(std::make_unique<CopyingCamera>(rate_hz, clock));
@@ -167,7 +167,7 @@ int run(double seconds_wanted) {
   auto trigger = std::make_unique<fake::FakeTrigger>(clock);
   auto* master = trigger.get();
   devices.trigger = std::move(trigger);
-  rig::LiveSession session(config, devices, clock);
+  live::LiveSession session(config, devices, clock);
   if (!session.start()) return 1;
   const Emulator emulator(*master, tof, description, clock);
   const HostTime warm = clock.now() + 2s;

@@ -33,7 +33,7 @@ void AcmDevice::receive(int, std::span<const std::uint8_t> bytes) {
 
 int AcmDevice::transmit(int endpoint, std::span<std::uint8_t> room, HostTime now) {
   if (endpoint != kIn) return kUsbWait;
-  peer_.speak(out_, now);
+  peer_.transmit_ready(out_, now);
   if (out_.empty()) return kUsbWait;
   const std::size_t count = std::min(room.size(), out_.size());
   std::copy_n(out_.begin(), count, room.begin());
@@ -53,7 +53,7 @@ std::optional<HostTime> PtuPeer::next_event() {
   return ready_;
 }
 
-void PtuPeer::speak(std::vector<std::uint8_t>& out, HostTime now) {
+void PtuPeer::transmit_ready(std::vector<std::uint8_t>& out, HostTime now) {
   const std::lock_guard lock(mutex_);
   if (now < ready_) return;
   out.insert(out.end(), unit_.output().begin(), unit_.output().end());

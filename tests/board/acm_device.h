@@ -16,8 +16,8 @@ class SerialPeer {
   virtual ~SerialPeer() = default;
   virtual void plugged(HostTime /*now*/) {}
   virtual void receive(std::span<const std::uint8_t> bytes, HostTime now) = 0;
-  /// Moves what it says to the end of `out`.
-  virtual void speak(std::vector<std::uint8_t>& out, HostTime now) = 0;
+  /// Appends the bytes that it sends to `out`.
+  virtual void transmit_ready(std::vector<std::uint8_t>& out, HostTime now) = 0;
   virtual std::optional<HostTime> next_event() { return std::nullopt; }
 };
 
@@ -40,10 +40,10 @@ class AcmDevice final : public UsbDevice {
 /// The emulated pan-tilt unit on such a line.
 class PtuPeer final : public SerialPeer {
  public:
-  /// Every byte of question and answer takes `byte_time`.
+  /// Every byte of command and answer takes `byte_time`.
   explicit PtuPeer(Duration byte_time = {}) : byte_time_(byte_time) {}
   void receive(std::span<const std::uint8_t> bytes, HostTime now) override;
-  void speak(std::vector<std::uint8_t>& out, HostTime now) override;
+  void transmit_ready(std::vector<std::uint8_t>& out, HostTime now) override;
   std::optional<HostTime> next_event() override;
   void set_faults(const fake::FlirPtuEmulator::Faults& faults);
   std::array<long, 2> position(HostTime now);
@@ -53,7 +53,7 @@ class PtuPeer final : public SerialPeer {
   mutable std::mutex mutex_;
   fake::FlirPtuEmulator unit_{1};
   Duration byte_time_;
-  HostTime ready_{};  ///< when the answer has gone over the line
+  HostTime ready_{};  ///< when the answer has been transmitted
 };
 
 }  // namespace mixrig::board

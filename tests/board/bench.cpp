@@ -8,9 +8,9 @@
 
 namespace mixrig::board {
 
-bool wait_until(const std::function<bool()>& done, Duration patience) {
+bool wait_until(const std::function<bool()>& done, Duration timeout) {
   SystemClock clock;
-  const HostTime end = clock.now() + patience;
+  const HostTime end = clock.now() + timeout;
   while (!done()) {
     if (clock.now() > end) return false;
     clock.sleep_until(clock.now() + 2ms);
@@ -31,7 +31,7 @@ device::FrameSink Frames::sink() {
 bool Frames::wait_for_more(std::size_t count) {
   std::unique_lock lock(mutex_);
   const std::size_t wanted = seen_.size() + count;
-  return changed_.wait_for(lock, kPatience, [&] { return seen_.size() >= wanted; });
+  return changed_.wait_for(lock, kTimeout, [&] { return seen_.size() >= wanted; });
 }
 
 std::vector<Frames::Seen> Frames::seen() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the board's tests share: devices on the bench, frames that come from them, and programs.
+// Helpers shared by the board's tests: waiting, collecting frames, and running programs.
 #pragma once
 
 #include <condition_variable>
@@ -19,14 +19,14 @@ namespace mixrig::board {
 using namespace std::chrono_literals;
 
 /// How long a test waits for what must happen. On the board time is counted in instructions.
-inline constexpr Duration kPatience = 20s;
-/// A device that is back must deliver again within this time.
+inline constexpr Duration kTimeout = 20s;
+/// A device must deliver again within this time after it was plugged in again.
 inline constexpr Duration kRecovery = 2s;
 
 /// Waits until `done` holds; false when it never did.
-bool wait_until(const std::function<bool()>& done, Duration patience = kPatience);
+bool wait_until(const std::function<bool()>& done, Duration timeout = kTimeout);
 
-/// What is kept of the frames of a stream.
+/// The recorded data of a stream's frames.
 class Frames {
  public:
   struct Seen {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every device promises, held by the drivers on kernel devices: v4l2 on vivid and uvcvideo,
-// gpiod on gpio-sim, usb on usbfs, mcu and flir-ptu on cdc_acm.
+// The contracts of all devices, tested with the drivers on kernel devices: v4l2 on vivid and
+// uvcvideo, gpiod on gpio-sim, usb on usbfs, mcu and flir-ptu on cdc_acm.
 #include "hal/linux/gpiod_lines.h"
 #include "hal/linux/tof_usb_camera.h"
-#include "hal/linux/v4l2_camera.h"
-#include "host/rig/devices.h"
+#include "hal/linux/v4l2/v4l2_camera.h"
+#include "host/live/devices.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
 #include "tests/board/sim_chip.h"
@@ -21,7 +21,7 @@ namespace {
 
 SystemClock g_clock;
 
-/// `bench` lives as long as the camera does.
+/// `bench` is kept as long as the camera.
 CameraUnderTest make(const std::string& node, std::shared_ptr<board::UvcBench> bench) {
   auto camera = device::V4l2Camera::open(
       node, {.size = {320, 180}, .format = device::PixelFormat::kYuyv, .rate_hz = 30}, g_clock);
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(OnBoard, CameraContract,
 
 TriggerInputUnderTest make_line() {
   auto chip = std::make_shared<board::SimChip>();
-  auto input = device::open_gpiod_input(chip->name() + "/5", g_clock);
+  auto input = device::open_gpiod_input(chip->name() + "/5");
   if (!input) return {};
   auto* raw = input->get();
   return {*std::move(input),
@@ -86,8 +86,8 @@ TriggerUnderTest make_lines() {
 /// A device of this process on a serial line of the kernel.
 template <typename Peer>
 struct SerialBench {
-  template <typename... Words>
-  explicit SerialBench(Words&&... words) : peer(std::forward<Words>(words)...) {}
+  template <typename... Arguments>
+  explicit SerialBench(Arguments&&... arguments) : peer(std::forward<Arguments>(arguments)...) {}
   Peer peer;
   board::AcmDevice line{"serial line", peer};
   board::VhciPort port{2, line};
@@ -96,7 +96,7 @@ struct SerialBench {
 TriggerUnderTest make_firmware() {
   auto bench = std::make_shared<SerialBench<board::TriggerPeer>>(0.0, [](int, std::uint32_t) {});
   if (!board::plug_serial(bench->port, "/dev/ttyACM0")) return {};
-  auto trigger = rig::DeviceOpener(g_clock).trigger("mcu:/dev/ttyACM0");
+  auto trigger = live::DeviceOpener(g_clock).trigger("mcu:/dev/ttyACM0");
   if (!trigger) return {};
   return {bench, *std::move(trigger)};
 }
@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(OnBoard, TriggerContract,
 PanTiltUnderTest make_head() {
   auto bench = std::make_shared<SerialBench<board::PtuPeer>>();
   if (!board::plug_serial(bench->port, "/dev/ttyACM0")) return {};
-  auto head = rig::DeviceOpener(g_clock).pan_tilt("flir-ptu:/dev/ttyACM0");
+  auto head = live::DeviceOpener(g_clock).pan_tilt("flir-ptu:/dev/ttyACM0");
   if (!head) return {};
   return {*std::move(head), &g_clock, bench};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig flash and dfu-util on the same emulated USB bootloader: what the one writes, the other
-// reads back byte by byte.
+// mixrig flash and dfu-util on the same emulated USB bootloader: each reads back byte by byte what
+// the other wrote.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -52,7 +52,7 @@ TEST_F(Flash, DfuUtilReadsBackWhatMixrigWrote) {
   const Ran written =
       run(std::string("mixrig flash --usb 0483:df11 --kept /tmp/kept.bin ") + kImage);
   ASSERT_EQ(written.status, 0) << written.text;
-  port_.unplug();  // it went to the firmware
+  port_.unplug();  // it started the firmware
   EXPECT_TRUE(in_flash() == image_);
   plug();
   upload("/tmp/back.bin");

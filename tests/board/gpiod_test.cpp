@@ -12,7 +12,7 @@ SystemClock g_clock;
 TEST(Gpiod, EveryEdgeComesOnceWithAStampBetweenItsCauseAndItsReport) {
   SimChip chip;
   ASSERT_FALSE(chip.name().empty()) << "no gpio-sim";
-  auto input = device::open_gpiod_input(chip.name() + "/3", g_clock);
+  auto input = device::open_gpiod_input(chip.name() + "/3");
   ASSERT_TRUE(input) << to_line(input.error());
   constexpr int kEdges = 100;
   std::mutex mutex;

@@ -8,12 +8,12 @@ modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0 || exit 1
 mount -t configfs none /sys/kernel/config || exit 1
 insmod /host/modules/irq_sim.ko && insmod /host/modules/gpio-sim.ko || exit 1
 sysctl -qp /host/70-mixrig.conf
-/lib/systemd/systemd-udevd --daemon 2>/dev/null  # libusb hears of plugs through it
+/lib/systemd/systemd-udevd --daemon 2>/dev/null  # libusb gets its hotplug events from it
 udevadm settle
 [ ! -f /host/environment ] || . /host/environment
 export GTEST_COLOR=no
-# Every file that a test will read is read now: where the guest's idle time is skipped, its clock
-# runs off while it waits for the share.
+# Reads every file that a test will need now: where the guest's idle time is skipped, its clock runs
+# ahead while it waits for the share.
 for warm in 'board_tests --gtest_list_tests' 'mixrig diag --no-move --watch 0.5' 'mixrig --help' \
   'dfu-util -l' 'v4l2-ctl -d /dev/video0 -l' 'sh -c true'; do
   $warm >/dev/null 2>&1

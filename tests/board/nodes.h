@@ -10,24 +10,24 @@
 
 namespace mixrig::board {
 
-/// Plugs a camera in, once what was on the port before is gone, and waits for its node. Empty, and
-/// a failure noted, when it did not appear.
+/// Plugs a camera in, after the port's previous device has disappeared, and waits for its node.
+/// Empty, with a test failure, when it did not appear.
 std::string plug_camera(VhciPort& port, const UsbDevice& device);
-/// It is there and delivers pictures.
+/// The camera exists and delivers pictures.
 bool has_node(const std::string& path);
 
-/// Plugs a serial line in, once what was at `node` before is gone, and waits for it.
+/// Plugs a serial line in, after the previous device at `node` has disappeared, and waits for it.
 bool plug_serial(VhciPort& port, const std::string& node);
 
-/// A USB device of this product name is there.
+/// Whether a USB device of this product name exists.
 bool has_usb(const std::string& product);
 
-/// A camera on the bench. `node` is where it appeared.
+/// A camera on a port; `node` is its device file.
 struct UvcBench {
   UvcDevice device{{320, 180}};
   VhciPort port{0, device};
   std::string node;
-  /// False, and a failure noted, when it did not appear.
+  /// False, with a test failure, when it did not appear.
   bool plug();
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole rig, and the command let loose on it.
+// The whole virtual rig, and helpers to run the command on it.
 #pragma once
 
 #include <filesystem>
@@ -38,7 +38,7 @@ class Rig : public ::testing::Test {
     rig_.write_config(kConfig);
   }
 
-  /// Verdict by device and check, "color/rate"; what failed is printed.
+  /// Verdicts by device and check, such as "color/rate"; prints failed checks.
   std::map<std::string, std::string> diag(const std::string& more = "") {
     fs::remove(kReport);
     const Ran ran = run(std::string("mixrig diag --watch 3 --rig ") + kConfig + " --json " +
@@ -55,7 +55,7 @@ class Rig : public ::testing::Test {
           check["verdict"];
     return verdicts;
   }
-  /// Devices with a check of this verdict.
+  /// Devices that have a check with this verdict.
   static std::set<std::string> devices(const std::map<std::string, std::string>& verdicts,
                                        const std::string& wanted) {
     std::set<std::string> found;
@@ -70,17 +70,17 @@ class Rig : public ::testing::Test {
   std::unique_ptr<ArvGvFakeCamera, UnrefCamera> gige_{arv_gv_fake_camera_new("127.0.0.1", "GV01")};
 };
 
-/// Ticks of a stream by the frame of the take that carries it.
+/// Ticks of a stream by the take's frame number.
 inline std::map<int, std::uint64_t> ticks_of(const std::string& take, const std::string& stream) {
   std::ifstream file(take + "/ticks.csv");
   std::map<int, std::uint64_t> ticks;
   std::string line;
   while (std::getline(file, line)) {
-    std::istringstream words(line);
+    std::istringstream fields(line);
     std::string frame, name, tick;
-    std::getline(words, frame, ',');
-    std::getline(words, name, ',');
-    std::getline(words, tick, ',');
+    std::getline(fields, frame, ',');
+    std::getline(fields, name, ',');
+    std::getline(fields, tick, ',');
     if (name == stream) ticks[std::atoi(frame.c_str())] = std::strtoull(tick.c_str(), nullptr, 10);
   }
   return ticks;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command on the whole rig while something goes wrong in mid-take, and the rig as a source of
-// frames to composite.
+// The command on the whole rig with faults during a take, and the rig as a source of frames to
+// composite.
 #include <thread>
 
 #include "host/take/take.h"
@@ -10,12 +10,12 @@
 namespace mixrig::board {
 namespace {
 
-/// Every frame of a take can be read; returns how many there are.
+/// Reads every frame of a take; returns their number.
 int read_all(const std::string& folder) {
   auto take = take::TakeReader::open(folder);
   EXPECT_TRUE(take) << (take ? std::string() : to_line(take.error()));
   if (!take) return 0;
-  take::TakeFrame frame;
+  capture::Capture frame;
   for (int number = 1; number <= take->info().frames; ++number)
     EXPECT_TRUE(take->read(number, frame)) << number;
   return take->info().frames;
@@ -37,12 +37,13 @@ TEST_F(Rig, AResetOfTheTriggerBoardInMidTakeIsNamedAndTheTakeIsWhole) {
   const int frames = read_all("/tmp/reset");
   EXPECT_EQ(report["frames"], frames);
   EXPECT_GE(frames, (6 - 2) * 25) << "back within two seconds";
-  // Tick numbers begin anew once, and colour and depth always share theirs.
+  // Tick numbers restart once, and colour and depth always have the same one.
   const auto color = ticks_of("/tmp/reset", "color"), depth = ticks_of("/tmp/reset", "depth");
   EXPECT_EQ(color, depth);
-  int anew = 0;
-  for (int number = 2; number <= frames; ++number) anew += color.at(number) < color.at(number - 1);
-  EXPECT_EQ(anew, 1);
+  int restarts = 0;
+  for (int number = 2; number <= frames; ++number)
+    restarts += color.at(number) < color.at(number - 1);
+  EXPECT_EQ(restarts, 1);
   measured("%d frames of 6 s with a reset of the trigger board", frames);
 }
 

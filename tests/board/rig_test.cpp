@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command on the whole rig: rig init, diag with everything well and with one fault at a time,
-// and a take of which every frame is known to belong to its tick.
+// The command on the whole rig: rig init, diag without faults and with one fault at a time, and a
+// take in which every frame is checked to belong to its tick.
 #include <cstdlib>
 #include <set>
 
-#include "host/rig/rig_config.h"
+#include "host/live/rig_config.h"
 #include "host/take/take.h"
 #include "tests/board/rig_bench.h"
 
@@ -16,7 +16,7 @@ using Names = std::set<std::string>;
 TEST_F(Rig, InitFindsEveryDevice) {
   const Ran ran = run("mixrig rig init /tmp/found.toml --force");
   ASSERT_EQ(ran.status, 0) << ran.text;
-  const auto found = rig::read_rig("/tmp/found.toml");
+  const auto found = live::read_rig("/tmp/found.toml");
   ASSERT_TRUE(found) << to_line(found.error());
   Names uris;
   for (const auto& camera : found->cameras) uris.insert(camera.uri);
@@ -77,8 +77,8 @@ TEST_F(Rig, DiagNamesTheDeviceThatIsFaulty) {
 }
 
 TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
-  const char* wish = std::getenv("MIXRIG_BOARD_RECORD_S");
-  const int duration_s = wish != nullptr ? std::atoi(wish) : 10;
+  const char* duration = std::getenv("MIXRIG_BOARD_RECORD_S");
+  const int duration_s = duration != nullptr ? std::atoi(duration) : 10;
   fs::remove_all("/tmp/take");
   const Ran ran =
       run(std::string("mixrig record --format png --duration ") + std::to_string(duration_s) +
@@ -87,7 +87,8 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   const Json report = read_json(kReport);
   const int frames = report["frames"];
   EXPECT_GE(frames, duration_s * 25 - 2);
-  // The colour camera may lock one frame before the ToF camera does; within the take nothing lacks.
+  // The colour camera may be paired one frame before the ToF camera; within the take none is
+  // missing.
   EXPECT_LE(report["left_out"].get<int>(), 1);
   EXPECT_EQ(report["dropped_sets"], 0);
   for (const auto& stream : report["streams"])
@@ -100,7 +101,7 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   EXPECT_GE(edges["seen"].get<int>(), frames);
   EXPECT_EQ(edges["lost"].get<int>() + edges["doubled"].get<int>(), 0);
   EXPECT_LT(std::abs(edges["offset_mean_ms"].get<double>()), 5) << "another tick";
-  measured("%d edges of the colour camera's line, %+.3f +- %.3f ms from the master's word",
+  measured("%d edges of the colour camera's line, %+.3f +- %.3f ms from the master's tick",
            edges["seen"].get<int>(), edges["offset_mean_ms"].get<double>(),
            edges["offset_sd_ms"].get<double>());
   measured("%d answers of the head, %d sets without its angle",
@@ -115,12 +116,12 @@ TEST_F(Rig, EveryFrameOfATakeBelongsToItsTick) {
   EXPECT_LE(color.at(1), 4U * kDivider);
   auto take = take::TakeReader::open("/tmp/take");
   ASSERT_TRUE(take) << to_line(take.error());
-  take::TakeFrame frame;
+  capture::Capture frame;
   std::set<long> ties;  // camera's own number less tick: one for all, or a frame is mispaired
   int steps = 0;
   for (int number = 1; number <= frames; ++number) {
     ASSERT_TRUE(take->read(number, frame));
-    const long seen_by_color = read_code(frame.color) % kTofCodes;
+    const long seen_by_color = read_code(frame.plate) % kTofCodes;
     const long seen_by_depth = std::lround(frame.depth_m.row(0)[0] * 1000) - kTofCodeBase_steps;
     for (const long tie : {seen_by_color - static_cast<long>(color.at(number)),
                            seen_by_depth - static_cast<long>(depth.at(number))})

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pan-tilt unit and trigger controller on kernel serial ports: USB lines of this process, and the
-// ports of the machine with a peer outside where MIXRIG_BOARD_PTU and MIXRIG_BOARD_MCU name them.
+// machine's ports with a peer on the host where MIXRIG_BOARD_PTU and MIXRIG_BOARD_MCU name them.
 #include <cstdlib>
 #include <random>
 
-#include "host/rig/devices.h"
+#include "host/live/devices.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
 #include "tests/board/trigger_peer.h"
@@ -13,7 +13,7 @@ namespace mixrig::board {
 namespace {
 
 SystemClock g_clock;
-rig::DeviceOpener g_opener(g_clock);
+live::DeviceOpener g_opener(g_clock);
 
 struct Line {
   explicit Line(SerialPeer& peer) : device("serial line", peer) {}
@@ -22,7 +22,7 @@ struct Line {
   bool plug() { return plug_serial(port, "/dev/ttyACM0"); }
 };
 
-/// Commands of all kinds at random; counts answers that are not what the unit holds.
+/// Random commands of all kinds; counts answers that do not match the unit's state.
 void command(device::PanTilt& head, int count, std::function<std::array<long, 2>()> truth) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> share(-0.9, 0.9);
@@ -50,10 +50,10 @@ void command(device::PanTilt& head, int count, std::function<std::array<long, 2>
         ++wrong;
     }
   }
-  EXPECT_EQ(wrong, 0) << "answers that belong to another question";
+  EXPECT_EQ(wrong, 0) << "answers that belong to another command";
 }
 
-TEST(Ptu, TenThousandCommandsWithLimitReportsInTheirRepliesAndNoneConfused) {
+TEST(Ptu, TenThousandCommandsAreAnsweredCorrectlyWithLimitReportsInTheirReplies) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
@@ -74,7 +74,7 @@ TEST(Ptu, TenThousandCommandsWithLimitReportsInTheirRepliesAndNoneConfused) {
   EXPECT_EQ(health.limit_hits, peer.limit_reports());
 }
 
-TEST(Ptu, IsToldToBeSilentWhenItIsAndAnswersAgain) {
+TEST(Ptu, NoAnswerIsReportedAndItAnswersAgain) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
@@ -88,7 +88,7 @@ TEST(Ptu, IsToldToBeSilentWhenItIsAndAnswersAgain) {
   EXPECT_TRUE((*head)->sample());
 }
 
-TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
+TEST(Ptu, UnpluggingIsAnErrorAndNoHang) {
   PtuPeer peer;
   Line line(peer);
   ASSERT_TRUE(line.plug());
@@ -100,7 +100,7 @@ TEST(Ptu, APulledPlugIsAnErrorAndNoHang) {
 
 TEST(Ptu, AnswersOnAPortOfTheMachine) {
   const char* port = std::getenv("MIXRIG_BOARD_PTU");
-  if (port == nullptr) GTEST_SKIP() << "no emulated unit outside";
+  if (port == nullptr) GTEST_SKIP() << "no emulated unit on the host";
   auto head = g_opener.pan_tilt(std::string("flir-ptu:") + port);
   ASSERT_TRUE(head) << to_line(head.error());
   command(**head, 50, {});
@@ -114,7 +114,7 @@ void run_trigger(const std::string& uri, bool exact) {
   ASSERT_TRUE((*trigger)->configure(0, {.divider = 4, .phase = 0ms, .width = 1ms}));
   ASSERT_TRUE((*trigger)->start());
   std::vector<device::TriggerTick> ticks;
-  const HostTime end = g_clock.now() + kPatience;
+  const HostTime end = g_clock.now() + kTimeout;
   while (ticks.size() < 200 && g_clock.now() < end) {
     std::array<device::TriggerTick, 16> some;
     const auto count = (*trigger)->read_ticks(some, 50ms);
@@ -132,7 +132,7 @@ void run_trigger(const std::string& uri, bool exact) {
            static_cast<unsigned long long>(ticks.back().tick));
 }
 
-TEST(Mcu, FirmwareTellsEveryTickAndFiresItsLine) {
+TEST(Mcu, FirmwareReportsEveryTickAndFiresItsLine) {
   std::vector<std::uint32_t> edges;
   std::mutex mutex;
   TriggerPeer peer(120, [&](int line, std::uint32_t tick) {
@@ -147,7 +147,7 @@ TEST(Mcu, FirmwareTellsEveryTickAndFiresItsLine) {
   for (std::size_t i = 1; i < edges.size(); ++i) EXPECT_EQ(edges[i] - edges[i - 1], 4U);
 }
 
-TEST(Mcu, AResetIsNoticedAndOvercome) {
+TEST(Mcu, AResetIsReportedAndRecoveredFrom) {
   TriggerPeer peer(0, [](int, std::uint32_t) {});
   Line line(peer);
   ASSERT_TRUE(line.plug());
@@ -169,7 +169,7 @@ TEST(Mcu, AResetIsNoticedAndOvercome) {
 
 TEST(Mcu, AnswersOnAPortOfTheMachine) {
   const char* port = std::getenv("MIXRIG_BOARD_MCU");
-  if (port == nullptr) GTEST_SKIP() << "no trigger firmware outside";
+  if (port == nullptr) GTEST_SKIP() << "no trigger firmware on the host";
   run_trigger(std::string("mcu:") + port, false);
 }
 

@@ -17,7 +17,7 @@ class SimChip {
 
   /// "gpiochip2"; empty without gpio-sim.
   const std::string& name() const { return name_; }
-  /// What drives the line from outside.
+  /// Sets the level that drives the line from outside.
   void pull(int line, bool high);
   /// Level of a line that is an output; -1 where it cannot be read.
   int value(int line) const;

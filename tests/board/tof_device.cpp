@@ -104,7 +104,7 @@ void TofDevice::add_packets(device::TofKind kind, TofFault fault, HostTime now) 
     packet.rows = rows;
     packet.size = size;
     packet.payload_bytes = static_cast<std::uint32_t>(payload.size());
-    packet.payload_crc = device::crc32(payload);
+    packet.payload_crc = device::tof_crc32(payload);
     packet.time_us = static_cast<std::uint64_t>(now.time_since_epoch().count() / 1000);
     if (faulty && fault == TofFault::kDamage) payload[payload.size() / 2] ^= 0x10;
     const auto header = device::pack_tof_header(packet);
@@ -122,7 +122,7 @@ int TofDevice::transmit(int endpoint, std::span<std::uint8_t> room, HostTime now
   const std::size_t count = std::min(room.size(), frame_.size() - sent_);
   std::copy_n(frame_.begin() + static_cast<std::ptrdiff_t>(sent_), count, room.begin());
   sent_ += count;
-  // A frame that fills its last USB packet is ended by an empty one.
+  // If a frame fills its last USB packet, an empty packet ends it.
   end_ = sent_ == frame_.size() && count > 0 && count % kUsbPacket == 0;
   return static_cast<int>(count);
 }

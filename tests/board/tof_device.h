@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ToF camera that speaks hal/linux/tof_usb_protocol.md, with faults of its link.
+// A ToF camera with the protocol of hal/wire/tof_usb_protocol.md, and faults of its link.
 #pragma once
 
 #include <mutex>
 #include <optional>
 #include <vector>
 
-#include "hal/linux/tof_usb_decoder.h"
+#include "hal/wire/tof_usb_decoder.h"
 #include "tests/board/usb_device.h"
 
 namespace mixrig::board {
@@ -16,16 +16,16 @@ inline constexpr int kTofCodes = 1 << 14;
 
 enum class TofFault {
   kNone,
-  kLosePacket,  ///< the second packet of a frame never comes
+  kLosePacket,  ///< the second packet of a frame is missing
   kTruncate,    ///< the frame ends within its second packet
-  kRowsBeyond,  ///< the second packet's rows lie below the picture, its checks are right
-  kDamage,      ///< a byte of the second packet's payload is another one
-  kStall,       ///< the pipe halts in front of the frame
+  kRowsBeyond,  ///< the second packet's rows lie below the picture, its checksums are correct
+  kDamage,      ///< a byte of the second packet's payload is changed
+  kStall,       ///< the pipe halts before the frame
 };
 
 class TofDevice final : public UsbDevice {
  public:
-  /// Runs free at `rate_hz`, or waits for fire() where that is 0.
+  /// Free running at `rate_hz`; waits for fire() where that is 0.
   TofDevice(Size size, double rate_hz);
 
   const UsbDescriptors& descriptors() const override { return descriptors_; }
@@ -41,7 +41,7 @@ class TofDevice final : public UsbDevice {
   void fail_next(TofFault fault);
   /// For any thread: every n-th frame has this fault; 0 none.
   void fail_every(int n, TofFault fault);
-  /// What all pixels but the first show, as steps of a millimetre.
+  /// Depth of all pixels but the first, in steps of a millimetre.
   static int step_at(int x, int y) { return 500 + x + 2 * y; }
 
  private:
@@ -52,7 +52,7 @@ class TofDevice final : public UsbDevice {
   bool free_;
   Duration interval_{};
   UsbDescriptors descriptors_;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards the members below
   std::vector<std::uint8_t> frame_;
   std::size_t sent_ = 0;
   bool streaming_ = false, halted_ = false, end_ = false;

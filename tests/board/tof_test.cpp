@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The usb driver on a ToF camera whose link fails in every way that it can.
+// The usb driver on a ToF camera with all faults of its link.
 #include "hal/linux/tof_usb_camera.h"
 #include "tests/board/bench.h"
 #include "tests/board/tof_device.h"
@@ -28,8 +28,8 @@ class TofUsb : public ::testing::Test {
     if (camera_) camera_->stop();
   }
 
-  /// One frame is hurt; the stream goes on, and every frame that is called whole is right.
-  void survive(TofFault fault, std::uint64_t incomplete) {
+  /// One frame is damaged; the stream continues, and every frame marked complete is correct.
+  void check_fault(TofFault fault, std::uint64_t incomplete) {
     const auto before = camera_->health();
     device_.fail_next(fault);
     port_.wake();
@@ -72,12 +72,12 @@ TEST_F(TofUsb, FramesAreWhatTheSensorSaw) {
   measured("%zu frames, %.2f Hz", seen.size(), rate_hz);
 }
 
-TEST_F(TofUsb, SurvivesALostPacket) { survive(TofFault::kLosePacket, 1); }
-TEST_F(TofUsb, SurvivesATruncatedFrame) { survive(TofFault::kTruncate, 1); }
-TEST_F(TofUsb, SurvivesRowsOutOfRange) { survive(TofFault::kRowsBeyond, 1); }
-TEST_F(TofUsb, SurvivesADamagedPayload) { survive(TofFault::kDamage, 1); }
+TEST_F(TofUsb, RecoversFromALostPacket) { check_fault(TofFault::kLosePacket, 1); }
+TEST_F(TofUsb, RecoversFromATruncatedFrame) { check_fault(TofFault::kTruncate, 1); }
+TEST_F(TofUsb, RecoversFromRowsOutOfRange) { check_fault(TofFault::kRowsBeyond, 1); }
+TEST_F(TofUsb, RecoversFromADamagedPayload) { check_fault(TofFault::kDamage, 1); }
 
-TEST_F(TofUsb, SurvivesAStalledPipe) {
+TEST_F(TofUsb, RecoversFromAStalledPipe) {
   device_.fail_next(TofFault::kStall);
   port_.wake();
   const HostTime begin = g_clock.now();
@@ -89,7 +89,7 @@ TEST_F(TofUsb, SurvivesAStalledPipe) {
   measured("frames again after %.2f s", back_s);
 }
 
-TEST_F(TofUsb, ComesBackThreeTimesAfterThePlugWasPulled) {
+TEST_F(TofUsb, DeliversAgainAfterEachOfThreeReconnects) {
   for (std::uint64_t pull = 1; pull <= 3; ++pull) {
     port_.unplug();
     ASSERT_TRUE(

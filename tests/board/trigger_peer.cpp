@@ -9,7 +9,7 @@ void TriggerPeer::plugged(HostTime now) {
   begin_ = now;
 }
 
-/// The board's own slots of 0.1 ms are caught up with once a tick; their times are exact anyway.
+/// The board's slots of 0.1 ms are processed once per tick; their times are exact nevertheless.
 void TriggerPeer::advance(HostTime now) {
   const auto time_us =
       static_cast<std::uint64_t>(static_cast<double>((now - begin_).count()) * rate_ / 1000);
@@ -30,7 +30,7 @@ void TriggerPeer::receive(std::span<const std::uint8_t> bytes, HostTime now) {
   board_->receive(bytes);
 }
 
-void TriggerPeer::speak(std::vector<std::uint8_t>& out, HostTime now) {
+void TriggerPeer::transmit_ready(std::vector<std::uint8_t>& out, HostTime now) {
   const std::lock_guard lock(mutex_);
   if (!board_) return;
   advance(now);

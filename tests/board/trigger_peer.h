@@ -24,10 +24,10 @@ class TriggerPeer final : public SerialPeer {
 
   void plugged(HostTime now) override;
   void receive(std::span<const std::uint8_t> bytes, HostTime now) override;
-  void speak(std::vector<std::uint8_t>& out, HostTime now) override;
+  void transmit_ready(std::vector<std::uint8_t>& out, HostTime now) override;
   std::optional<HostTime> next_event() override;
 
-  /// For any thread: somebody pressed the reset button.
+  /// For any thread: presses the reset button.
   void reset();
 
  private:
@@ -35,7 +35,7 @@ class TriggerPeer final : public SerialPeer {
 
   double rate_;
   OnEdge on_edge_;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards the members below
   std::unique_ptr<sim::SimBoard> board_;
   HostTime begin_{};
   bool reset_ = false;

@@ -29,26 +29,26 @@ struct UsbSetup {
 
 inline constexpr int kUsbStall = -32, kUsbWait = -1;
 
-/// Every method is called on the port's thread; what others may do to a device, it must lock.
+/// Every method is called on the port's thread; methods for other threads must lock.
 class UsbDevice {
  public:
   virtual ~UsbDevice() = default;
   virtual const UsbDescriptors& descriptors() const = 0;
-  /// A class or vendor request. `data` is what came, or the room for an answer. Returns the bytes
-  /// of the answer, or kUsbStall.
+  /// A class or vendor request. `data` is received data, or the buffer for the answer. Returns the
+  /// bytes of the answer, or kUsbStall.
   virtual int control(const UsbSetup& setup, std::span<std::uint8_t> data) = 0;
   /// Bytes for an OUT endpoint.
   virtual void receive(int /*endpoint*/, std::span<const std::uint8_t> /*bytes*/) {}
   /// Fills one transfer of an IN endpoint. Returns its bytes, kUsbStall, or kUsbWait while there is
-  /// nothing to say.
+  /// nothing to send.
   virtual int transmit(int /*endpoint*/, std::span<std::uint8_t> /*room*/, HostTime /*now*/) {
     return kUsbWait;
   }
-  /// When transmit() will have something to say without being asked to look again.
+  /// When transmit() will have data without another event.
   virtual std::optional<HostTime> next_event() { return std::nullopt; }
   /// The host cleared the halt of an endpoint.
   virtual void clear_halt() {}
-  /// The host configured the device anew: it was plugged in.
+  /// The host configured the device: it was plugged in.
   virtual void configured() {}
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A UVC 1.1 camera on a bulk pipe: uncompressed pictures with a bar code of their number, the usual
-// controls, and an extension unit that makes it wait for its trigger line.
+// controls, and an extension unit that switches it to trigger mode.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class UvcDevice final : public UsbDevice {
 
   /// For any thread: an edge on the trigger line. The caller wakes the port.
   void fire(std::uint32_t number);
-  /// Every n-th edge of the trigger line is not seen; 0: all are.
+  /// Ignores every n-th edge of the trigger line; 0: none.
   void miss_every(int n);
   /// Steps of a control as the host last set it: 1 camera terminal, 2 processing unit.
   int value(int unit, int selector) const;
@@ -51,7 +51,7 @@ class UvcDevice final : public UsbDevice {
 
   Size size_;
   UsbDescriptors descriptors_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<Key, Range> ranges_;
   std::map<Key, int> values_;
   std::array<std::uint8_t, 34> probe_{};
@@ -66,7 +66,7 @@ class UvcDevice final : public UsbDevice {
   int edges_ = 0;
 };
 
-/// Tells uvcvideo of the trigger control, as a udev rule would: V4L2 then has "Trigger Mode".
+/// Maps the trigger control in uvcvideo, as a udev rule would: V4L2 then has "Trigger Mode".
 /// Errors: kIo, kDevice.
 Result<void> map_trigger_control(const std::string& node);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The v4l2 driver and the kernel's uvcvideo on a USB camera: controls, triggers, the cable pulled.
-#include "hal/linux/v4l2_camera.h"
+// The v4l2 driver and the kernel's uvcvideo on a USB camera: controls, triggers, unplugging.
+#include "hal/linux/v4l2/v4l2_camera.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
 
@@ -33,7 +33,7 @@ TEST(Uvc, ExposureGainFocusAndWhiteBalanceReachTheCamera) {
   EXPECT_EQ(bench.device.value(2, 10), 5200);
 }
 
-TEST(Uvc, KeepsItsRateAndItsSettingsWhenThePlugIsPulledThreeTimes) {
+TEST(Uvc, KeepsItsRateAndSettingsOverThreeReconnects) {
   UvcBench bench;
   ASSERT_TRUE(bench.plug());
   auto camera = device::V4l2Camera::open(bench.node, request(), g_clock);
@@ -66,7 +66,7 @@ TEST(Uvc, KeepsItsRateAndItsSettingsWhenThePlugIsPulledThreeTimes) {
   measured("%.2f Hz after the last one", rate_hz);
 }
 
-TEST(Uvc, ATriggeredCameraGivesOnePictureAnEdge) {
+TEST(Uvc, ATriggeredCameraDeliversOnePicturePerEdge) {
   UvcBench bench;
   ASSERT_TRUE(bench.plug());
   const auto mapped = map_trigger_control(bench.node);

@@ -30,7 +30,7 @@ HostTime now() { return SystemClock().now(); }
 
 }  // namespace
 
-/// usbip_header: big-endian words, but for the setup packet.
+/// usbip_header: big-endian words, except the setup packet.
 struct VhciPort::Header {
   std::uint32_t command, sequence, device, in, endpoint;
   union {
@@ -73,18 +73,17 @@ Result<void> VhciPort::plug() {
   return {};
 }
 
-/// A port whose cable was just pulled is busy for a while.
+/// A port is busy for a while after its device was unplugged.
 Result<void> VhciPort::attach(int kernel_end) {
-  const std::string words = std::to_string(number_) + " " + std::to_string(kernel_end) + " " +
-                            std::to_string(0x10000 + number_ + 2) + " " +
-                            std::to_string(static_cast<int>(device_.descriptors().speed));
+  const std::string text = std::to_string(number_) + " " + std::to_string(kernel_end) + " " +
+                           std::to_string(0x10000 + number_ + 2) + " " +
+                           std::to_string(static_cast<int>(device_.descriptors().speed));
   int reason = 0;
   for (int attempt = 0; attempt < 100; ++attempt) {
     const int file = ::open(kAttach, O_WRONLY | O_CLOEXEC);
     if (file < 0)
       return system_error(ErrorCode::kNotFound, "no vhci-hcd: modprobe vhci-hcd", errno);
-    const bool done =
-        ::write(file, words.data(), words.size()) == static_cast<ssize_t>(words.size());
+    const bool done = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
     reason = errno;
     ::close(file);
     if (done) return {};
@@ -110,7 +109,7 @@ void VhciPort::wake() {
 void VhciPort::serve() {
   while (!stop_) {
     if (!pump()) break;
-    // What nobody waits for is not made: a closed line, a stream that stopped.
+    // Without a waiting transfer no data is produced: the line is closed or the stream stopped.
     const bool waiting = std::any_of(pending_.begin(), pending_.end(),
                                      [](const auto& queue) { return !queue.empty(); });
     const auto next = waiting ? device_.next_event() : std::nullopt;
@@ -180,7 +179,7 @@ bool VhciPort::submit(const Header& header) {
 
 bool VhciPort::unlink(const Header& header) {
   const std::uint32_t wanted = ntohl(header.unlinked);
-  int status = 0;  // it is done already
+  int status = 0;  // the transfer is complete already
   for (auto& queue : pending_) {
     const auto found = std::find_if(queue.begin(), queue.end(),
                                     [&](const Transfer& t) { return t.sequence == wanted; });
@@ -205,7 +204,7 @@ bool VhciPort::complete(std::uint32_t sequence, int status, std::size_t actual, 
   return !with_data || actual == 0 || write_all(buffer_.data(), actual);
 }
 
-/// Gives every waiting transfer to the device for as long as it has something to say.
+/// Gives every waiting transfer to the device while it has data to send.
 bool VhciPort::pump() {
   for (int endpoint = 1; endpoint < kEndpoints; ++endpoint) {
     auto& queue = pending_[static_cast<std::size_t>(endpoint)];

@@ -17,7 +17,7 @@ namespace mixrig::board {
 /// Needs root and the module vhci-hcd. plug() and unplug() are for one thread.
 class VhciPort {
  public:
-  /// `device` outlives the port; `number` is 0 to 7.
+  /// `device` must outlive the port; `number` is 0 to 7.
   VhciPort(int number, UsbDevice& device);
   ~VhciPort();
   VhciPort(const VhciPort&) = delete;
@@ -25,10 +25,10 @@ class VhciPort {
 
   /// Waits until the port is free. Errors: kNotFound without vhci-hcd, kIo.
   Result<void> plug();
-  /// The cable is pulled. Harmless when it is not in.
+  /// Unplugs the cable. Does nothing when it is not plugged in.
   void unplug();
   bool plugged() const { return thread_.joinable(); }
-  /// The device has something to say now. For any thread at any time.
+  /// The device has data to send now. For any thread at any time.
   void wake();
 
  private:

@@ -19,7 +19,7 @@ bool plug_in(VhciPort& port) {
 
 }  // namespace
 
-VirtualRig::~VirtualRig() { trigger_port.unplug(); }  // it fires the others
+VirtualRig::~VirtualRig() { trigger_port.unplug(); }  // it fires the other devices
 
 bool VirtualRig::plug() {
   return plug_color() && plug_depth() && plug_serial(trigger_port, kTriggerNode) && plug_head();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole rig on the bench: the trigger firmware fires a colour and a ToF camera, and a line of the
-// host sees what fires the colour camera; a pan-tilt unit and two cameras that run free stand
-// beside them.
+// A whole virtual rig: the trigger firmware fires a colour and a ToF camera, and a GPIO line of the
+// host receives the colour camera's trigger; there are also a pan-tilt unit and two free-running
+// cameras.
 #pragma once
 
 #include <memory>
@@ -30,7 +30,7 @@ struct VirtualRig {
   std::string color_node;
 
   ~VirtualRig();
-  /// False, and a failure noted, when something did not appear.
+  /// False, with a test failure, when something did not appear.
   bool plug();
   bool plug_color();
   bool plug_depth();

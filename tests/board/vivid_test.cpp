@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The v4l2 driver on the kernel's vivid camera: formats, gaps, a node that goes away and returns.
-#include "hal/linux/v4l2_camera.h"
+// The v4l2 driver on the kernel's vivid camera: formats, gaps, a node that disappears and
+// reappears.
+#include "hal/linux/v4l2/v4l2_camera.h"
 #include "tests/board/bench.h"
 
 namespace mixrig::board {
@@ -10,8 +11,8 @@ constexpr const char* kNode = "/dev/video0";
 constexpr Size kSize{320, 180};
 SystemClock g_clock;
 
-void control(const std::string& words) {
-  const Ran ran = run(std::string("v4l2-ctl -d ") + kNode + " -c " + words);
+void control(const std::string& setting) {
+  const Ran ran = run(std::string("v4l2-ctl -d ") + kNode + " -c " + setting);
   ASSERT_EQ(ran.status, 0) << ran.text;
 }
 
@@ -75,7 +76,7 @@ TEST(Vivid, BuffersThatTheDriverFlagsAreIncomplete) {
   (*camera)->stop();
 }
 
-TEST(Vivid, ComesBackAfterADisconnect) {
+TEST(Vivid, DeliversAgainAfterADisconnect) {
   auto camera = device::V4l2Camera::open(kNode, small(device::PixelFormat::kYuyv), g_clock);
   ASSERT_TRUE(camera);
   Frames frames;

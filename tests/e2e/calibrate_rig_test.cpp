@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bent board of the studio through mixrig calibrate rig and tof, held against the truth.
+// A bent board of the studio through mixrig calibrate rig and tof, compared with the truth.
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -32,21 +32,21 @@ std::string read(const std::string& path) {
 
 class CalibrateRig : public CommandTest {
  protected:
-  /// Exit status of a command that is to fail; `told`: its line.
-  int refused(const std::string& words, std::string& told) const {
+  /// Exit status of a command that is expected to fail; `error_line` gets its error line.
+  int refused(const std::string& words, std::string& error_line) const {
     const std::string line =
         std::string(MIXRIG_COMMAND) + " " + words + " >/dev/null 2>" + path("err");
     const int status = std::system(line.c_str());
-    told = read(path("err"));
+    error_line = read(path("err"));
     return WEXITSTATUS(status);
   }
 };
 
-TEST_F(CalibrateRig, finds_rig_and_bend_and_tells_a_square_of_the_wrong_size) {
+TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) {
   ASSERT_EQ(mixrig("studio " + path("set") +
                    " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"),
             0);
-  const std::string out = path("calibration.yaml");
+  const std::string out = path("calibration.toml");
   ASSERT_EQ(mixrig("calibrate rig " + path("set") + " --out " + out + " --json " + path("r.json")),
             0);
   const json found = report("r.json"), truth = report("set/truth/truth.json");
@@ -65,22 +65,23 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_tells_a_square_of_the_wrong_size) {
   const json& depth = found.at("depth_error");
   EXPECT_LT(depth.at("held_out_mm").get<double>(), 0.6 * depth.at("uncorrected_mm").get<double>());
 
-  // The same views with squares of another size: nothing is written, what is there stays.
+  // The same views with squares of another size: nothing is written and the old file is kept.
   const std::string before = read(out);
   std::string text = read(path("set/views.toml"));
   ASSERT_NE(text.find("square_mm = 70"), std::string::npos);
   std::ofstream(path("set/views.toml"))
       << text.replace(text.find("square_mm = 70"), 14, "square_mm = 75");
-  std::string told;
-  EXPECT_EQ(refused("calibrate tof --corners-only " + path("set") + " --out " + out, told), 1);
-  EXPECT_NE(told.find("square"), std::string::npos) << told;
+  std::string error_line;
+  EXPECT_EQ(refused("calibrate tof --corners-only " + path("set") + " --out " + out, error_line),
+            1);
+  EXPECT_NE(error_line.find("square"), std::string::npos) << error_line;
   EXPECT_EQ(read(out), before);
-  // Pictures of one camera under the name of another have its size.
+  // Pictures of one camera under the name of another: their size is wrong.
   text = read(path("set/views.toml"));
   std::ofstream(path("set/views.toml"))
       << text.replace(text.find("target/%06d.png"), 15, "fisheye/%06d.png");
-  EXPECT_EQ(refused("calibrate rig " + path("set") + " --out " + out, told), 2);
-  EXPECT_NE(told.find("swapped"), std::string::npos) << told;
+  EXPECT_EQ(refused("calibrate rig " + path("set") + " --out " + out, error_line), 2);
+  EXPECT_NE(error_line.find("swapped"), std::string::npos) << error_line;
   EXPECT_EQ(read(out), before);
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A take that says wrong things of its cameras, and the calibration.yaml that puts them right:
-// judged by the studio's truth.
+// A take with wrong camera parameters, and the calibration.toml that corrects them; errors are
+// measured against the studio's truth.
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "host/camera_io/calibration.h"
+#include "host/calibration_file/calibration.h"
 #include "host/take/take.h"
 #include "tests/e2e/command.h"
 
@@ -23,11 +23,11 @@ class CalibratedRun : public CommandTest {
     const auto error = report("report.json").at("error");
     return {error.at("depth_mae_mm").get<double>(), error.at("key_iou").get<double>()};
   }
-  /// What the studio says of its own cameras, as a calibration would.
-  camera_io::Calibration truth() const {
+  /// The studio's true camera parameters as a calibration.
+  calibration_file::Calibration truth() const {
     const auto reader = take::TakeReader::open(folder_ / "take");
     const take::TakeInfo& info = reader->info();
-    camera_io::Calibration known;
+    calibration_file::Calibration known;
     known.cameras = {{"target", info.target, {}, 0, 0, 0, {}}, {"tof", info.tof, {}, 0, 0, 0, {}}};
     known.poses = {{"tof", info.target_from_tof, {}, 0, 0, {}}};
     return known;
@@ -52,8 +52,8 @@ TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
                    " --scenario walk --rig kinect2 --seed 7 --frames 16 --size 640x512"),
             0);
   const auto right = errors("");
-  const camera_io::Calibration known = truth();
-  ASSERT_TRUE(camera_io::write_calibration(path("take/right.yaml"), known));
+  const calibration_file::Calibration known = truth();
+  ASSERT_TRUE(calibration_file::write_calibration(path("take/right.toml"), known));
   const double fx_px = std::get<geometry::CameraModel>(known.cameras[1].model).pinhole.fx_px;
   edit("tof", "fx", std::to_string(1.06 * fx_px));
   edit("tof", "distortion", "[0.0, 0.0, 0.0, 0.0]");
@@ -62,7 +62,7 @@ TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
   EXPECT_GT(wrong.first, 2 * right.first);
   EXPECT_LT(wrong.second, right.second - 0.02);
 
-  const auto by_option = errors("--calibration " + path("take/right.yaml"));
+  const auto by_option = errors("--calibration " + path("take/right.toml"));
   std::printf("depth %.2f mm, key %.4f; wrong %.2f mm, %.4f; by --calibration %.2f mm, %.4f\n",
               right.first, right.second, wrong.first, wrong.second, by_option.first,
               by_option.second);
@@ -71,7 +71,7 @@ TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
 
   std::ifstream in(folder_ / "take/take.toml");
   const std::string manifest{std::istreambuf_iterator<char>(in), {}};
-  std::ofstream(folder_ / "take/take.toml") << "calibration = \"right.yaml\"\n" << manifest;
+  std::ofstream(folder_ / "take/take.toml") << "calibration = \"right.toml\"\n" << manifest;
   EXPECT_EQ(errors(""), by_option) << "named by the take";
 }
 

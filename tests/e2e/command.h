@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the real `mixrig` in a folder of its own that vanishes with the test.
+// Runs the `mixrig` program in a temporary folder.
 #pragma once
 
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole composite against a kept one: what no single measure would notice. The kept picture was
-// looked at; make it again with the two commands below after a change that is meant.
+// Compares a whole composite with a stored one: finds changes that no measure shows. The stored
+// picture was inspected; after an intended change, make it again with the two commands below.
 #include <gtest/gtest.h>
 
 #include "host/image_io/image_io.h"
@@ -12,7 +12,7 @@ namespace {
 
 class Golden : public CommandTest {};
 
-TEST_F(Golden, TheCompositeLooksAsItDid) {
+TEST_F(Golden, TheCompositeIsUnchanged) {
   ASSERT_EQ(mixrig("studio " + path("take") +
                    " --scenario walk --rig kinect2 --seed 5 --frames 12 --size 320x256"),
             0);

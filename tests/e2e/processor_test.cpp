@@ -33,7 +33,7 @@ TEST(Processor, is_named_in_the_version) {
   EXPECT_NE(outcome.output.find(", " MIXRIG_CPU_LEVEL " ("), std::string::npos) << outcome.output;
 }
 
-TEST(Processor, an_older_one_than_built_for_is_told_in_one_line) {
+TEST(Processor, an_older_one_than_built_for_is_reported_in_one_line) {
   const std::string emulator = "/usr/bin/qemu-x86_64-static", level = MIXRIG_CPU_LEVEL;
   if (!std::filesystem::exists(emulator))
     GTEST_SKIP() << "no " << emulator << ": scripts/setup arm64 installs it";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live devices through the command: recordings and the studio play as cameras.
+// Live devices through the command: recordings and the studio are the cameras.
 #include <algorithm>
 #include <regex>
 
@@ -31,7 +31,7 @@ class RigRun : public CommandTest {
                                         << "[[camera]]\nname = \"color\"\nuri = \"" << color
                                         << "\"\n[depth]\nuri = \"" << depth << "\"\n";
   }
-  /// Slow enough that a loaded machine follows, and learned from its first three frames.
+  /// At a rate that a loaded machine can follow; the first three frames give the background.
   void make_take(int frames) const {
     ASSERT_EQ(mixrig("studio " + path("take") +
                      " --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
@@ -46,7 +46,7 @@ class RigRun : public CommandTest {
     const std::string text(std::istreambuf_iterator<char>(in), {});
     std::ofstream(path(file)) << std::regex_replace(text, std::regex(pattern), by);
   }
-  /// Runs until `file` is there, then sends Ctrl-C; the exit status.
+  /// Runs until `file` exists, then sends SIGINT; returns the exit status.
   int interrupted(std::vector<std::string> words, const std::string& file) const {
     words.insert(words.begin(), MIXRIG_COMMAND);
     ChildProcess child(std::move(words), 240, path("log"));
@@ -72,7 +72,7 @@ TEST_F(RigRun, ATakePlayedAsDevicesIsCompositedAndEveryMomentIsAccountedFor) {
   EXPECT_EQ(live.at("streams").size(), 2U);
   EXPECT_EQ(live.at("streams")[0].at("frames"), 24);
   EXPECT_GT(report.at("frames").get<int>(), 0);
-  // Learned from, composited, dropped: nothing else happens to a moment.
+  // Every set is used for learning, composited or dropped.
   if (live.at("dropped_events") == 0) {
     EXPECT_EQ(live.at("sets"), 24);
     EXPECT_EQ(live.at("left_out"), 0);

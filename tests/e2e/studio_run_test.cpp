@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job on studio takes: what the report says must hold for seeds that nobody tuned to.
+// `mixrig run` on studio takes: the report meets the bounds for seeds that were not used for
+// tuning.
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
@@ -31,7 +32,7 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   EXPECT_LE(error.at("light_rmse").get<double>(), 0.06);
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);
   EXPECT_LE(report.at("rss_mb").get<double>(), 400.0);
-  EXPECT_EQ(report.at("frames").get<int>(), report.at("foreground_pct").size());
+  EXPECT_GT(report.at("foreground_pct").at("max").get<double>(), 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, StudioRun,

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// calibration.yaml and camera files of other tools, of any bytes. What is read must be written and
+// calibration.toml and camera files of other tools, of any bytes. What is read must be written and
 // read again as the same.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 
-#include "host/camera_io/calibration.h"
-#include "host/camera_io/exchange.h"
+#include "host/calibration_file/calibration.h"
+#include "host/calibration_file/exchange.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mixrig::camera_io;
+  using namespace mixrig::calibration_file;
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (const auto calibration = parse_calibration(text, "c")) {
     const std::string once = calibration_text(*calibration);

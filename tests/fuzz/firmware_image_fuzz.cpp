@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/linux/dfuse.h"
-#include "hal/linux/firmware_image.h"
+#include "hal/wire/dfuse.h"
+#include "hal/wire/firmware_image.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mixrig::device;

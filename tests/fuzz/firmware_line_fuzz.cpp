@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes on the line of the trigger controller: it must neither crash nor fall silent.
+// Any bytes on the line of the trigger controller: it must not crash and must answer Hello
+// afterwards.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GenICam buffer whose format, geometry and length do not fit each other: nothing is read or
-// written beyond either end (AddressSanitizer watches).
+// A GenICam buffer whose format, geometry and length may contradict: nothing is read or written
+// beyond either end (AddressSanitizer checks it).
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
 
-#include "hal/linux/genicam_buffer.h"
+#include "hal/wire/genicam_buffer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mixrig;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes from the other end of the trigger controller's line: the host's link and its flasher
-// must come to an end, with an answer or an error.
+// Any bytes from the trigger controller: the host's link and flashing must terminate, with an
+// answer or an error.
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 
-#include "hal/linux/flash_image.h"
-#include "hal/linux/mcu_trigger.h"
-#include "hal/linux/stm32_rom.h"
+#include "hal/wire/flash_image.h"
+#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/stm32_rom.h"
 
 namespace {
 
 using namespace mixrig;
 
-/// Says what it was given, a few bytes a reading, then is silent; reading moves the clock.
+/// Delivers the given bytes, a few per read, then nothing; a read without bytes advances the clock.
 class Script final : public device::ByteStream {
  public:
   Script(std::span<const std::uint8_t> bytes, ManualClock& clock) : left_(bytes), clock_(clock) {}
@@ -33,7 +33,7 @@ class Script final : public device::ByteStream {
   ManualClock& clock_;
 };
 
-void greet(std::span<const std::uint8_t> bytes) {
+void open_trigger(std::span<const std::uint8_t> bytes) {
   ManualClock clock;
   auto opened = device::McuTrigger::open(std::make_unique<Script>(bytes, clock), clock, "fuzz");
   if (!opened) return;
@@ -61,6 +61,6 @@ void flash(std::span<const std::uint8_t> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::span bytes(data + 1, size - 1);
-  (data[0] & 1) != 0 ? greet(bytes) : flash(bytes);
+  (data[0] & 1) != 0 ? open_trigger(bytes) : flash(bytes);
   return 0;
 }

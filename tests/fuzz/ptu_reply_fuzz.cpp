@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes from a pan-tilt unit: replies stay bounded, and numbers are numbers.
+// Any bytes from a pan-tilt unit: replies stay bounded, and numbers are finite.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 
-#include "hal/linux/flir_ptu_reply.h"
+#include "hal/wire/flir_ptu_reply.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mixrig::device;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fuzz target without a fuzzer: some thousand inputs of a fixed seed, and those of a folder where
-// one is given, as they are and damaged. Part of the tests of every build.
+// Runs a fuzz target without a fuzzer: 2,000 random inputs of a fixed seed, then the files of the
+// given folders, unchanged and damaged. Part of the tests of every build.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Bits flipped, bytes replaced or put in, ends cut.
+/// Flips bits, replaces or inserts bytes, or truncates.
 Bytes damaged(Bytes bytes, std::mt19937& random) {
   for (auto changes = 1 + random() % 6; changes > 0; --changes) {
     const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(random() % (bytes.size() + 1));
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < kInputs; ++i) {
     bytes.resize(random() % 400);
-    // Few values, with many zeros, look like frames oftener than noise does.
+    // Few values with many zeros resemble frames more often than uniform noise.
     const auto values = 2 + random() % 255;
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random() % 4 ? random() % values : 0);
     LLVMFuzzerTestOneInput(bytes.data(), bytes.size());

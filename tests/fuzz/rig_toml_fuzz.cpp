@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// rig.toml of any bytes; one that is accepted is written and reads back as the same rig.
+// rig.toml of any bytes; an accepted one is written and must read back as the same rig.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-#include "host/rig/rig_config.h"
+#include "host/live/rig_config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mixrig::rig;
+  using namespace mixrig::live;
   const auto rig = parse_rig({reinterpret_cast<const char*>(data), size}, "rig.toml");
   if (!rig) return 0;
   const std::string text = rig_text(*rig);

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes from a USB ToF camera, cut anywhere. The first byte chooses: a description, the stream
-// as it is, or the stream with its checksums put right, so that what lies behind them is reached.
+// Any bytes from a USB ToF camera, split anywhere. The first byte selects: a description, the
+// stream unchanged, or the stream with correct checksums, so that the code behind them is reached.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
 
-#include "hal/linux/tof_usb_decoder.h"
+#include "hal/wire/tof_usb_decoder.h"
 
 namespace {
 
 using namespace mixrig::device;
 
-void seal(std::vector<std::uint8_t>& bytes) {
+void correct_checksums(std::vector<std::uint8_t>& bytes) {
   const auto put = [&](std::size_t at, std::uint32_t value) {
     for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
   };
@@ -24,8 +24,8 @@ void seal(std::vector<std::uint8_t>& bytes) {
     const std::size_t left = bytes.size() - at - kTofHeaderBytes;
     const std::size_t count = std::min<std::size_t>(payload, left);
     const std::span<const std::uint8_t> all(bytes);
-    put(at + 32, crc32(all.subspan(at + kTofHeaderBytes, count)));
-    put(at + 36, crc32(all.subspan(at, 36)));
+    put(at + 32, tof_crc32(all.subspan(at + kTofHeaderBytes, count)));
+    put(at + 36, tof_crc32(all.subspan(at, 36)));
     at += kTofHeaderBytes + count;
   }
 }
@@ -42,7 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::abort();
     return 0;
   }
-  if (mode % 4 == 1) seal(bytes);
+  if (mode % 4 == 1) correct_checksums(bytes);
   TofDescription description;
   description.size = {16, 12};
   description.amplitude = (mode & 4) != 0;

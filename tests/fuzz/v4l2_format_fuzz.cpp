@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mode tables and layouts that no sane driver would tell: a mode is one of the table, a layout
-// never claims more than its picture.
+// Mode tables and layouts of any numbers: the chosen mode has a valid size and format, and a layout
+// is never smaller than its picture.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
 
-#include "hal/linux/v4l2_format.h"
+#include "hal/wire/v4l2_format.h"
 
 namespace {
 
-/// Numbers out of the input, zeros after its end.
+/// Reads numbers from the input; zeros after its end.
 class Numbers {
  public:
   Numbers(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/calibration/view_set.h"
+#include "host/calibration/rig/view_set.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mixrig;

@@ -20,8 +20,7 @@ class CorrectPassTest : public GlTest {
     tables_.tof_ray =
         make_image<glm::vec2>(kSize, [](int x, int y) { return (glm::vec2(x, y) - 7.5F) / 16.0F; });
     // Noise that does not change with z, and a step of 0.1 m: figures that are easy to follow.
-    tables_.correct.noise_floor_m = 0.001F;
-    tables_.correct.noise_linear = tables_.correct.noise_quadratic_per_m = 0;
+    tables_.correct.noise = {0.001F, 0, 0};
     tables_.correct.step_min_m = 0.1F;
   }
   void draw(const Image<float>& depth_m) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/gles/mix_pass.h"
 
+#include <array>
 #include <cmath>
 
+#include "host/render/gles/read_back.h"
 #include "tests/gl/gl_fixture.h"
 
 namespace mixrig::test {
@@ -51,16 +53,22 @@ class MixPassTest : public GlTest {
     glClear(GL_COLOR_BUFFER_BIT);
     const MixInput input{&plate,  &visible_w,     &mattes,    &wall, &learned,
                          &lights, &virtual_color, &virtual_w, gain};
-    EXPECT_TRUE(pass->draw(input, true));
-    Scratch scratch, rgba;
-    read_back_rgba(pass->target(), kMixColor, rgba);
+    EXPECT_TRUE(pass->draw(input, render::kAll));
+    std::array<ReadBack, 4> read_backs;
+    read_backs[0].start_rgba(pass->target(), kMixColor);
+    read_backs[1].start_float(pass->target(), kMixDepth);
+    read_backs[2].start_float(pass->target(), kMixSegmented);
+    read_backs[3].start_byte(pass->target(), kMixLayer);
+    Image<Rgb8> color(kView);
     Image<float> mixed(kView), segmented(kView);
-    Image<std::uint8_t> layer(kView);
-    read_back(pass->target(), kMixDepth, mixed, scratch);
-    read_back(pass->target(), kMixSegmented, segmented, scratch);
-    read_back(pass->target(), kMixLayer, layer, scratch);
-    const auto* p = reinterpret_cast<const std::uint8_t*>(&rgba[17]);
-    return {glm::vec4(p[0], p[1], p[2], p[3]), mixed.at(3, 2), segmented.at(3, 2), layer.at(3, 2)};
+    Image<std::uint8_t> alpha(kView), layer(kView);
+    EXPECT_TRUE(read_backs[0].fetch(color, alpha));
+    EXPECT_TRUE(read_backs[1].fetch(mixed));
+    EXPECT_TRUE(read_backs[2].fetch(segmented));
+    EXPECT_TRUE(read_backs[3].fetch(layer));
+    const Rgb8 p = color.at(3, 2);
+    return {glm::vec4(p.r, p.g, p.b, alpha.at(3, 2)), mixed.at(3, 2), segmented.at(3, 2),
+            layer.at(3, 2)};
   }
 
   Rgb8 plate_bytes{188, 188, 188};  // 0.5029 in linear light

@@ -86,7 +86,7 @@ TEST_F(WarpPassTest, nearest_surface_wins_and_gaps_stay_unknown) {
   EXPECT_NEAR(std::abs(w.at(24, 15).r), 0.25F, 1e-6F);
   tables_.warp.camera_from_tof[3] = glm::vec4(-0.25F, 0, 0, 1);
   const auto gap = draw(make_image<float>(kTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
-  // Near half ends at 7.5, far half starts at 13.5: nobody saw what lies between.
+  // Near half ends at 7.5, far half starts at 13.5: the camera saw nothing between.
   EXPECT_NEAR(std::abs(gap.at(7, 15).r), 1.0F, 1e-6F);
   for (int x = 8; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
   EXPECT_NEAR(std::abs(gap.at(14, 15).r), 0.25F, 1e-6F);

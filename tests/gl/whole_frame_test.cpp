@@ -50,7 +50,7 @@ Pair make_pair(const RoomSetup& room) {
   EXPECT_TRUE(cpu) << cpu.error().context;
   EXPECT_TRUE(gles) << gles.error().context;
   if (cpu && gles) pair.cpu = std::move(*cpu), pair.gles = std::move(*gles);
-  pair.cpu_frame.inspect = pair.gles_frame.inspect = true;
+  pair.cpu_frame.wanted = pair.gles_frame.wanted = render::kAll;
   return pair;
 }
 

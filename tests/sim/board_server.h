@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boards behind a pty, in real time, for programs that open a port.
+// Emulated boards behind a pty, in real time, for programs that open a port.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@
 
 namespace mixrig::test {
 
-/// Serves a pty at `path` by a thread that calls `board.step(from_host)` for what the board sends.
+/// Serves a pty at `path`: a thread passes received bytes to `board.step(from_host)` and sends what
+/// it returns.
 template <typename Board>
 class PtyServer {
  public:
@@ -67,12 +68,13 @@ class RealTimeBoard : public fake::EmulatedBoard {
     advance_to(static_cast<std::uint64_t>(age / std::chrono::microseconds(1)));
     receive(damaged({from_host.begin(), from_host.end()}));
     std::vector<std::uint8_t> sent = transmitted();
-    const std::vector<std::uint8_t> more = transmitted();  // one mode left, the next one speaks
+    const std::vector<std::uint8_t> more =
+        transmitted();  // after a change of mode the next one may send
     sent.insert(sent.end(), more.begin(), more.end());
     return damaged(std::move(sent));
   }
 
-  double byte_error_share = 0;  ///< of bytes, either way
+  double byte_error_share = 0;  ///< share of bytes that are damaged, either way
 
  private:
   std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes) {
@@ -88,8 +90,8 @@ class RealTimeBoard : public fake::EmulatedBoard {
   HostTime begin_ = clock_.now();
 };
 
-/// The emulated ROM bootloader; what it starts runs in QEMU, from the flash as it was written. The
-/// emulator ends with a reset of the chip, and the only one asked for here is that to the ROM.
+/// The emulated ROM bootloader; the program that it starts runs in QEMU, from the written flash.
+/// QEMU ends at a reset of the chip; the tests request only the reset to the ROM.
 class QemuBoard {
  public:
   fake::EmulatedFlash& flash() { return flash_; }

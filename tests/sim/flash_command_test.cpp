@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig flash` as users call it, against emulated boards behind a pty.
+// The command `mixrig flash` against emulated boards behind a pty.
 #include <cstring>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "board_server.h"
-#include "hal/linux/firmware_image.h"
+#include "hal/wire/firmware_image.h"
 #include "run_command.h"
 #include "tests/support/make_image.h"
 
@@ -25,7 +25,7 @@ protocol::ImageHeader header_of(const Bytes& image) {
   return header;
 }
 
-/// The same program with another header, and so another check sum.
+/// The same program with another header, and hence another checksum.
 Bytes with_header(void (*change)(protocol::ImageHeader&)) {
   Bytes image = image_bytes();
   protocol::ImageHeader header = header_of(image);
@@ -56,10 +56,10 @@ class Bench : public ::testing::Test {
     return folder_.write(name,
                          std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
-  Outcome flash(std::vector<std::string> words) {
-    words.insert(words.begin(), "flash");
-    words.insert(words.end(), {"--port", folder_ / "port", "--kept", folder_ / "kept.bin"});
-    return run_mixrig(words);
+  Outcome flash(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "flash");
+    arguments.insert(arguments.end(), {"--port", folder_ / "port", "--kept", folder_ / "kept.bin"});
+    return run_mixrig(arguments);
   }
   Outcome trigger(const std::string& what) {
     return run_mixrig({"trigger", what, "--port", folder_ / "port"});
@@ -91,26 +91,26 @@ class FlashCommand : public Bench<RealTimeBoard> {
     return server_.with(
         [](RealTimeBoard& board) { return board.mode() == fake::BoardMode::kFirmware; });
   }
-  /// One line, exit status as given, nothing written, and what ran runs on.
-  void expect_refusal(const Outcome& outcome, int status, const std::string& words) {
+  /// One error line, the given exit status, nothing written, and the firmware still runs.
+  void expect_refusal(const Outcome& outcome, int status, const std::string& text) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
-    EXPECT_TRUE(outcome.says(words)) << outcome.err;
+    EXPECT_TRUE(outcome.says(text)) << outcome.err;
     EXPECT_EQ(changes(), 0);
     EXPECT_TRUE(runs_firmware());
   }
 };
 
-TEST_F(FlashCommand, empty_board_is_written_started_and_greeted) {
+TEST_F(FlashCommand, empty_board_is_written_started_and_answers_hello) {
   server_.with([](RealTimeBoard& board) { board.power_cycle(true); });
   const Outcome outcome = flash({kImage, "--json", folder_ / "report.json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   const auto crc = header_of(image_bytes()).crc;
-  for (const std::string& words :
+  for (const std::string& text :
        {std::string("chip 0x413"), std::string("nothing kept"),
         std::string("written and read back"), "running: firmware 0.1.0, crc " + hex8(crc)}) {
-    EXPECT_TRUE(outcome.says(words)) << words << "\n" << outcome.out;
+    EXPECT_TRUE(outcome.says(text)) << text << "\n" << outcome.out;
   }
   EXPECT_TRUE(flash_holds(image_bytes()));
   const auto json = report("report.json");
@@ -133,10 +133,11 @@ TEST_F(FlashCommand, enters_the_bootloader_by_itself_keeps_the_old_image_and_res
   ASSERT_EQ(restored.status, 0) << restored.err;
   EXPECT_TRUE(flash_holds(old));
   EXPECT_TRUE(restored.says("crc " + hex8(header_of(old).crc))) << restored.out;
-  EXPECT_EQ(*device::read_image_file(folder_ / "kept.bin"), image_bytes()) << "now the other way";
+  EXPECT_EQ(*device::read_image_file(folder_ / "kept.bin"), image_bytes())
+      << "--restore saves the replaced image too";
 }
 
-TEST_F(FlashCommand, what_flash_holds_already_is_not_written_again) {
+TEST_F(FlashCommand, an_image_that_flash_holds_already_is_not_written_again) {
   run(image_bytes());
   const Outcome outcome = flash({kImage});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -145,7 +146,7 @@ TEST_F(FlashCommand, what_flash_holds_already_is_not_written_again) {
   EXPECT_TRUE(runs_firmware());
 }
 
-TEST_F(FlashCommand, verify_only_compares_writes_nothing_and_lets_the_firmware_run_on) {
+TEST_F(FlashCommand, verify_only_compares_writes_nothing_and_restarts_the_firmware) {
   run(image_bytes());
   const Outcome same = flash({kImage, "--verify-only"});
   EXPECT_EQ(same.status, 0) << same.err;
@@ -162,14 +163,14 @@ TEST_F(FlashCommand, files_that_are_no_image_for_this_board_are_refused_before_i
   Bytes damaged = good;
   damaged[3000] ^= 1;
   const Bytes wrong_board = with_header([](protocol::ImageHeader& h) { h.board = 407; });
-  const Bytes stranger = with_header([](protocol::ImageHeader& h) { h.table_hash ^= 1; });
+  const Bytes other_protocol = with_header([](protocol::ImageHeader& h) { h.table_hash ^= 1; });
   expect_refusal(flash({folder_ / "missing.bin"}), 2, "cannot open image");
   expect_refusal(flash({save("empty.bin", {})}), 2, "is no mixrig trigger image");
   expect_refusal(flash({save("noise.bin", Bytes(5000, 0x5A))}), 2, "is no mixrig trigger image");
   expect_refusal(flash({save("large.bin", Bytes(200'000, 1))}), 2, "is larger than any image");
-  expect_refusal(flash({save("damaged.bin", damaged)}), 2, "check sum does not match");
+  expect_refusal(flash({save("damaged.bin", damaged)}), 2, "checksum does not match");
   expect_refusal(flash({save("board.bin", wrong_board)}), 2, "is for board 407");
-  expect_refusal(flash({save("stranger.bin", stranger)}), 2, "speaks another protocol");
+  expect_refusal(flash({save("other_protocol.bin", other_protocol)}), 2, "uses another protocol");
   expect_refusal(flash({save("cut.bin", {good.begin(), good.end() - 500})}), 2, "truncated");
   expect_refusal(flash({"--restore"}), 2, "cannot open image");
   save("kept.bin", {good.begin(), good.begin() + 4000});
@@ -177,12 +178,12 @@ TEST_F(FlashCommand, files_that_are_no_image_for_this_board_are_refused_before_i
   EXPECT_EQ(trigger("status").status, 0);
 }
 
-TEST_F(FlashCommand, words_that_contradict_each_other_are_usage) {
+TEST_F(FlashCommand, contradicting_options_are_usage_errors) {
   run(image_bytes());
   expect_refusal(flash({}), 2, "give an IMAGE, or --restore");
   expect_refusal(flash({kImage, "--restore"}), 2, "give an IMAGE, or --restore");
   expect_refusal(flash({kImage, "--usb", "0483:df11"}), 2, "--usb");
-  for (const char* id : {"nonsense", "0483:", "99999:1"}) {
+  for (const char* id : {"malformed", "0483:", "99999:1"}) {
     expect_refusal(run_mixrig({"flash", kImage, "--usb", id}), 2, "VID:PID");
   }
   expect_refusal(flash({kImage, "--json", folder_ / "no/such/report.json"}), 2, "make it first");
@@ -200,7 +201,7 @@ TEST_F(FlashCommand, another_chip_is_refused_before_anything_is_erased) {
   EXPECT_EQ(changes(), 0);
 }
 
-TEST_F(FlashCommand, running_triggers_are_not_flashed_away) {
+TEST_F(FlashCommand, running_triggers_are_not_interrupted) {
   run(second_image());
   ASSERT_EQ(trigger("start").status, 0);
   expect_refusal(flash({kImage}), 1, "stop them first (mixrig trigger stop)");
@@ -218,7 +219,7 @@ TEST_F(FlashCommand, a_board_that_is_dead_or_missing_is_one_line) {
   EXPECT_EQ(missing.error_lines(), 1) << missing.err;
 }
 
-TEST_F(FlashCommand, an_old_image_that_cannot_be_kept_is_not_erased) {
+TEST_F(FlashCommand, an_old_image_that_cannot_be_saved_is_not_erased) {
   run(second_image());
   folder_.write("file", "in the way");
   const Outcome outcome = run_mixrig(
@@ -227,7 +228,7 @@ TEST_F(FlashCommand, an_old_image_that_cannot_be_kept_is_not_erased) {
   expect_refusal(outcome, 1, "cannot write");
 }
 
-TEST_F(FlashCommand, power_that_fails_is_told_and_mended_with_boot0) {
+TEST_F(FlashCommand, a_power_failure_is_reported_and_recovered_from_with_boot0) {
   run(second_image());
   server_.with([](RealTimeBoard& board) { board.flash().fail_power_at(10); });
   const Outcome cut = flash({kImage});
@@ -240,7 +241,7 @@ TEST_F(FlashCommand, power_that_fails_is_told_and_mended_with_boot0) {
   EXPECT_EQ(*device::read_image_file(folder_ / "kept.bin"), second_image());
 }
 
-TEST_F(FlashCommand, a_noisy_line_is_ridden_out_counted_and_told) {
+TEST_F(FlashCommand, a_noisy_line_works_and_repeats_are_reported) {
   run(second_image());
   server_.with([](RealTimeBoard& board) { board.byte_error_share = 0.002; });
   const Outcome outcome = flash({kImage, "--json", folder_ / "report.json"});
@@ -251,13 +252,13 @@ TEST_F(FlashCommand, a_noisy_line_is_ridden_out_counted_and_told) {
   EXPECT_GT(report("report.json")["commands_repeated"], 5);
 }
 
-TEST_F(FlashCommand, shows_a_bar_on_a_terminal_and_leaves_none_behind) {
+TEST_F(FlashCommand, shows_a_progress_bar_on_a_terminal_and_clears_it) {
   server_.with([](RealTimeBoard& board) { board.power_cycle(true); });
   const Outcome outcome = run_mixrig_at_terminal(
       {"flash", kImage, "--port", folder_ / "port", "--kept", folder_ / "kept.bin"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* words : {"erase [", "write [", "verify [", "#] "}) {
-    EXPECT_TRUE(outcome.says(words)) << words;
+  for (const char* text : {"erase [", "write [", "verify [", "#] "}) {
+    EXPECT_TRUE(outcome.says(text)) << text;
   }
   ASSERT_GE(outcome.err.size(), 4u);
   EXPECT_EQ(outcome.err.substr(outcome.err.size() - 4), "\r\033[K");
@@ -281,9 +282,9 @@ TEST_F(FlashCommand, stm32flash_reads_what_was_written) {
 #ifdef MIXRIG_HAVE_QEMU_ARM
 using FlashToQemu = Bench<QemuBoard>;
 
-/// Flash, boot, hello, reboot to the bootloader, flash again, and back: every image that runs here
-/// is what the command wrote, on an emulated STM32F405.
-TEST_F(FlashToQemu, boots_what_was_written_greets_it_and_flashes_it_again_from_within) {
+/// Flash, boot, hello, reboot to the bootloader, flash another, restore the first: every image was
+/// written by the command and runs on an emulated STM32F405.
+TEST_F(FlashToQemu, boots_the_written_image_and_flashes_again_from_running_firmware) {
   const Bytes first = image_bytes(), second = second_image();
   int boots = 0;
   const auto expect_running = [&](const Outcome& outcome, const Bytes& image) {

@@ -10,7 +10,7 @@
 #include "firmware/port/sim/sim_line.h"
 #include "hal/fake/emulated_dfuse.h"
 #include "hal/fake/emulated_rom.h"
-#include "hal/linux/firmware_image.h"
+#include "hal/wire/firmware_image.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 
@@ -43,7 +43,7 @@ TEST(FlashPeer, stm32flash_writes_verifies_and_starts_our_emulated_rom) {
       rom.output().clear();
     }
   });
-  // A pty has no parity bit: 8n1 instead of 8e1.
+  // A pty has no parity bit, hence 8n1 instead of 8e1.
   test::ChildProcess peer({"stm32flash", "-m", "8n1", "-b", "115200", "-w", kImage, "-v", "-g",
                            "0x08000000", folder / "port"},
                           20, folder / "log");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One QEMU with the firmware's machine, under an instruction clock (8 ns each).
+// QEMU with the firmware's machine, whose clock counts instructions (8 ns each).
 #pragma once
 
 #include <chrono>
@@ -14,10 +14,10 @@
 
 namespace mixrig::test {
 
-inline constexpr int kQemuLimit_s = 120;  // of the wall clock, for a machine with much else to do
+inline constexpr int kQemuLimit_s = 120;  // of real time, for a busy machine
 
-/// What emulated time does while the processor sleeps: leap to the next event, or pass as on the
-/// wall, which leaves this machine to others.
+/// Emulated time while the processor sleeps: it jumps to the next event, or passes like real time,
+/// which leaves the host's processor to other programs.
 enum class IdleTime { kLeaps, kPasses };
 
 /// Its serial line is on a socket. A reset of the chip ends it.
@@ -26,17 +26,17 @@ class Qemu {
   explicit Qemu(const std::string& kernel, const std::vector<std::string>& more = {},
                 IdleTime idle = IdleTime::kLeaps) {
     const std::string clock = idle == IdleTime::kLeaps ? "shift=3,sleep=off" : "shift=3,sleep=on";
-    std::vector<std::string> words = {"qemu-system-arm", "-M",   "netduinoplus2", "-nographic",
-                                      "-monitor",        "none", "-no-reboot"};
-    words.insert(words.end(), {"-icount", clock, "-kernel", kernel});
-    words.insert(words.end(), {"-serial", "unix:" + socket() + ",server=on,wait=on"});
-    words.insert(words.end(), more.begin(), more.end());
-    process_ = std::make_unique<ChildProcess>(std::move(words), kQemuLimit_s);
+    std::vector<std::string> arguments = {"qemu-system-arm", "-M",   "netduinoplus2", "-nographic",
+                                          "-monitor",        "none", "-no-reboot"};
+    arguments.insert(arguments.end(), {"-icount", clock, "-kernel", kernel});
+    arguments.insert(arguments.end(), {"-serial", "unix:" + socket() + ",server=on,wait=on"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    process_ = std::make_unique<ChildProcess>(std::move(arguments), kQemuLimit_s);
   }
   std::string socket() const { return folder_ / "serial"; }
   int wait() { return process_->wait(); }
 
-  /// Waits until it listens; none where it does not come up.
+  /// Waits until the socket listens; empty where QEMU does not start.
   std::unique_ptr<device::ByteStream> connect(Clock& clock) {
     for (int i = 0; i < 12'000; ++i) {
       auto stream = device::PosixByteStream::connect_unix(socket());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the built `mixrig` as a child process and takes its words.
+// Runs the built `mixrig` as a child process and reads its output.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace mixrig::test {
 
-inline constexpr int kCommandLimit_s = 120;  // for a machine with much else to do
+inline constexpr int kCommandLimit_s = 120;  // for a busy machine
 
 struct Outcome {
   int status = -1;
@@ -27,10 +27,10 @@ struct Outcome {
   bool says(const std::string& what) const { return (out + err).find(what) != std::string::npos; }
 };
 
-inline Outcome run_mixrig(std::vector<std::string> words) {
+inline Outcome run_mixrig(std::vector<std::string> arguments) {
   const TemporaryFolder folder;
-  words.insert(words.begin(), MIXRIG_COMMAND);
-  ChildProcess child(std::move(words), kCommandLimit_s, folder / "out", folder / "err");
+  arguments.insert(arguments.begin(), MIXRIG_COMMAND);
+  ChildProcess child(std::move(arguments), kCommandLimit_s, folder / "out", folder / "err");
   Outcome outcome;
   outcome.status = child.wait();
   outcome.out = read_bytes(folder / "out");
@@ -39,28 +39,28 @@ inline Outcome run_mixrig(std::vector<std::string> words) {
 }
 
 /// As run_mixrig, with stderr on a terminal.
-inline Outcome run_mixrig_at_terminal(std::vector<std::string> words) {
+inline Outcome run_mixrig_at_terminal(std::vector<std::string> arguments) {
   const TemporaryFolder folder;
   Outcome outcome;
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) return outcome;
   const int held = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  words.insert(words.begin(), MIXRIG_COMMAND);
-  ChildProcess child(std::move(words), kCommandLimit_s, folder / "out", ptsname(terminal));
+  arguments.insert(arguments.begin(), MIXRIG_COMMAND);
+  ChildProcess child(std::move(arguments), kCommandLimit_s, folder / "out", ptsname(terminal));
   std::thread reader([&] {
     char some[512];
     for (ssize_t n = 0; (n = read(terminal, some, sizeof some)) > 0;)
       outcome.err.append(some, static_cast<std::size_t>(n));
   });
   outcome.status = child.wait();
-  close(held);  // the last holder: what is unread is read, then the reader ends
+  close(held);  // the last writer: the reader reads the rest, then ends
   reader.join();
   close(terminal);
   outcome.out = read_bytes(folder / "out");
   return outcome;
 }
 
-/// Until `condition` holds; false where it does not within a minute.
+/// Waits until `condition` holds; false where it does not within a minute.
 inline bool wait_until(const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!condition()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig trigger` as users call it, against the firmware's core in a process of its own.
+// The command `mixrig trigger` against the firmware in its own process.
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 
 #include "board_server.h"
 #include "firmware/port/sim/sim_line.h"
-#include "hal/linux/mcu_trigger.h"
 #include "hal/linux/serial_byte_stream.h"
+#include "hal/wire/mcu_trigger.h"
 #include "run_command.h"
 #include "tests/unit/hal_device/trigger_contract.h"
 
@@ -38,33 +38,33 @@ class SimProcess {
 class TriggerCommand : public ::testing::TestWithParam<bool> {
  protected:
   void SetUp() override { ASSERT_TRUE(sim_.up()); }
-  Outcome trigger(std::vector<std::string> words) {
-    words.insert(words.begin(), "trigger");
-    words.insert(words.end(), {"--port", sim_.port()});
-    return run_mixrig(words);
+  Outcome trigger(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "trigger");
+    arguments.insert(arguments.end(), {"--port", sim_.port()});
+    return run_mixrig(arguments);
   }
   /// Runs it and returns its report.
-  nlohmann::json report(std::vector<std::string> words) {
-    words.insert(words.end(), {"--json", sim_.file("report.json")});
-    const Outcome outcome = trigger(words);
+  nlohmann::json report(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--json", sim_.file("report.json")});
+    const Outcome outcome = trigger(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
     return nlohmann::json::parse(read_bytes(sim_.file("report.json")));
   }
-  void expect_refusal(const Outcome& outcome, int status, const std::string& words) {
+  void expect_refusal(const Outcome& outcome, int status, const std::string& text) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
-    EXPECT_TRUE(outcome.says(words)) << outcome.err;
+    EXPECT_TRUE(outcome.says(text)) << outcome.err;
   }
 
   SimProcess sim_{GetParam()};
 };
 
-TEST_P(TriggerCommand, status_of_a_fresh_controller_is_green) {
+TEST_P(TriggerCommand, status_of_a_fresh_controller_has_no_faults) {
   const Outcome outcome = trigger({"status", "--self-test"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* words : {"firmware 0.1.0", "idle", "no faults", "self-test passed"})
-    EXPECT_TRUE(outcome.says(words)) << words << "\n" << outcome.out;
+  for (const char* text : {"firmware 0.1.0", "idle", "no faults", "self-test passed"})
+    EXPECT_TRUE(outcome.says(text)) << text << "\n" << outcome.out;
   const auto json = report({"status"});
   EXPECT_EQ(json["state"], "idle");
   EXPECT_EQ(json["version"], "0.1.0");
@@ -74,7 +74,7 @@ TEST_P(TriggerCommand, status_of_a_fresh_controller_is_green) {
               json["round_trip_ms"].get<double>());
 }
 
-TEST_P(TriggerCommand, channels_are_set_run_on_without_the_host_and_stop) {
+TEST_P(TriggerCommand, channels_are_set_keep_running_without_the_host_and_stop) {
   EXPECT_EQ(report({"set", "0", "--divider", "4"})["channels"].size(), 1u);
   const auto channels =
       report({"set", "3", "--divider", "10", "--phase", "2.5", "--width", "5", "--active-low"});
@@ -92,7 +92,7 @@ TEST_P(TriggerCommand, channels_are_set_run_on_without_the_host_and_stop) {
   EXPECT_EQ(report({"set", "0", "--divider", "0"})["channels"].size(), 1u);
 }
 
-TEST_P(TriggerCommand, monitor_tells_ticks_and_clock) {
+TEST_P(TriggerCommand, monitor_reports_ticks_and_clock) {
   report({"set", "0", "--divider", "2"});
   report({"start"});
   const auto json = report({"monitor", "--seconds", "1"});
@@ -118,7 +118,7 @@ TEST_P(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
 INSTANTIATE_TEST_SUITE_P(Lines, TriggerCommand, ::testing::Bool(),
                          [](const auto& pty) { return pty.param ? "pty" : "socket"; });
 
-TEST(TriggerCommandAlone, a_port_that_is_not_there_is_one_line) {
+TEST(TriggerCommandAlone, a_missing_port_is_one_error_line) {
   for (const char* port : {"unix:/nonexistent/socket", "/nonexistent/tty"}) {
     const Outcome outcome = run_mixrig({"trigger", "status", "--port", port});
     EXPECT_EQ(outcome.status, 2) << outcome.err;
@@ -127,11 +127,11 @@ TEST(TriggerCommandAlone, a_port_that_is_not_there_is_one_line) {
   }
 }
 
-TEST(TriggerCommandAlone, silence_is_a_failure_and_one_line) {
+TEST(TriggerCommandAlone, no_answer_is_a_failure_with_one_error_line) {
   const TemporaryFolder folder;
   std::string error;
-  const auto nobody = sim::SimLine::open_pty(folder / "port", error);
-  ASSERT_TRUE(nobody) << error;
+  const auto unserved = sim::SimLine::open_pty(folder / "port", error);
+  ASSERT_TRUE(unserved) << error;
   const Outcome outcome = run_mixrig({"trigger", "status", "--port", folder / "port"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
@@ -139,7 +139,7 @@ TEST(TriggerCommandAlone, silence_is_a_failure_and_one_line) {
 }
 
 /// Firmware of another message table: it answers hello, whose layout never changes.
-class Stranger {
+class OtherFirmware {
  public:
   std::vector<std::uint8_t> step(std::span<const std::uint8_t> from_host) {
     std::vector<std::uint8_t> sent;
@@ -164,9 +164,9 @@ class Stranger {
   protocol::FrameDecoder decoder_;
 };
 
-TEST(TriggerCommandAlone, firmware_of_another_version_is_named_and_not_talked_to) {
+TEST(TriggerCommandAlone, firmware_of_another_version_is_refused_and_named) {
   const TemporaryFolder folder;
-  const PtyServer<Stranger> server(folder / "port");
+  const PtyServer<OtherFirmware> server(folder / "port");
   for (const char* what : {"status", "start", "monitor"}) {
     const Outcome outcome = run_mixrig({"trigger", what, "--port", folder / "port"});
     EXPECT_EQ(outcome.status, 1);
@@ -186,7 +186,7 @@ TriggerUnderTest make_sim_process() {
   if (!stream) return {};
   auto opened = device::McuTrigger::open(*std::move(stream), bench->clock, bench->sim.port());
   if (!opened) return {};
-  (*opened)->link().patience.tries = 64;
+  (*opened)->link().retry.tries = 64;
   return {bench, *std::move(opened)};
 }
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation_bench/random_geometry.h"
-#include "host/estimation_bench/suite.h"
+#include "tests/stability/random_geometry.h"
+#include "tests/stability/suite.h"
 
 namespace mixrig::estimation_bench {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program started by a test: ended with it, and after a limit in any case.
+// A program started by a test; it ends with the test, or after a time limit.
 #pragma once
 
 #include <string>

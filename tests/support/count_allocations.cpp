@@ -10,7 +10,7 @@ std::atomic<long> allocations{0};
 
 }  // namespace mixrig::test
 
-// In a file of their own, so that the compiler does not set them against each other when inlined.
+// In a separate file: inlined, the compiler would warn of mismatched allocation functions.
 void* operator new(std::size_t size) {
   ++mixrig::test::allocations;
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;

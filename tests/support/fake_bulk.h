@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bulk pipe that a test fills by hand, with a ToF camera's description behind it.
+// A USB bulk pipe of a ToF camera, filled by a test.
 #pragma once
 
 #include <condition_variable>
@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "hal/device/usb_bulk.h"
-#include "hal/linux/tof_usb_decoder.h"
+#include "hal/wire/tof_usb_decoder.h"
 
 namespace mixrig::test {
 
-/// What the test and the driver's pipe share. Any threads.
+/// The state shared by the test and the driver's pipe. Thread-safe.
 class FakeTofDevice {
  public:
   FakeTofDevice(const device::TofDescription& description, Clock& clock)
       : description_(description), clock_(clock) {}
 
-  /// One transfer; lost unless the driver streams.
+  /// Delivers one transfer; it is lost unless the driver streams.
   void send(std::vector<std::uint8_t> transfer) {
     const std::lock_guard lock(mutex_);
     if (streaming_ && submitted_) transfers_.push_back(std::move(transfer));
@@ -45,7 +45,7 @@ class FakeTofDevice {
     const std::lock_guard lock(mutex_);
     return streaming_ && submitted_;
   }
-  /// From the device's return to its stream, on the injected clock.
+  /// Time from replug() to the start of the stream, on the injected clock.
   Duration recovery() const {
     const std::lock_guard lock(mutex_);
     return streaming_at_ - back_at_;
@@ -67,7 +67,7 @@ class FakeTofDevice {
   HostTime back_at_{}, streaming_at_{};
 };
 
-/// The driver's end.
+/// The driver's end of the pipe.
 class FakeBulk final : public device::UsbBulk {
  public:
   explicit FakeBulk(FakeTofDevice& device) : d_(device) {}

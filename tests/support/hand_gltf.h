@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLB files put together by hand, byte by byte (glTF 2.0, section 4).
+// GLB files assembled byte by byte (glTF 2.0, section 4), without a glTF library.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ inline std::string shorts(std::initializer_list<int> values) {
   return out;
 }
 
-/// A GLB of these two chunks, padded as the format asks.
+/// A GLB file of these two chunks, padded as the format requires.
 inline std::string glb(std::string json, std::string binary) {
   while (json.size() % 4 != 0) json += ' ';
   while (binary.size() % 4 != 0) binary += '\0';

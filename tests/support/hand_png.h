@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files built from the specification (RFC 2083, RFC 1950) without any library: stored
-// deflate blocks, so that readers are checked against bytes that no encoder of ours made.
+// PNG files assembled from the specification (RFC 2083, RFC 1950) with stored deflate blocks and
+// without a library, so that readers are tested independently of our encoder.
 #pragma once
 
 #include <cstdint>

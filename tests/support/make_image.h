@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images for tests: valid header and vectors, the rest random.
+// Firmware images for tests: valid header and vectors, random contents.
 #pragma once
 
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waits for what other threads do, without depending on how fast they do it.
+// Waits for other threads, independently of their speed.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 namespace mixrig::test {
 
-/// True as soon as `condition` holds; false after two minutes, which only end a test that would hang.
+/// True as soon as `condition` holds; false after two minutes, a limit for tests that would hang.
 template <typename Condition>
 bool comes_true(Condition condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);

@@ -7,7 +7,7 @@
 
 namespace mixrig::test {
 
-/// Of two pictures of the same size; 100 where they are equal.
+/// Peak signal-to-noise ratio of two pictures of the same size; 100 if they are equal.
 inline double psnr_db(ImageView<const Rgb8> a, ImageView<const Rgb8> b) {
   double sum = 0;
   for (int y = 0; y < a.size.height; ++y)

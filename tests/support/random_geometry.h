@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/estimation_bench/random_geometry.h"
+#include "tests/stability/random_geometry.h"
 
 namespace mixrig::test {
 

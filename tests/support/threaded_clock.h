@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Injected time for several threads.
+// A simulated clock for several threads.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace mixrig::test {
 
-/// Moves when told; who sleeps moves it as well, so that drivers that wait between tries cost no
-/// real time. Any threads.
+/// Advances by advance() and by sleep_until(), so that drivers that wait between attempts take no
+/// real time. Thread-safe.
 class ThreadedClock : public Clock {
  public:
   HostTime now() const override { return HostTime(Duration(now_ns_.load())); }
@@ -27,8 +27,8 @@ class ThreadedClock : public Clock {
   std::atomic<std::int64_t> now_ns_{1'000'000'000};
 };
 
-/// The same, but only advance() moves it: sleep_until gives up the processor and returns too early,
-/// so that who sleeps in a loop waits for the test.
+/// Advances by advance() only: sleep_until yields and returns too early, so that a loop that sleeps
+/// until a time waits for the test.
 class SteppedClock final : public ThreadedClock {
  public:
   void sleep_until(HostTime) override { std::this_thread::yield(); }

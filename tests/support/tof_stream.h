@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the byte stream of a USB ToF camera, for tests and emulators.
+// The byte stream of a USB ToF camera, for tests and emulators.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "hal/linux/tof_usb_decoder.h"
+#include "hal/wire/tof_usb_decoder.h"
 
 namespace mixrig::test {
 
-/// Step of a pixel in frame `frame`: never the unknown value 0, different in every frame.
+/// Depth value of a pixel in frame `frame`: never 0 (unknown), different in every frame.
 inline std::uint16_t tof_step(std::uint32_t frame, int x, int y) {
   return static_cast<std::uint16_t>(
       1 + (500 + 7 * frame + static_cast<std::uint32_t>(x) + 11 * static_cast<std::uint32_t>(y)) %
@@ -35,7 +35,7 @@ inline std::vector<std::uint8_t> tof_packet(const device::TofDescription& d, dev
                                .rows = rows,
                                .size = d.size,
                                .payload_bytes = static_cast<std::uint32_t>(payload.size()),
-                               .payload_crc = device::crc32(payload),
+                               .payload_crc = device::tof_crc32(payload),
                                .time_us = time_us});
   payload.insert(payload.begin(), header.begin(), header.end());
   return payload;

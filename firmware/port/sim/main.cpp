@@ -18,7 +18,7 @@ std::uint64_t monotonic_us() {
          static_cast<std::uint64_t>(now.tv_nsec) / 1000;
 }
 
-/// Serves the line until the firmware hands over to the bootloader, which this process lacks.
+/// Serves the line until the firmware starts the bootloader, which this process does not have.
 void serve(mixrig::sim::SimLine& line) {
   mixrig::sim::SimBoard board;
   const std::uint64_t start_us = monotonic_us();

@@ -16,7 +16,7 @@ constexpr std::uint64_t kWatchdogUs = 500'000;
 constexpr std::uint32_t kReadingsPerUs = 1000;
 thread_local SimBoard* active = nullptr;
 
-/// The port functions have no object: this one is theirs while its code runs.
+/// The port functions have no object argument: they use this board while its code runs.
 class Activate {
  public:
   explicit Activate(SimBoard* board) : before_(std::exchange(active, board)) {}
@@ -29,7 +29,7 @@ class Activate {
 };
 }  // namespace
 
-/// What the port functions may touch.
+/// Access of the port functions to the board's private members.
 struct PortAccess {
   static SimBoard& board() {
     assert(active != nullptr);
@@ -76,7 +76,7 @@ void SimBoard::reset(protocol::ResetCause cause) {
   app_->init();
 }
 
-/// Emulated time stands still while code runs. Code that waits for it sees one microsecond go by.
+/// Emulated time stands still while code runs; only a long loop of readings sees 1 us pass.
 std::uint64_t SimBoard::read_clock_us() {
   if (std::exchange(read_at_us_, time_us_) != time_us_) readings_ = 0;
   readings_ = std::min(readings_ + 1, kReadingsPerUs);

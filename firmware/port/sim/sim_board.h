@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The firmware on an emulated board in this process: time is injected, outputs are recorded.
+// The firmware on an emulated board in this process: the caller gives the time, outputs are
+// recorded.
 #pragma once
 
 #include <cstdint>
@@ -21,41 +22,41 @@ struct LineEdge {
   bool operator==(const LineEdge&) const = default;
 };
 
-/// Implements firmware/port/port.h for one App. The slot stream runs apart from the interrupts,
-/// as the hardware's does. Several boards may live in one thread; one board is not thread-safe.
+/// Implements firmware/port/port.h for one App. As in hardware, the slot stream runs independently
+/// of the interrupts. A thread may have several boards; one board is not thread-safe.
 class SimBoard {
  public:
   explicit SimBoard(port::Identity identity = {});
 
   /// Bytes arrive at the receiver now.
   void receive(std::span<const std::uint8_t> bytes);
-  /// Takes what the transmitter has sent.
+  /// Returns and removes the bytes that the transmitter has sent.
   std::vector<std::uint8_t> transmitted();
-  /// Lets the transmitter send nothing until told otherwise: the ring behind it fills up.
+  /// While held, the transmitter sends nothing, so that its ring fills up.
   void hold_transmitter(bool hold) { hold_transmitter_ = hold; }
 
   /// Runs slots, interrupts and main loop up to `time_us` since the first power-up.
   void advance_to(std::uint64_t time_us);
   void advance_by(std::uint64_t step_us) { advance_to(time_us_ + step_us); }
   std::uint64_t time_us() const { return time_us_; }
-  /// When something will happen without input, for a process that sleeps in between.
+  /// Time of the next event without input, for a process that sleeps until then.
   std::uint64_t next_event_us() const;
 
-  /// Keeps interrupts from running for so long, as other code with interrupts masked would.
+  /// Blocks interrupts for this time, as code with masked interrupts would.
   void block_interrupts(std::uint64_t duration_us) { blocked_until_us_ = time_us_ + duration_us; }
-  /// The main loop hangs until it is let go or the watchdog bites.
+  /// The main loop hangs until hang_main_loop(false) or the watchdog's reset.
   void hang_main_loop(bool hang = true) { hung_ = hang; }
-  /// The clock that the firmware reads stands still. Else a long row of readings sees it move on.
+  /// Stops the clock that the firmware reads; else a long loop of readings sees it advance.
   void stop_clock(bool stop) { clock_stopped_ = stop; }
   void reset(protocol::ResetCause cause);
 
   std::uint32_t lines() const { return lines_; }    ///< level of every line that is driven
   std::uint16_t driven() const { return driven_; }  ///< mask of lines that are outputs
   std::vector<LineEdge> take_edges();
-  /// Something outside pulls the lines to these levels until they are next written.
+  /// An external driver forces the lines to these levels until they are next written.
   void force_lines(std::uint32_t levels) { lines_ = levels; }
   std::uint32_t resets() const { return resets_; }
-  /// Set once the firmware has handed over to the ROM; reset() brings the firmware back.
+  /// Whether the firmware has started the ROM bootloader; reset() starts the firmware again.
   bool in_bootloader() const { return in_bootloader_; }
 
  private:

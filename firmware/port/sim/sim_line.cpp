@@ -51,7 +51,7 @@ std::optional<SimLine> SimLine::open_pty(const std::string& path, std::string& e
 std::optional<SimLine> SimLine::open_socket(const std::string& path, std::string& error) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  // Listens before it goes by its name: who sees the name may connect.
+  // Binds a temporary name, listens, then renames: a socket at `path` can always be connected to.
   const std::string unnamed = path + "~";
   if (unnamed.size() >= sizeof address.sun_path) {
     error = "socket path is too long: " + path;
@@ -83,7 +83,7 @@ SimLine::~SimLine() {
 }
 
 void SimLine::hang_up() {
-  if (listener_ < 0) return;  // a pty's reader comes back by itself
+  if (listener_ < 0) return;  // a pty stays open for the next reader
   close(fd_);
   fd_ = -1;
 }

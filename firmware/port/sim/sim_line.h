@@ -9,20 +9,20 @@
 
 namespace mixrig::sim {
 
-/// One end of a line; the other end may come and go. Errors are told in `error()`.
+/// One end of a line; the other end may connect and disconnect.
 class SimLine {
  public:
-  /// A pty whose slave name is linked at `path`.
+  /// A pty whose slave name is linked at `path`. Empty on failure, with the reason in `error`.
   static std::optional<SimLine> open_pty(const std::string& path, std::string& error);
-  /// A listening socket at `path`; one client at a time.
+  /// A listening socket at `path`; one client at a time. Errors as open_pty.
   static std::optional<SimLine> open_socket(const std::string& path, std::string& error);
   ~SimLine();
   SimLine(SimLine&& other) noexcept;
   SimLine& operator=(SimLine&&) = delete;
 
-  /// Waits for bytes, at most `timeout_us`. Returns how many came; 0 on time-out.
+  /// Waits at most `timeout_us` for bytes. Returns the count read; 0 on time-out.
   std::size_t read(std::span<std::uint8_t> out, std::uint64_t timeout_us);
-  /// Drops what nobody reads: a transmitter does not wait either.
+  /// Never waits: like a UART's transmitter, it drops bytes that are not read.
   void write(std::span<const std::uint8_t> bytes);
 
  private:
@@ -33,7 +33,8 @@ class SimLine {
   std::string path_;
   int listener_ = -1;  ///< socket only
   int fd_ = -1;
-  int keep_open_ = -1;  ///< slave of the pty: keeps its settings, and reads from failing
+  int keep_open_ =
+      -1;  ///< slave of the pty, held open so that settings persist and reads do not fail
 };
 
 }  // namespace mixrig::sim

@@ -69,7 +69,7 @@ void time_init() {
   nvic_iser(kIrqTim2) = bit(kIrqTim2 % 32);
   if (is_emulated) {
     tim2().cr1 = 1;
-    tim2().arr = kTickNs;  // no prescaler, no update event: either would bend the model's period
+    tim2().arr = kTickNs;  // no prescaler, no update event: either would change the model's period
     return;
   }
   scb_demcr() = scb_demcr() | bit(24);  // the cycle counter
@@ -95,7 +95,7 @@ std::uint32_t emulated_tick_rearm() {
   static std::uint32_t due;
   const std::uint32_t now = tim3().cnt;
   due = due == 0 ? now : due + kTickNs;
-  // An emulator that fell behind catches up at one tick a millisecond.
+  // An emulator that is late catches up at one tick per millisecond.
   const auto wait = static_cast<std::int32_t>(due + kTickNs - now);
   tim2().arr = wait < 1'000'000 ? 1'000'000u : static_cast<std::uint32_t>(wait);
   return due;
@@ -106,7 +106,7 @@ std::uint32_t emulated_tick_rearm() {
 namespace mixrig::port {
 
 std::uint64_t now_us() {
-  // Asked at least once a tick, so that no wrap of the counter (71.6 min) goes unseen.
+  // Called at least once per tick, so that no wrap of the counter (71.6 min) is missed.
   static std::uint32_t high;
   static std::uint32_t last;
   const IrqLock lock;

@@ -11,10 +11,10 @@ namespace mixrig::stm32 {
 /// 168 MHz from the 8 MHz crystal, or from the internal oscillator where that does not start;
 /// every wait is bounded.
 protocol::ClockSource clocks_init();
-/// Of the APB timers (TIM2..5); TIM8 and the core run at twice that.
+/// Clock of the APB timers (TIM2..5); TIM8 and the core run at twice that.
 std::uint32_t timer_hz();
 
-/// TIM5 counts microseconds, TIM2 makes the master tick, the core counts cycles.
+/// Starts TIM5 (microseconds), TIM2 (master tick) and the core's cycle counter.
 void time_init();
 
 /// How late the running tick interrupt is.

@@ -15,13 +15,13 @@ bool is_emulated;
 
 constexpr std::uint32_t kBaud = 115'200;
 
-/// PA9, PA10: the pins of the ROM bootloader, so that one cable does both. 8 data bits, no parity.
+/// PA9, PA10: the pins of the ROM bootloader, so that one cable serves both. 8 bits, no parity.
 void uart_init() {
   gpioa().afrh = (gpioa().afrh & ~0xFF0u) | 0x770u;
   gpioa().moder = (gpioa().moder & ~(0xFu << 18)) | 0xAu << 18;
   usart1().brr = timer_hz() / kBaud;  // APB2 runs at the timers' rate
   usart1().cr1 = bit(13) | bit(5) | bit(3) | bit(2);
-  // Above the tick: its run time must never cost a byte (87 us).
+  // Higher priority than the tick, whose run time must never cause the loss of a byte (87 us).
   nvic_priority(kIrqUsart1) = 0x10;
   nvic_iser(kIrqUsart1) = bit(kIrqUsart1 % 32);
 }
@@ -54,14 +54,14 @@ void send_next_byte() {
   }
 }
 
-/// QEMU's USART never raises the interrupt for an empty transmitter; harmless on silicon.
+/// QEMU's USART never raises the interrupt for an empty transmitter; harmless on a real chip.
 void drain_transmitter() {
   const port::IrqLock lock;
   if ((usart1().cr1 & bit(7)) != 0 && (usart1().sr & bit(7)) != 0) send_next_byte();
 }
 
 void sleep_if_idle() {
-  // Masked between look and sleep: an interrupt in between wakes the core all the same.
+  // Interrupts are masked between the check and wfi; a pending one still wakes the core.
   const port::IrqLock lock;
   if (!app.work_pending()) asm volatile("wfi");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIM2 makes the master tick and, by its trigger output, starts TIM8; each update of TIM8 (10 kHz,
-// from the same PLL) has DMA 2 copy one word to the set/reset register of port C. No instruction
-// takes part in an edge.
+// TIM2 generates the master tick and, by its trigger output, starts TIM8; each update of TIM8
+// (10 kHz, from the same PLL) makes DMA 2 copy one word to the set/reset register of port C. No
+// instruction is involved in an edge.
 #include "firmware/port/stm32f4/outputs.h"
 
 #include "firmware/port/port.h"
@@ -22,7 +22,7 @@ bool is_emulated;
 struct {
   const std::uint32_t* words;
   volatile bool running;
-  std::uint32_t half;      // first word of the playing tick
+  std::uint32_t half;      // first word of the present tick
   std::uint32_t position;  // next slot of it
   std::uint32_t tick_ns;
 } stream;
@@ -39,8 +39,8 @@ void start_dma(const std::uint32_t* words) {
   s.cr = 7u << 25 | 3u << 16 | 2u << 13 | 2u << 11 | bit(10) | bit(8) | 1u << 6 | bit(0);
 }
 
-/// RM0090 17.4: trigger mode on ITR1, which for TIM8 is TIM2 (table 93). One count short of an
-/// update, so that slot 0 plays as the tick begins.
+/// RM0090 17.4: trigger mode on ITR1, which for TIM8 is TIM2 (table 93). The counter starts one
+/// count before an update, so that slot 0 is output when the tick begins.
 void start_slot_timer() {
   Timer& t = tim8();
   t.cr1 = 0;
@@ -63,7 +63,7 @@ void stop_stream() {
   }
 }
 
-/// Plays the slot that is due and arms TIM4 for the next one that changes anything.
+/// Outputs the slots that are due and arms TIM4 for the next one that changes a line.
 void play_and_arm(std::uint32_t now_ns) {
   const std::uint32_t* words = stream.words + stream.half;
   while (stream.position < protocol::kSlotsPerTick) {
@@ -89,8 +89,8 @@ void play_and_arm(std::uint32_t now_ns) {
 
 void outputs_init() {
   is_emulated = emulated();
-  gpioc().pupdr = 0xAAAAAAAAu;    // pulled down while nobody drives
-  gpioc().ospeedr = 0x01555555u;  // 25 MHz; PC13..15 stay at 2 MHz, all they may do
+  gpioc().pupdr = 0xAAAAAAAAu;    // pulled down while not driven
+  gpioc().ospeedr = 0x01555555u;  // 25 MHz; PC13..15 stay at 2 MHz, their maximum
   if (!is_emulated) return;
   tim4().dier = 1;
   nvic_priority(kIrqTim4) = 0x20;
@@ -122,7 +122,7 @@ void outputs_idle(std::uint32_t idle_word) {
   stream.running = false;
   if (is_emulated) tim4().cr1 = 0;
   stop_stream();
-  gpioc().bsrr = idle_word;  // the level first, then the driver: no glitch
+  gpioc().bsrr = idle_word;  // set the level before the output mode: no glitch
   const std::uint32_t mask = (idle_word | idle_word >> 16) & 0xFFFFu;
   std::uint32_t modes = 0;
   for (unsigned line = 0; line < 16; ++line) modes |= (mask >> line & 1u) << (2 * line);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From reset to main, and from running to the ROM bootloader.
+// From reset to main, and from the running firmware to the ROM bootloader.
 #include "firmware/port/stm32f4/startup.h"
 
 #include <array>
@@ -27,7 +27,7 @@ namespace {
 constexpr std::uint32_t kGoToBootloader = 0xB007B007;
 [[gnu::section(".noinit")]] volatile std::uint32_t boot_request;
 
-/// Any fault or stray interrupt: lines fall back to inputs, the firmware starts anew.
+/// Any fault or unexpected interrupt resets: lines become inputs, the firmware restarts.
 [[noreturn]] void fault_handler() { system_reset(protocol::RebootTarget::kFirmware); }
 
 struct VectorTable {
@@ -62,9 +62,9 @@ static_assert(sizeof(VectorTable) <= protocol::kHeaderOffset);
 }  // namespace
 
 [[gnu::section(".vectors"), gnu::used]] constinit const VectorTable vectors = make_vectors();
-static_assert(alignof(VectorTable) <= 512);  // at the start of flash: aligned as VTOR asks
+static_assert(alignof(VectorTable) <= 512);  // at the start of flash: aligned as VTOR requires
 
-// Size and CRC are put in after linking.
+// Size and CRC are written after linking (mixrig-stamp).
 [[gnu::section(".image_header"),
   gnu::used]] extern const volatile protocol::ImageHeader image_header = {
     protocol::kImageMagic,
@@ -96,7 +96,7 @@ bool image_check(std::uint32_t& crc) {
 
 void reset_handler() {
   using namespace mixrig::stm32;
-  // No memory but boot_request may be used before this.
+  // No memory but boot_request may be used until data and bss are initialised.
   if (boot_request == kGoToBootloader && !emulated()) {
     boot_request = 0;
     jump_to_bootloader();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What startup and the port share.
+// Functions that startup and the port share.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace mixrig::stm32 {
 
-/// Whether this is QEMU's model: there every bit of the unmodelled RCC reads 0, while on silicon
-/// the internal oscillator is on after any reset.
+/// Whether this is QEMU's model: it does not model the RCC, which reads 0, while on a real chip the
+/// internal oscillator is on after any reset.
 bool emulated();
-/// Resets; the next start jumps to the ROM bootloader where told so.
+/// Resets; the next start runs the ROM bootloader if `target` says so.
 [[noreturn]] void system_reset(protocol::RebootTarget target);
-/// The image in flash against its own header.
+/// Whether the image in flash matches its header; `crc` is the computed one.
 bool image_check(std::uint32_t& crc);
 
 }  // namespace mixrig::stm32

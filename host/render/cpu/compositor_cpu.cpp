@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/cpu/compositor_cpu.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "hal/base/clock.h"
 #include "hal/base/cpu_level.h"
 #include "hal/base/parallel.h"
@@ -15,6 +19,7 @@
 #include "host/render/cpu/warp.h"
 #include "host/render/exposure.h"
 #include "host/render/frame_io.h"
+#include "host/render/in_flight.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render {
@@ -43,14 +48,17 @@ class StopWatch {
 class CpuCompositor final : public Compositor {
  public:
   CpuCompositor(const CompositorSetup& setup, int threads);
-  Result<void> compose(const FrameInput& input, FrameOutput& output) override;
+  Result<void> submit(const FrameInput& input, OutputMask wanted) override;
+  Result<void> collect(FrameOutput& output) override;
+  int in_flight() const override { return flight_.count(); }
   const StageTimes& stage_times() const override { return times_; }
   std::string renderer() const override;
 
  private:
   void draw_objects(StopWatch& watch);
-  void inspect_depth(FrameOutput& output) const;
-  void inspect_decisions(FrameOutput& output) const;
+  void store_warped_depth(Image<float>& depth_m) const;
+  void store_light(Image<float>& light) const;
+  void store_state(const Image<std::uint8_t>& matte, Image<std::uint8_t>& state) const;
 
   CompositorSetup setup_;
   Crew crew_;
@@ -67,6 +75,11 @@ class CpuCompositor final : public Compositor {
   VirtualLayer objects_;
   std::vector<ShadowMap> shadow_maps_;
   LightLayer light_;
+  struct Frame {
+    FrameOutput output;
+    StageTimes times{};
+  };
+  InFlight<Frame> flight_;
   StageTimes times_{};
 };
 
@@ -93,10 +106,15 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   light_ = LightLayer(tables_.view_size);
 }
 
-Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output) {
+Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   MIXRIG_TRY(check_frame(input, tables_));
-  StopWatch watch(times_);
-  size_outputs(tables_.view_size, output);
+  MIXRIG_ASSIGN(Frame* const slot, flight_.push());
+  StopWatch watch(slot->times);
+  FrameOutput& output = slot->output;
+  output.wanted = with_needed(wanted);
+  const NeededPasses needed = needed_passes(output.wanted, !setup_.objects.empty());
+  // The key writes the matte, wanted or not.
+  size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   preparer_.update(input.world_from_target);
   const glm::vec3 gain = meter_.gain(input.plate);
   const FrameParams& frame = preparer_.params();
@@ -108,25 +126,35 @@ Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output
   watch.lap(Stage::kCorrect);
   warp(crew_, tables_, grid_, warp_scratch_, view_w_);
   watch.lap(Stage::kWarp);
-  if (output.inspect) inspect_depth(output);
+  if (output.wanted & kWarpedDepth) store_warped_depth(output.warped_depth_m);
   watch.lap(Stage::kReadback);
 
   draw_objects(watch);
-  key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_,
-      output.matte);
+  if (needed.key)
+    key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_,
+        output.matte);
   watch.lap(Stage::kKey);
   const bool shadows = has_shadows(frame);
-  if (shadows)
+  if (shadows && needed.light)
     light_people(crew_, {frame, tables_, setup_.background, shadow_maps_}, view_w_, output.matte,
                  light_);
   watch.lap(Stage::kLight);
-  mix(crew_,
-      {setup_.background, plate_, view_w_, setup_.objects.empty() ? nullptr : &objects_,
-       shadows ? &light_ : nullptr, gain},
-      output);
+  if (needed.mix)
+    mix(crew_,
+        {setup_.background, plate_, view_w_, setup_.objects.empty() ? nullptr : &objects_,
+         shadows ? &light_ : nullptr, gain},
+        output);
   watch.lap(Stage::kMix);
-  if (output.inspect) inspect_decisions(output);
+  if (output.wanted & kLight) store_light(output.light);
+  if (output.wanted & kState) store_state(output.matte, output.state);
   watch.lap(Stage::kReadback);
+  return {};
+}
+
+Result<void> CpuCompositor::collect(FrameOutput& output) {
+  MIXRIG_ASSIGN(Frame* const slot, flight_.pop());
+  deliver(slot->output, output);
+  times_ = slot->times;
   return {};
 }
 
@@ -144,34 +172,37 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
   watch.lap(Stage::kLight);
 }
 
-void CpuCompositor::inspect_depth(FrameOutput& output) const {
-  for (int y = 0; y < tables_.view_size.height; ++y)
-    for (int x = 0; x < tables_.view_size.width; ++x) {
+void CpuCompositor::store_warped_depth(Image<float>& depth_m) const {
+  for (int y = 0; y < depth_m.height(); ++y)
+    for (int x = 0; x < depth_m.width(); ++x) {
       const float w = view_w_.row(y)[x];
-      output.warped_depth_m.row(y)[x] = w > 0 ? 1 / w : 0;
+      depth_m.row(y)[x] = w > 0 ? 1 / w : 0;
     }
 }
 
-void CpuCompositor::inspect_decisions(FrameOutput& output) const {
+void CpuCompositor::store_light(Image<float>& light) const {
   const bool has_light = has_shadows(preparer_.params());
-  for (int y = 0; y < tables_.view_size.height; ++y)
-    for (int x = 0; x < tables_.view_size.width; ++x) {
-      output.state.row(y)[x] = key_scratch_.state.row(y)[x];
-      output.light.row(y)[x] =
+  for (int y = 0; y < light.height(); ++y)
+    for (int x = 0; x < light.width(); ++x)
+      light.row(y)[x] =
           has_light ? static_cast<float>(light_.visible.row(y)[x]) / kLinearOne : 1.0F;
-    }
-  decide_states(output.matte, output.state);
+}
+
+void CpuCompositor::store_state(const Image<std::uint8_t>& matte,
+                                Image<std::uint8_t>& state) const {
+  for (int y = 0; y < state.height(); ++y)
+    std::copy_n(key_scratch_.state.row(y), state.width(), state.row(y));
+  decide_states(matte, state);
 }
 
 std::string CpuCompositor::renderer() const {
-  return "cpu, " + std::to_string(crew_.threads()) + " threads, " + cpu_vectors();
+  return fmt::format("cpu, {} threads, {}", crew_.threads(), cpu_vectors());
 }
 
 }  // namespace
 
 std::string cpu_vectors() {
-  return std::string(MIXRIG_CPU_LEVEL) + " (" + kVectorName + ", " + std::to_string(kLanes) +
-         " lanes)";
+  return fmt::format("{} ({}, {} lanes)", MIXRIG_CPU_LEVEL, kVectorName, kLanes);
 }
 
 Result<std::unique_ptr<Compositor>> make_cpu_compositor(const CompositorSetup& setup, int threads) {

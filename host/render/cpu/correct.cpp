@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hal/base/order_statistics.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
@@ -15,13 +17,11 @@ using Stride = std::ptrdiff_t;
 
 /// No surface that a ToF camera sees well is so steep that neighbours lie further apart, in parts
 /// of their depth.
-constexpr float kSteepest = 0.1F;
 
 /// The four axes of a pixel's neighbours: right, down, down-right, down-left.
 constexpr std::array<Stride, 4> axes(Stride stride) { return {1, stride, stride + 1, stride - 1}; }
 
 void z_row(const float* depth_m, const glm::vec2* ray, bool is_distance, int width, float* z_m) {
-  constexpr float kFarthestM = 1e4F;
   for (int x = 0; x < width; ++x) {
     const float r2 = ray[x].x * ray[x].x + ray[x].y * ray[x].y;
     const float z = is_distance ? depth_m[x] / std::sqrt(1 + r2) : depth_m[x];
@@ -32,7 +32,6 @@ void z_row(const float* depth_m, const glm::vec2* ray, bool is_distance, int wid
 /// How far a pixel is off the line through its neighbours, on the straightest axis: noise shows
 /// on all axes, an edge of the scene not along itself.
 void bend_row(const float* z_m, Stride stride, int width, float* bend_m) {
-  constexpr float kLargest = 0.04F;  // of the depth
   for (int x = 0; x < width; ++x) {
     const float* p = z_m + x;
     float least = std::numeric_limits<float>::max();
@@ -43,7 +42,7 @@ void bend_row(const float* z_m, Stride stride, int width, float* bend_m) {
       least = (known & (bend < least)) ? bend : least;
       any |= known;
     }
-    const float largest = kLargest * p[0];
+    const float largest = kLargestBend * p[0];
     bend_m[x] = any ? (least < largest ? least : largest) : 0;
   }
 }
@@ -56,8 +55,7 @@ void step_row(const CorrectParams& params, const float* z_m, const float* bend_m
     const float sum = p[-stride - 1] + p[-stride] + p[-stride + 1] + p[-1] + p[0] + p[1] +
                       p[stride - 1] + p[stride] + p[stride + 1];
     const float z = z_m[x];
-    const float declared = sigmas * (params.noise_floor_m +
-                                     z * (params.noise_linear + z * params.noise_quadratic_per_m));
+    const float declared = sigmas * params.noise.sigma_m(z);
     const float found = params.step_bends / 9 * sum;
     const float noise = declared > found ? declared : found;
     const float step = noise < kSteepest * z ? noise : kSteepest * z;
@@ -67,11 +65,10 @@ void step_row(const CorrectParams& params, const float* z_m, const float* bend_m
 
 /// Whether three depths in line lie on one plane, to within a part of a step.
 bool run_on(float a, float b, float c, float step_m) {
-  constexpr float kPart = 0.7F;
   if (!(a > 0 && b > 0 && c > 0)) return false;
   const float z = std::min(a, std::min(b, c));
   if (std::max(a, std::max(b, c)) > (1 + 2 * kSteepest) * z) return false;
-  return std::abs(1 / a - 2 / b + 1 / c) * (z * z) <= kPart * step_m;
+  return std::abs(1 / a - 2 / b + 1 / c) * (z * z) <= kPlanePart * step_m;
 }
 
 /// Depth of the surface that owns most of a pixel which saw two: `near` and `far` hold the
@@ -107,7 +104,7 @@ bool is_supported(const float* p, Stride stride, float step_m) {
       supporters += p[side] > 0 && std::abs(p[side] - *p) <= step_m;
       if (run_on(*p, p[side], p[2 * side], step_m)) return true;
     }
-  return supporters >= 2;
+  return supporters >= kLeastSupporters;
 }
 
 /// Median of the known among the eight neighbours; 0 for fewer than five.
@@ -117,10 +114,8 @@ float median_around(const float* p, Stride stride) {
   for (const Stride d : axes(stride))
     for (const Stride side : {-d, d})
       if (p[side] > 0) known[count++] = p[side];
-  if (count < 5) return 0;
-  const auto middle = known.begin() + static_cast<Stride>(count / 2);
-  std::nth_element(known.begin(), middle, known.begin() + static_cast<Stride>(count));
-  return *middle;
+  if (count < kLeastKnown) return 0;
+  return upper_median_in_place(std::span(known.data(), count));
 }
 
 float clean(const float* p, Stride stride, float step_m) {
@@ -145,14 +140,14 @@ void clean_row(const float* raw_m, const float* step_m, Stride stride, int width
       supporters += (p[d] > 0) & near_after;
       may_fly |= (before * after < 0) & !near_before & !near_after;
     }
-    z_m[x] = ((p[0] > 0) & (supporters >= 2) & !may_fly) ? p[0] : -1;
+    z_m[x] = ((p[0] > 0) & (supporters >= kLeastSupporters) & !may_fly) ? p[0] : -1;
   }
   for (int x = 0; x < width; ++x)
     if (z_m[x] < 0) z_m[x] = clean(raw_m + x, stride, step_m[x]);
 }
 
 /// Mean of inverse depth over the neighbours at the same depth: those within half a step, and
-/// pairs of opposite ones within a step, for one side alone would pull a sloping surface over.
+/// pairs of opposite ones within a step: one side alone would pull a sloping surface over.
 void smooth_row(const float* clean_m, const float* step_m, Stride stride, int width, float* z_m,
                 float* w) {
   for (int x = 0; x < width; ++x) {
@@ -162,7 +157,7 @@ void smooth_row(const float* clean_m, const float* step_m, Stride stride, int wi
     for (const Stride d : axes(stride)) {
       const float before = std::abs(p[-d] - p[0]), after = std::abs(p[d] - p[0]);
       const float limit =
-          ((before <= step_m[x]) & (after <= step_m[x])) ? step_m[x] : 0.5F * step_m[x];
+          ((before <= step_m[x]) & (after <= step_m[x])) ? step_m[x] : kSmoothPart * step_m[x];
       const bool joins_before = (before <= limit) & (p[-d] > 0);
       const bool joins_after = (after <= limit) & (p[d] > 0);
       sum += (joins_before ? 1 / p[-d] : 0) + (joins_after ? 1 / p[d] : 0);
@@ -182,15 +177,15 @@ bool linked(const float* p, const float* step_m, Stride d) {
 
 void link_row(const float* z_m, const float* step_m, Stride stride, int width, float step_min_m,
               std::uint8_t* links) {
-  constexpr std::uint8_t kAll = kRight | kDown | kDownRight | kDownLeft;
+  constexpr std::uint8_t kAllLinks = kRight | kDown | kDownRight | kDownLeft;
   for (int x = 0; x < width; ++x) {
     const float* p = z_m + x;
     bool all = p[0] > 0;
     for (const Stride d : axes(stride)) all &= (std::abs(p[d] - p[0]) <= step_min_m) & (p[d] > 0);
-    links[x] = all ? kAll : 0;
+    links[x] = all ? kAllLinks : 0;
   }
   for (int x = 0; x < width; ++x) {
-    if (links[x] == kAll || !(z_m[x] > 0)) continue;
+    if (links[x] == kAllLinks || !(z_m[x] > 0)) continue;
     for (std::size_t i = 0; i < 4; ++i)
       if (linked(z_m + x, step_m + x, axes(stride)[i]))
         links[x] |= static_cast<std::uint8_t>(1U << i);

@@ -18,7 +18,7 @@ struct alignas(64) Affines {
   Floats x, y, c;
 };
 
-/// What drawing needs of each quad.
+/// Each quad, prepared for drawing.
 struct alignas(64) SetUp {
   Ints x0, y0, x1, y1;            ///< pixels whose centres it may cover, both ends included
   Affines ab, bc, cd, da, ac;     ///< distance (times length) to the sides, positive inside
@@ -57,8 +57,8 @@ void set_triangle(const VertexLanes& a, const VertexLanes& b, const VertexLanes&
   put(border, first, area > 0 ? FloatLanes{} + kBorder : FloatLanes{} + kNever);
 }
 
-/// Pixels whose centres lie in [low, high] and in [begin, end); none: first > last. Whatever the
-/// numbers are, the range stays inside.
+/// Pixels whose centres lie in [low, high] and in [begin, end); none: first > last. The range
+/// stays inside for any input.
 void set_range(FloatLanes low, FloatLanes high, int begin, int end, IntLanes visible, int first,
                Ints& out_first, Ints& out_last) {
   const FloatLanes least = FloatLanes{} + static_cast<float>(begin);

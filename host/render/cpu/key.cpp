@@ -23,7 +23,7 @@ int block_end(int b, int size) { return std::min(size, (b + 1) * kBlockPx); }
 
 void classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
   for (int x = 0; x < width; ++x) {
-    const bool known = w[x] > 0, learned = limit_w[x] < 1e30F;
+    const bool known = w[x] > 0, learned = limit_w[x] < kNoLimitW;
     const std::uint8_t measured =
         learned ? (w[x] > limit_w[x] ? kForeground : kBackground) : kDoubt;
     state[x] = known ? measured : kUnknown;
@@ -92,13 +92,13 @@ void around(Scratch& scratch, int bx, int by, int radius, Visit&& visit) {
 
 /// Foreground too small to be a person becomes background.
 void drop_speckles(float footprint_px, KeyScratch& scratch) {
-  const float least = 6 * footprint_px * footprint_px;
+  const float least = kSpeckleTofPx * footprint_px * footprint_px;
   const Size size = scratch.blocks_size;
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx) {
       int sum = 0;
       if (scratch.at(bx, by).foreground > 0)
-        around(scratch, bx, by, 2, [&](const Block& b) { sum += b.foreground; });
+        around(scratch, bx, by, kSpeckleBlocks, [&](const Block& b) { sum += b.foreground; });
       scratch.speckle_sum[static_cast<std::size_t>(by * size.width + bx)] = sum;
     }
   for (int by = 0; by < size.height; ++by)
@@ -125,27 +125,25 @@ void find_band(KeyScratch& scratch) {
     for (int bx = 0; bx < size.width; ++bx) {
       const Block& block = scratch.at(bx, by);
       if (block.foreground == 0) continue;
-      around(scratch, bx, by, 3, [](Block& b) { b.near = true; });
+      around(scratch, bx, by, kNearBlocks, [](Block& b) { b.near = true; });
     }
   // A border runs inside a block, or between two: either way one of the two sees both.
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx) {
       if (!scratch.at(bx, by).near) continue;
       bool any = false, others = false;
-      around(scratch, bx, by, 1,
+      around(scratch, bx, by, kBandBlocks,
              [&](const Block& b) { any |= b.foreground > 0, others |= b.others; });
       scratch.at(bx, by).band = any && others;
     }
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx)
       if (is_decided(scratch.at(bx, by)))
-        around(scratch, bx, by, 3, [](Block& b) { b.sampled |= b.foreground > 0; });
+        around(scratch, bx, by, kNearBlocks, [](Block& b) { b.sampled |= b.foreground > 0; });
 }
 
-float luminance(const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126F, 0.7152F, 0.0722F)); }
-
 /// Least spread of a colour: noise and flicker of light.
-float floor_sigma(const glm::vec3& c) { return 0.004F + 0.05F * luminance(c); }
+float floor_sigma(const glm::vec3& c) { return kColorNoise + kColorFlicker * luminance(c); }
 
 /// Foreground of the 3x3 blocks around: what a pixel of the band is compared with.
 struct Near {
@@ -177,7 +175,6 @@ Near foreground_around(const KeyScratch& scratch, int bx, int by, int radius) {
 
 /// Log odds of foreground by colour, within +-4. README.md, "key".
 float color_vote(const KeyInput& input, const Near& near, int x, int y) {
-  constexpr float kDarkest = 0.85F, kDarkSigma = 0.3F, kCap = 4.0F;
   const glm::vec3 p = linear(input.plate.row(y)[x]);
   const Rgbf learned = input.background.color.row(y)[x];
   const glm::vec3 b = glm::min(input.gain * glm::vec3(learned.r, learned.g, learned.b), 1.0F);
@@ -186,40 +183,44 @@ float color_vote(const KeyInput& input, const Near& near, int x, int y) {
                            ? 0
                            : input.gain.g * input.background.color_sigma.row(y)[x];
   const float variance = spread * spread + floor * floor;
-  const float k = std::clamp(glm::dot(p, b) / std::max(glm::dot(b, b), 1e-8F), kDarkest, 1.0F);
+  const float k =
+      std::clamp(glm::dot(p, b) / std::max(glm::dot(b, b), 1e-8F), kDarkestShadow, 1.0F);
   const glm::vec3 off = p - k * b;
-  const float dark = (1 - k) / kDarkSigma;
+  const float dark = (1 - k) / kShadowSigma;
   const float background2 = glm::dot(off, off) / variance + dark * dark;
-  if (!near.has_color) return std::clamp(0.5F * background2 - kCap, -kCap, kCap);
+  if (!near.has_color)
+    return std::clamp(0.5F * background2 - kColorVoteCap, -kColorVoteCap, kColorVoteCap);
   const glm::vec3 from_person = p - near.color;
   const float person2 = glm::dot(from_person, from_person) / near.color_variance;
   const float odds =
-      0.5F * (background2 - person2) + 1.5F * std::log(variance / near.color_variance);
-  return std::clamp(odds, -kCap, kCap);
+      0.5F * (background2 - person2) + kSpreadOdds * std::log(variance / near.color_variance);
+  return std::clamp(odds, -kColorVoteCap, kColorVoteCap);
 }
 
-/// Log odds of foreground by the depth around (x, y): 5x5 taps, offsets along an axis in `taps`.
-float depth_vote(const Image<std::uint8_t>& state, Size size, const std::array<int, 5>& taps, int x,
-                 int y) {
-  // Measured background is sure, colour may be a shadow; measured people lag and reach over edges.
-  constexpr float kForegroundWeight = 3.0F, kBackgroundWeight = 5.0F;
-  constexpr std::array<float, 4> kShare = {0.4F, 0.0F, 1.0F, 0.4F};  // by PixelState
-  std::array<int, 5> columns{};
-  for (std::size_t i = 0; i < 5; ++i) columns[i] = std::clamp(x + taps[i], 0, size.width - 1);
+/// Offsets of the depth votes' taps along an axis.
+constexpr int kDepthTaps = 2 * kDepthTapRadius + 1;
+using DepthTaps = std::array<int, kDepthTaps>;
+
+/// Log odds of foreground by the depth around (x, y).
+float depth_vote(const Image<std::uint8_t>& state, Size size, const DepthTaps& taps, int x, int y) {
+  constexpr std::array<float, 4> kShare = {kUnknownShare, 0, 1, kUnknownShare};  // by PixelState
+  DepthTaps columns{};
+  for (std::size_t i = 0; i < kDepthTaps; ++i)
+    columns[i] = std::clamp(x + taps[i], 0, size.width - 1);
   float sum = 0;
   for (const int tap : taps) {
     const std::uint8_t* row = state.row(std::clamp(y + tap, 0, size.height - 1));
     for (const int column : columns) sum += kShare[row[column]];
   }
-  const float balance = 2 * sum / 25 - 1;
+  const float balance = 2 * sum / (kDepthTaps * kDepthTaps) - 1;
   return (balance > 0 ? kForegroundWeight : kBackgroundWeight) * balance;
 }
 
-std::array<int, 5> taps_of(float footprint_px) {
-  std::array<int, 5> taps{};
-  for (int i = 0; i < 5; ++i)
-    taps[static_cast<std::size_t>(i)] =
-        static_cast<int>(std::lround(0.5F * footprint_px * static_cast<float>(i - 2)));
+DepthTaps taps_of(float footprint_px) {
+  DepthTaps taps{};
+  for (int i = 0; i < kDepthTaps; ++i)
+    taps[static_cast<std::size_t>(i)] = static_cast<int>(
+        std::lround(0.5F * footprint_px * static_cast<float>(i - kDepthTapRadius)));
   return taps;
 }
 
@@ -254,8 +255,8 @@ void decide_block(const KeyInput& input, const KeyScratch& scratch, int bx, int 
                   Image<float>& view_w, Image<std::uint8_t>& matte) {
   const Block& block = scratch.at(bx, by);
   const Size size = input.tables.view_size;
-  const Near near = foreground_around(scratch, bx, by, block.band ? 1 : 3);
-  const std::array<int, 5> taps = taps_of(input.tables.tof_footprint_px);
+  const Near near = foreground_around(scratch, bx, by, block.band ? kBandBlocks : kNearBlocks);
+  const DepthTaps taps = taps_of(input.tables.tof_footprint_px);
   const int x0 = block_begin(bx), y0 = block_begin(by);
   Votes votes{};
   if (input.params.color && !input.background.color.empty())

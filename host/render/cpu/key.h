@@ -35,7 +35,7 @@ struct KeyScratch {
   }
 };
 
-/// What the pass looks at.
+/// Inputs of the pass.
 struct KeyInput {
   const Tables& tables;
   const KeyPassParams& params;
@@ -45,7 +45,7 @@ struct KeyInput {
 };
 
 /// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the
-/// foreground around where it measured none), and unknown where a person's reached over the border.
+/// foreground around where it measured none), and unknown where foreground lost the vote.
 void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
          Image<std::uint8_t>& matte);
 

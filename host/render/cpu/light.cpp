@@ -11,12 +11,10 @@ namespace {
 constexpr int kGrain = 16;
 constexpr std::uint16_t kLit = 65535;
 
-float luminance(const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126F, 0.7152F, 0.0722F)); }
-
 /// Irradiance by an unhidden lamp, as CONVENTIONS.md has it.
 glm::vec3 irradiance(const LampParams& lamp, const glm::vec3& position_m, const glm::vec3& normal) {
   const glm::vec3 to_lamp = lamp.position_m - position_m;
-  const float distance2 = std::max(glm::dot(to_lamp, to_lamp), 1e-6F);
+  const float distance2 = std::max(glm::dot(to_lamp, to_lamp), kLeastDistance2);
   const glm::vec3 direction = to_lamp / std::sqrt(distance2);
   const float receiver = std::max(0.0F, glm::dot(normal, direction));
   const float emitter =
@@ -66,14 +64,15 @@ float tile_center(int i) {
   return static_cast<float>(kLightTilePx * i) + 0.5F * static_cast<float>(kLightTilePx - 1);
 }
 
-/// Mean inverse depth of the people in a tile; 0 for nobody.
+/// Mean inverse depth of the people in a tile; 0 without people.
 float mean_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int tile_x, int tile_y) {
   float sum = 0, count = 0;
   const int x1 = std::min((tile_x + 1) * kLightTilePx, matte.width());
   const int y1 = std::min((tile_y + 1) * kLightTilePx, matte.height());
   for (int y = tile_y * kLightTilePx; y < y1; ++y)
     for (int x = tile_x * kLightTilePx; x < x1; ++x)
-      if (matte.row(y)[x] >= 128 && view_w.row(y)[x] > 0) sum += view_w.row(y)[x], count += 1;
+      if (matte.row(y)[x] >= kPersonByte && view_w.row(y)[x] > 0)
+        sum += view_w.row(y)[x], count += 1;
   return count > 0 ? sum / count : 0;
 }
 
@@ -99,8 +98,7 @@ void light_tile(const LightInput& input, int x, int y, LightLayer& light) {
   if (!(w > 0)) return;
   const glm::vec2 px(tile_center(x), tile_center(y));
   const glm::vec3 ray((px - view.center_px) / view.focal_px, 1);
-  const int reach =
-      std::max(1, static_cast<int>(std::lround(2 * input.tables.tof_footprint_px / kLightTilePx)));
+  const int reach = normal_reach_tiles(input.tables.tof_footprint_px);
   const glm::vec3 normal = person_normal(view, light.tile_w, x, y, reach, ray);
   light.tile_light.row(y)[x] = light_ratio(input, ray / w, normal);
 }
@@ -192,7 +190,8 @@ void light_people(Crew& crew, const LightInput& input, const Image<float>& view_
     for (int y = begin; y < end; ++y) {
       std::copy_n(light.background.row(y), matte.width(), light.visible.row(y));
       for (int x = 0; x < matte.width(); ++x)
-        if (matte.row(y)[x] >= 128) light.visible.row(y)[x] = to_fixed(tile_light_at(light, x, y));
+        if (matte.row(y)[x] >= kPersonByte)
+          light.visible.row(y)[x] = to_fixed(tile_light_at(light, x, y));
     }
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: how much light real surfaces keep beside the virtual objects, and the shading of
+// Pass light: how much light real surfaces keep next to the virtual objects, and the shading of
 // these.
 #pragma once
 
@@ -18,10 +18,10 @@ struct LightLayer {
   explicit LightLayer(Size view_size);
   Image<std::uint16_t> background;  ///< of the empty room: stays while the pose stays
   Image<std::uint16_t> visible;     ///< of what the plate shows
-  Image<float> tile_w, tile_light;  ///< of people's tiles; w 0: nobody
+  Image<float> tile_w, tile_light;  ///< of people's tiles; w 0: no people
 };
 
-/// What the pass looks at.
+/// Inputs of the pass.
 struct LightInput {
   const FrameParams& frame;
   const Tables& tables;
@@ -29,7 +29,7 @@ struct LightInput {
   const std::vector<ShadowMap>& maps;
 };
 
-/// Whether any lamp throws a shadow: without, the light map is 1 all over.
+/// Whether any lamp casts a shadow; without, the light map is 1 everywhere.
 bool has_shadows(const FrameParams& frame);
 
 /// Light of the background. After a change of pose.

@@ -7,8 +7,6 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr std::uint8_t kHalf = 128;  // a pixel shows a person from here on
-
 Rgb8 encode(const glm::vec3& linear) {
   const auto& srgb = linear_to_srgb();
   const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
@@ -18,29 +16,52 @@ Rgb8 encode(const glm::vec3& linear) {
 
 glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
 
+// Functions of a row are not inlined: g++ makes slower loops of them in one large function.
+
 /// The real scene alone: most pixels are nothing else.
-void encode_row(const Rgbx16* plate, int width, Rgb8* color) {
-  const auto& srgb = linear_to_srgb();
+[[gnu::noinline]] void encode_row(const Rgbx16* plate, int width, Rgb8* color) {
+  const std::uint8_t* srgb = linear_to_srgb().data();  // a byte that is stored cannot change it
   for (int x = 0; x < width; ++x) color[x] = {srgb[plate[x].r], srgb[plate[x].g], srgb[plate[x].b]};
 }
 
-void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width, Rgb8* color) {
+[[gnu::noinline]] void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width,
+                                   Rgb8* color) {
   for (int x = 0; x < width; ++x) {
     if (light[x] == 65535) continue;
     color[x] = encode(to_vec(plate[x]) * (static_cast<float>(light[x]) / kLinearOne));
   }
 }
 
-/// Depths of the real scene: people as measured, the background as learned where it is.
+/// Depths of the real scene: people as measured, the background as learned where it is. Writes
+/// only the wanted ones.
+template <bool kMixed, bool kSegmented>
 void real_depths(const float* w, const float* background_m, const std::uint8_t* matte, int width,
                  float* mixed_m, float* segmented_m) {
   for (int x = 0; x < width; ++x) {
     const float measured = w[x] > 0 ? 1 / w[x] : 0;
     const float learned = background_m ? background_m[x] : 0;
-    const bool person = matte[x] >= kHalf;
-    segmented_m[x] = person ? measured : 0;
-    mixed_m[x] = person || !(learned > 0) ? (person || matte[x] == 0 ? measured : 0) : learned;
+    const bool person = matte[x] >= kPersonByte;
+    if constexpr (kSegmented) segmented_m[x] = person ? measured : 0;
+    if constexpr (kMixed)
+      mixed_m[x] = person || !(learned > 0) ? (person || matte[x] == 0 ? measured : 0) : learned;
   }
+}
+
+[[gnu::noinline]] void store_real_depths(const MixInput& input, int y, FrameOutput& output) {
+  const float* w = input.view_w.row(y);
+  const float* background_m =
+      input.background.depth_m.empty() ? nullptr : input.background.depth_m.row(y);
+  const bool mixed = output.wanted & kMixedDepth, segmented = output.wanted & kSegmentedDepth;
+  float* mixed_m = mixed ? output.mixed_depth_m.row(y) : nullptr;
+  float* segmented_m = segmented ? output.segmented_depth_m.row(y) : nullptr;
+  const std::uint8_t* matte = output.matte.row(y);
+  const int width = output.matte.width();
+  if (mixed && segmented)
+    real_depths<true, true>(w, background_m, matte, width, mixed_m, segmented_m);
+  else if (mixed)
+    real_depths<true, false>(w, background_m, matte, width, mixed_m, segmented_m);
+  else if (segmented)
+    real_depths<false, true>(w, background_m, matte, width, mixed_m, segmented_m);
 }
 
 /// What a pixel with virtual coverage is made of.
@@ -77,7 +98,7 @@ glm::vec3 mixed_color(const Parts& p, const std::optional<glm::vec3>& background
 Layer visible_layer(const Parts& p) {
   const float share = is_person_before(p) ? p.coverage * (1 - p.matte) : p.coverage;
   if (share >= 0.5F) return Layer::kVirtual;
-  return p.matte >= 0.5F ? Layer::kPerson : Layer::kBackground;
+  return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
 }
 
 Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, float light) {
@@ -96,7 +117,7 @@ Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, f
           learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m)};
 }
 
-void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
+[[gnu::noinline]] void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
   const VirtualLayer& objects = *input.objects;
   for (int x = objects.rect.x0; x < objects.rect.x1; ++x) {
     if (objects.coverage.row(y)[x] == 0) continue;
@@ -109,33 +130,33 @@ void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
       const Rgbf b = input.background.color.row(y)[x];
       learned = glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
     }
-    output.color.row(y)[x] = encode(mixed_color(parts, learned));
+    if (output.wanted & kColor) output.color.row(y)[x] = encode(mixed_color(parts, learned));
     if (visible_layer(parts) != Layer::kVirtual) continue;
-    output.mixed_depth_m.row(y)[x] = parts.virtual_m;
-    if (output.inspect) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
+    if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = parts.virtual_m;
+    if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
   }
 }
 
 void fill_layer(const std::uint8_t* matte, int width, std::uint8_t* layer) {
   for (int x = 0; x < width; ++x)
-    layer[x] = static_cast<std::uint8_t>(matte[x] >= kHalf ? Layer::kPerson : Layer::kBackground);
+    layer[x] =
+        static_cast<std::uint8_t>(matte[x] >= kPersonByte ? Layer::kPerson : Layer::kBackground);
 }
 
 }  // namespace
 
 void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
   constexpr int kGrain = 16;
-  const int width = output.color.width();
-  crew.rows(output.color.height(), kGrain, [&](int begin, int end) {
+  const int width = input.plate.width();
+  crew.rows(input.plate.height(), kGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
-      encode_row(input.plate.row(y), width, output.color.row(y));
-      if (input.light)
-        apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
-      real_depths(input.view_w.row(y),
-                  input.background.depth_m.empty() ? nullptr : input.background.depth_m.row(y),
-                  output.matte.row(y), width, output.mixed_depth_m.row(y),
-                  output.segmented_depth_m.row(y));
-      if (output.inspect) fill_layer(output.matte.row(y), width, output.layer.row(y));
+      if (output.wanted & kColor) {
+        encode_row(input.plate.row(y), width, output.color.row(y));
+        if (input.light)
+          apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
+      }
+      store_real_depths(input, y, output);
+      if (output.wanted & kLayer) fill_layer(output.matte.row(y), width, output.layer.row(y));
       if (input.objects && y >= input.objects->rect.y0 && y < input.objects->rect.y1)
         mix_virtual(input, y, output);
     }

@@ -8,7 +8,7 @@
 
 namespace mixrig::render::cpu {
 
-/// What the pass looks at; a null layer is not there.
+/// Inputs of the pass; a layer is null where the scene has none.
 struct MixInput {
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
@@ -18,8 +18,7 @@ struct MixInput {
   glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
 };
 
-/// Writes color, mixed depth and segmented depth, and the layer where `output.inspect`; reads the
-/// matte.
+/// Writes the wanted ones of colour, mixed depth, segmented depth and layer; reads the matte.
 void mix(Crew& crew, const MixInput& input, FrameOutput& output);
 
 }  // namespace mixrig::render::cpu

@@ -12,7 +12,7 @@ Rect box_of(const std::array<glm::dvec3, 3>& points, const SampleGrid& grid) {
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
   int behind = 0;
   for (const glm::dvec3& p : points) {
-    if (p.z < kNearM) {
+    if (p.z < kNearestM) {
       ++behind;
       continue;
     }
@@ -39,7 +39,8 @@ std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm
   Triangle out;
   out.box = box_of(p, grid);
   if (out.box.empty()) return std::nullopt;
-  // The plane's normal, not the box product, tells the side: cancellation spares it.
+  // The side is taken from the plane's normal, not from the box product, which suffers from
+  // cancellation.
   const double volume = glm::dot(p[0], glm::cross(p[1] - p[0], p[2] - p[0]));
   if (!(std::abs(volume) > 0) || (facing == Facing::kFront && volume > 0)) return std::nullopt;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles in homogeneous coordinates (Olano and Greer 1997): what crosses the camera plane
-// needs no clipping, the sign of the inverse depth sorts it out.
+// Triangles in homogeneous coordinates (Olano and Greer 1997): what crosses the camera plane needs
+// no clipping, samples behind the camera have a negative inverse depth.
 #pragma once
 
 #include <array>
@@ -11,9 +11,6 @@
 #include "host/render/prepare.h"
 
 namespace mixrig::render::cpu {
-
-/// Nearest depth that is drawn.
-inline constexpr double kNearM = 0.01;
 
 /// A grid of sample points before a pinhole.
 struct SampleGrid {
@@ -40,7 +37,7 @@ std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm
                                const SampleGrid& grid, Facing facing);
 
 /// Calls fill(x, y, w, shares) for the samples in rows [y0, y1). A border that two triangles share
-/// belongs to both, with a hair of overlap against cracks; the caller keeps the nearest surface.
+/// belongs to both, with a small overlap against cracks; the caller keeps the nearest surface.
 template <typename Fill>
 void for_each_sample(const Triangle& t, int y0, int y1, Fill&& fill) {
   for (int y = std::max(y0, t.box.y0); y < std::min(y1, t.box.y1); ++y) {
@@ -52,7 +49,7 @@ void for_each_sample(const Triangle& t, int y0, int y1, Fill&& fill) {
       const float w = shares.x + shares.y + shares.z;
       const float border = -1e-5F * w;
       if (shares.x >= border && shares.y >= border && shares.z >= border && w > 0 &&
-          w < static_cast<float>(1 / kNearM))
+          w < static_cast<float>(1 / kNearestM))
         fill(x, y, w, shares);
     }
   }

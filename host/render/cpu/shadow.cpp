@@ -41,8 +41,8 @@ struct Disc {
   alignas(64) float x[kTaps], y[kTaps];
 };
 
-/// Nearest texels of a disc around `center`. The border of a map is empty and stands for all
-/// beyond.
+/// Nearest texels of a disc around `center`. The border of a map is empty, as is
+/// everything outside.
 template <int kTaps>
 void read_disc(const ShadowMap& map, const Disc<kTaps>& disc, glm::vec2 center, float radius,
                float* values) {
@@ -59,12 +59,12 @@ void read_disc(const ShadowMap& map, const Disc<kTaps>& disc, glm::vec2 center, 
 
 /// Mean lamp depth of what lies before `w` within `radius` texels; 0 for nothing.
 float blocker_depth_m(const ShadowMap& map, glm::vec2 center, float radius, float w) {
-  static const Disc<kBlockerTaps> kDisc;
-  alignas(64) std::array<float, kBlockerTaps> values;
+  static const Disc<kBlockerTapCount> kDisc;
+  alignas(64) std::array<float, kBlockerTapCount> values;
   read_disc(map, kDisc, center, radius, values.data());
   float sum = 0, count = 0;
 #pragma omp simd reduction(+ : sum, count)
-  for (int i = 0; i < kBlockerTaps; ++i) {
+  for (int i = 0; i < kBlockerTapCount; ++i) {
     const bool before = values[static_cast<std::size_t>(i)] > w;
     sum += before ? 1 / values[static_cast<std::size_t>(i)] : 0;
     count += before ? 1.0F : 0.0F;
@@ -74,14 +74,14 @@ float blocker_depth_m(const ShadowMap& map, glm::vec2 center, float radius, floa
 
 /// Share of the taps within `radius` texels that nothing hides.
 float lit_share(const ShadowMap& map, glm::vec2 center, float radius, float w) {
-  static const Disc<kShadowTaps> kDisc;
-  alignas(64) std::array<float, kShadowTaps> values;
+  static const Disc<kShadowTapCount> kDisc;
+  alignas(64) std::array<float, kShadowTapCount> values;
   read_disc(map, kDisc, center, radius, values.data());
   float lit = 0;
 #pragma omp simd reduction(+ : lit)
-  for (int i = 0; i < kShadowTaps; ++i)
+  for (int i = 0; i < kShadowTapCount; ++i)
     lit += values[static_cast<std::size_t>(i)] > w ? 0.0F : 1.0F;
-  return lit / static_cast<float>(kShadowTaps);
+  return lit / static_cast<float>(kShadowTapCount);
 }
 
 }  // namespace
@@ -104,8 +104,8 @@ float visibility(const LampParams& lamp, const ShadowMap& map, const glm::vec3& 
   if (map.empty()) return 1;
   const glm::vec3 unmoved = transform(lamp.lamp_from_camera, position_m);
   if (!(unmoved.z > lamp.casters_near_m)) return 1;
-  // A texel spans z / focal metres: two of them lift the point off its own surface.
-  const float lift_m = 2 * unmoved.z / lamp.map_focal_texel;
+  // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
+  const float lift_m = kLiftTexels * unmoved.z / lamp.map_focal_texel;
   const glm::vec3 p = transform(lamp.lamp_from_camera, position_m + lift_m * normal);
   if (!(p.z > lamp.casters_near_m)) return 1;
   const glm::vec2 center = glm::vec2(p) * (lamp.map_focal_texel / p.z) + lamp.map_center_texel;
@@ -114,9 +114,9 @@ float visibility(const LampParams& lamp, const ShadowMap& map, const glm::vec3& 
   const float search = reach * (1 / lamp.casters_near_m - w);
   const float last = static_cast<float>(lamp.map_size_texel - 1) + search;
   if (!(center.x > -search && center.y > -search && center.x < last && center.y < last)) return 1;
-  const float blocker_m = blocker_depth_m(map, center, std::max(search, 1.0F), w);
+  const float blocker_m = blocker_depth_m(map, center, std::max(search, kLeastRadiusTexel), w);
   if (!(blocker_m > 0)) return 1;
-  return lit_share(map, center, std::max(reach * (1 / blocker_m - w), 1.0F), w);
+  return lit_share(map, center, std::max(reach * (1 / blocker_m - w), kLeastRadiusTexel), w);
 }
 
 }  // namespace mixrig::render::cpu

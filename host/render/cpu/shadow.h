@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass shadow: what each lamp sees of the casters, and how much of a lamp a point sees.
+// Pass shadow: depth maps of the casters from each lamp, and the share of a lamp that a point sees.
 #pragma once
 
 #include <vector>

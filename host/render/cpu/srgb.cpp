@@ -3,14 +3,15 @@
 
 #include <cmath>
 
+#include "hal/base/srgb.h"
+
 namespace mixrig::render::cpu {
 
 const std::array<std::uint16_t, 256>& srgb_to_linear() {
   static const auto kTable = [] {
     std::array<std::uint16_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
-      const double c = static_cast<double>(i) / 255;
-      const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+      const double linear = linear_from_srgb(static_cast<double>(i) / 255);
       table[i] = static_cast<std::uint16_t>(std::lround(65535 * linear));
     }
     return table;
@@ -22,8 +23,7 @@ const std::vector<std::uint8_t>& linear_to_srgb() {
   static const auto kTable = [] {
     std::vector<std::uint8_t> table(65536);
     for (std::size_t i = 0; i < table.size(); ++i) {
-      const double c = static_cast<double>(i) / 65535;
-      const double code = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+      const double code = srgb_from_linear(static_cast<double>(i) / 65535);
       table[i] = static_cast<std::uint8_t>(std::lround(255 * code));
     }
     return table;

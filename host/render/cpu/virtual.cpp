@@ -8,7 +8,6 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBandRows = 16;
-constexpr int kSamples = 2;  // along each axis
 
 /// Bilinear, repeating, in linear light.
 glm::vec3 texel(ImageView<const Rgb8> texture, glm::vec2 uv) {
@@ -51,9 +50,10 @@ Surface surface_at(const Draw& draw, const VirtualScratch::Item& item, glm::vec3
 
 SampleGrid sample_grid(const PinholeParams& view, const Rect& rect) {
   // Sample i of an axis lies at pixel (i - 0.5) / 2.
-  return {glm::dvec2(view.focal_px) * double(kSamples),
-          glm::dvec2(view.center_px) * double(kSamples) + 0.5,
-          {rect.x0 * kSamples, rect.y0 * kSamples, rect.x1 * kSamples, rect.y1 * kSamples}};
+  return {glm::dvec2(view.focal_px) * double(kVirtualSamples),
+          glm::dvec2(view.center_px) * double(kVirtualSamples) + 0.5,
+          {rect.x0 * kVirtualSamples, rect.y0 * kVirtualSamples, rect.x1 * kVirtualSamples,
+           rect.y1 * kVirtualSamples}};
 }
 
 void transform_vertices(Crew& crew, const FrameParams& params, VirtualScratch& scratch) {
@@ -90,14 +90,14 @@ void resolve_pixel(const FrameParams& params, const VirtualScratch& scratch, int
   int covered = 0;
   float nearest_w = 0;
   glm::vec3 albedo(0), normal(0);
-  for (int j = 0; j < kSamples; ++j)
-    for (int i = 0; i < kSamples; ++i) {
+  for (int j = 0; j < kVirtualSamples; ++j)
+    for (int i = 0; i < kVirtualSamples; ++i) {
       const float w = w_rows[j * stride + i];
       if (!(w > 0)) continue;
       const auto& item = scratch.items[item_rows[j * stride + i]];
       const Draw& draw = params.draws[item.draw];
-      const float dx = static_cast<float>(kSamples * x + i - item.triangle.box.x0);
-      const float dy = static_cast<float>(kSamples * y + j - item.triangle.box.y0);
+      const float dx = static_cast<float>(kVirtualSamples * x + i - item.triangle.box.x0);
+      const float dy = static_cast<float>(kVirtualSamples * y + j - item.triangle.box.y0);
       glm::vec3 weights;
       for (int k = 0; k < 3; ++k) {
         const Affine& s = item.triangle.share[static_cast<std::size_t>(k)];
@@ -112,11 +112,12 @@ void resolve_pixel(const FrameParams& params, const VirtualScratch& scratch, int
       nearest_w = std::max(nearest_w, w);
       ++covered;
     }
-  constexpr int kAll = kSamples * kSamples;
-  layer.coverage.row(y)[x] = static_cast<std::uint8_t>((255 * covered + kAll / 2) / kAll);
+  constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
+  layer.coverage.row(y)[x] =
+      static_cast<std::uint8_t>((255 * covered + kPixelSamples / 2) / kPixelSamples);
   layer.w.row(y)[x] = nearest_w;
   if (covered == 0) return;
-  const glm::vec3 c = glm::min(albedo / float(kAll), glm::vec3(1)) * kLinearOne + 0.5F;
+  const glm::vec3 c = glm::min(albedo / float(kPixelSamples), glm::vec3(1)) * kLinearOne + 0.5F;
   layer.color.row(y)[x] = {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
                            static_cast<std::uint16_t>(c.b), 0};
   const glm::vec3 n = glm::round(127.0F * glm::normalize(normal + glm::vec3(0, 0, -1e-6F)));
@@ -128,12 +129,12 @@ void resolve_pixel(const FrameParams& params, const VirtualScratch& scratch, int
 void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, int y0, int y1,
                VirtualLayer& layer) {
   const Rect& rect = layer.rect;
-  const int first = worker * kBandRows * kSamples;
-  const auto row_of = [&](int sample_y) { return first + sample_y - y0 * kSamples; };
-  for (int y = y0 * kSamples; y < y1 * kSamples; ++y)
+  const int first = worker * kBandRows * kVirtualSamples;
+  const auto row_of = [&](int sample_y) { return first + sample_y - y0 * kVirtualSamples; };
+  for (int y = y0 * kVirtualSamples; y < y1 * kVirtualSamples; ++y)
     std::fill_n(scratch.sample_w.row(row_of(y)), scratch.sample_w.width(), 0.0F);
   for (std::size_t i = 0; i < scratch.items.size(); ++i)
-    for_each_sample(scratch.items[i].triangle, y0 * kSamples, y1 * kSamples,
+    for_each_sample(scratch.items[i].triangle, y0 * kVirtualSamples, y1 * kVirtualSamples,
                     [&](int x, int y, float w, const glm::vec3&) {
                       float& nearest = scratch.sample_w.row(row_of(y))[x];
                       if (!(w > nearest)) return;
@@ -143,8 +144,8 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
   for (int y = y0; y < y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x)
       resolve_pixel(params, scratch, x, y,
-                    scratch.sample_w.row(row_of(kSamples * y)) + kSamples * x,
-                    scratch.sample_item.row(row_of(kSamples * y)) + kSamples * x,
+                    scratch.sample_w.row(row_of(kVirtualSamples * y)) + kVirtualSamples * x,
+                    scratch.sample_item.row(row_of(kVirtualSamples * y)) + kVirtualSamples * x,
                     scratch.sample_w.stride(), layer);
 }
 
@@ -158,7 +159,7 @@ VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int th
       items.push_back({{}, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i)});
   }
   if (items.empty()) return;
-  const Size samples{kSamples * view_size.width, kSamples * kBandRows * threads};
+  const Size samples{kVirtualSamples * view_size.width, kVirtualSamples * kBandRows * threads};
   sample_w.reset(samples);
   sample_item.reset(samples);
 }

@@ -12,7 +12,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr float kNearM = 0.01F;
+constexpr auto kNearM = static_cast<float>(kNearestM);
 
 Vertex project(const WarpParams& p, glm::vec2 ray, float w) {
   const glm::vec3 q =
@@ -37,7 +37,7 @@ void project_row(const WarpParams& params, const glm::vec2* ray, const float* w,
   }
 }
 
-/// What a cell looks at.
+/// Inputs of a cell.
 struct Mesh {
   const WarpParams& params;
   const Image<glm::vec2>& tof_ray;
@@ -58,7 +58,7 @@ bool is_whole(const std::uint8_t* links, std::ptrdiff_t stride) {
 }
 
 /// Corners of up to kLanes whole cells from (x, y) on, split along the diagonal with the smaller
-/// change of w. `drawn` says which of them exist.
+/// change of w. `drawn` is -1 for those that exist.
 void put_whole(const Mesh& mesh, int x, int y, IntLanes drawn, std::size_t first, QuadBatch& out) {
   const float* w = mesh.grid.w.row(y + kFrame) + x + kFrame;
   const float* below = w + mesh.grid.w.stride();
@@ -134,7 +134,7 @@ void CutCells::add_quarter(int x, int y, int right, int down) {
   const glm::vec2 ray_x = half(mesh_.tof_ray.row(y)[x + right]);
   const glm::vec2 ray_y = half(mesh_.tof_ray.row(y + down)[x]);
   const auto corner = [&](float i, float j) {
-    const float corner_w = std::max(*w + i * along_x + j * along_y, 0.5F * *w);
+    const float corner_w = std::max(*w + i * along_x + j * along_y, kLeastCornerPart * *w);
     return project(mesh_.params, ray + i * ray_x + j * ray_y, corner_w);
   };
   const Vertex across = corner(1, 0), diagonal = corner(1, 1), along = corner(0, 1);

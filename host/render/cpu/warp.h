@@ -12,7 +12,8 @@
 
 namespace mixrig::render::cpu {
 
-/// Inverse depth whose lowest bit says that a cut cell drew it: one word a pixel, one maximum.
+/// The lowest bit of an inverse depth is set where a cut cell drew it: the test for the nearest
+/// surface stays one maximum of one word.
 inline bool from_cut_cell(float w) { return std::bit_cast<std::uint32_t>(w) & 1U; }
 
 /// Vertices of the mesh in the view, and what bands need to find their cells.

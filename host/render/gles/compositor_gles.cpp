@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "host/render/exposure.h"
@@ -14,10 +15,12 @@
 #include "host/render/gles/light_pass.h"
 #include "host/render/gles/mix_pass.h"
 #include "host/render/gles/plate_pass.h"
+#include "host/render/gles/read_back.h"
 #include "host/render/gles/shadow_pass.h"
 #include "host/render/gles/stage_timer.h"
 #include "host/render/gles/virtual_pass.h"
 #include "host/render/gles/warp_pass.h"
+#include "host/render/in_flight.h"
 
 namespace mixrig::render {
 namespace {
@@ -30,22 +33,32 @@ class GlesCompositor final : public Compositor {
   ~GlesCompositor() override;
   Result<void> create_passes();
 
-  Result<void> compose(const FrameInput& input, FrameOutput& output) override;
-  const StageTimes& stage_times() const override { return timer_.times(); }
+  Result<void> submit(const FrameInput& input, OutputMask wanted) override;
+  Result<void> collect(FrameOutput& output) override;
+  int in_flight() const override { return flight_.count(); }
+  const StageTimes& stage_times() const override { return times_; }
   std::string renderer() const override { return renderer_; }
 
  private:
-  Result<void> draw_objects();
-  void draw_light();
-  Result<void> draw_mix(bool inspect);
-  void read_outputs(FrameOutput& output);
-  void read_inspection(FrameOutput& output);
+  /// A frame between submit() and collect().
+  struct Frame {
+    OutputMask wanted = 0, read = 0;  ///< `read`: what the buffers below hold
+    ReadBack color_and_matte, mixed, segmented, warped_w, state, light, layer;
+    Fence done;
+    std::optional<StageTimer> timer;
+  };
+
+  Result<void> draw(const FrameInput& input, Frame& frame);
+  Result<void> draw_objects(StageTimer& timer);
+  void draw_light(bool people, StageTimer& timer);
+  Result<void> draw_mix(OutputMask wanted);
+  void start_read_back(Frame& frame);
+  static Result<void> fetch(const Frame& frame, FrameOutput& output);
   bool has_objects() const { return !meshes_.empty(); }
   bool has_light_map() const { return has_shadows_ && tables_.has_background; }
 
   EglContext context_;  // dies last
   std::string renderer_;
-  StageTimer timer_;
   CompositorSetup setup_;
   Tables tables_;
   FramePreparer preparer_;
@@ -62,17 +75,19 @@ class GlesCompositor final : public Compositor {
   LightPass light_;
   MixPass mix_;
   bool has_shadows_ = false;
-  Scratch scratch_;
+  InFlight<Frame> flight_;
+  StageTimes times_{};
 };
 
 GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
     : context_(std::move(context)),
       renderer_(context_.renderer()),
-      timer_(context_),
       setup_(setup),
       tables_(make_tables(setup_)),
       preparer_(setup_),
-      meter_(tables_, setup_.background) {}
+      meter_(tables_, setup_.background) {
+  for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
+}
 
 // GL names are given back to the context that made them.
 GlesCompositor::~GlesCompositor() { (void)context_.make_current(); }
@@ -110,77 +125,87 @@ Result<void> GlesCompositor::create_passes() {
   return {};
 }
 
-Result<void> GlesCompositor::compose(const FrameInput& input, FrameOutput& output) {
+Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) {
   MIXRIG_TRY(check_frame(input, tables_));
   MIXRIG_TRY(context_.make_current());
-  size_outputs(tables_.view_size, output);
-  timer_.begin_frame();
+  const bool alone = flight_.count() == 0;
+  MIXRIG_ASSIGN(Frame* const frame, flight_.push());
+  frame->wanted = with_needed(wanted);
+  frame->timer->begin_frame(alone);
+  auto drawn = draw(input, *frame);
+  if (!drawn) {
+    flight_.drop_last();
+    return drawn;
+  }
+  start_read_back(*frame);
+  frame->done.set();
+  return {};
+}
+
+/// The passes, in the order of host/render/README.md.
+Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
+  const NeededPasses needed = needed_passes(frame.wanted, has_objects());
+  StageTimer& timer = *frame.timer;
   {
-    const StageScope stage(timer_, Stage::kUpload, true);
+    const StageScope stage(timer, Stage::kUpload, true);
     preparer_.update(input.world_from_target);
     gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
   }
   if (plate_.draws()) {
-    const StageScope stage(timer_, Stage::kPlate);
+    const StageScope stage(timer, Stage::kPlate);
     plate_.draw();
   }
   {
-    const StageScope stage(timer_, Stage::kCorrect);
+    const StageScope stage(timer, Stage::kCorrect);
     correct_.draw();
   }
   {
-    const StageScope stage(timer_, Stage::kWarp);
+    const StageScope stage(timer, Stage::kWarp);
     warp_.draw(correct_.vertices(), correct_.tof_ray());
   }
-  MIXRIG_TRY(draw_objects());
-  if (tables_.has_background) {
-    const StageScope stage(timer_, Stage::kKey);
+  MIXRIG_TRY(draw_objects(timer));
+  if (tables_.has_background && needed.key) {
+    const StageScope stage(timer, Stage::kKey);
     key_.draw(preparer_.params().key,
               {warp_.w(), plate_.in_view(), learned_, learned_sigma_, gain_});
   }
-  draw_light();
-  MIXRIG_TRY(draw_mix(output.inspect));
-  {
-    const StageScope stage(timer_, Stage::kReadback, true);
-    read_outputs(output);
-    if (output.inspect) read_inspection(output);
-  }
-  timer_.finish_frame();
-  return {};
+  draw_light(needed.light, timer);
+  if (!needed.mix && !(frame.wanted & kMatte)) return {};
+  const StageScope stage(timer, Stage::kMix);
+  return draw_mix(frame.wanted);
 }
 
 /// While the pose stays, virtual samples and shadow maps stay.
-Result<void> GlesCompositor::draw_objects() {
+Result<void> GlesCompositor::draw_objects(StageTimer& timer) {
   const FrameParams& params = preparer_.params();
   if (!has_objects() || !params.pose_changed) return {};
   if (!params.virtual_rect.empty()) {
-    const StageScope stage(timer_, Stage::kVirtual);
+    const StageScope stage(timer, Stage::kVirtual);
     MIXRIG_TRY(virtual_.draw(params, meshes_));
   }
   has_shadows_ = std::any_of(params.lamps.begin(), params.lamps.end(),
                              [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
   if (!has_shadows_ || !params.maps_changed) return {};
-  const StageScope stage(timer_, Stage::kShadow);
+  const StageScope stage(timer, Stage::kShadow);
   return shadow_.draw(params, meshes_);
 }
 
 /// Shading and the background's light stay with the pose as well; people move.
-void GlesCompositor::draw_light() {
+void GlesCompositor::draw_light(bool people, StageTimer& timer) {
   if (!has_objects()) return;
-  const StageScope stage(timer_, Stage::kLight);
+  const StageScope stage(timer, Stage::kLight);
   if (preparer_.params().pose_changed) {
     light_.set_lamps(preparer_.params());
     light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
     if (has_light_map()) light_.draw_background(background_m_, shadow_.maps());
   }
-  if (has_light_map())
+  if (has_light_map() && people)
     light_.draw_people(key_.blocks(), key_.matte(), key_.visible_w(), shadow_.maps());
 }
 
-Result<void> GlesCompositor::draw_mix(bool inspect) {
-  const StageScope stage(timer_, Stage::kMix);
+Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   const bool keyed = tables_.has_background;
   MixInput input;
   input.plate = &plate_.in_view();
@@ -192,41 +217,67 @@ Result<void> GlesCompositor::draw_mix(bool inspect) {
   input.virtual_color = has_objects() ? &light_.virtual_color() : nullptr;
   input.virtual_w = has_objects() ? &light_.virtual_w() : nullptr;
   input.gain = gain_;
-  return mix_.draw(input, inspect);
+  return mix_.draw(input, wanted);
 }
 
-void GlesCompositor::read_outputs(FrameOutput& output) {
-  read_back_rgba(mix_.target(), kMixColor, scratch_);
-  const auto* rgba = reinterpret_cast<const std::uint8_t*>(scratch_.data());
-  for (int y = 0; y < output.color.height(); ++y) {
-    Rgb8* color = output.color.row(y);
-    std::uint8_t* matte = output.matte.row(y);
-    for (int x = 0; x < output.color.width(); ++x, rgba += 4) {
-      color[x] = {rgba[0], rgba[1], rgba[2]};
-      matte[x] = rgba[3];
-    }
+/// Queues the copies of the wanted images. What the scene does not have is filled in by fetch().
+void GlesCompositor::start_read_back(Frame& frame) {
+  const StageScope stage(*frame.timer, Stage::kReadback);
+  frame.read = frame.wanted;
+  if (!tables_.has_background) frame.read &= ~kState;
+  if (!has_light_map()) frame.read &= ~kLight;
+  if (frame.read & (kColor | kMatte)) frame.color_and_matte.start_rgba(mix_.target(), kMixColor);
+  if (frame.read & kMixedDepth) frame.mixed.start_float(mix_.target(), kMixDepth);
+  if (frame.read & kSegmentedDepth) frame.segmented.start_float(mix_.target(), kMixSegmented);
+  if (frame.read & kWarpedDepth) frame.warped_w.start_float(warp_.target(), 0);
+  if (frame.read & kState) frame.state.start_byte(key_.state_target(), 0);
+  if (frame.read & kLight) frame.light.start_float(light_.light_target(), 0);
+  if (frame.read & kLayer) frame.layer.start_byte(mix_.target(), kMixLayer);
+}
+
+Result<void> GlesCompositor::collect(FrameOutput& output) {
+  MIXRIG_TRY(context_.make_current());
+  MIXRIG_ASSIGN(Frame* const frame, flight_.pop());
+  MIXRIG_TRY(frame->done.wait());
+  {
+    const StageScope stage(*frame->timer, Stage::kReadback, true);
+    output.wanted = frame->wanted;
+    size_outputs(tables_.view_size, frame->wanted, output);
+    MIXRIG_TRY(fetch(*frame, output));
   }
-  read_back(mix_.target(), kMixDepth, output.mixed_depth_m, scratch_);
-  read_back(mix_.target(), kMixSegmented, output.segmented_depth_m, scratch_);
+  times_ = frame->timer->finish_frame();
+  return {};
 }
 
-void GlesCompositor::read_inspection(FrameOutput& output) {
-  read_back(warp_.target(), 0, output.warped_depth_m, scratch_);
-  for (int y = 0; y < output.warped_depth_m.height(); ++y)
-    for (int x = 0; x < output.warped_depth_m.width(); ++x) {
-      float& value = output.warped_depth_m.row(y)[x];  // w, negative in cut cells
-      value = value == 0 ? 0 : 1 / std::abs(value);
-    }
-  if (tables_.has_background)
-    read_back(key_.state_target(), 0, output.state, scratch_);
-  else
-    output.state.fill(static_cast<std::uint8_t>(PixelState::kUnknown));
-  decide_states(output.matte, output.state);
-  if (has_light_map())
-    read_back(light_.light_target(), 0, output.light, scratch_);
-  else
+Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
+  const OutputMask read = frame.read;
+  if (read & (kColor | kMatte))
+    MIXRIG_TRY(frame.color_and_matte.fetch(
+        read & kColor ? output.color.view() : ImageView<Rgb8>{},
+        read & kMatte ? output.matte.view() : ImageView<std::uint8_t>{}));
+  if (read & kMixedDepth) MIXRIG_TRY(frame.mixed.fetch(output.mixed_depth_m));
+  if (read & kSegmentedDepth) MIXRIG_TRY(frame.segmented.fetch(output.segmented_depth_m));
+  if (read & kWarpedDepth) {
+    MIXRIG_TRY(frame.warped_w.fetch(output.warped_depth_m));
+    for (int y = 0; y < output.warped_depth_m.height(); ++y)
+      for (int x = 0; x < output.warped_depth_m.width(); ++x) {
+        float& value = output.warped_depth_m.row(y)[x];  // w, negative in cut cells
+        value = value == 0 ? 0 : 1 / std::abs(value);
+      }
+  }
+  if (frame.wanted & kState) {
+    if (read & kState)
+      MIXRIG_TRY(frame.state.fetch(output.state));
+    else
+      output.state.fill(static_cast<std::uint8_t>(PixelState::kUnknown));
+    decide_states(output.matte, output.state);
+  }
+  if (read & kLight)
+    MIXRIG_TRY(frame.light.fetch(output.light));
+  else if (frame.wanted & kLight)
     output.light.fill(1);
-  read_back(mix_.target(), kMixLayer, output.layer, scratch_);
+  if (read & kLayer) MIXRIG_TRY(frame.layer.fetch(output.layer));
+  return {};
 }
 
 }  // namespace

@@ -5,9 +5,9 @@ namespace mixrig::render::gles {
 namespace {
 
 void set_noise(const Program& program, const CorrectParams& params) {
-  program.set("noise_floor_m", params.noise_floor_m);
-  program.set("noise_linear", params.noise_linear);
-  program.set("noise_quadratic_per_m", params.noise_quadratic_per_m);
+  program.set("noise_floor_m", params.noise.floor_m);
+  program.set("noise_linear", params.noise.linear);
+  program.set("noise_quadratic_per_m", params.noise.quadratic_per_m);
   program.set("step_sigmas", params.step_sigmas);
   program.set("step_min_m", params.step_min_m);
   program.set("step_bends", params.step_bends);

@@ -12,11 +12,12 @@
 
 namespace mixrig::render::gles {
 
-inline constexpr float kNearM = 0.01F;  ///< what is nearer is clipped
+inline constexpr auto kNearM = static_cast<float>(kNearestM);  ///< what is nearer is clipped
 
 /// Takes homogeneous points (x, y, z, w) of camera axes to clip space, so that point (x, y, z) / w
 /// lands on its pixel of `camera` in a framebuffer of `size`, and window depth is near / z: 1 at
-/// the near plane, 0 infinitely far. Nearest wins with GL_GREATER and a depth cleared to 0.
+/// the near plane, 0 infinitely far. GL_GREATER and a depth cleared to 0
+/// keep the nearest surface.
 inline glm::mat4 clip_from_camera(const PinholeParams& camera, Size size) {
   const glm::vec2 scale = 2.0F / glm::vec2(size.width, size.height);
   glm::mat4 m(0);
@@ -30,18 +31,13 @@ inline glm::mat4 clip_from_camera(const PinholeParams& camera, Size size) {
   return m;
 }
 
-/// z of a window depth that clip_from_camera made; infinity for an untouched one.
+/// z of a window depth by clip_from_camera; infinity where nothing was drawn.
 inline float z_from_window_depth(float depth) { return kNearM / depth; }
 
 /// The part of a camera's picture that starts at `origin_px`, with `factor` samples a pixel along
 /// each axis, evenly spread: (+-0.25, +-0.25) for two.
 inline PinholeParams window_of(const PinholeParams& camera, glm::vec2 origin_px, float factor) {
   return {camera.focal_px * factor, (camera.center_px - origin_px + 0.5F) * factor - 0.5F};
-}
-
-/// A texture coordinate of a pixel: what sampler2D wants, 0..1 from border to border.
-inline glm::vec2 uv_from_px(glm::vec2 px, Size size) {
-  return (px + 0.5F) / glm::vec2(size.width, size.height);
 }
 
 }  // namespace mixrig::render::gles

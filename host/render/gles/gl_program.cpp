@@ -11,7 +11,7 @@ namespace {
 
 using Files = std::vector<std::string_view>;
 
-/// The driver's words, on one line.
+/// The driver's log, on one line.
 std::string one_line(std::string log) {
   while (!log.empty() && (log.back() == '\n' || log.back() == '\0')) log.pop_back();
   for (char& c : log)

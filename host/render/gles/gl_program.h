@@ -2,6 +2,7 @@
 // Compiled shaders and their uniforms.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,9 +21,15 @@ class Program {
   Program() = default;
   explicit Program(ProgramHandle handle) : handle_(std::move(handle)) {}
   void use() const { glUseProgram(handle_.get()); }
-  /// Looked up once, when a pass is made; -1, which GL ignores, for a name that is not there.
+  /// Looked up once, when a pass is made; -1, which GL ignores, for an unknown name.
   GLint location(const std::string& name) const {
     return glGetUniformLocation(handle_.get(), name.c_str());
+  }
+  /// Invocations along x of a work group of a compute program (its local_size_x).
+  int work_group_size() const {
+    std::array<GLint, 3> size{};
+    glGetProgramiv(handle_.get(), GL_COMPUTE_WORK_GROUP_SIZE, size.data());
+    return size[0];
   }
   /// Sets a uniform by name; binds the program. For values that hold for a take.
   template <typename T>

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <string>
+
+#include <fmt/format.h>
 
 namespace mixrig::render::gles {
 namespace {
@@ -18,34 +19,6 @@ void upload_as(const Texture& texture, ImageView<const T> image, GLenum format, 
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.size.width, image.size.height, format, type,
                   image.data);
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-}
-
-void read_from(const Target& target, int index) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, target.handle.get());
-  glReadBuffer(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(index));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-}
-
-template <typename T>
-void read_first_channel(const Target& target, int index, ImageView<T> out, GLenum type,
-                        Scratch& scratch) {
-  assert(out.size == target.size);
-  read_from(target, index);
-  GLint own_format = 0, own_type = 0;
-  glGetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &own_format);
-  glGetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &own_type);
-  if (own_format == GL_RED && own_type == static_cast<GLint>(type)) {
-    glPixelStorei(GL_PACK_ROW_LENGTH, static_cast<GLint>(out.stride));
-    glReadPixels(0, 0, out.size.width, out.size.height, GL_RED, type, out.data);
-    glPixelStorei(GL_PACK_ROW_LENGTH, 0);
-    return;
-  }
-  // RGBA is what every driver gives.
-  scratch.resize(sizeof(T) * out.size.area());
-  glReadPixels(0, 0, out.size.width, out.size.height, GL_RGBA, type, scratch.data());
-  const T* from = reinterpret_cast<const T*>(scratch.data());
-  for (int y = 0; y < out.size.height; ++y)
-    for (int x = 0; x < out.size.width; ++x, from += 4) out.row(y)[x] = *from;
 }
 
 }  // namespace
@@ -106,28 +79,15 @@ Result<Target> make_target(std::initializer_list<const Texture*> colors, const T
                            0);
   glDrawBuffers(count, buffers.data());
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return target;
-  return Error{ErrorCode::kUnsupported, "the OpenGL ES driver cannot draw into a framebuffer of " +
-                                            std::to_string(target.size.width) + " x " +
-                                            std::to_string(target.size.height) +
-                                            ": use --backend cpu"};
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("the OpenGL ES driver cannot draw into a framebuffer of {} x {}: use "
+                           "--backend cpu",
+                           target.size.width, target.size.height)};
 }
 
 void bind(const Target& target) {
   glBindFramebuffer(GL_FRAMEBUFFER, target.handle.get());
   glViewport(0, 0, target.size.width, target.size.height);
-}
-
-void read_back(const Target& target, int index, ImageView<float> out, Scratch& scratch) {
-  read_first_channel(target, index, out, GL_FLOAT, scratch);
-}
-void read_back(const Target& target, int index, ImageView<std::uint8_t> out, Scratch& scratch) {
-  read_first_channel(target, index, out, GL_UNSIGNED_BYTE, scratch);
-}
-
-void read_back_rgba(const Target& target, int index, Scratch& out) {
-  read_from(target, index);
-  out.resize(target.size.area());
-  glReadPixels(0, 0, target.size.width, target.size.height, GL_RGBA, GL_UNSIGNED_BYTE, out.data());
 }
 
 }  // namespace mixrig::render::gles

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures, targets, and the way of pixels in and out. Row 0 of an image is row 0 of a texture
+// Textures and targets. Row 0 of an image is row 0 of a texture
 // and of a framebuffer (gl_convention.h), so nothing is ever flipped.
 #pragma once
 
 #include <initializer_list>
-#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -56,14 +55,5 @@ Result<Target> make_target(std::initializer_list<const Texture*> colors,
                            const Texture* depth = nullptr);
 /// Draws go to all of this target from now on.
 void bind(const Target& target);
-
-/// Memory of read-backs, kept by the caller: nothing allocates after the first frame.
-using Scratch = std::vector<std::uint32_t>;
-
-/// Read attachment `index` of a target; of several channels the first. Waits for the GPU.
-void read_back(const Target& target, int index, ImageView<float> out, Scratch& scratch);
-void read_back(const Target& target, int index, ImageView<std::uint8_t> out, Scratch& scratch);
-/// RGBA bytes in memory order, rows without gaps.
-void read_back_rgba(const Target& target, int index, Scratch& out);
 
 }  // namespace mixrig::render::gles

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace mixrig::render::gles {
-namespace {
-
-constexpr float kLeastPersonPixels = 6;  // ToF pixels; less is a speckle
-
-}  // namespace
-
 Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& background,
                                 const KeyPassParams& params) {
   KeyPass pass;
@@ -52,7 +46,7 @@ void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, b
   state_.program.set("crop", params.crop);
   state_.program.set("crop_min_m", params.crop_min_m);
   state_.program.set("crop_max_m", params.crop_max_m);
-  speckles_.program.set("least_foreground_px", kLeastPersonPixels * footprint * footprint);
+  speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
   if (use_color_) {
     vote_.program.set("has_sigma", has_sigma);
     gain_ = vote_.program.location("gain");

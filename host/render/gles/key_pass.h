@@ -6,7 +6,7 @@
 
 namespace mixrig::render::gles {
 
-/// What the pass looks at.
+/// Inputs of the pass.
 struct KeyInput {
   const Texture& w;        ///< of WarpPass
   const Texture& plate;    ///< linear light in the view when sampled
@@ -15,7 +15,7 @@ struct KeyInput {
   glm::vec3 gain{1};  ///< ExposureMeter
 };
 
-/// What key_band.frag says of a block.
+/// Flags of a block, as in key_band.frag.
 enum BlockFlags : int { kNear = 1, kBand = 2, kVotes = 4, kHasColor = 8, kMayShowPeople = 16 };
 
 class KeyPass {

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
+
+#include <fmt/format.h>
 
 #include "host/render/gles/gl_convention.h"
 #include "host/render/gles/key_pass.h"
@@ -39,22 +40,21 @@ void set_constants(const Program& program, const Tables& tables, const Composito
   program.set("focal_px", tables.warp.view.focal_px);
   program.set("center_px", tables.warp.view.center_px);
   program.set("lamp_count", static_cast<int>(setup.light.lamps.size()));
-  program.set("map_near_m", kNearM);
   program.set("ambient", setup.light.ambient);
-  const auto blockers = vogel_disc<kBlockerTaps>();
-  const auto shadows = vogel_disc<kShadowTaps>();
-  glUniform2fv(program.location("blocker_taps"), kBlockerTaps, &blockers[0].x);
-  glUniform2fv(program.location("shadow_taps"), kShadowTaps, &shadows[0].x);
+  const auto blockers = vogel_disc<kBlockerTapCount>();
+  const auto shadows = vogel_disc<kShadowTapCount>();
+  glUniform2fv(program.location("blocker_taps"), kBlockerTapCount, &blockers[0].x);
+  glUniform2fv(program.location("shadow_taps"), kShadowTapCount, &shadows[0].x);
 }
 
 }  // namespace
 
 Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup& setup) {
-  if (setup.light.lamps.size() > kMostLamps)
+  if (setup.light.lamps.size() > std::size_t{kMostLamps})
     return Error{ErrorCode::kUnsupported,
-                 "the gles back end draws at most " + std::to_string(kMostLamps) +
-                     " lamps, the scene has " + std::to_string(setup.light.lamps.size()) +
-                     ": use --backend cpu"};
+                 fmt::format("the gles back end draws at most {} lamps, the scene has {}: use "
+                             "--backend cpu",
+                             kMostLamps, setup.light.lamps.size())};
   LightPass pass;
   const Size view = tables.view_size;
   if (tables.has_background)
@@ -76,8 +76,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
   for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
     set_constants(step->program, tables, setup);
-  const float reach = std::round(2 * tables.tof_footprint_px / kLightTilePx);
-  pass.tiles_.program.set("reach", std::max(1, static_cast<int>(reach)));
+  pass.tiles_.program.set("reach", normal_reach_tiles(tables.tof_footprint_px));
   pass.shade_.program.set("exposure", setup.light.exposure);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
   GLuint name = 0;

@@ -7,9 +7,6 @@
 
 namespace mixrig::render::gles {
 
-/// Most lamps of a scene; common/limits.glsl.
-inline constexpr std::size_t kMostLamps = 32;
-
 class LightPass {
  public:
   /// `background_m` is kept by the caller. Errors: kUnsupported for more than kMostLamps.

@@ -1,7 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/gles/mix_pass.h"
 
+#include <array>
+
 namespace mixrig::render::gles {
+namespace {
+
+/// From now on draws into the target reach only the attachments that hold wanted images.
+void choose_attachments(const Target& target, OutputMask wanted) {
+  constexpr std::array<OutputMask, 4> kHeld = {kColor | kMatte, kMixedDepth, kSegmentedDepth,
+                                               kLayer};  // by MixOutput
+  std::array<GLenum, 4> buffers{};
+  for (std::size_t i = 0; i < buffers.size(); ++i)
+    buffers[i] =
+        wanted & kHeld[i] ? GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i) : GLenum{GL_NONE};
+  bind(target);
+  glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
+}
+
+}  // namespace
 
 Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& setup) {
   MixPass pass;
@@ -12,18 +29,18 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   pass.step_.program.set("has_background", tables.has_background);
   pass.step_.program.set("has_color", !setup.background.color.empty());
   pass.step_.program.set("has_objects", !setup.objects.empty());
-  pass.step_.program.set("contact_slack_m", kContactSlackM);
   pass.gain_ = pass.step_.program.location("gain");
   pass.has_light_ = pass.step_.program.location("has_light");
   return pass;
 }
 
-Result<void> MixPass::draw(const MixInput& input, bool layer) {
-  if (layer && !layer_target_.handle) {
+Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
+  has_layer_ = wanted & kLayer;
+  if (has_layer_ && !layer_target_.handle) {
     layer_ = make_texture(color_.size, GL_R8);
     MIXRIG_ASSIGN(layer_target_, make_target({&color_, &mixed_, &segmented_, &layer_}));
   }
-  has_layer_ = layer;
+  choose_attachments(target(), wanted);
   step_.program.use();
   set_uniform(has_light_, input.light != nullptr);
   set_uniform(gain_, input.gain);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: colour with matte, mixed depth and segmented depth in one draw.
+// Pass mix: colour with matte, mixed depth, segmented depth and layer in one draw.
 #pragma once
 
 #include "host/render/gles/gl_step.h"
 
 namespace mixrig::render::gles {
 
-/// What the pass looks at; null where the scene has none.
+/// Inputs of the pass; null where the scene has none.
 struct MixInput {
   const Texture* plate = nullptr;
   const Texture* visible_w = nullptr;
@@ -25,8 +25,9 @@ enum MixOutput : int { kMixColor = 0, kMixDepth = 1, kMixSegmented = 2, kMixLaye
 class MixPass {
  public:
   static Result<MixPass> create(const Tables& tables, const CompositorSetup& setup);
-  /// Errors: kUnsupported at the first call with `layer`, which also draws render::Layer.
-  Result<void> draw(const MixInput& input, bool layer);
+  /// Draws the attachments that hold `wanted` images. Errors: kUnsupported at the first call with
+  /// kLayer.
+  Result<void> draw(const MixInput& input, OutputMask wanted);
   /// What the last draw() drew into; attachments as MixOutput.
   const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
 

@@ -2,7 +2,8 @@
 #include "host/render/gles/shadow_pass.h"
 
 #include <algorithm>
-#include <string>
+
+#include <fmt/format.h>
 
 #include "host/render/gles/gl_convention.h"
 
@@ -34,10 +35,10 @@ Result<void> ShadowPass::allocate(int size_texel, std::size_t lamps) {
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps_.get(), 0,
                               static_cast<GLint>(i));
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-      return Error{ErrorCode::kUnsupported, "the OpenGL ES driver cannot draw " +
-                                                std::to_string(lamps) + " shadow maps of " +
-                                                std::to_string(size_texel) +
-                                                " texels: use --backend cpu or fewer lamps"};
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("the OpenGL ES driver cannot draw {} shadow maps of {} texels: use "
+                               "--backend cpu or fewer lamps",
+                               lamps, size_texel)};
   }
   return {};
 }

@@ -13,7 +13,7 @@ class ShadowPass {
  public:
   static Result<ShadowPass> create();
   /// Draws the maps of all lamps that have one; `meshes` as params.draws. Allocates only when the
-  /// size of the maps changes. Errors: kUnsupported where they have no memory.
+  /// size of the maps changes. Errors: kUnsupported where there is no memory for them.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
   /// GL_TEXTURE_2D_ARRAY of window depths (gl_convention.h: near / z, 0 for nothing), a layer a

@@ -32,7 +32,8 @@ StageTimer::~StageTimer() {
   if (queries_[0] != 0) glDeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
 }
 
-void StageTimer::begin_frame() {
+void StageTimer::begin_frame(bool alone) {
+  alone_ = alone;
   times_.fill(0);
   on_gpu_.fill(false);
 }
@@ -44,17 +45,19 @@ void StageTimer::begin(Stage stage, bool on_host) {
     push_group_(GL_DEBUG_SOURCE_APPLICATION_KHR, 0, static_cast<GLsizei>(label.size()),
                 label.data());
   }
-  on_gpu_[open_] = query_counter_ && !on_host;
-  if (on_gpu_[open_]) query_counter_(query(open_, false), GL_TIMESTAMP_EXT);
-  if (on_host) glFinish();  // what the GPU still draws is not the host's
+  open_on_host_ = on_host;
+  if (query_counter_ && !on_host) {
+    on_gpu_[open_] = true;
+    query_counter_(query(open_, false), GL_TIMESTAMP_EXT);
+  }
   began_ = clock_.now();
 }
 
 void StageTimer::end() {
-  if (on_gpu_[open_]) {
+  if (query_counter_ && !open_on_host_) {
     query_counter_(query(open_, true), GL_TIMESTAMP_EXT);
   } else {
-    glFinish();
+    if (!open_on_host_ && alone_) glFinish();
     times_[open_] += static_cast<float>(milliseconds(clock_.now() - began_));
   }
   if (pop_group_) pop_group_();
@@ -67,12 +70,13 @@ double StageTimer::gpu_ms(std::size_t stage) const {
   return end_ns > begin_ns ? static_cast<double>(end_ns - begin_ns) * 1e-6 : 0.0;
 }
 
-void StageTimer::finish_frame() {
-  // After a disjoint operation (a change of clock rate) stamps mean nothing: the frame tells 0.
+const StageTimes& StageTimer::finish_frame() {
+  // After a disjoint operation (a change of clock rate) stamps mean nothing: they count as 0.
   GLint disjoint = 0;
   if (query_counter_) glGetIntegerv(GL_GPU_DISJOINT_EXT, &disjoint);
   for (std::size_t stage = 0; stage < kStages; ++stage)
-    if (on_gpu_[stage] && !disjoint) times_[stage] = static_cast<float>(gpu_ms(stage));
+    if (on_gpu_[stage] && !disjoint) times_[stage] += static_cast<float>(gpu_ms(stage));
+  return times_;
 }
 
 }  // namespace mixrig::render::gles

@@ -14,9 +14,10 @@
 
 namespace mixrig::render::gles {
 
-/// Times of the stages of a frame. With GL_EXT_disjoint_timer_query the GPU stamps a stage's
-/// begin and end; without, and on the host's stages, the wall clock counts and a GPU stage ends
-/// with glFinish. Stages do not nest.
+/// Times of the stages of one frame. With GL_EXT_disjoint_timer_query the GPU stamps a stage's
+/// begin and end and nothing waits. Without, the wall clock counts: a frame that is alone on the
+/// GPU waits after each stage; in a frame that is queued behind another one, GPU stages only count
+/// what queueing them took. The host's stages always count wall time. Stages do not nest.
 class StageTimer {
  public:
   explicit StageTimer(const EglContext& context);
@@ -24,13 +25,14 @@ class StageTimer {
   StageTimer& operator=(const StageTimer&) = delete;
   ~StageTimer();
 
-  void begin_frame();
-  /// `on_host`: the stage works on the host or waits for it (upload, read-back).
+  /// `alone`: nothing else is queued on the GPU.
+  void begin_frame(bool alone);
+  /// `on_host`: the stage works on the host (upload, copies out of buffers). Times of a stage that
+  /// runs both on the GPU and on the host add up.
   void begin(Stage stage, bool on_host = false);
   void end();
-  /// Waits until all is drawn and gathers the times; a stage that did not run keeps 0.
-  void finish_frame();
-  const StageTimes& times() const { return times_; }
+  /// The times, once the GPU has drawn the frame; a stage that did not run has 0.
+  const StageTimes& finish_frame();
 
  private:
   static constexpr std::size_t kStages = static_cast<std::size_t>(Stage::kCount);
@@ -46,6 +48,7 @@ class StageTimer {
   std::array<GLuint, 2 * kStages> queries_{};
   std::array<bool, kStages> on_gpu_{};
   std::size_t open_ = kStages;
+  bool alone_ = true, open_on_host_ = false;
   HostTime began_{};
   StageTimes times_{};
 };

@@ -8,7 +8,6 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kSamples = 2;  // along each axis of a pixel
 constexpr int kGrain = 128;  // samples by which the window grows
 
 int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
@@ -39,7 +38,7 @@ Result<void> VirtualPass::grow(Size samples) {
 
 Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuMesh>& meshes) {
   const Rect& rect = params.virtual_rect;
-  const Size samples{kSamples * (rect.x1 - rect.x0), kSamples * (rect.y1 - rect.y0)};
+  const Size samples{kVirtualSamples * (rect.x1 - rect.x0), kVirtualSamples * (rect.y1 - rect.y0)};
   MIXRIG_TRY(grow(samples));
   glBindFramebuffer(GL_FRAMEBUFFER, target_.handle.get());
   glViewport(0, 0, samples.width, samples.height);
@@ -54,7 +53,7 @@ Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuM
   for (std::size_t i = 0; i < params.draws.size(); ++i) {
     const Draw& draw = params.draws[i];
     const PinholeParams window =
-        window_of(draw.params.view, glm::vec2(rect.x0, rect.y0), float(kSamples));
+        window_of(draw.params.view, glm::vec2(rect.x0, rect.y0), float(kVirtualSamples));
     draw.mesh->double_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     set_uniform(at_.camera_from_object, draw.params.camera_from_object);
     set_uniform(at_.camera_from_object_normal, draw.params.camera_from_object_normal);

@@ -12,8 +12,8 @@ namespace mixrig::render::gles {
 class VirtualPass {
  public:
   static Result<VirtualPass> create();
-  /// `meshes` as params.draws. Errors: kUnsupported where a larger window has no memory. Allocates
-  /// only while the rectangle grows past any before.
+  /// `meshes` as params.draws. Errors: kUnsupported where there is no memory for a larger window.
+  /// Allocates only where the rectangle is larger than all before.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
   /// Samples of the window that starts at the rectangle's corner: linear albedo with alpha 1 where

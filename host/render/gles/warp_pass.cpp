@@ -8,9 +8,6 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kGroup = 64;                // cells a work group, as in cells.comp
-constexpr std::size_t kMostIndices = 24;  // of one cell: four quarters of two triangles
-
 BufferHandle make_buffer(GLenum target, std::size_t bytes, GLenum usage) {
   GLuint name = 0;
   glGenBuffers(1, &name);
@@ -28,6 +25,7 @@ Result<WarpPass> WarpPass::create(const Tables& tables) {
   pass.depth_ = make_texture(tables.view_size, GL_DEPTH_COMPONENT32F);
   MIXRIG_ASSIGN(pass.target_, make_target({&pass.w_}, &pass.depth_));
   MIXRIG_ASSIGN(pass.cells_, make_program("cells.comp"));
+  pass.group_cells_ = pass.cells_.work_group_size();
   MIXRIG_ASSIGN(pass.warp_, make_program("warp.vert", "warp.frag"));
   pass.warp_.set("camera_from_tof", tables.warp.camera_from_tof);
   pass.warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
@@ -36,7 +34,7 @@ Result<WarpPass> WarpPass::create(const Tables& tables) {
   pass.vertex_array_ = VertexArrayHandle(name);
   glBindVertexArray(name);
   pass.indices_ =
-      make_buffer(GL_ELEMENT_ARRAY_BUFFER, kMostIndices * sizeof(GLuint) * tables.tof_size.area(),
+      make_buffer(GL_ELEMENT_ARRAY_BUFFER, kCellIndices * sizeof(GLuint) * tables.tof_size.area(),
                   GL_DYNAMIC_COPY);
   pass.arguments_ = make_buffer(GL_DRAW_INDIRECT_BUFFER, 5 * sizeof(GLuint), GL_DYNAMIC_COPY);
   glBindVertexArray(0);
@@ -52,7 +50,7 @@ void WarpPass::find_triangles(const Texture& vertices) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, arguments_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, indices_.get());
   const int cells = (tof_size_.width - 1) * (tof_size_.height - 1);
-  glDispatchCompute(static_cast<GLuint>((cells + kGroup - 1) / kGroup), 1, 1);
+  glDispatchCompute(static_cast<GLuint>((cells + group_cells_ - 1) / group_cells_), 1, 1);
   // The next frame resets the arguments: that write waits as well.
   glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT |
                   GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass warp: triangles of the ToF grid, drawn into the view, nearest wins.
+// Pass warp: triangles of the ToF grid, drawn into the view; the nearest surface is kept.
 #pragma once
 
 #include "host/render/gles/gl_program.h"
@@ -20,6 +20,7 @@ class WarpPass {
   void find_triangles(const Texture& vertices) const;
 
   Size tof_size_;
+  int group_cells_ = 1;  ///< of a work group of cells.comp
   Texture w_, depth_;
   Target target_;
   BufferHandle arguments_, indices_;

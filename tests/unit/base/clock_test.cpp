@@ -19,19 +19,19 @@ static_assert(Subtractable<HostTime, HostTime>);
 static_assert(!Subtractable<HostTime, McuTime>, "clock domains must not mix");
 static_assert(!std::is_convertible_v<DeviceTime, HostTime>);
 
-TEST(ManualClock, MovesOnlyWhenTold) {
+TEST(ManualClock, MovesOnlyByAdvanceAndSleep) {
   ManualClock clock;
   const HostTime start = clock.now();
   EXPECT_EQ(clock.now(), start);
   clock.advance(std::chrono::milliseconds(10));
   EXPECT_EQ(milliseconds(clock.now() - start), 10.0);
-  clock.sleep_until(start);  // the past: no way back
+  clock.sleep_until(start);  // the past: no effect
   EXPECT_EQ(milliseconds(clock.now() - start), 10.0);
   clock.sleep_until(start + std::chrono::seconds(1));
   EXPECT_EQ(seconds(clock.now() - start), 1.0);
 }
 
-/// What every Clock promises.
+/// The contract of every Clock.
 template <typename C>
 class ClockContract : public ::testing::Test {
  protected:
@@ -49,7 +49,7 @@ TYPED_TEST(ClockContract, NeverRunsBackwards) {
   }
 }
 
-TYPED_TEST(ClockContract, SleepsAtLeastUntilThenAndNotForThePast) {
+TYPED_TEST(ClockContract, SleepsUntilTheGivenTimeAndNotForAPastOne) {
   const HostTime start = this->clock_.now();
   const HostTime until = start + std::chrono::milliseconds(2);
   this->clock_.sleep_until(until);

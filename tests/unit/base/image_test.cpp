@@ -46,7 +46,7 @@ TEST(Image, MovedFromIsEmpty) {
   EXPECT_EQ(b.at(3, 3), 1);
 }
 
-TEST(Image, EmptyImageIsHarmless) {
+TEST(Image, EmptyImageCanBeFilledAndCopied) {
   Image<int> a;
   a.fill(1);
   const Image<int> b = a;

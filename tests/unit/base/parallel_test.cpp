@@ -23,7 +23,7 @@ TEST_P(CrewTest, CoversEveryRowOnce) {
   }
 }
 
-TEST_P(CrewTest, ManyCallsInARowEndEveryTime) {
+TEST_P(CrewTest, ManyCallsInARowAllReturn) {
   Crew crew(GetParam());
   std::atomic<int> sum = 0;
   for (int i = 0; i < 2000; ++i) crew.rows(4, 1, [&](int begin, int end) { sum += end - begin; });

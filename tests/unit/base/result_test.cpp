@@ -30,13 +30,13 @@ TEST(Result, HoldsAValueOrAnError) {
   EXPECT_EQ(half(3).error().code, ErrorCode::kData);
 }
 
-TEST(Result, AssignLeavesWithTheFirstError) {
+TEST(Result, AssignReturnsTheFirstError) {
   EXPECT_EQ(*quarter(8), 2);
   EXPECT_FALSE(quarter(6));
   EXPECT_FALSE(quarter(5));
 }
 
-TEST(Result, TryLeavesWithTheError) {
+TEST(Result, TryReturnsTheError) {
   EXPECT_TRUE(check(1));
   EXPECT_EQ(check(0).error().context, "not positive");
 }

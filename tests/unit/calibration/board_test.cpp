@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration/board.h"
+#include "host/calibration/board/board.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/camera_io/calibration.h"
-#include "host/camera_io/exchange.h"
+#include "host/calibration_file/calibration.h"
+#include "host/calibration_file/exchange.h"
 #include "tests/unit/calibration/drawn_board.h"
 #include "tests/unit/tools/tiny_take.h"
 
@@ -49,13 +49,13 @@ const std::string kBoard = " --board checkerboard:9x6:25mm ";
 TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   const TinyTake& take = folder();
   const Outcome done = take.mixrig("calibrate intrinsics view?.png empty.png" + kBoard +
-                                   "--out c.yaml --json r.json --picture p.png --opencv o.yml "
+                                   "--out c.toml --json r.json --picture p.png --opencv o.yml "
                                    "--kalibr k.yaml --mrcal m.cameramodel --lens 2");
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_NE(done.out.find("empty.png"), std::string::npos)
-      << done.out;  // told that it shows no board
+      << done.out;  // the report says that it shows no board
   EXPECT_NE(done.out.find("verdict       go"), std::string::npos) << done.out;
-  const auto read = camera_io::read_calibration(take.path("c.yaml"));
+  const auto read = calibration_file::read_calibration(take.path("c.toml"));
   ASSERT_TRUE(read) << read.error().context;
   const auto* camera = read->camera("target");
   ASSERT_NE(camera, nullptr);
@@ -66,7 +66,7 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   EXPECT_LT(camera->residual_px, 0.05);
   EXPECT_EQ(camera->origin.input_hash.size(), 16U);
   for (const char* name : {"o.yml", "k.yaml", "m.cameramodel"}) {
-    const auto other = camera_io::read_cameras(take.path(name));
+    const auto other = calibration_file::read_cameras(take.path(name));
     ASSERT_TRUE(other) << other.error().context;
     EXPECT_EQ(geometry::parameters_of(other->front().model), v) << name;
   }
@@ -76,11 +76,11 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   EXPECT_EQ(report["uncertainty"]["sigma_px"].size(), 12U * 9U);
   EXPECT_TRUE(fs::exists(take.path("p.png")));
   // The same name for another camera is asked about.
-  take.edit("c.yaml", "parameters: [5", "parameters: [7");
-  const Outcome again = take.mixrig("calibrate intrinsics view?.png" + kBoard + "--out c.yaml");
+  take.edit("c.toml", "fx = 5", "fx = 7");
+  const Outcome again = take.mixrig("calibrate intrinsics view?.png" + kBoard + "--out c.toml");
   EXPECT_EQ(again.status, 0);
   EXPECT_NE(again.err.find("swapped"), std::string::npos) << again.err;
-  for (const char* name : {"c.yaml", "r.json", "p.png", "o.yml", "k.yaml", "m.cameramodel"})
+  for (const char* name : {"c.toml", "r.json", "p.png", "o.yml", "k.yaml", "m.cameramodel"})
     fs::remove(take.path(name));
 }
 
@@ -95,8 +95,10 @@ TEST(CalibrateIntrinsics, TellsWhichViewsItDoesNotUse) {
   for (const auto& view : report["views"]) {
     const std::string name = view["name"], why = view.value("why_not", "");
     EXPECT_EQ(view["used"], name != "blurred.png" && name != "half.png") << name;
-    const char* told = name == "blurred.png" ? "blurred: " : name == "half.png" ? "not found" : "";
-    EXPECT_NE(why.find(told), std::string::npos) << name << ": " << why;
+    const char* expected = name == "blurred.png" ? "blurred: "
+                           : name == "half.png"  ? "not found"
+                                                 : "";
+    EXPECT_NE(why.find(expected), std::string::npos) << name << ": " << why;
   }
   // The verdict needs more views than these.
   const Outcome few = take.mixrig("calibrate intrinsics view1.png view2.png view3.png view4.png" +
@@ -109,7 +111,7 @@ TEST(CalibrateIntrinsics, RefusesBadInputInOneLine) {
   const TinyTake& take = folder();
   const auto before = take.contents();
   struct Case {
-    const char *words, *told;
+    const char *words, *expected;
     int status;
   };
   for (const Case& c :
@@ -124,10 +126,10 @@ TEST(CalibrateIntrinsics, RefusesBadInputInOneLine) {
         Case{"view1.png --board checkerboard:9x6:25mm --lens 3", "--lens 3", 2},
         Case{"view1.png --board checkerboard:9x6:25mm --model round", "--model", 2}}) {
     const Outcome outcome = take.mixrig("calibrate intrinsics " + std::string(c.words) +
-                                        " --out bad.yaml --picture bad.png");
+                                        " --out bad.toml --picture bad.png");
     EXPECT_EQ(outcome.status, c.status) << c.words << ": " << outcome.err;
     EXPECT_EQ(outcome.error_lines(), 1) << c.words << ": " << outcome.err;
-    EXPECT_NE(outcome.err.find(c.told), std::string::npos) << c.words << ": " << outcome.err;
+    EXPECT_NE(outcome.err.find(c.expected), std::string::npos) << c.words << ": " << outcome.err;
   }
   EXPECT_EQ(take.contents(), before);
 }

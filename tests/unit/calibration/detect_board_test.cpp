@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration/detect_board.h"
+#include "host/calibration/board/detect_board.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/base/image.h"
-#include "host/calibration/board.h"
+#include "host/calibration/board/board.h"
 #include "host/geometry/pose.h"
 
 namespace mixrig::test {

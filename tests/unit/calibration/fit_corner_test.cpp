@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration/fit_corner.h"
+#include "host/calibration/board/fit_corner.h"
 
 #include <cmath>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration/intrinsics.h"
+#include "host/calibration/intrinsics/intrinsics.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/calibration/suggest_board.h"
-#include "host/calibration/uncertainty.h"
+#include "host/calibration/board/suggest_board.h"
+#include "host/calibration/intrinsics/uncertainty.h"
 #include "tests/unit/calibration/drawn_board.h"
 
 namespace mixrig::calibration {
@@ -148,7 +148,7 @@ TEST(Intrinsics, RefusesWhatCannotCarryAnAnswer) {
   EXPECT_NE(refusal({}).find("only 0 usable views"), std::string::npos);
   EXPECT_NE(refusal(observe(pinhole(), many_poses(1, 0.42, 2), 0.1, 1)).find("only 2 usable"),
             std::string::npos);
-  // The same flat view again and again: focal length and distance cannot be told apart.
+  // The same flat view again and again: focal length and distance are not separable.
   const std::vector<geometry::Pose> flat(10, test::board_pose(kBoard, {0, 0, 0}, {0, 0, 0.5}));
   EXPECT_NE(refusal(observe(pinhole(), flat, 0.1, 2)).find("alike"), std::string::npos)
       << refusal(observe(pinhole(), flat, 0.1, 2));
@@ -160,7 +160,7 @@ TEST(Intrinsics, RefusesWhatCannotCarryAnAnswer) {
       observe(geometry::make_camera(LensKind::kPinhole, kSize, other), many_poses(6, 0.55), 0.1, 4);
   std::copy(foreign.begin(), foreign.begin() + 7, mixed.begin());
   const auto both = solve_intrinsics(kBoard, kSize, mixed, {});
-  // Poses take up most of a difference in focal length; the residual still tells.
+  // Poses take up most of a difference in focal length; the residual still shows it.
   EXPECT_TRUE(!both || both->sigma_px > 0.3);
   auto broken = observe(pinhole(), many_poses(7), 0.1, 7);
   broken[0].board.px[3].x() = NAN;

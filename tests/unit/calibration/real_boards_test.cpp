@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "host/calibration/intrinsics.h"
+#include "host/calibration/intrinsics/intrinsics.h"
 #include "host/image_io/image_io.h"
 
 namespace mixrig::calibration {

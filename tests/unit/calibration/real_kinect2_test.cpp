@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/calibration/intrinsics.h"
-#include "host/calibration/rig_terms.h"
+#include "host/calibration/intrinsics/intrinsics.h"
+#include "host/calibration/rig/rig_terms.h"
 #include "host/estimation/verdict.h"
 
 namespace mixrig::calibration {
@@ -155,7 +155,7 @@ TEST(Kinect2, BothTogetherGiveThePublishedMounting) {
   const Eigen::Vector3d published_mm(-52.20, -0.26, 0.63), published_sigma_mm(0.33, 0.32, 1.01);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(mm[axis], published_mm[axis], published_sigma_mm[axis]) << axis;
-    // Theirs comes from the same corners; the toolbox tells three sigmas.
+    // Theirs comes from the same corners; the toolbox states three sigmas.
     EXPECT_NEAR(3 * sigma_mm[axis], published_sigma_mm[axis], 0.5 * published_sigma_mm[axis])
         << axis;
   }

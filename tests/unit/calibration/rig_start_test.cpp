@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // First model of a rig from corners that were projected by hand, with the finder's mistakes.
-#include "host/calibration/rig_start.h"
+#include "host/calibration/rig/rig_start.h"
 
 #include <cmath>
 #include <random>
@@ -64,7 +64,7 @@ RigData data_of(const Truth& truth, double tilt_deg = 25) {
   return data;
 }
 
-/// The finder took the board for one that lies a square further: its own camera cannot tell.
+/// The finder shifted the board by a square: not visible in its own camera alone.
 void shift(std::vector<SeenCorner>& corners) {
   for (SeenCorner& corner : corners) corner.uv.x() += 1;
 }

@@ -6,12 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibration/depth_fit.h"
-#include "host/calibration/rig_start.h"
+#include "host/calibration/rig/depth_fit.h"
+#include "host/calibration/rig/rig_start.h"
 #include "host/estimation/verdict.h"
-#ifdef MIXRIG_HAS_STUDIO
-#include "host/studio/board_pattern.h"
-#endif
+#include "host/studio/board/board_pattern.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -26,7 +24,6 @@ ViewSet set_of(bool charuco) {
   return set;
 }
 
-#ifdef MIXRIG_HAS_STUDIO
 /// Mean ink of the studio's print under a Gaussian, by a sum over a fine lattice.
 double summed_ink(const studio::BoardPattern& pattern, const Eigen::Vector2d& uv,
                   const Eigen::Matrix2d& covariance, double square_m) {
@@ -79,7 +76,6 @@ TEST(BoardTexture, markers_of_the_studio_are_those_of_the_dictionary) {
         EXPECT_EQ(print->ink[m * 36 + static_cast<std::size_t>((j + 1) * 6 + i + 1)] == 0,
                   (bits[m] >> (15 - 4 * j - i) & 1) != 0);
 }
-#endif
 
 TEST(BoardTexture, derivatives_are_those_of_its_value) {
   Eigen::Matrix2d covariance;
@@ -109,7 +105,7 @@ TEST(SplineBasis, sums_to_one_and_meets_its_knots) {
     EXPECT_NEAR(values[static_cast<Eigen::Index>(k)], 1, 1e-12);
     EXPECT_NEAR(values.cwiseAbs().sum(), 1, 1e-12);
   }
-  camera_io::DepthError error;
+  calibration_file::DepthError error;
   error.knots_m = knots, error.error_m = {0.01, -0.02, 0.005, 0.0, 0.03};
   for (double at = 0.3; at < 2.3; at += 0.037) {
     spline_basis(knots, at, values);

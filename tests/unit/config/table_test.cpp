@@ -38,7 +38,11 @@ TEST(Table, GettersReturnWhatTheFileSays) {
   EXPECT_EQ(root.one_of("word", {"one", "two"}, 0), 1);
   EXPECT_EQ(root.numbers("v", 1, 3), (std::vector<double>{1, 2.5}));
   EXPECT_EQ(root.matrix("m", 2, 2), (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(root.size_of("m"), 2U);
+  EXPECT_EQ(root.size_of("n"), 0U) << "no array";
   EXPECT_EQ(root.table("s").integer("k", {0, 9}), 1);
+  EXPECT_EQ(root.table("s").keys(), std::vector<std::string>{"k"});
+  EXPECT_TRUE(root.table("absent").keys().empty());
   const auto list = root.tables("list");
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list[0].integer("a", {0, 9}), 1);
@@ -49,7 +53,7 @@ TEST(Table, GettersReturnWhatTheFileSays) {
   EXPECT_TRUE(document.finish());
 }
 
-TEST(Table, UnknownKeyIsToldWithLineAndNearestBeforeTheMissingOne) {
+TEST(Table, ReportsAnUnknownKeyWithLineAndNearestBeforeTheMissingOne) {
   EXPECT_EQ(
       line_of("[key]\n\ntreshold_m = 1\n", [](Table t) { t.table("key").number("threshold_m"); }),
       "a.toml:3: key \"key.treshold_m\": not known: did you mean \"threshold_m\"?");
@@ -62,7 +66,7 @@ TEST(Table, UnknownKeyIsToldWithLineAndNearestBeforeTheMissingOne) {
             "a.toml:4: key \"o.b\": not known: remove it");
 }
 
-TEST(Table, WrongValuesAreToldWithLineRangeAndWhatToDo) {
+TEST(Table, ReportsWrongValuesWithLineRangeAndWhatToDo) {
   EXPECT_EQ(line_of("\nfx = -1\n",
                     [](Table t) {
                       t.number("fx", {0, 10});
@@ -86,6 +90,8 @@ TEST(Table, WrongValuesAreToldWithLineRangeAndWhatToDo) {
             "a.toml:1: key \"v\": must be an array of 3 numbers: correct the value");
   EXPECT_EQ(line_of("m = [[1, 2], [3]]\n", [](Table t) { t.matrix("m", 2, 2); }),
             "a.toml:1: key \"m\": must be 2 arrays of 2 numbers: correct the value");
+  EXPECT_EQ(line_of("m = [[1, nan], [3, 4]]\n", [](Table t) { t.matrix("m", 2, 2); }),
+            "a.toml:1: key \"m\": must be 2 arrays of 2 finite numbers: correct the value");
   EXPECT_EQ(line_of("w = \"x\"\n",
                     [](Table t) {
                       t.one_of("w", {"a", "b"}, 0);
@@ -109,7 +115,7 @@ TEST(Document, BadTomlIsOneLineWithItsPlace) {
   EXPECT_EQ(broken.error().context.find('\n'), std::string::npos);
 }
 
-TEST(Document, NestingThatWouldEndTheStackIsRefused) {
+TEST(Document, NestingThatWouldOverflowTheStackIsRefused) {
   std::string deep = "a";
   for (int i = 0; i < 200000; ++i) deep += ".a";
   EXPECT_FALSE(Document::parse(deep + " = 1\n", "a.toml"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/external.h"
+#include "host/estimation/pose/external.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ using geometry::Pose;
 
 constexpr double kSigma_rad = 5e-4, kSigma_m = 5e-3;
 
-/// Six markers about 1.5 m before a camera, as in paper C's figure 28.
+/// Six markers about 1.5 m before a camera, as in Cortes Reina 2015, figure 28.
 std::vector<RangedSight> sights_of(const Pose& world_from_camera, std::uint64_t seed,
                                    double noise = 1) {
   test::RandomGeometry random(seed);

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/constellation.h"
-#include "host/estimation/rigid_fit.h"
+#include "host/estimation/markers/constellation.h"
+#include "host/estimation/points/rigid_fit.h"
 
 namespace mixrig::estimation {
 namespace {
@@ -62,7 +62,7 @@ TEST_F(MocapData, FitsMotivesPoseAndResidual) {
   double squared = 0, angle = 0, distance = 0;
   int count = 0;
   for (const auto& [frame, points] : markers) {
-    // Five labelled markers and a foreign one, told apart by shape alone.
+    // Five labelled markers and a foreign one, separated by shape alone.
     const auto match = match_constellation(kRaceQuad_m, points, {0.001, 0});
     ASSERT_TRUE(match.usable()) << "frame " << frame << ": " << match.verdict.reason;
     ASSERT_EQ(match.inliers.size(), 5u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/multilateration.h"
+#include "host/estimation/points/multilateration.h"
 
 #include <cmath>
 
@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
-/// Paper C, Table 4: calibration constellation (mocap) and its distances to the ToF sensor.
+/// Cortes Reina 2015, table 4: calibration constellation (mocap) and its distances to the ToF
+/// sensor.
 const Points kTable4_m = {{-0.5621, 0.8845, 0.1361},  {-0.2766, 0.8795, -0.1999},
                           {-0.1235, 0.8763, -0.1048}, {-0.4262, 0.8293, -0.5435},
                           {-0.7955, 0.9407, -0.4388}, {-0.7856, 0.8576, -0.3155}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/rigid_fit.h"
+#include "host/estimation/points/rigid_fit.h"
 
 #include <limits>
 
@@ -30,7 +30,7 @@ TEST(RigidFit, RecoversAMotionExactly) {
 }
 
 TEST(RigidFit, StaysARotationForCoplanarPoints) {
-  // Paper C's formula without the determinant mirrors this set.
+  // Cortes Reina 2015, eq. 82, has no determinant and mirrors this set.
   const Points a = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1.3, 1, 0}};
   const geometry::Pose truth{rotation_exp({3.0, 0.4, 0.1}), {1, 2, 3}};
   const auto fit = rigid_fit(a, moved(a, truth));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/triangulation.h"
+#include "host/estimation/points/triangulation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong on a controller: each fault is injected, named and counted.
+// Faults of the controller: each is injected and must be counted by its name.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ using protocol::Verdict;
 struct AppFault : ::testing::Test {
   SimBoard board;
   BoardClient host{board};
-  void SetUp() override { ASSERT_EQ(host.greet(), Verdict::kOk); }
+  void SetUp() override { ASSERT_EQ(host.say_hello(), Verdict::kOk); }
 };
 
 TEST_F(AppFault, tick_interrupt_late_is_counted_and_edges_stay_exact) {
@@ -100,7 +100,7 @@ TEST_F(AppFault, telemetry_overrun_is_counted_and_replies_still_come) {
   EXPECT_EQ(host.faults(Fault::kTickMissed), 0);
 }
 
-TEST_F(AppFault, received_bytes_that_find_no_room_are_counted) {
+TEST_F(AppFault, received_bytes_without_room_are_counted) {
   board.hang_main_loop();
   board.receive(std::vector<std::uint8_t>(300, 0x55));
   board.hang_main_loop(false);
@@ -108,7 +108,7 @@ TEST_F(AppFault, received_bytes_that_find_no_room_are_counted) {
   EXPECT_GE(host.faults(Fault::kRxOverrun), 300 - 256);
 }
 
-TEST_F(AppFault, replies_that_find_no_room_are_counted_and_later_ones_come) {
+TEST_F(AppFault, replies_without_room_are_counted_and_later_ones_are_sent) {
   std::array<std::uint8_t, protocol::kMaxWire> wire;
   const std::size_t n = protocol::encode_frame(protocol::Status::kId, 9, {}, wire);
   board.hold_transmitter(true);
@@ -121,9 +121,9 @@ TEST_F(AppFault, replies_that_find_no_room_are_counted_and_later_ones_come) {
 
 TEST_F(AppFault, garbage_is_counted_and_commands_still_work) {
   std::mt19937 random(7);
-  std::vector<std::uint8_t> garbage(64 * 1024);
-  for (auto& byte : garbage) byte = static_cast<std::uint8_t>(random());
-  board.receive(garbage);
+  std::vector<std::uint8_t> noise(64 * 1024);
+  for (auto& byte : noise) byte = static_cast<std::uint8_t>(random());
+  board.receive(noise);
   board.transmitted();
   EXPECT_GT(host.faults(Fault::kFrameBad), 100);
 }
@@ -137,25 +137,25 @@ TEST_F(AppFault, watchdog_resets_a_hung_main_loop_and_lines_go_safe) {
   board.advance_by(600'000);
   EXPECT_EQ(board.resets(), 1u);
   EXPECT_EQ(board.driven(), 0);
-  EXPECT_EQ(host.ask(protocol::Status{}), Verdict::kGreetFirst);
-  host.greet();
+  EXPECT_EQ(host.ask(protocol::Status{}), Verdict::kHelloFirst);
+  host.say_hello();
   EXPECT_EQ(host.faults(Fault::kWatchdog), 1);
 }
 
-TEST_F(AppFault, watchdog_also_bites_when_ticks_stop) {
+TEST_F(AppFault, watchdog_also_resets_when_ticks_stop) {
   board.block_interrupts(700'000);
   board.advance_by(650'000);
   EXPECT_EQ(board.resets(), 1u);
 }
 
-TEST_F(AppFault, reset_in_mid_run_is_seen_by_the_next_command) {
+TEST_F(AppFault, reset_during_a_run_is_reported_by_the_next_command) {
   host.set(0, 1, 0, 5);
   host.run();
   board.advance_by(100'000);
   board.reset(protocol::ResetCause::kPower);
-  EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kGreetFirst);
-  EXPECT_EQ(host.ask(protocol::Status{}), Verdict::kGreetFirst);
-  EXPECT_EQ(host.greet(), Verdict::kOk);
+  EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kHelloFirst);
+  EXPECT_EQ(host.ask(protocol::Status{}), Verdict::kHelloFirst);
+  EXPECT_EQ(host.say_hello(), Verdict::kOk);
   EXPECT_EQ(host.status().state, protocol::State::kIdle);
 }
 
@@ -165,7 +165,7 @@ TEST(AppVersion, another_message_table_is_refused_but_may_reboot) {
   protocol::HelloReply reply;
   EXPECT_EQ(host.ask(protocol::Hello{protocol::kTableHash ^ 1}, &reply), Verdict::kTableMismatch);
   EXPECT_EQ(reply.table_hash, protocol::kTableHash);
-  EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kGreetFirst);
+  EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kHelloFirst);
   const protocol::Reboot reboot{protocol::RebootTarget::kBootloader, protocol::kRebootKey};
   EXPECT_EQ(host.ask(reboot), Verdict::kOk);
 }
@@ -188,7 +188,7 @@ TEST(AppClock, internal_oscillator_is_reported) {
   identity.clock = protocol::ClockSource::kInternal;
   SimBoard board(identity);
   BoardClient host(board);
-  host.greet();
+  host.say_hello();
   EXPECT_EQ(host.faults(Fault::kClockFallback), 1);
 }
 

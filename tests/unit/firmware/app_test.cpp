@@ -14,10 +14,10 @@ using protocol::Verdict;
 struct App : ::testing::Test {
   SimBoard board;
   BoardClient host{board};
-  void SetUp() override { ASSERT_EQ(host.greet(), Verdict::kOk); }
+  void SetUp() override { ASSERT_EQ(host.say_hello(), Verdict::kOk); }
 };
 
-TEST_F(App, walks_from_idle_to_running_and_back) {
+TEST_F(App, goes_from_idle_to_running_and_back) {
   EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kState);
   EXPECT_EQ(host.set(0, 4, 0, 20), Verdict::kOk);
   EXPECT_EQ(host.ask(protocol::Arm{}), Verdict::kOk);
@@ -30,7 +30,7 @@ TEST_F(App, walks_from_idle_to_running_and_back) {
   EXPECT_EQ(host.status().state, protocol::State::kIdle);
 }
 
-TEST_F(App, repeated_commands_do_no_further_harm) {
+TEST_F(App, repeated_commands_have_no_further_effect) {
   host.set(0, 1, 0, 20);
   host.run();
   board.advance_by(55'000);
@@ -42,7 +42,7 @@ TEST_F(App, repeated_commands_do_no_further_harm) {
   EXPECT_EQ(host.ask(protocol::Stop{}), Verdict::kOk);
 }
 
-TEST_F(App, bad_requests_are_named) {
+TEST_F(App, bad_requests_get_their_verdicts) {
   EXPECT_EQ(host.set(0, 0, 0, 20), Verdict::kArgument);
   EXPECT_EQ(host.ask(protocol::GetChannel{16}), Verdict::kArgument);
   const std::uint8_t one[] = {1};
@@ -128,7 +128,7 @@ TEST_F(App, edge_reports_agree_with_the_lines) {
   }
   const auto lines = board.take_edges();
   ASSERT_EQ(lines.size(), 100u);
-  ASSERT_GE(host.edges.size(), lines.size());  // a tick's edges are told as it begins
+  ASSERT_GE(host.edges.size(), lines.size());  // a tick's edges are reported when it begins
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const protocol::TriggerEdge& said = host.edges[i];
     EXPECT_EQ(start_us + said.tick * 10'000ull + said.slot * 100ull, lines[i].time_us);
@@ -155,7 +155,7 @@ TEST_F(App, changing_a_channel_disarms) {
   EXPECT_EQ(host.ask(protocol::Start{}), Verdict::kState);
 }
 
-TEST_F(App, restart_begins_again_at_tick_zero) {
+TEST_F(App, restart_begins_at_tick_zero) {
   host.set(0, 3, 0, 5);
   host.run();
   board.advance_by(77'000);
@@ -185,7 +185,7 @@ TEST_F(App, self_test_passes_and_sees_a_stopped_clock_and_a_stuck_line) {
   EXPECT_EQ(failures(), 1u << static_cast<unsigned>(protocol::SelfTestBit::kOutputs));
 }
 
-TEST_F(App, a_human_gets_a_line_of_text) {
+TEST_F(App, a_typed_question_mark_gets_a_line_of_text) {
   board.transmitted();
   const std::uint8_t typed[] = {'?', '\r'};
   board.receive(typed);
@@ -194,7 +194,7 @@ TEST_F(App, a_human_gets_a_line_of_text) {
             "mixrig-trigger 0.1.0 idle, tick 0, faults 0\r\n");
 }
 
-TEST_F(App, a_human_gets_through_after_half_a_frame) {
+TEST_F(App, a_typed_question_mark_is_answered_after_a_partial_frame) {
   const std::uint8_t half[] = {0x00, 0x09, 0x55, 0x66};
   board.receive(half);
   board.advance_by(2'100'000);
@@ -214,7 +214,7 @@ TEST_F(App, reboots_to_the_bootloader_but_not_while_running) {
   EXPECT_EQ(board.driven(), 0);
 }
 
-TEST_F(App, reboots_to_itself_and_says_so) {
+TEST_F(App, reboots_to_the_firmware_and_reports_the_cause) {
   host.ask(protocol::Reboot{protocol::RebootTarget::kFirmware, protocol::kRebootKey});
   EXPECT_EQ(board.resets(), 1u);
   protocol::HelloReply hello;

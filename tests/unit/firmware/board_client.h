@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A minimal host for tests of the firmware: one request, one reply, telemetry kept aside.
+// A minimal host for tests of the firmware: one request, one reply; telemetry is collected.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ class BoardClient {
  public:
   explicit BoardClient(SimBoard& board) : board_(board) {}
 
-  /// Sends and returns the verdict; no reply is a failure of the test.
+  /// Sends a command and returns the verdict; the test fails without a reply.
   template <typename M>
   protocol::Verdict ask(const M& message, typename M::Reply* reply = nullptr) {
     std::array<std::uint8_t, protocol::kMaxBody> body;
@@ -47,7 +47,7 @@ class BoardClient {
     return verdict.value_or(protocol::Verdict::kUnknown);
   }
 
-  protocol::Verdict greet() { return ask(protocol::Hello{protocol::kTableHash}); }
+  protocol::Verdict say_hello() { return ask(protocol::Hello{protocol::kTableHash}); }
   protocol::StatusReply status() {
     protocol::StatusReply reply;
     EXPECT_EQ(ask(protocol::Status{}, &reply), protocol::Verdict::kOk);
@@ -70,7 +70,7 @@ class BoardClient {
     EXPECT_EQ(ask(protocol::Start{}), protocol::Verdict::kOk);
   }
 
-  /// Takes what came since, without asking anything.
+  /// Reads what has arrived, without sending a command.
   void listen() {
     for (const std::uint8_t byte : board_.transmitted()) {
       if (decoder_.push(byte) == protocol::FrameEvent::kFrame && decoder_.type() >= 0xC0)

@@ -96,7 +96,7 @@ TEST(Framing, golden_bytes) {
             (Bytes{0x00, 0x02, 0x12, 0x01, 0x04, 0x05, 0xAA, 0x22, 0x00}));
 }
 
-TEST(Framing, every_length_comes_back) {
+TEST(Framing, every_length_is_decoded_unchanged) {
   std::mt19937 random(2);
   for (std::size_t n = 0; n <= kMaxBody; ++n) {
     for (int i = 0; i < 100; ++i) {
@@ -114,7 +114,7 @@ TEST(Framing, refuses_a_body_that_is_too_long) {
   EXPECT_TRUE(encode(0x02, 0, Bytes(kMaxBody + 1)).empty());
 }
 
-TEST(Framing, one_damaged_frame_costs_only_itself) {
+TEST(Framing, a_damaged_frame_does_not_harm_the_next) {
   Bytes wire = encode(0x02, 1, {1, 2, 3});
   wire[3] ^= 0x10;
   const Bytes good = encode(0x02, 2, {4, 5});
@@ -130,7 +130,7 @@ TEST(Framing, overlong_frame_is_bad_and_bounded) {
   EXPECT_EQ(decode(wire).bad, 1);
 }
 
-TEST(Framing, human_probe_is_told_from_a_frame) {
+TEST(Framing, typed_probe_is_distinguished_from_a_frame) {
   EXPECT_EQ(decode({'?', '\r'}).probes, 1);
   EXPECT_EQ(decode({0x00, '?', '\n'}).probes, 1);
   EXPECT_EQ(decode({'x', '?', '\n'}).probes, 0);
@@ -142,12 +142,12 @@ TEST(Framing, random_bytes_never_overrun_and_seldom_pass) {
   for (auto& byte : noise) byte = random() % 20 ? static_cast<std::uint8_t>(random()) : 0;
   const Outcome out = decode(noise);
   EXPECT_GT(out.bad, 50'000);
-  // Each bad frame had a chance of 2^-16 to pass; five sigma above that.
+  // Each bad frame passes with a probability of 2^-16; the limit is five sigma above that.
   const double expected = out.bad / 65536.0;
   EXPECT_LE(static_cast<double>(out.frames.size()), expected + 5 * std::sqrt(expected) + 1);
 }
 
-TEST(Framing, a_million_damaged_frames_pass_no_oftener_than_the_crc_allows) {
+TEST(Framing, a_million_damaged_frames_pass_no_more_often_than_the_crc_allows) {
   std::mt19937 random(4);
   FrameDecoder decoder;
   int accepted = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages against golden bytes, and what the hash of the table must and must not notice.
+// Messages against golden bytes, and which changes the hash of the table must and must not detect.
 #include "firmware/protocol/messages.h"
 
 #include <algorithm>
@@ -38,8 +38,8 @@ TEST(Messages, golden_bytes) {
   EXPECT_EQ(write(TriggerEdge{5, 99, 15, 1}), (Bytes{5, 0, 0, 0, 99, 15, 1}));
 }
 
-TEST(Messages, frozen_messages_have_not_moved) {
-  // A host of any age must be able to greet and re-flash: these sizes are forever.
+TEST(Messages, frozen_messages_have_not_changed) {
+  // Any host version must be able to send Hello and flash: these sizes never change.
   EXPECT_EQ(Hello::kId, 0x01);
   EXPECT_EQ(wire_size<Hello>(), 4u);
   EXPECT_EQ(wire_size<HelloReply>(), 29u);
@@ -47,7 +47,7 @@ TEST(Messages, frozen_messages_have_not_moved) {
   EXPECT_EQ(wire_size<Reboot>(), 5u);
 }
 
-TEST(Messages, status_comes_back_whole) {
+TEST(Messages, status_is_read_back_completely) {
   StatusReply sent;
   sent.state = State::kRunning;
   sent.enabled = 0x8421;
@@ -74,7 +74,7 @@ std::vector<std::uint8_t> ids(std::tuple<M...>*) {
   return {M::kId...};
 }
 
-TEST(Messages, every_id_is_used_once_and_tells_its_direction) {
+TEST(Messages, every_id_is_unique_and_encodes_its_direction) {
   const auto all = ids(static_cast<MessageTable*>(nullptr));
   EXPECT_EQ(std::set<std::uint8_t>(all.begin(), all.end()).size(), all.size());
   for (const std::uint8_t id : all) EXPECT_TRUE(id < 0x40 || id >= 0xC0);
@@ -102,19 +102,19 @@ constexpr std::uint32_t hash_of_one() {
   return detail::hash_table(static_cast<std::tuple<M>*>(nullptr));
 }
 
-TEST(Messages, table_hash_notices_id_size_and_reply) {
+TEST(Messages, table_hash_depends_on_id_size_and_reply) {
   const std::set<std::uint32_t> hashes = {hash_of_one<Small>(), hash_of_one<Wide>(),
                                           hash_of_one<Moved>(), hash_of_one<Answers>()};
   EXPECT_EQ(hashes.size(), 4u);
 }
 
-TEST(ImageHeader, lies_as_the_flasher_expects) {
+TEST(ImageHeader, has_the_layout_that_the_host_expects) {
   EXPECT_EQ(offsetof(ImageHeader, size) + kHeaderOffset, kSizeField);
   EXPECT_EQ(offsetof(ImageHeader, crc) + 4 + kHeaderOffset, kAfterCrc);
   EXPECT_EQ(offsetof(ImageHeader, board), 16u);
 }
 
-TEST(ImageHeader, crc_leaves_out_exactly_size_and_crc) {
+TEST(ImageHeader, crc_excludes_exactly_size_and_crc) {
   std::mt19937 random(5);
   Bytes image(kHeaderOffset + 400);
   std::generate(image.begin(), image.end(), [&] { return static_cast<std::uint8_t>(random()); });

@@ -45,7 +45,7 @@ std::uint32_t apply(std::uint32_t lines, std::uint32_t word) {
   return (lines & ~(word >> 16)) | (word & 0xFFFFu);
 }
 
-/// Plays `ticks` ticks from `first` on and holds lines, fired masks and edges to the definition.
+/// Runs `ticks` ticks from `first` on and compares lines, fired masks and edges to the definition.
 void expect_matches(TriggerSchedule& schedule, const std::vector<ChannelConfig>& configs,
                     long first, long ticks) {
   std::array<std::uint32_t, kSlotsPerTick> words;
@@ -104,7 +104,7 @@ TEST(Schedule, first_tick_has_no_pulse_that_never_began) {
   EXPECT_EQ(words[99], 1u << 16);
 }
 
-TEST(Schedule, skipping_is_the_same_as_playing) {
+TEST(Schedule, skipping_is_equivalent_to_filling) {
   std::mt19937 random(4);
   for (int round = 0; round < 40; ++round) {
     TriggerSchedule schedule;
@@ -120,14 +120,14 @@ TEST(Schedule, skipping_is_the_same_as_playing) {
   }
 }
 
-TEST(Schedule, refuses_what_it_cannot_play) {
+TEST(Schedule, refuses_pulses_that_it_cannot_produce) {
   EXPECT_TRUE(TriggerSchedule::valid(channel(15, 600, 0, 59'999)));
   EXPECT_FALSE(TriggerSchedule::valid(channel(16, 1, 0, 1)));
   EXPECT_FALSE(TriggerSchedule::valid(channel(0, 0, 0, 1)));
   EXPECT_FALSE(TriggerSchedule::valid(channel(0, 601, 0, 1)));
   EXPECT_FALSE(TriggerSchedule::valid(channel(0, 1, 0, 0)));
   EXPECT_FALSE(TriggerSchedule::valid(channel(0, 1, 0, 100)));  // never falls
-  EXPECT_FALSE(TriggerSchedule::valid(channel(0, 1, 60, 40)));  // no rest before the next
+  EXPECT_FALSE(TriggerSchedule::valid(channel(0, 1, 60, 40)));  // no pause before the next
   EXPECT_FALSE(TriggerSchedule::valid(channel(0, 1, 65535, 65535)));
   ChannelConfig odd = channel(0, 1, 0, 1);
   odd.flags = 0x80;

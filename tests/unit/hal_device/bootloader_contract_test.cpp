@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every Bootloader promises, kept over UART and over USB.
+// The contract of Bootloader, over UART and over USB.
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -12,8 +12,8 @@
 
 #include "hal/fake/emulated_board.h"
 #include "hal/fake/emulated_dfuse.h"
-#include "hal/linux/dfuse.h"
-#include "hal/linux/stm32_rom.h"
+#include "hal/wire/dfuse.h"
+#include "hal/wire/stm32_rom.h"
 
 namespace mixrig::test {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint32_t kFlash = fake::EmulatedFlash::kBase;
 
 struct BootloaderUnderTest {
-  std::shared_ptr<void> stands_on;
+  std::shared_ptr<void> keep;  ///< what must outlive the bootloader
   std::unique_ptr<device::Bootloader> bootloader;
   fake::EmulatedFlash* flash = nullptr;
   std::function<std::optional<std::uint32_t>()> gone_to;
@@ -82,7 +82,7 @@ class BootloaderContract : public ::testing::TestWithParam<BootloaderMaker> {
   device::BootloaderInfo info_;
 };
 
-TEST_P(BootloaderContract, TellsTheSectorsOfTheChip) {
+TEST_P(BootloaderContract, ConnectReturnsTheSectorsOfTheChip) {
   EXPECT_FALSE(info_.name.empty());
   ASSERT_EQ(info_.sectors.size(), 12U);
   std::uint32_t next = kFlash;
@@ -91,7 +91,7 @@ TEST_P(BootloaderContract, TellsTheSectorsOfTheChip) {
     next += sector.size;
   }
   EXPECT_EQ(next, kFlash + fake::EmulatedFlash::kSize);
-  EXPECT_TRUE(boot().connect()) << "may be asked again";
+  EXPECT_TRUE(boot().connect()) << "may be repeated";
 }
 
 TEST_P(BootloaderContract, ReadsBackWhatWasWrittenInAnyLength) {
@@ -107,7 +107,7 @@ TEST_P(BootloaderContract, ReadsBackWhatWasWrittenInAnyLength) {
   EXPECT_EQ(read(kFlash + 1, 3), std::vector<std::uint8_t>(3, 0xFF)) << "reads at any address";
 }
 
-TEST_P(BootloaderContract, ErasesTheSectorItIsToldAndNoOther) {
+TEST_P(BootloaderContract, ErasesTheGivenSectorAndNoOther) {
   flash().load(std::vector<std::uint8_t>(128 * 1024, 0x55));
   const device::FlashSector& sector = info_.sectors[1];
   ASSERT_TRUE(boot().erase(sector));
@@ -119,7 +119,7 @@ TEST_P(BootloaderContract, ErasesTheSectorItIsToldAndNoOther) {
   EXPECT_EQ(flash().changes(), 1);
 }
 
-TEST_P(BootloaderContract, RefusesWhatLiesOutsideOfFlashAndGoesOn) {
+TEST_P(BootloaderContract, RefusesAddressesOutsideOfFlashAndContinues) {
   const auto four = counting(4);
   std::vector<std::uint8_t> got(4);
   for (const std::uint32_t address : {0x40000000U, kFlash + fake::EmulatedFlash::kSize,
@@ -133,10 +133,10 @@ TEST_P(BootloaderContract, RefusesWhatLiesOutsideOfFlashAndGoesOn) {
   EXPECT_EQ(read(kFlash, 4), four);
 }
 
-TEST_P(BootloaderContract, LeavesForTheProgram) {
+TEST_P(BootloaderContract, StartsTheProgram) {
   ASSERT_TRUE(boot().go(kFlash));
   EXPECT_EQ(under_test_.gone_to(), kFlash);
-  EXPECT_FALSE(boot().connect()) << "it is no bootloader any more";
+  EXPECT_FALSE(boot().connect()) << "the bootloader does not run any more";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BootloaderContract,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every ByteStream promises, kept by a pty, a socket, the line to an emulated board, and,
-// where MIXRIG_LOOPBACK_PORT names one with TX wired to RX, a real port.
+// The contract of ByteStream, tested on a pty, a socket, the line to an emulated board, and, where
+// MIXRIG_LOOPBACK_PORT names a port with TX wired to RX, on a real port.
 #include <array>
 #include <atomic>
 #include <cstdlib>
@@ -34,10 +34,10 @@ struct Exchange {
 };
 
 struct StreamUnderTest {
-  std::shared_ptr<void> stands_on;
+  std::shared_ptr<void> keep;  ///< what must outlive the stream
   std::unique_ptr<device::ByteStream> stream;
-  std::vector<Exchange> talk;     ///< what the other end answers to what
-  std::function<void()> hang_up;  ///< of the other end; none where that is no event
+  std::vector<Exchange> talk;     ///< questions and the other end's answers
+  std::function<void()> hang_up;  ///< closes the other end; empty where the stream cannot notice it
 };
 
 struct StreamMaker {
@@ -56,7 +56,7 @@ std::vector<Exchange> echoes() {
   return {{{0}, {0}}, {counting(256), counting(256)}, {counting(3000), counting(3000)}};
 }
 
-/// The other end of a descriptor: gives back what it gets.
+/// The other end of a descriptor: echoes what it receives.
 class Echo {
  public:
   explicit Echo(int fd) : fd_(fd), thread_([this] { work(); }) {}
@@ -166,14 +166,14 @@ class ByteStreamContract : public ::testing::TestWithParam<StreamMaker> {
 
 TEST_P(ByteStreamContract, CarriesEveryByteInOrder) { talk(); }
 
-TEST_P(ByteStreamContract, KeepsWhatDidNotFit) {
+TEST_P(ByteStreamContract, KeepsBytesThatDidNotFitIntoARead) {
   for (const Exchange& e : under_test_.talk) {
     ASSERT_TRUE(stream().write(e.question));
     EXPECT_EQ(read(e.answer.size(), 1), e.answer);
   }
 }
 
-TEST_P(ByteStreamContract, SilenceIsNoError) {
+TEST_P(ByteStreamContract, NoBytesIsNoError) {
   std::array<std::uint8_t, 4> out;
   for (const milliseconds timeout : {milliseconds(0), milliseconds(20), milliseconds(-5)}) {
     const auto n = stream().read(out, timeout);
@@ -183,7 +183,7 @@ TEST_P(ByteStreamContract, SilenceIsNoError) {
   EXPECT_TRUE(stream().write({}));
 }
 
-TEST_P(ByteStreamContract, TakesLineSettings) {
+TEST_P(ByteStreamContract, AcceptsLineSettings) {
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(stream().set_line({115'200, device::Parity::kEven}));
     ASSERT_TRUE(stream().set_line({115'200, device::Parity::kEven}));
@@ -192,10 +192,10 @@ TEST_P(ByteStreamContract, TakesLineSettings) {
   talk();
 }
 
-/// Of streams that can tell; a wire cannot.
+/// For streams that notice a hang-up; a serial wire does not.
 class HangUpContract : public ByteStreamContract {};
 
-TEST_P(HangUpContract, TheOtherEndGoneIsAnError) {
+TEST_P(HangUpContract, AHangUpIsAnError) {
   under_test_.hang_up();
   std::array<std::uint8_t, 4> out;
   const auto n = stream().read(out, milliseconds(100));
@@ -207,7 +207,7 @@ TEST_P(HangUpContract, TheOtherEndGoneIsAnError) {
   EXPECT_EQ(written.error().code, ErrorCode::kDevice);
 }
 
-/// ctest knows the first three; the last joins where this program is run by hand.
+/// ctest runs the first three; the last one only when this program is run by hand.
 std::vector<StreamMaker> all_streams() {
   std::vector<StreamMaker> all = {
       {"socket", make_socket}, {"pty", make_pty}, {"board_line", make_board_line}};

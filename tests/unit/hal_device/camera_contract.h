@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every Camera promises. A driver's test instantiates it with a maker of its own.
+// The contract of Camera. A driver's test instantiates it with its own maker.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace mixrig::test {
 
-/// A camera to be examined and the means to make `count` frames happen (waits for real devices).
+/// A camera under test and a function that produces `count` frames (waits for real devices).
 struct CameraUnderTest {
   std::unique_ptr<device::Camera> camera;
   std::function<void(int count)> expose;
@@ -62,14 +62,14 @@ class CameraContract : public ::testing::TestWithParam<CameraMaker> {
   int empty_ = 0;
 };
 
-TEST_P(CameraContract, TellsWhatItIs) {
+TEST_P(CameraContract, InfoIsComplete) {
   EXPECT_FALSE(camera().info().uri.empty());
   EXPECT_FALSE(camera().info().size.empty());
   EXPECT_NE(camera().info().format, device::PixelFormat::kUnknown);
   EXPECT_EQ(camera().health().state, device::DeviceState::kStopped);
 }
 
-TEST_P(CameraContract, DeliversFramesInOrderOfTheShapeItTold) {
+TEST_P(CameraContract, DeliversFramesInOrderInTheAnnouncedFormat) {
   ASSERT_TRUE(camera().start(collect()));
   expose(3);
   camera().stop();
@@ -86,7 +86,7 @@ TEST_P(CameraContract, DeliversFramesInOrderOfTheShapeItTold) {
   EXPECT_EQ(camera().health().frames, frames.size());
 }
 
-TEST_P(CameraContract, SaysNothingAfterStop) {
+TEST_P(CameraContract, DeliversNothingAfterStop) {
   ASSERT_TRUE(camera().start(collect()));
   expose(1);
   camera().stop();
@@ -101,7 +101,7 @@ TEST_P(CameraContract, StartsAgainAfterStop) {
     ASSERT_TRUE(camera().start(collect()));
     expose(2);
     camera().stop();
-    camera().stop();  // harmless
+    camera().stop();  // has no effect
   }
   EXPECT_GE(seen().size(), 4U);
 }
@@ -114,7 +114,7 @@ TEST_P(CameraContract, RefusesASecondStart) {
   camera().stop();
 }
 
-TEST_P(CameraContract, ControlsKeepWhatTheyWereSetToAndRefuseTheRest) {
+TEST_P(CameraContract, ControlsKeepTheirValuesAndRefuseOthersOutOfRange) {
   for (int i = 0; i < device::kCameraControls; ++i) {
     const auto control = static_cast<device::CameraControl>(i);
     const device::ControlRange* range = nullptr;

@@ -50,7 +50,7 @@ TEST_F(FakeCameraFaults, LostFramesAreCountedAndFlagged) {
   EXPECT_EQ(camera_.health().lost, 2U);
 }
 
-TEST_F(FakeCameraFaults, HoldingEveryBufferCostsFramesNotMemory) {
+TEST_F(FakeCameraFaults, FramesWithoutAFreeBufferAreCountedAsOverrun) {
   for (int i = 0; i < 5; ++i) camera_.emit();
   EXPECT_EQ(frames_.size(), 3U);
   EXPECT_EQ(camera_.health().overrun, 2U);
@@ -60,7 +60,7 @@ TEST_F(FakeCameraFaults, HoldingEveryBufferCostsFramesNotMemory) {
   EXPECT_EQ(frames_[0]->flags & device::kFrameAfterGap, device::kFrameAfterGap);
 }
 
-TEST_F(FakeCameraFaults, ComesBackAfterUnplugging) {
+TEST_F(FakeCameraFaults, DeliversAgainAfterUnplugging) {
   camera_.emit();
   camera_.unplug();
   camera_.emit();
@@ -73,7 +73,7 @@ TEST_F(FakeCameraFaults, ComesBackAfterUnplugging) {
   EXPECT_EQ(camera_.health().lost, 0U) << "a new counter is not a gap";
 }
 
-TEST_F(FakeCameraFaults, DamagedFrameSaysSo) {
+TEST_F(FakeCameraFaults, DamagedFrameIsFlagged) {
   camera_.damage_next();
   camera_.emit();
   EXPECT_EQ(frames_[0]->flags, device::kFrameIncomplete);

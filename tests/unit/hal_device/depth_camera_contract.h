@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every DepthCamera promises. A driver's test instantiates it with a maker of its own.
+// The contract of DepthCamera. A driver's test instantiates it with its own maker.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@
 
 namespace mixrig::test {
 
-/// A depth camera to be examined and the means to make `count` frames happen: they have been
-/// delivered when it returns, where the camera runs.
+/// A depth camera under test and a function that produces `count` frames; if the camera runs, they
+/// have been delivered when it returns.
 struct DepthCameraUnderTest {
   std::unique_ptr<device::DepthCamera> camera;
   std::function<void(int count)> expose;
-  std::shared_ptr<void> keep{};  ///< what lies behind the camera
+  std::shared_ptr<void> keep{};  ///< what must outlive the camera
 };
 
 struct DepthCameraMaker {
@@ -54,7 +54,7 @@ class DepthCameraContract : public ::testing::TestWithParam<DepthCameraMaker> {
   Image<float> metres_;
 };
 
-TEST_P(DepthCameraContract, TellsWhatItIs) {
+TEST_P(DepthCameraContract, InfoIsComplete) {
   EXPECT_FALSE(camera().info().uri.empty());
   EXPECT_FALSE(camera().info().size.empty());
   EXPECT_EQ(camera().info().format, device::PixelFormat::kDepth16);
@@ -75,11 +75,11 @@ TEST_P(DepthCameraContract, FramesAreStepsThatBecomeMetres) {
   EXPECT_EQ(delivered, sequences_.size());
 }
 
-TEST_P(DepthCameraContract, SaysNothingAfterStopAndStartsAgain) {
+TEST_P(DepthCameraContract, DeliversNothingAfterStopAndStartsAgain) {
   ASSERT_TRUE(camera().start(collect()));
   expose(1);
   camera().stop();
-  camera().stop();  // harmless
+  camera().stop();  // has no effect
   const auto count = [this] {
     const std::lock_guard lock(mutex_);
     return sequences_.size();

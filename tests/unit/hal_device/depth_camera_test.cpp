@@ -44,7 +44,7 @@ TEST(DepthMetres, NegativeDepthIsUnknown) {
   EXPECT_EQ(out.at(1, 0), 0.0F);
 }
 
-TEST(DepthMetres, ShortOrForeignFramesAreRefused) {
+TEST(DepthMetres, ShortFramesAndOtherFormatsAreRefused) {
   Image<float> out;
   Frame bad = frame();
   bad.bytes = bad.bytes.first(9);
@@ -66,7 +66,7 @@ TEST(PixelFormats, SizesOfAPicture) {
   EXPECT_EQ(image_bytes(PixelFormat::kMjpeg, {640, 480}, 0), 0U);
 }
 
-/// A camera of 16-bit steps, seen as a depth camera.
+/// A camera of 16-bit steps, wrapped as a depth camera.
 test::DepthCameraUnderTest make_wrapped() {
   auto clock = std::make_shared<ManualClock>();
   auto camera = std::make_unique<fake::FakeCamera>(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver of the ASCII protocol against the emulated unit: the protocol's traps and faults.
-#include "hal/linux/flir_ptu.h"
+// The driver of the ASCII protocol against the emulated unit: special cases and faults.
+#include "hal/wire/flir_ptu.h"
 
 #include <cmath>
 #include <numbers>
@@ -34,7 +34,7 @@ class FlirPtuTest : public ::testing::Test {
   std::unique_ptr<FlirPtu> head_;
 };
 
-TEST_F(FlirPtuTest, AsksTheUnitForResolutionAndRange) {
+TEST_F(FlirPtuTest, ReadsResolutionAndRangeFromTheUnit) {
   EXPECT_NEAR(head_->info().resolution.pan_rad, kStepRad, 1e-12);
   EXPECT_NEAR(head_->info().maximum.pan_rad, 3090 * kStepRad, 1e-9);
   EXPECT_NEAR(head_->info().minimum.tilt_rad, -907 * kStepRad, 1e-9);
@@ -69,7 +69,7 @@ TEST_F(FlirPtuTest, BothEndsOfTheRangeCanBeReached) {
   EXPECT_TRUE(head_->move_to({head_->info().maximum.pan_rad, head_->info().minimum.tilt_rad}));
 }
 
-TEST_F(FlirPtuTest, HaltStopsWhereItStands) {
+TEST_F(FlirPtuTest, HaltStopsAtThePresentPosition) {
   ASSERT_TRUE(head_->move_to({2.0, 0}));
   clock_.advance(500ms);
   ASSERT_TRUE(head_->halt());
@@ -80,7 +80,7 @@ TEST_F(FlirPtuTest, HaltStopsWhereItStands) {
               1.0);
 }
 
-TEST_F(FlirPtuTest, SpeedIsSetInRadiansASecond) {
+TEST_F(FlirPtuTest, SpeedIsSetInRadiansPerSecond) {
   ASSERT_TRUE(head_->set_motion({.speed_rad_s = 100 * kStepRad, .acceleration_rad_s2 = 1}));
   ASSERT_TRUE(head_->move_to({1000 * kStepRad, 0}));
   const HostTime begin = clock_.now();
@@ -90,7 +90,7 @@ TEST_F(FlirPtuTest, SpeedIsSetInRadiansASecond) {
   EXPECT_FALSE(head_->set_motion({.speed_rad_s = 1e-9}));
 }
 
-TEST_F(FlirPtuTest, TenThousandCommandsWithLimitReportsInsideRepliesStayUnconfused) {
+TEST_F(FlirPtuTest, TenThousandCommandsAreAnsweredCorrectlyWithLimitReportsInsideReplies) {
   unit_.faults.limit_report_share = 0.2;
   std::mt19937_64 random(3);
   std::uniform_int_distribution<long> pan(-3090, 3090), tilt(-907, 604);
@@ -103,7 +103,7 @@ TEST_F(FlirPtuTest, TenThousandCommandsWithLimitReportsInsideRepliesStayUnconfus
     clock_.advance(3ms * (random() % 3000));
     const auto sample = head_->sample();
     ASSERT_TRUE(sample) << to_line(sample.error());
-    // The reply tells where the axis was when it was asked; the clock went on by its own bytes.
+    // The reply gives the position at the time of the query; the bytes of the reply took time.
     const auto truth = unit_.position(clock_.now());
     EXPECT_NEAR(sample->angles.pan_rad / kStepRad, static_cast<double>(truth[0]), 1000.0);
     EXPECT_NEAR(sample->angles.tilt_rad / kStepRad, static_cast<double>(truth[1]), 1000.0);
@@ -117,7 +117,7 @@ TEST_F(FlirPtuTest, TenThousandCommandsWithLimitReportsInsideRepliesStayUnconfus
   EXPECT_GT(unit_.limit_reports(), 1800U);
   EXPECT_TRUE(head_->health().limit_hit);
   unit_.faults.limit_report_share = 0;
-  ASSERT_TRUE(head_->halt());  // brings in what came after the last reply
+  ASSERT_TRUE(head_->halt());  // reads what arrived after the last reply
   EXPECT_EQ(head_->health().limit_hits, unit_.limit_reports());
 }
 
@@ -142,7 +142,7 @@ TEST_F(FlirPtuTest, NoiseBetweenRepliesIsCountedAndSkipped) {
   EXPECT_GT(head_->health().noise_bytes, 300U);
 }
 
-TEST_F(FlirPtuTest, SilenceIsATimeoutAndRecoveryTakesLessThanTwoSeconds) {
+TEST_F(FlirPtuTest, NoAnswerIsATimeoutAndRecoveryTakesLessThanTwoSeconds) {
   unit_.faults.silent = true;
   const auto silent = head_->sample();
   ASSERT_FALSE(silent);
@@ -155,7 +155,7 @@ TEST_F(FlirPtuTest, SilenceIsATimeoutAndRecoveryTakesLessThanTwoSeconds) {
   EXPECT_LT(clock_.now() - back, 2s);
 }
 
-TEST_F(FlirPtuTest, ALateAnswerIsNotTakenForTheNextOne) {
+TEST_F(FlirPtuTest, ALateAnswerIsNotTakenAsTheNextOne) {
   ASSERT_TRUE(head_->move_to({100 * kStepRad, 50 * kStepRad}));
   clock_.advance(2s);
   for (int late = 1; late <= 3; ++late) {
@@ -167,7 +167,7 @@ TEST_F(FlirPtuTest, ALateAnswerIsNotTakenForTheNextOne) {
   }
 }
 
-TEST_F(FlirPtuTest, StalledHeadIsNamedWithItsDistance) {
+TEST_F(FlirPtuTest, StalledHeadIsReportedWithItsDistance) {
   unit_.faults.stalled = true;
   ASSERT_TRUE(head_->move_to({0.5, 0}));
   const auto waited = await_position(*head_, {0.5, 0}, clock_, 3s);
@@ -183,15 +183,15 @@ TEST_F(FlirPtuTest, UnpluggedLineIsADeviceError) {
   EXPECT_EQ(sample.error().code, ErrorCode::kDevice);
 }
 
-TEST_F(FlirPtuTest, RefusedCommandTellsTheUnitsWords) {
-  // The unit's own limit is narrower than what it told before.
+TEST_F(FlirPtuTest, RefusedCommandReportsTheUnitsText) {
+  // The unit's own limit is narrower than the range check of the driver.
   const auto refused = head_->set_motion({.speed_rad_s = 200000 * kStepRad});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().context.find("Illegal argument"), std::string::npos);
   EXPECT_EQ(head_->health().refused, 1U);
 }
 
-TEST(FlirPtuOpen, NothingOnTheLineIsNamed) {
+TEST(FlirPtuOpen, NothingOnTheLineIsATimeout) {
   ManualClock clock;
   fake::FlirPtuEmulator unit;
   unit.faults.silent = true;
@@ -208,7 +208,7 @@ struct ReplyCase {
   const char* text;
 };
 
-TEST(PtuReplyParser, TakesRepliesApart) {
+TEST(PtuReplyParser, SeparatesEchoLimitReportsAndReplies) {
   const ReplyCase cases[] = {
       {"*\r\n", true, false, ""},
       {"* 12\r\n", true, false, "12"},
@@ -233,7 +233,7 @@ TEST(PtuReplyParser, TakesRepliesApart) {
   }
 }
 
-TEST(PtuNumber, OneSoundNumberOrNone) {
+TEST(PtuNumber, ReadsExactlyOneValidNumberOrNone) {
   EXPECT_EQ(ptu_number("Current Pan position is -12"), -12.0);
   EXPECT_EQ(ptu_number("185.1428 seconds arc per Pan position"), 185.1428);
   EXPECT_EQ(ptu_number("+7"), 7.0);
@@ -242,7 +242,7 @@ TEST(PtuNumber, OneSoundNumberOrNone) {
     EXPECT_FALSE(ptu_number(bad)) << bad;
 }
 
-TEST(PtuReplyParser, AnyBytesAreHarmless) {
+TEST(PtuReplyParser, AcceptsAnyBytes) {
   std::mt19937_64 random(11);
   PtuReplyParser parser;
   std::size_t replies = 0;

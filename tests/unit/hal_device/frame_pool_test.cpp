@@ -29,7 +29,7 @@ TEST(FramePool, PublishedFrameHoldsTheBytesOfTheDraft) {
   EXPECT_EQ(frame->amplitude[3], 9);
 }
 
-TEST(FramePool, MoreBytesThanTheBufferHoldsAreNotPromised) {
+TEST(FramePool, PublishedSizesAreClippedToTheBuffer) {
   FramePool pool(1, 8);
   EXPECT_EQ(std::move(*std::make_unique<FramePool::Draft>(pool.take()))
                 .publish(gray({4, 4}), 100)
@@ -48,7 +48,7 @@ TEST(FramePool, IsEmptyWhenAllAreHeldAndFullAgainWhenTheyAreDropped) {
   EXPECT_EQ(pool.free(), 1) << "a second reference keeps its buffer";
 }
 
-TEST(FramePool, ADraftLetGoComesBack) {
+TEST(FramePool, AnUnpublishedDraftReturnsItsBuffer) {
   FramePool pool(1, 8);
   { const auto draft = pool.take(); }
   EXPECT_EQ(pool.free(), 1);

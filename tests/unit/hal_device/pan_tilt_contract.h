@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every PanTilt promises.
+// The contract of PanTilt.
 #pragma once
 
 #include <cmath>
@@ -13,11 +13,11 @@
 
 namespace mixrig::test {
 
-/// A head to be examined, on a clock of its own.
+/// A head under test, with its own clock.
 struct PanTiltUnderTest {
   std::unique_ptr<device::PanTilt> head;
   Clock* clock = nullptr;
-  std::shared_ptr<void> keep{};  ///< what lies behind the head, clock included
+  std::shared_ptr<void> keep{};  ///< what must outlive the head, including the clock
 };
 
 struct PanTiltMaker {
@@ -41,7 +41,7 @@ class PanTiltContract : public ::testing::TestWithParam<PanTiltMaker> {
   PanTiltUnderTest under_test_;
 };
 
-TEST_P(PanTiltContract, TellsWhatItIs) {
+TEST_P(PanTiltContract, InfoIsComplete) {
   const device::PanTiltInfo& info = head().info();
   EXPECT_FALSE(info.uri.empty());
   EXPECT_FALSE(info.version.empty());
@@ -51,7 +51,7 @@ TEST_P(PanTiltContract, TellsWhatItIs) {
   EXPECT_LT(info.minimum.tilt_rad, info.maximum.tilt_rad);
 }
 
-TEST_P(PanTiltContract, ArrivesWithinHalfAStepAndTellsWhen) {
+TEST_P(PanTiltContract, ArrivesWithinHalfAStepAndStampsItsSamples) {
   const device::PanTiltAngles target{0.3001, -0.2003};
   ASSERT_TRUE(head().move_to(target));
   ASSERT_TRUE(device::await_position(head(), target, clock(), std::chrono::seconds(10)));
@@ -92,7 +92,7 @@ TEST_P(PanTiltContract, HaltStopsBothAxes) {
   EXPECT_NEAR(later->angles.tilt_rad, stopped->angles.tilt_rad, 1.01 * step_rad());
 }
 
-TEST_P(PanTiltContract, SpeedIsRadiansASecond) {
+TEST_P(PanTiltContract, SpeedIsInRadiansPerSecond) {
   ASSERT_TRUE(head().set_motion({.speed_rad_s = 0.1}));
   ASSERT_TRUE(head().move_to({1.0, 0}));
   const auto begin = head().sample();

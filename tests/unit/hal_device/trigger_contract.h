@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every TriggerMaster promises. A test instantiates it with makers of its own.
+// The contract of TriggerMaster. A test instantiates it with its own makers.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@
 namespace mixrig::test {
 
 struct TriggerUnderTest {
-  std::shared_ptr<void> stands_on;  ///< what must outlive the trigger
+  std::shared_ptr<void> keep;  ///< what must outlive the trigger
   std::unique_ptr<device::TriggerMaster> trigger;
-  std::function<void()> tick = [] {};  ///< makes one happen where time does not pass by itself
+  std::function<void()> tick = [] {};  ///< produces a tick where time does not pass by itself
 };
 
 struct TriggerMaker {
@@ -37,7 +37,7 @@ class TriggerContract : public ::testing::TestWithParam<TriggerMaker> {
     ASSERT_TRUE(under_test_.trigger) << GetParam().name;
   }
   device::TriggerMaster& trigger() { return *under_test_.trigger; }
-  /// At least `count` ticks; fewer only where they stopped coming.
+  /// Reads at least `count` ticks; fewer only where no more arrive.
   std::vector<device::TriggerTick> listen(std::size_t count) {
     std::vector<device::TriggerTick> all;
     std::array<device::TriggerTick, 8> some;
@@ -60,7 +60,7 @@ class TriggerContract : public ::testing::TestWithParam<TriggerMaker> {
   TriggerUnderTest under_test_;
 };
 
-TEST_P(TriggerContract, TellsWhatItIs) {
+TEST_P(TriggerContract, InfoIsComplete) {
   const device::TriggerInfo& info = trigger().info();
   EXPECT_FALSE(info.uri.empty());
   EXPECT_FALSE(info.version.empty());
@@ -72,7 +72,7 @@ TEST_P(TriggerContract, TellsWhatItIs) {
   EXPECT_LE(info.slot, kMs);
 }
 
-TEST_P(TriggerContract, RefusesWhatItCannotPlay) {
+TEST_P(TriggerContract, RefusesPulsesThatItCannotProduce) {
   const device::TriggerInfo& info = trigger().info();
   const auto part = info.slot / 2;
   for (const auto& [index, channel] : std::vector<std::pair<int, device::TriggerChannel>>{
@@ -95,7 +95,7 @@ TEST_P(TriggerContract, RefusesWhatItCannotPlay) {
   EXPECT_EQ(trigger().status()->enabled, 0U);
 }
 
-TEST_P(TriggerContract, TicksCountFromZeroAndNameTheChannelsThatBeginInThem) {
+TEST_P(TriggerContract, TicksCountFromZeroAndListTheChannelsThatBeginInThem) {
   ASSERT_NO_FATAL_FAILURE(set_two());
   ASSERT_TRUE(trigger().start());
   const auto ticks = listen(20);
@@ -111,7 +111,7 @@ TEST_P(TriggerContract, TicksCountFromZeroAndNameTheChannelsThatBeginInThem) {
   }
 }
 
-TEST_P(TriggerContract, StatusTellsStateAndChannels) {
+TEST_P(TriggerContract, StatusHasStateAndChannels) {
   ASSERT_NO_FATAL_FAILURE(set_two());
   auto status = trigger().status();
   ASSERT_TRUE(status);
@@ -142,7 +142,7 @@ TEST_P(TriggerContract, IsNotConfiguredWhileItRuns) {
   ASSERT_TRUE(trigger().stop());
 }
 
-TEST_P(TriggerContract, BeginsAnewWithEveryStart) {
+TEST_P(TriggerContract, EveryStartBeginsAtTickZero) {
   ASSERT_NO_FATAL_FAILURE(set_two());
   for (int run = 0; run < 3; ++run) {
     ASSERT_TRUE(trigger().start());
@@ -150,13 +150,13 @@ TEST_P(TriggerContract, BeginsAnewWithEveryStart) {
     ASSERT_GE(ticks.size(), 5U);
     EXPECT_EQ(ticks[0].tick, 0U) << run;
     if (run == 0) {
-      ASSERT_TRUE(trigger().stop());  // the other time it runs on into the next start
+      ASSERT_TRUE(trigger().stop());  // the other times it still runs at the next start
     }
   }
   ASSERT_TRUE(trigger().stop());
 }
 
-TEST_P(TriggerContract, FallsSilentWhenStoppedAndMayBeStoppedTwice) {
+TEST_P(TriggerContract, ReportsNoTicksAfterStopAndMayBeStoppedTwice) {
   ASSERT_NO_FATAL_FAILURE(set_two());
   ASSERT_TRUE(trigger().stop());
   ASSERT_TRUE(trigger().start());
@@ -164,7 +164,7 @@ TEST_P(TriggerContract, FallsSilentWhenStoppedAndMayBeStoppedTwice) {
   ASSERT_TRUE(trigger().stop());
   ASSERT_TRUE(trigger().stop());
   std::array<device::TriggerTick, 8> some;
-  for (int i = 0; i < 200; ++i) {  // what was already on its way
+  for (int i = 0; i < 200; ++i) {  // ticks that were sent before the stop
     if (*trigger().read_ticks(some, 20 * kMs) == 0) break;
   }
   EXPECT_EQ(*trigger().read_ticks(some, 50 * kMs), 0U);

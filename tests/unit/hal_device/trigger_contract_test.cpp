@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The promise of TriggerMaster kept by the fake, by the controller's firmware on an emulated
-// board, and by software that switches lines.
+// The contract of TriggerMaster on the fake, on the controller's firmware on an emulated board, and
+// on software that switches lines.
 #include "tests/unit/hal_device/trigger_contract.h"
 
 #include <mutex>
 
 #include "hal/fake/emulated_board.h"
 #include "hal/fake/fake_trigger.h"
-#include "hal/linux/mcu_trigger.h"
-#include "hal/linux/software_trigger.h"
+#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/software_trigger.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::test {
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(All, TriggerContract,
                                            TriggerMaker{"software", make_software}),
                          [](const auto& maker) { return maker.param.name; });
 
-/// Until `count` ticks were told.
+/// Waits until `count` ticks were reported.
 void wait_for(device::TriggerMaster& trigger, std::size_t count) {
   std::array<device::TriggerTick, 8> some;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -86,7 +86,7 @@ void wait_for(device::TriggerMaster& trigger, std::size_t count) {
   }
 }
 
-TEST(SoftwareTriggerLines, RestInactiveSwitchInTurnAndRestAgain) {
+TEST(SoftwareTriggerLines, AreInactiveBeforeAndAfterARunAndSwitchInOrder) {
   SoftwareBench bench;
   const auto ms = std::chrono::milliseconds(1);
   ASSERT_TRUE(bench.trigger->configure(0, {1, {}, 2 * ms, false}));
@@ -106,7 +106,7 @@ TEST(SoftwareTriggerLines, RestInactiveSwitchInTurnAndRestAgain) {
   }
 }
 
-TEST(SoftwareTriggerLines, ALineThatIsGoneIsCountedWhileRunningAndRefusedAtStart) {
+TEST(SoftwareTriggerLines, AFailingLineIsCountedWhileRunningAndRefusedAtStart) {
   SoftwareBench bench;
   ASSERT_TRUE(bench.trigger->configure(0, {1, {}, std::chrono::milliseconds(2), false}));
   ASSERT_TRUE(bench.trigger->start());
@@ -122,7 +122,7 @@ TEST(SoftwareTriggerLines, ALineThatIsGoneIsCountedWhileRunningAndRefusedAtStart
   EXPECT_FALSE(bench.trigger->start());
 }
 
-TEST(CheckChannel, TellsTheRangeThatItWants) {
+TEST(CheckChannel, ErrorsNameTheValidRange) {
   const auto fake = make_fake();
   const auto ms = std::chrono::milliseconds(1);
   EXPECT_EQ(fake.trigger->configure(16, {1, {}, ms, false}).error().context,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every TriggerInput promises.
+// The contract of TriggerInput.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@
 
 namespace mixrig::test {
 
-/// A line to be examined and the means to pull it `count` times: the edges that it reports have
-/// been delivered when pull() returns.
+/// A line under test and a function that produces `count` edges, which have been delivered when
+/// pull() returns.
 struct TriggerInputUnderTest {
   std::unique_ptr<device::TriggerInput> input;
   std::function<void(int count)> pull;
-  std::shared_ptr<void> keep{};  ///< what lies behind the line
+  std::shared_ptr<void> keep{};  ///< what must outlive the line
 };
 
 struct TriggerInputMaker {
@@ -66,11 +66,11 @@ TEST_P(TriggerInputContract, EveryRisingEdgeOnceInOrder) {
   EXPECT_EQ(input().health().frames, 5U);
 }
 
-TEST_P(TriggerInputContract, SilentAfterStopAndCountsAnewAfterStart) {
+TEST_P(TriggerInputContract, DeliversNothingAfterStopAndCountsFromZeroAfterStart) {
   ASSERT_TRUE(input().start(collect()));
   under_test_.pull(2);
   input().stop();
-  input().stop();  // harmless
+  input().stop();  // has no effect
   under_test_.pull(1);
   EXPECT_EQ(count(), 2U);
   EXPECT_EQ(input().health().state, device::DeviceState::kStopped);

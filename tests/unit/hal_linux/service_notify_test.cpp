@@ -31,7 +31,7 @@ class ServiceNotify : public ::testing::Test {
   int manager_ = -1;
 };
 
-TEST_F(ServiceNotify, TheManagerHearsTheState) {
+TEST_F(ServiceNotify, SendsTheStateToTheServiceManager) {
   listen();
   ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
   EXPECT_TRUE(notify_service("WATCHDOG=1"));
@@ -40,7 +40,7 @@ TEST_F(ServiceNotify, TheManagerHearsTheState) {
   EXPECT_STREQ(heard.data(), "WATCHDOG=1");
 }
 
-TEST_F(ServiceNotify, NobodyListensAndNothingHappens) {
+TEST_F(ServiceNotify, DoesNothingWithoutAServiceManager) {
   EXPECT_FALSE(notify_service("READY=1"));
   ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
   EXPECT_FALSE(notify_service("READY=1"));

@@ -2,7 +2,7 @@
 # Fails when what runs live reads a clock that people and NTP set. ROOT: the tree to look at.
 cmake_minimum_required(VERSION 3.25)
 set(breaches "")
-foreach(room IN ITEMS firmware hal host/app host/rig host/sync)
+foreach(room IN ITEMS firmware hal host/capture host/live host/output host/session host/sync)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${room}/*.h ${ROOT}/${room}/*.cpp)
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "system_clock|CLOCK_REALTIME|gettimeofday|std::time\\(")

@@ -14,7 +14,7 @@
 namespace mixrig::image_io {
 namespace {
 
-/// A 24x16 picture, left half one colour, right half another (on block borders).
+/// A 32x16 picture of two colours, left and right, that meet at a block border.
 std::string two_halves(Rgb8 left, Rgb8 right) {
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};

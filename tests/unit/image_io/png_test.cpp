@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG reading against hand-made bytes, writing against reading, and damaged files.
+// PNG reading of bytes assembled by hand, round trips, and damaged files.
 #include <cstdlib>
 #include <random>
 

@@ -8,7 +8,7 @@
 namespace mixrig::measure {
 namespace {
 
-/// A frame in which the composite is the truth: a wall at 2 m, nobody there, full light.
+/// A frame in which the composite is the truth: a wall at 2 m, no person, full light.
 struct Frame {
   explicit Frame(Size size)
       : color(size, Rgb8{10, 20, 30}),

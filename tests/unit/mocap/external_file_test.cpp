@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdio>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/mocap/external.h"
@@ -15,13 +15,11 @@ using estimation::Standing;
 using geometry::Pose;
 
 std::string line_of(const char* key, const Vector3d& p) {
-  char line[160];
-  std::snprintf(line, sizeof line, "%s = [%.9f, %.9f, %.9f]\n", key, p.x(), p.y(), p.z());
-  return line;
+  return fmt::format("{} = [{:.9f}, {:.9f}, {:.9f}]\n", key, p.x(), p.y(), p.z());
 }
 
-/// Paper C, Table 4, in metres: the constellation, its distances, and the camera's own markers. The
-/// body's origin is put in the middle of its markers, its axes are those of the world.
+/// Cortes Reina 2015, table 4, in metres: the constellation, its distances, and the camera's own
+/// markers. The body's origin is put in the middle of its markers, its axes are those of the world.
 std::string table4() {
   const Vector3d calibration[] = {{-0.5621, 0.8845, 0.1361},  {-0.2766, 0.8795, -0.1999},
                                   {-0.1235, 0.8763, -0.1048}, {-0.4262, 0.8293, -0.5435},
@@ -118,39 +116,40 @@ TEST(CalibrateExternal, ClaimsTheSigmaThatItHas) {
 }
 
 TEST(ExternalFile, NamesWhatIsWrong) {
-  const auto tell = [](const std::string& text) {
+  const auto error_of = [](const std::string& text) {
     const auto input = parse_external(text, "x.toml");
     if (!input) return input.error().context;
     const auto result = calibrate_external(*input);
     return result ? std::string() : result.error().context;
   };
   const std::string good = table4();
-  EXPECT_EQ(tell(good), "");
+  EXPECT_EQ(error_of(good), "");
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = good;
     const auto at = text.find(from);
     return at == std::string::npos ? std::string("no such text")
                                    : text.replace(at, from.size(), to);
   };
-  EXPECT_NE(tell(with("distance_m = 1.285400", "distance_m = -1")).find("x.toml:5"),
+  EXPECT_NE(error_of(with("distance_m = 1.285400", "distance_m = -1")).find("x.toml:5"),
             std::string::npos)
-      << tell(with("distance_m = 1.285400", "distance_m = -1"));
-  EXPECT_NE(tell(with("distance_m = 1.285400", "depth_m = 1.2")).find("depth_m"),
+      << error_of(with("distance_m = 1.285400", "distance_m = -1"));
+  EXPECT_NE(error_of(with("distance_m = 1.285400", "depth_m = 1.2")).find("depth_m"),
             std::string::npos);
-  EXPECT_NE(tell(with("distance_m = 1.285400", "distance = 1.2")).find("distance"),
+  EXPECT_NE(error_of(with("distance_m = 1.285400", "distance = 1.2")).find("distance"),
             std::string::npos);
-  EXPECT_NE(tell("").find("[[marker]]"), std::string::npos);
+  EXPECT_NE(error_of("").find("[[marker]]"), std::string::npos);
   // Something else was seen than the body.
   std::string other = good.substr(0, good.find("[[body_seen]]"));
   for (int i = 0; i < 4; ++i)
     other += "[[body_seen]]\n" + line_of("world_m", Vector3d(i, i * i, 0));
-  EXPECT_NE(tell(other).find("body is not found"), std::string::npos) << tell(other);
+  EXPECT_NE(error_of(other).find("body is not found"), std::string::npos) << error_of(other);
   // Distances that belong to other markers, at a stated noise.
   std::string mixed = with("marker_m = 0.0005", "marker_m = 0.0005\nrange_m = 0.005");
   const auto at = mixed.find("distance_m = 0.865700");
   ASSERT_NE(at, std::string::npos);
   mixed.replace(at, 21, "distance_m = 1.865700");
-  EXPECT_NE(tell(mixed).find("cannot be told"), std::string::npos) << tell(mixed);
+  EXPECT_NE(error_of(mixed).find("do not determine the camera's"), std::string::npos)
+      << error_of(mixed);
   EXPECT_EQ(read_external("/nowhere/x.toml").error().code, ErrorCode::kNotFound);
 }
 

@@ -36,20 +36,20 @@ TEST(ConstellationFile, ReadsMarkers) {
 }
 
 TEST(ConstellationFile, NamesTheBrokenLine) {
-  const auto tell = [](const std::string& text) {
+  const auto error_of = [](const std::string& text) {
     const auto body = parse_constellation(text, "hat.toml");
     return body ? std::string() : body.error().context;
   };
-  EXPECT_NE(tell("[[marker]]\nposition_m = [1, 2]\n").find("hat.toml:2"), std::string::npos);
-  EXPECT_NE(tell("").find("3 to 64"), std::string::npos);
-  EXPECT_NE(tell(std::string(kBody) + "[[marker]]\nplace = [1, 2, 3]\n").find("place"),
+  EXPECT_NE(error_of("[[marker]]\nposition_m = [1, 2]\n").find("hat.toml:2"), std::string::npos);
+  EXPECT_NE(error_of("").find("3 to 64"), std::string::npos);
+  EXPECT_NE(error_of(std::string(kBody) + "[[marker]]\nplace = [1, 2, 3]\n").find("place"),
             std::string::npos);
-  EXPECT_NE(tell("[[marker").find("hat.toml:1"), std::string::npos);
+  EXPECT_NE(error_of("[[marker").find("hat.toml:1"), std::string::npos);
   // A square looks the same when turned.
   std::string square;
   for (const char* p : {"0, 0", "1, 0", "1, 1", "0, 1"})
     square += "[[marker]]\nposition_m = [" + std::string(p) + ", 0]\n";
-  EXPECT_NE(tell(square).find("same when turned"), std::string::npos) << tell(square);
+  EXPECT_NE(error_of(square).find("same when turned"), std::string::npos) << error_of(square);
   EXPECT_EQ(read_constellation("/nowhere/hat.toml").error().code, ErrorCode::kNotFound);
 }
 
@@ -76,18 +76,19 @@ TEST(MocapCsv, ReadsMarkersAndBodies) {
 }
 
 TEST(MocapCsv, NamesTheBrokenLine) {
-  const auto tell = [](const std::string& text) {
+  const auto error_of = [](const std::string& text) {
     const auto frames = parse_mocap_csv(text, "m.csv");
     return frames ? std::string() : frames.error().context;
   };
-  EXPECT_NE(tell("frame,t_s,x_m,y_m,z_m\n1,0,1,2,3\n2,0,1,two,3\n").find("m.csv:3: column y_m"),
+  EXPECT_NE(error_of("frame,t_s,x_m,y_m,z_m\n1,0,1,2,3\n2,0,1,two,3\n").find("m.csv:3: column y_m"),
             std::string::npos);
-  EXPECT_NE(tell("frame,t_s,x_m,y_m,z_m\n1,0,1\n").find("m.csv:2: column y_m"), std::string::npos);
-  EXPECT_NE(tell("frame,t_s,x_m,y_m,z_m\n1,nan,1,2,3\n").find("t_s"), std::string::npos);
-  EXPECT_NE(tell("frame,t_s,x_m,y_m,z_m\n1e300,0,1,2,3\n").find("frame"), std::string::npos);
-  EXPECT_NE(tell("1,2,3\n").find("no column frame"), std::string::npos);
-  EXPECT_NE(tell("frame,t_s,x_m,y_m,z_m,qx\n").find("qy"), std::string::npos);
-  EXPECT_NE(tell("").find("empty"), std::string::npos);
+  EXPECT_NE(error_of("frame,t_s,x_m,y_m,z_m\n1,0,1\n").find("m.csv:2: column y_m"),
+            std::string::npos);
+  EXPECT_NE(error_of("frame,t_s,x_m,y_m,z_m\n1,nan,1,2,3\n").find("t_s"), std::string::npos);
+  EXPECT_NE(error_of("frame,t_s,x_m,y_m,z_m\n1e300,0,1,2,3\n").find("frame"), std::string::npos);
+  EXPECT_NE(error_of("1,2,3\n").find("no column frame"), std::string::npos);
+  EXPECT_NE(error_of("frame,t_s,x_m,y_m,z_m,qx\n").find("qy"), std::string::npos);
+  EXPECT_NE(error_of("").find("empty"), std::string::npos);
 }
 
 /// A body that walks and turns; its first marker is hidden in every fifth frame, all of them in

@@ -40,7 +40,7 @@ struct Stage {
   }
   render::FrameOutput compose(int threads = 2) {
     render::FrameOutput out;
-    out.inspect = true;
+    out.wanted = render::kAll;
     auto compositor = render::make_cpu_compositor(setup, threads);
     EXPECT_TRUE(compositor);
     EXPECT_TRUE((*compositor)->compose({plate, depth, {}}, out));
@@ -152,7 +152,7 @@ TEST(Compositor, view_and_pictures_of_one_pixel) {
   auto compositor = render::make_cpu_compositor(setup, 2);
   ASSERT_TRUE(compositor);
   render::FrameOutput out;
-  out.inspect = true;
+  out.wanted = render::kAll;
   const Image<Rgb8> plate({1, 1}, Rgb8{9, 8, 7});
   const Image<float> depth({1, 1}, 1.0F);
   ASSERT_TRUE((*compositor)->compose({plate, depth, {}}, out));
@@ -224,7 +224,7 @@ TEST(Compositor, warp_and_key_of_an_exact_world_are_right) {
   auto compositor = render::make_cpu_compositor(world.setup, 2);
   ASSERT_TRUE(compositor);
   render::FrameOutput out;
-  out.inspect = true;
+  out.wanted = render::kAll;
   ASSERT_TRUE((*compositor)->compose({world.plate, world.depth, {}}, out));
   int judged = 0, bad = 0, pole = 0, pole_found = 0, both = 0, either = 0;
   for (int y = 0; y < 144; ++y)

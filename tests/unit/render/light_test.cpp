@@ -50,7 +50,7 @@ render::Lamp point_lamp(glm::dvec3 position_m) {
   return {position_m, std::nullopt, {0, 0}, glm::vec3(1)};
 }
 
-TEST(Shadow, point_lamp_throws_the_projection_of_its_caster) {
+TEST(Shadow, point_lamp_casts_the_projection_of_its_caster) {
   // Lamp at y = 0, caster 1 m below, floor 2 m below: the shadow is twice as wide, +-1 m.
   const Lit lit(point_lamp({0, 0, 2}));
   for (const float x : {-0.95F, -0.5F, 0.0F, 0.5F, 0.95F}) EXPECT_EQ(lit.seen(x, 2), 0) << x;

@@ -56,7 +56,7 @@ TEST(Plate, half_a_pixel_off_is_the_mean_of_light_and_the_border_is_clamped) {
 TEST(Plate, lens_is_followed) {
   render::CompositorSetup setup = plain_setup({33, 33}, 20, {4, 4}, 4);
   setup.target.lens = geometry::Lens({-0.2, 0, 0, 0, 0, 0, 0, 0});
-  // Light grows with the column, so that a sample tells where it was taken.
+  // Light grows with the column, so that a sample shows where it was taken.
   const auto& srgb = render::cpu::linear_to_srgb();
   const auto plate = make_image<Rgb8>({33, 33}, [&](int x, int) {
     const std::uint8_t c = srgb[static_cast<std::size_t>(65535 * x / 32)];

@@ -158,7 +158,7 @@ TEST_F(Gltf, BaseColourIsLinearAndThePictureLiesBesideTheModel) {
   EXPECT_EQ(mesh.uv[2], Eigen::Vector2f(0, 1));
 }
 
-TEST_F(Gltf, MissingBufferIsToldByNameAndNoFileOutsideTheFolderIsRead) {
+TEST_F(Gltf, AMissingBufferIsNamedAndNoFileOutsideTheFolderIsRead) {
   folder_.write("secret.bin", kPositions + kIndices + "xx");
   for (const char* uri : {"none.bin", "../secret.bin", "/etc/passwd", "..%2Fsecret.bin"}) {
     std::string text = json(kNode, kIndexed);
@@ -171,7 +171,7 @@ TEST_F(Gltf, MissingBufferIsToldByNameAndNoFileOutsideTheFolderIsRead) {
   }
 }
 
-TEST_F(Gltf, WhatIsWrongIsToldInOneLine) {
+TEST_F(Gltf, WhatIsWrongIsReportedInOneLine) {
   const auto with = [](std::string from, std::string to) {
     std::string text = json(kNode, kIndexed);
     const std::size_t at = text.find(from);

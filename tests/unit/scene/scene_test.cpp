@@ -73,9 +73,9 @@ TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {
   EXPECT_FALSE(scene->capture_volume.has_value());
 }
 
-TEST(Scene, EachWrongValueIsToldWithLineAndKey) {
+TEST(Scene, ReportsEachWrongValueWithLineAndKey) {
   struct Row {
-    const char *from, *to, *told;
+    const char *from, *to, *says;
   };
   const Row rows[] = {
       {"threshold_m", "treshold_m",
@@ -108,12 +108,12 @@ TEST(Scene, EachWrongValueIsToldWithLineAndKey) {
     text.replace(text.find(row.from), std::string(row.from).size(), row.to);
     const auto scene = parse_scene(text, "s/scene.toml", false);
     ASSERT_FALSE(scene) << row.to;
-    EXPECT_NE(scene.error().context.find(row.told), std::string::npos) << scene.error().context;
+    EXPECT_NE(scene.error().context.find(row.says), std::string::npos) << scene.error().context;
     EXPECT_EQ(scene.error().context.find('\n'), std::string::npos);
   }
 }
 
-TEST(Scene, ModelsAreReadFromBesideTheFileAndAMissingOneIsToldWithItsKey) {
+TEST(Scene, ModelsAreReadFromBesideTheFileAndAMissingOneIsReportedWithItsKey) {
   const test::TemporaryFolder folder;
   const auto path =
       folder.write("scene.toml", "[[object]]\nmodel = \"m/t.glb\"\nposition_m = [0, 0, 0]\n");

@@ -53,7 +53,7 @@ TEST(NatNetReceiver, ReadsWhatAServerSendsAndCountsTheRest) {
   const NatNetServer server(
       {packet(1), packet(2), packet(2), packet(5), cut, packet(4), {std::byte{7}}, packet(7)});
   const SystemClock clock;
-  auto receiver = NatNetReceiver::open(address_of(server), {4, 1}, clock);  // 3.0, it will be told
+  auto receiver = NatNetReceiver::open(address_of(server), {4, 1}, clock);  // the server sends 3.0
   ASSERT_TRUE(receiver) << receiver.error().context;
   const auto frames = read_until(*receiver, 7);
   ASSERT_EQ(frames.size(), 4U);
@@ -80,7 +80,7 @@ TEST(NatNetReceiver, JoinsAGroup) {
 
 TEST(NatNetReceiver, ASilentServerIsNoErrorAndNoFrame) {
   NatNetAddress address;
-  address.command_port = 9;  // nobody is there: the kernel refuses, which is told by a later read
+  address.command_port = 9;  // no server there: the kernel refuses, and a later read returns that
   ManualClock clock;
   auto receiver = NatNetReceiver::open(address, {3, 0}, clock);
   ASSERT_TRUE(receiver);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board scenario: sensors that agree with the truth, settings, the same bytes every time.
+// The board scenario: sensors agree with the truth, options, reproducible bytes.
 #include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/board_poses.h"
-#include "host/studio/board_studio.h"
-#include "host/studio/lens.h"
+#include "host/studio/board/board_poses.h"
+#include "host/studio/board/board_studio.h"
+#include "host/studio/sensors/lens.h"
 #include "host/studio/srgb.h"
 
 namespace mixrig::studio {
@@ -57,8 +57,8 @@ TEST(Board, gives_the_same_bytes_in_any_order_and_on_two_threads) {
   EXPECT_FALSE(same(a.target, b.target));
 }
 
-/// Centres of squares land, by the truth, on the colour that the pattern has there.
-TEST(Board, truth_finds_every_square_in_the_target_picture) {
+/// The true projections of the square centres have the colour of the pattern.
+TEST(Board, true_pose_projects_every_square_into_the_target_picture) {
   BoardOptions options = small();
   options.noise = 0;
   BoardStudio studio = make(options);
@@ -74,7 +74,7 @@ TEST(Board, truth_finds_every_square_in_the_target_picture) {
               .at(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())))
               .g);
     };
-    // Light changes slowly over the board: ink is far darker than the paper beside it.
+    // Light changes slowly over the board: ink is much darker than the adjacent paper.
     for (int j = 0; j < plan.rows; ++j)
       for (int i = 0; i + 1 < plan.columns; ++i)
         EXPECT_EQ(seen(i, j) < seen(i + 1, j), (i + j) % 2 == 0)
@@ -129,14 +129,14 @@ TEST(Board, pan_tilt_stops_at_whole_steps_and_keeps_the_board_in_the_room) {
   EXPECT_GT(widest, 0.08);
 }
 
-TEST(Board, bends_by_what_was_asked) {
+TEST(Board, bends_by_the_requested_amount) {
   BoardPlan plan;
   plan.bend_m = 0.004;
   EXPECT_NEAR(board_w_m(plan, 0), 0, 1e-12);
   EXPECT_NEAR(board_w_m(plan, 0.5 * plan.width_m()), -0.004, 1e-12);
 }
 
-TEST(Board, refuses_what_it_cannot_draw) {
+TEST(Board, refuses_options_out_of_range) {
   const auto refused = [](auto change) {
     BoardOptions options = small();
     change(options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The studio's lenses against OpenCV's documented formula.
-#include "host/studio/lens.h"
+#include "host/studio/sensors/lens.h"
 
 #include <cmath>
 #include <numbers>
@@ -37,7 +37,7 @@ TEST(Lens, undistort_inverts_distort_over_every_rigs_pictures) {
         }
 }
 
-TEST(Lens, ray_grid_hits_the_pixel_it_was_asked_for) {
+TEST(Lens, ray_grid_inverts_the_projection) {
   for (const RigPreset rig : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2}) {
     const Optics o = tof_sensor(rig).optics;
     const RayGrid grid(o);

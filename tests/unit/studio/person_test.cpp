@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The person: size, feet on the floor, a path around the object.
-#include "host/studio/person.h"
+#include "host/studio/stage/person.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/light.h"
+#include "host/studio/stage/light.h"
 
 namespace mixrig::studio {
 namespace {
 
 constexpr double kStart_s = 1.0;
 
-Mesh body(const Choreography& c, double t) {
+Mesh body(const PersonMotion& c, double t) {
   Mesh mesh;
   build_person(c.build(), c.at(t), mesh);
   return mesh;
@@ -21,7 +21,7 @@ Mesh body(const Choreography& c, double t) {
 
 TEST(Person, is_as_tall_as_people_are_and_stands_on_the_floor) {
   for (unsigned seed = 0; seed < 12; ++seed) {
-    const Choreography c(Scenario::kWalk, seed, {}, kStart_s);
+    const PersonMotion c(Scenario::kWalk, seed, {}, kStart_s);
     for (const double t : {1.0, 1.33, 1.7, 2.9}) {
       const Bounds box = bounds_of(body(c, t));
       EXPECT_GT(box.high.z(), 1.50F) << seed;
@@ -34,7 +34,7 @@ TEST(Person, is_as_tall_as_people_are_and_stands_on_the_floor) {
 
 TEST(Person, walks_at_walking_speed_around_the_object) {
   const Stage stage;
-  const Choreography c(Scenario::kWalk, 5, stage, kStart_s);
+  const PersonMotion c(Scenario::kWalk, 5, stage, kStart_s);
   float before = 0, behind = 0, length = 0;
   for (double t = kStart_s; t < kStart_s + 12; t += 0.04) {
     const Vec3 here = c.at(t).pelvis, next = c.at(t + 0.04).pelvis;
@@ -49,7 +49,7 @@ TEST(Person, walks_at_walking_speed_around_the_object) {
 }
 
 TEST(Person, keeps_a_standing_foot_in_its_place) {
-  const Choreography c(Scenario::kWalk, 3, {}, kStart_s);
+  const PersonMotion c(Scenario::kWalk, 3, {}, kStart_s);
   int standing = 0;
   for (double t = 2; t < 4; t += 0.02) {
     const Posture a = c.at(t), b = c.at(t + 0.02);
@@ -61,9 +61,9 @@ TEST(Person, keeps_a_standing_foot_in_its_place) {
 }
 
 TEST(Person, differs_from_seed_to_seed_and_not_from_call_to_call) {
-  const Mesh a = body(Choreography(Scenario::kWalk, 1, {}, kStart_s), 2.0);
-  const Mesh again = body(Choreography(Scenario::kWalk, 1, {}, kStart_s), 2.0);
-  const Mesh b = body(Choreography(Scenario::kWalk, 2, {}, kStart_s), 2.0);
+  const Mesh a = body(PersonMotion(Scenario::kWalk, 1, {}, kStart_s), 2.0);
+  const Mesh again = body(PersonMotion(Scenario::kWalk, 1, {}, kStart_s), 2.0);
+  const Mesh b = body(PersonMotion(Scenario::kWalk, 2, {}, kStart_s), 2.0);
   EXPECT_EQ(a.positions, again.positions);
   EXPECT_NE(a.positions, b.positions);
 }
@@ -71,7 +71,7 @@ TEST(Person, differs_from_seed_to_seed_and_not_from_call_to_call) {
 TEST(Person, has_unit_normals_everywhere) {
   for (const Scenario scenario :
        {Scenario::kWalk, Scenario::kStill, Scenario::kTalk, Scenario::kEdges}) {
-    const Mesh mesh = body(Choreography(scenario, 4, {}, kStart_s), 2.3);
+    const Mesh mesh = body(PersonMotion(scenario, 4, {}, kStart_s), 2.3);
     for (const Vec3& n : mesh.normals) ASSERT_NEAR(n.norm(), 1, 1e-4);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room's measures, found by rays.
-#include "host/studio/room.h"
+// The room's dimensions, measured by rays.
+#include "host/studio/stage/room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/object.h"
+#include "host/studio/stage/object.h"
 #include "host/studio/tracer.h"
 
 namespace mixrig::studio {
@@ -30,8 +30,8 @@ class Room : public ::testing::Test {
   std::optional<TraceScene> scene_;
 };
 
-// Paper A, table 1: width 5263, depth 4328, height 2987 mm.
-TEST_F(Room, has_the_measures_of_paper_a) {
+// Schiller et al. 2010, table 1: width 5263, depth 4328, height 2987 mm.
+TEST_F(Room, has_the_dimensions_of_schiller_et_al) {
   const Vec3 high(2.0F, 2.1F, 2.6F), free_floor(0.8F, 2.1F, 1.0F);
   EXPECT_NEAR(distance(high, Vec3::UnitX()) + distance(high, -Vec3::UnitX()), 5.263, 1e-4);
   EXPECT_NEAR(distance(high, Vec3::UnitY()) + distance(high, -Vec3::UnitY()), 4.328, 1e-4);

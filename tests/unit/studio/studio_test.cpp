@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole frames: the same bytes every time, options, sensors that agree with the truth.
+// Whole frames: reproducible bytes, options, sensors agree with the truth.
 #include "host/studio/studio.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/lens.h"
+#include "host/studio/sensors/lens.h"
 
 namespace mixrig::studio {
 namespace {
@@ -67,7 +67,7 @@ TEST(Studio, gives_the_same_bytes_in_any_order) {
   expect_same(shoot(small(), {9}), shoot(small(), {2, 11, 9}));
 }
 
-TEST(Studio, keeping_what_is_static_changes_nothing) {
+TEST(Studio, the_cache_of_static_parts_changes_nothing) {
   StudioOptions slow = small();
   slow.cache = false;
   expect_same(shoot(small(), {8, 10}), shoot(slow, {8, 10}));
@@ -92,7 +92,7 @@ TEST(Studio, noise_changes_from_frame_to_frame) {
   expect_same(a.truth.composite, b.truth.composite, "composite");
 }
 
-/// Least and greatest known distance of the pixels around a place; low > high for none.
+/// Smallest and largest known distance of the pixels around a position; low > high for none.
 struct Reach {
   double low = 1e9, high = 0;
 };
@@ -109,7 +109,7 @@ Reach around(const Image<float>& distance_m, const Eigen::Vector2d& px) {
   return reach;
 }
 
-// Independent of the renderer's own ToF rays: truth of the view, carried over by its definition.
+// Independent of the renderer's ToF rays: uses the true depth of the view and its definition.
 TEST(Studio, tof_distances_agree_with_the_truth_of_the_view) {
   for (const RigPreset rig : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2}) {
     StudioOptions options = small();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phase sensor against known distances and the statistics that it declares.
-#include "host/studio/tof.h"
+// The phase sensor against known distances and its stated noise.
+#include "host/studio/sensors/tof.h"
 
 #include <cmath>
 
@@ -32,7 +32,7 @@ Statistics measure(const TofSensor& sensor, const Echo& echo, bool raw = false, 
   return s;
 }
 
-TEST(Tof, a_wall_is_where_it_is) {
+TEST(Tof, measures_the_distance_of_a_wall) {
   for (const RigPreset rig : kAllRigs) {
     const TofSensor sensor = tof_sensor(rig);
     for (const float d : {1.2F, 2.0F, 2.7F, 3.3F, 4.1F, 5.0F}) {
@@ -43,7 +43,7 @@ TEST(Tof, a_wall_is_where_it_is) {
   }
 }
 
-TEST(Tof, noise_is_what_the_take_declares) {
+TEST(Tof, noise_is_as_stated_in_the_take) {
   for (const RigPreset rig : kAllRigs) {
     const TofSensor sensor = tof_sensor(rig);
     for (const float d : {1.5F, 2.0F, 3.0F, 4.0F, 5.0F}) {
@@ -76,7 +76,7 @@ TEST(Tof, two_frequencies_do_not_wrap_inside_the_room) {
   EXPECT_NEAR(measure(sensor, echo_of(sensor, 6.9F, 0.9F, 1)).mean, 6.9, 0.004);
 }
 
-TEST(Tof, an_edge_pixel_flies_between_the_depths_that_it_mixes) {
+TEST(Tof, an_edge_pixel_measures_a_depth_between_the_two_it_mixes) {
   const TofSensor sensor = tof_sensor(RigPreset::kSr3000);
   // Albedo in proportion to the distance squared: both halves are equally strong.
   Echo even = echo_of(sensor, 2, 0.4F, 1) * 0.5F;

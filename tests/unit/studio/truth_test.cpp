@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Truth holds together: matte, depth, light, composite and labels of the same moment.
+// Ground truth is consistent: matte, depth, light, composite and labels of one frame.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/lens.h"
+#include "host/studio/sensors/lens.h"
 #include "host/studio/studio.h"
 
 namespace mixrig::studio {
@@ -40,7 +40,7 @@ class TruthOfAWalk : public ::testing::Test {
   static inline Truth *empty_truth_ = nullptr, *walking_truth_ = nullptr;
 };
 
-TEST_F(TruthOfAWalk, an_empty_frame_shows_nobody) {
+TEST_F(TruthOfAWalk, an_empty_frame_shows_no_person) {
   EXPECT_EQ(info_->empty_frames, 20);
   EXPECT_FALSE(empty_truth_->person_on_floor_m);
   for (int y = 0; y < kHeight; ++y)
@@ -87,7 +87,7 @@ TEST_F(TruthOfAWalk, floor_path_moves_with_the_person) {
   const Eigen::Vector2d p = *walking_truth_->person_on_floor_m;
   EXPECT_GT(p.x(), 1.5);
   EXPECT_LT(p.x(), 5.0);
-  // The person is drawn where the path says: the matte's centre column looks that way.
+  // The person is drawn at the position on the path: the matte's centre column is there.
   double column = 0, weight = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
@@ -97,7 +97,7 @@ TEST_F(TruthOfAWalk, floor_path_moves_with_the_person) {
   EXPECT_NEAR(column / weight, info_->view.fx_px * seen.x() / seen.z() + info_->view.cx_px, 10);
 }
 
-TEST_F(TruthOfAWalk, light_only_goes_and_only_near_the_object) {
+TEST_F(TruthOfAWalk, the_object_only_removes_light_and_only_near_it) {
   int shaded = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clock map against known delays, and on the emulated board's own line.
+// The clock map with known delays, and on the serial line of the emulated board.
 #include "host/sync/clock_map.h"
 
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_board.h"
-#include "hal/linux/mcu_trigger.h"
+#include "hal/wire/mcu_trigger.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::sync {
@@ -51,7 +51,7 @@ TEST(ClockMapTest, finds_390_ppm_within_50_us_under_5_ms_of_even_jitter) {
     Simulation s;
     s.random.seed(seed);
     s.delay_s = [&s] { return std::uniform_real_distribution<double>(0.0002, 0.0052)(s.random); };
-    // Ten questions a second for three minutes, then judged for half a minute.
+    // Ten round trips a second for three minutes, then judged for half a minute.
     for (int i = 0; i < 1800; ++i) s.exchange();
     for (int i = 0; i < 300; ++i) {
       s.exchange();
@@ -65,13 +65,13 @@ TEST(ClockMapTest, finds_390_ppm_within_50_us_under_5_ms_of_even_jitter) {
   EXPECT_LE(worst, 50);
 }
 
-TEST(ClockMapTest, bounds_hold_under_lopsided_delays_that_no_regression_can_see) {
+TEST(ClockMapTest, bounds_hold_under_asymmetric_delays_that_no_regression_can_detect) {
   Simulation s;
   int way = 0;
   s.delay_s = [&] { return way++ % 2 == 0 ? 0.0001 : 0.004; };
   for (int i = 0; i < 300; ++i) s.exchange();
   const double error_us = std::abs(s.error_us(s.host_s));
-  EXPECT_GT(error_us, 1000);  // it cannot know
+  EXPECT_GT(error_us, 1000);  // an asymmetric delay is not observable
   EXPECT_LE(error_us * 1e3, static_cast<double>(s.map.bound(s.mcu_at(s.host_s))->count()) + 2000);
 }
 
@@ -85,7 +85,7 @@ TEST(ClockMapTest, rare_long_delays_do_not_pull) {
   EXPECT_LE(std::abs(s.error_us(s.host_s)), 50);
 }
 
-TEST(ClockMapTest, restart_of_the_controller_is_told_and_forgotten) {
+TEST(ClockMapTest, restart_of_the_controller_is_reported_and_drops_old_samples) {
   Simulation s;
   s.delay_s = [] { return 0.001; };
   for (int i = 0; i < 100; ++i) ASSERT_EQ(s.exchange(), ClockMap::Verdict::kOk);
@@ -96,7 +96,7 @@ TEST(ClockMapTest, restart_of_the_controller_is_told_and_forgotten) {
   EXPECT_EQ(s.map.restarts(), 1u);
 }
 
-TEST(ClockMapTest, jump_forward_is_told_too) {
+TEST(ClockMapTest, jump_forward_is_reported_too) {
   Simulation s;
   s.delay_s = [] { return 0.001; };
   for (int i = 0; i < 100; ++i) s.exchange();
@@ -122,7 +122,7 @@ TEST(ClockMapTest, crystal_that_warms_up_is_followed) {
   EXPECT_LE(std::abs(error_us), 100);
 }
 
-TEST(ClockMapTest, knows_nothing_before_the_first_sample) {
+TEST(ClockMapTest, is_empty_before_the_first_sample) {
   const ClockMap map;
   EXPECT_FALSE(map.to_host(McuTime{}));
   EXPECT_FALSE(map.bound(McuTime{}));

@@ -26,17 +26,17 @@ inline TakeInfo made_info() {
 }
 
 /// Noise as pixels: nothing that an encoder could smooth survives it.
-inline TakeFrame made_frame(int number) {
+inline capture::Capture made_frame(int number) {
   std::mt19937 random(static_cast<unsigned>(number));
-  TakeFrame frame;
+  capture::Capture frame;
   frame.number = number;
   frame.time_s = (number - 1) / 30.0;
-  frame.color.reset(kColorSize);
+  frame.plate.reset(kColorSize);
   frame.depth_m.reset(kDepthSize);
   frame.amplitude.reset(kDepthSize);
   for (int y = 0; y < kColorSize.height; ++y)
     for (int x = 0; x < kColorSize.width; ++x)
-      frame.color.at(x, y) = {static_cast<std::uint8_t>(random()),
+      frame.plate.at(x, y) = {static_cast<std::uint8_t>(random()),
                               static_cast<std::uint8_t>(random()),
                               static_cast<std::uint8_t>(random())};
   for (int y = 0; y < kDepthSize.height; ++y)
@@ -50,8 +50,8 @@ inline TakeFrame made_frame(int number) {
   return frame;
 }
 
-inline TruthFrame made_truth() {
-  TruthFrame truth;
+inline capture::Truth made_truth() {
+  capture::Truth truth;
   truth.depth_m.reset(kColorSize, 2.5F);
   truth.light.reset(kColorSize, 0.5F);
   truth.matte.reset(kColorSize, 200);

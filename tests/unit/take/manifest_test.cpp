@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// take.toml: what is refused, and the line that says so.
+// take.toml: the errors that are found, and their messages.
 #include "host/take/manifest.h"
 
 #include <random>
@@ -56,7 +56,7 @@ TEST(Manifest, DefaultsAndValuesOfAShortFile) {
   EXPECT_EQ(info.root, "t/");
   EXPECT_EQ(info.color, (StreamInfo{"c/%06d.png", 1, 3, 0}));
   EXPECT_EQ(info.depth_unit_m, 0.001);
-  EXPECT_EQ(info.depth_kind, DepthKind::kZ);
+  EXPECT_EQ(info.depth_kind, capture::DepthKind::kZ);
   EXPECT_EQ(info.target.lens.coefficients()[0], 0.01);
   EXPECT_EQ(info.tof.pinhole.fx_px, 300.0);
   EXPECT_EQ(info.target_from_tof.translation_m, Eigen::Vector3d(0.1, 0, 0));
@@ -64,9 +64,9 @@ TEST(Manifest, DefaultsAndValuesOfAShortFile) {
   EXPECT_FALSE(info.has_truth);
 }
 
-TEST(Manifest, EachWrongValueIsToldWithLineAndKey) {
+TEST(Manifest, ReportsEachWrongValueWithLineAndKey) {
   struct Row {
-    const char *from, *to, *told;
+    const char *from, *to, *says;
   };
   const Row rows[] = {
       {"format = 1", "format = 2", "t/take.toml:1: key \"format\": 2 is out of range: give 1 to 1"},
@@ -96,27 +96,28 @@ TEST(Manifest, EachWrongValueIsToldWithLineAndKey) {
       {"[tof]", "[toff]", "key \"toff\": not known: did you mean \"tof\"?"},
   };
   for (const Row& row : rows) {
-    const std::string told = error_of(replaced(row.from, row.to));
-    EXPECT_NE(told.find(row.told), std::string::npos) << row.to << "\n  " << told;
-    EXPECT_EQ(told.find('\n'), std::string::npos);
+    const std::string error = error_of(replaced(row.from, row.to));
+    EXPECT_NE(error.find(row.says), std::string::npos) << row.to << "\n  " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos);
   }
 }
 
-TEST(Manifest, UnsetVariableInRootIsToldByName) {
+TEST(Manifest, AnUnsetVariableInRootIsNamed) {
   unsetenv("MIXRIG_NO_SUCH_FOLDER");
-  const std::string told = error_of("root = \"${MIXRIG_NO_SUCH_FOLDER}/x\"\n" + std::string(kGood));
+  const std::string error =
+      error_of("root = \"${MIXRIG_NO_SUCH_FOLDER}/x\"\n" + std::string(kGood));
   EXPECT_NE(
-      told.find(
+      error.find(
           "t/take.toml:1: key \"root\": environment variable MIXRIG_NO_SUCH_FOLDER is not set"),
       std::string::npos)
-      << told;
+      << error;
 }
 
 TEST(Manifest, WhatIsWrittenIsReadBack) {
   TakeInfo info = made_info();
   info.color = {"color/%06d.png", 1, 7, 30.0};
   info.depth = {"depth.mkv", 1, 7, 29.97};
-  info.depth_kind = DepthKind::kDistance;
+  info.depth_kind = capture::DepthKind::kDistance;
   info.depth_unit_m = 1.0 / 3000.0;
   info.has_truth = true;
   const auto read = parse_manifest(manifest_text(info), "t/take.toml");
@@ -126,8 +127,39 @@ TEST(Manifest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(read->info.depth, info.depth);
   EXPECT_EQ(read->info.depth_kind, info.depth_kind);
   EXPECT_EQ(read->info.depth_unit_m, info.depth_unit_m);
+  EXPECT_EQ(read->info.target.lens.coefficients(), info.target.lens.coefficients());
+  EXPECT_EQ(read->info.target.pinhole, info.target.pinhole);
+  EXPECT_EQ(read->info.tof.pinhole, info.tof.pinhole);
+  EXPECT_EQ(read->info.view, info.view);
+  EXPECT_EQ(read->info.target_from_tof.translation_m, info.target_from_tof.translation_m);
+  EXPECT_EQ(read->info.noise.quadratic_per_m, info.noise.quadratic_per_m);
   EXPECT_EQ(read->pose_file, "poses.txt");
   EXPECT_EQ(read->truth_path, "truth");
+}
+
+TEST(Manifest, TextOfAnyKindIsReadBack) {
+  TakeInfo info = made_info();
+  info.color.path = info.depth.path = "%d.png";
+  info.color.count = info.depth.count = 1;
+  for (const char* name :
+       {"\"quoted\"", "back\\slash", "two\nlines", "B\xc3\xbchne \xe5\xae\xa4", "a = 1"}) {
+    info.name = name;
+    const auto read = parse_manifest(manifest_text(info), "t/take.toml");
+    ASSERT_TRUE(read) << read.error().context;
+    EXPECT_EQ(read->info.name, name);
+  }
+}
+
+TEST(Manifest, CamerasMayBeTheTablesOfCalibrationToml) {
+  const auto manifest =
+      parse_manifest(replaced("rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]",
+                              "rotation_xyzw = [0.0, 0.0, 1.0, 0.0]\nresidual_px = 0.2\nviews = 9"),
+                     "t/take.toml");
+  ASSERT_TRUE(manifest) << manifest.error().context;
+  EXPECT_EQ(manifest->info.target_from_tof.rotation.z(), 1.0);
+  EXPECT_NE(error_of(replaced("[tof]", "[tof]\nmodel = \"fisheye\"\ndistortion = [0, 0, 0, 0]"))
+                .find("key \"tof.model\""),
+            std::string::npos);
 }
 
 TEST(Manifest, AnyBytesEndInAManifestOrOneLine) {

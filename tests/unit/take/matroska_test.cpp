@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Matroska streams that are missing, cut short or damaged: a line, never a hang.
+// Matroska streams that are missing, cut short or damaged: an error, never an endless wait.
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
@@ -22,7 +22,7 @@ class DamagedMatroska : public ::testing::Test {
   bool reads_all() {
     auto reader = TakeReader::open(folder_ / "take");
     if (!reader) return false;
-    TakeFrame frame;
+    capture::Capture frame;
     for (int number = 1; number <= reader->info().frames; ++number)
       if (const auto read = reader->read(number, frame); !read) {
         EXPECT_NE(read.error().context.find("depth.mkv"), std::string::npos)

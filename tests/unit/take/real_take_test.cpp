@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recordings that tests/data describes, read where they lie (label data).
+// Reads the recordings that tests/data describes from where they are stored (label data).
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST_P(RealTake, OpensAndHoldsPlausibleDepth) {
   auto reader = TakeReader::open(source + "/tests/data/" + GetParam().name);
   ASSERT_TRUE(reader) << reader.error().context;
   EXPECT_EQ(reader->info().frames, GetParam().frames);
-  TakeFrame frame;
+  capture::Capture frame;
   for (const int number : {1, GetParam().last_readable}) {
     const auto read = reader->read(number, frame);
     ASSERT_TRUE(read) << read.error().context;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole takes: what is written is what is read, and nothing is half-written.
+// Whole takes: reading returns what was written, and no incomplete take is left.
 #include <fstream>
 #include <limits>
 
@@ -25,8 +25,8 @@ void write_take(const std::filesystem::path& folder, StreamFormat format, int fr
   ASSERT_TRUE(finished) << finished.error().context;
 }
 
-void expect_same(const TakeFrame& read, const TakeFrame& written) {
-  ASSERT_EQ(read.color.size(), kColorSize);
+void expect_same(const capture::Capture& read, const capture::Capture& written) {
+  ASSERT_EQ(read.plate.size(), kColorSize);
   ASSERT_EQ(read.depth_m.size(), kDepthSize);
   ASSERT_EQ(read.amplitude.size(), kDepthSize);
   EXPECT_EQ(read.number, written.number);
@@ -34,7 +34,7 @@ void expect_same(const TakeFrame& read, const TakeFrame& written) {
   EXPECT_TRUE(read.world_from_target.matrix().isApprox(written.world_from_target.matrix(), 1e-12));
   for (int y = 0; y < kColorSize.height; ++y)
     for (int x = 0; x < kColorSize.width; ++x)
-      ASSERT_EQ(read.color.at(x, y), written.color.at(x, y));
+      ASSERT_EQ(read.plate.at(x, y), written.plate.at(x, y));
   for (int y = 0; y < kDepthSize.height; ++y)
     for (int x = 0; x < kDepthSize.width; ++x) {
       ASSERT_NEAR(read.depth_m.at(x, y), written.depth_m.at(x, y), 1e-6);
@@ -62,7 +62,7 @@ TEST_P(TakeRoundTrip, FramesAndCalibrationComeBackInAnyOrder) {
   EXPECT_TRUE(info.target_from_tof.matrix().isApprox(made.target_from_tof.matrix(), 1e-12));
   EXPECT_TRUE(info.has_poses);
   EXPECT_FALSE(info.has_truth);
-  TakeFrame frame;
+  capture::Capture frame;
   for (const int number : {1, 2, 3, 12, 5, 4, 6, 1}) {
     const auto read = reader->read(number, frame);
     ASSERT_TRUE(read) << read.error().context;
@@ -83,7 +83,7 @@ TEST(Take, TruthComesBackInItsUnits) {
   write_take(folder / "take", StreamFormat::kPng, 2, true);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_TRUE(reader) << reader.error().context;
-  TruthFrame truth;
+  capture::Truth truth;
   ASSERT_TRUE(reader->read_truth(2, truth));
   EXPECT_FLOAT_EQ(truth.depth_m.at(32, 19), 2.5F);
   EXPECT_NEAR(truth.light.at(0, 0), 0.5F, 1e-5);
@@ -95,7 +95,7 @@ TEST(Take, TruthComesBackInItsUnits) {
 
 TEST(Take, DepthThatNoStepCanHoldIsWrittenAsUnknown) {
   const test::TemporaryFolder folder;
-  TakeFrame odd = made_frame(1);
+  capture::Capture odd = made_frame(1);
   odd.depth_m.at(0, 0) = std::numeric_limits<float>::quiet_NaN();
   odd.depth_m.at(1, 0) = -1.0F;
   odd.depth_m.at(2, 0) = 1e9F;
@@ -107,21 +107,21 @@ TEST(Take, DepthThatNoStepCanHoldIsWrittenAsUnknown) {
   ASSERT_TRUE(writer->finish());
   auto reader = TakeReader::open(folder / "take");
   ASSERT_TRUE(reader);
-  TakeFrame frame;
+  capture::Capture frame;
   ASSERT_TRUE(reader->read(1, frame));
   for (int x = 0; x < 4; ++x) EXPECT_EQ(frame.depth_m.at(x, 0), 0.0F);
   EXPECT_FLOAT_EQ(frame.depth_m.at(4, 0), 65.535F);
 }
 
-TEST(Take, TakesItsCalibrationAlong) {
+TEST(Take, CopiesItsCalibration) {
   const test::TemporaryFolder folder;
   TakeInfo info = made_info();
-  info.calibration = folder / "rig.yaml";
+  info.calibration = folder / "rig.toml";
   const auto refused = TakeWriter::create(folder / "take", info, StreamFormat::kPng);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().context.find("rig.yaml"), std::string::npos);
+  EXPECT_NE(refused.error().context.find("rig.toml"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "take.partial"));
-  std::ofstream(info.calibration) << "format: 1\n";
+  std::ofstream(info.calibration) << "format = 1\n";
   {
     auto writer = TakeWriter::create(folder / "take", info, StreamFormat::kPng);
     ASSERT_TRUE(writer) << writer.error().context;
@@ -130,10 +130,10 @@ TEST(Take, TakesItsCalibrationAlong) {
   }
   const auto reader = TakeReader::open(folder / "take");
   ASSERT_TRUE(reader) << reader.error().context;
-  EXPECT_EQ(reader->info().calibration, folder / "take" / "calibration.yaml");
+  EXPECT_EQ(reader->info().calibration, folder / "take" / "calibration.toml");
   std::string text;
   std::getline(std::ifstream(reader->info().calibration), text);
-  EXPECT_EQ(text, "format: 1");
+  EXPECT_EQ(text, "format = 1");
 }
 
 TEST(Take, ADroppedWriterLeavesNothingAndAForeignFolderIsRefused) {
@@ -170,7 +170,7 @@ TEST(Take, PicturesOfAnotherSizeThanTheCalibrationAreRefusedByName) {
       image_io::write_png(folder / "take/color/000001.png", Image<Rgb8>(Size{32, 20}).view()));
   auto reader = TakeReader::open(folder / "take");
   ASSERT_TRUE(reader);
-  TakeFrame frame;
+  capture::Capture frame;
   const auto read = reader->read(1, frame);
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, ErrorCode::kData);
@@ -194,10 +194,10 @@ TEST(Take, FloatDepthPicturesAreMetresAsTheyAre) {
   folder.write("take/take.toml", manifest);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_TRUE(reader) << reader.error().context;
-  TakeFrame frame;
+  capture::Capture frame;
   ASSERT_TRUE(reader->read(1, frame));
   EXPECT_EQ(frame.depth_m.at(5, 5), 3.25F);
-  EXPECT_EQ(frame.depth_m.at(0, 0), -1.0F) << "what is unknown is for the compositor to say";
+  EXPECT_EQ(frame.depth_m.at(0, 0), -1.0F) << "unknown values are decided by the compositor";
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(Trajectory, LinesAreReadAsTheFormatSays) {
                   .isApprox(Eigen::Vector3d(1, 3, 3), 1e-7));
 }
 
-TEST(Trajectory, BadLinesAreToldByNumber) {
+TEST(Trajectory, BadLinesAreReportedByNumber) {
   for (const char* bad : {"1 2 3", "1 0 0 0 0 0 0 2", "1 0 0 0 0 0 0 0", "nan 0 0 0 0 0 0 1",
                           "1 inf 0 0 0 0 0 1", "a b c d e f g h"}) {
     const auto poses = parse_trajectory(std::string("# head\n") + bad + "\n", "p.txt");
@@ -76,7 +76,7 @@ TEST_F(TumFolder, IsReadAsItIs) {
   EXPECT_EQ(reader->info().frames, 2) << "the third colour picture has no depth";
   EXPECT_EQ(reader->info().target.pinhole, (geometry::Pinhole{{640, 480}, 525, 525, 319.5, 239.5}));
   EXPECT_FALSE(reader->info().has_poses);
-  TakeFrame frame;
+  capture::Capture frame;
   ASSERT_TRUE(reader->read(2, frame));
   EXPECT_EQ(frame.time_s, 10.04);
   EXPECT_FLOAT_EQ(frame.depth_m.at(100, 100), 1.5F) << "1/5000 m a step";
@@ -87,7 +87,7 @@ TEST_F(TumFolder, GroundTruthGivesPosesAndFramesWithoutAreLeftOut) {
   auto reader = TakeReader::open(folder_ / "tum");
   ASSERT_TRUE(reader) << reader.error().context;
   ASSERT_EQ(reader->info().frames, 1);
-  TakeFrame frame;
+  capture::Capture frame;
   ASSERT_TRUE(reader->read(1, frame));
   EXPECT_NEAR(frame.world_from_target.translation_m.x(), 2.0, 1e-6);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of the command: help, version, unknown ones, and a run that succeeds.
+// The command line: help, version, unknown words, and a run that succeeds.
 #include <gtest/gtest.h>
 
 #include "tests/unit/tools/tiny_take.h"
@@ -7,7 +7,7 @@
 namespace mixrig::test {
 namespace {
 
-TEST(CommandLine, HelpStandsBehindEveryCommand) {
+TEST(CommandLine, EveryCommandHasHelp) {
   const TinyTake take;
   for (const char* words :
        {"--help", "run --help", "scan --help", "explain --help", "info --help"}) {
@@ -66,7 +66,7 @@ TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
   EXPECT_NE(other_size.err.find("scan it again"), std::string::npos) << other_size.err;
 }
 
-TEST(CommandLine, InfoAndExplainTellAboutATake) {
+TEST(CommandLine, InfoAndExplainDescribeATake) {
   const TinyTake take;
   const Outcome info = take.mixrig("info take --json info.json");
   EXPECT_EQ(info.status, 0) << info.err;

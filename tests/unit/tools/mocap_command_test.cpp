@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// calibrate external, then track --mocap: the files of one go into the other.
+// calibrate external, then track --mocap with the files of the former.
 #include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
 
-#include "host/camera_io/calibration.h"
+#include "host/calibration_file/calibration.h"
 #include "host/estimation/verdict.h"
 #include "tests/unit/stream/natnet_server.h"
 #include "tests/unit/tools/tiny_take.h"
@@ -27,7 +27,7 @@ std::string line_of(const char* key, const Vector3d& p) {
   return line;
 }
 
-/// The camera is the target camera itself, before five markers, without noise.
+/// The camera is the target camera itself, in front of five markers, without noise.
 std::string external() {
   std::string text =
       "[camera]\nname = \"target\"\nsize_px = [512, 424]\nfocal_px = [365, 365]\n"
@@ -86,13 +86,13 @@ TEST(MocapCommands, TheExternalCalibrationMakesCameraPosesOfBodyPoses) {
   take.text("body.toml", constellation());
   take.text("walk.csv", recording());
   const Outcome made =
-      take.mixrig("calibrate external external.toml --calibration cal.yaml --json external.json");
+      take.mixrig("calibrate external external.toml --calibration cal.toml --json external.json");
   ASSERT_EQ(made.status, 0) << made.err;
   const auto report = nlohmann::json::parse(take.text_of("external.json"));
   EXPECT_NEAR(report["camera_in_body_m"][2].get<double>(), 0.11, 1e-5);
   EXPECT_FALSE(report["rotation_xyzw"].is_null());
   const Outcome tracked = take.mixrig(
-      "track --mocap walk.csv --constellation body.toml --calibration cal.yaml --up z --out t.tum");
+      "track --mocap walk.csv --constellation body.toml --calibration cal.toml --up z --out t.tum");
   ASSERT_EQ(tracked.status, 0) << tracked.err;
   EXPECT_NE(tracked.out.find("2 of 2 frames"), std::string::npos) << tracked.out;
   const auto poses = read_tum(take.text_of("t.tum"));
@@ -124,14 +124,14 @@ TEST(MocapCommands, TrackFollowsALiveStream) {
   EXPECT_LT(estimation::pose_error(poses[3], kBody).norm(), 1e-4);
 }
 
-TEST(MocapCommands, TellTheFileAndTheReasonInOneLine) {
+TEST(MocapCommands, ReportTheFileAndTheReasonInOneLine) {
   const TinyTake take;
   take.text("external.toml", external());
   take.text("body.toml", constellation());
   take.text("walk.csv", recording());
   take.text("broken.csv", "frame,t_s,x_m,y_m,z_m\n1,2,3\n");
   take.text("packets.bin", "nothing of the kind");
-  take.text("bodyless.yaml", "format: 1\n");
+  take.text("bodyless.toml", "format = 1\n");
   take.text("square.toml",
             "[[marker]]\nposition_m = [0, 0, 0]\n[[marker]]\nposition_m = [1, 0, 0]\n"
             "[[marker]]\nposition_m = [1, 1, 0]\n[[marker]]\nposition_m = [0, 1, 0]\n");
@@ -149,10 +149,10 @@ TEST(MocapCommands, TellTheFileAndTheReasonInOneLine) {
         Row{"track --mocap packets.bin --natnet 2.9", 2, "--natnet"},
         Row{"track --mocap natnet:127.0.0.1:99999", 2, "natnet:HOST"},
         Row{"track --mocap natnet:no.such.host.invalid", 2, "no.such.host.invalid"},
-        Row{"track --mocap walk.csv --constellation body.toml --calibration bodyless.yaml", 1,
+        Row{"track --mocap walk.csv --constellation body.toml --calibration bodyless.toml", 1,
             "holds no pose of the body"},
         Row{"track --mocap walk.csv --constellation square.toml", 1, "turned"},
-        Row{"track --mocap walk.csv --constellation body.toml --calibration no.yaml", 2, "no.yaml"},
+        Row{"track --mocap walk.csv --constellation body.toml --calibration no.toml", 2, "no.toml"},
         Row{"calibrate external no.toml", 2, "no.toml"},
         Row{"calibrate external body.toml", 2, "body.toml:3"}}) {
     const Outcome outcome =
@@ -163,9 +163,9 @@ TEST(MocapCommands, TellTheFileAndTheReasonInOneLine) {
   }
   EXPECT_EQ(take.contents(), before);
   take.edit("external.toml", "name = \"target\"", "name = \"tof\"");
-  const Outcome tof = take.mixrig("calibrate external external.toml --calibration cal.yaml");
+  const Outcome tof = take.mixrig("calibrate external external.toml --calibration cal.toml");
   EXPECT_NE(tof.status, 0);
-  EXPECT_FALSE(fs::exists(take.path("cal.yaml"))) << "nothing is half-written";
+  EXPECT_FALSE(fs::exists(take.path("cal.toml"))) << "nothing is half-written";
 }
 
 }  // namespace

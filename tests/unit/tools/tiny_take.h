@@ -67,7 +67,7 @@ class TinyTake {
   }
   fs::path path(const std::string& name) const { return root_ / name; }
 
-  /// Everything that lies in the folder.
+  /// All files and folders in it.
   std::set<std::string> contents() const {
     std::set<std::string> names;
     for (const auto& entry : fs::recursive_directory_iterator(root_))

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/base/partial_path.h"
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+namespace mixrig {
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path with_suffix(fs::path path, const char* suffix) {
+  // "out/" has no file name; the suffix belongs to "out".
+  if (!path.has_filename()) path = path.parent_path();
+  path += suffix;
+  return path;
+}
+
+}  // namespace
+
+PartialPath::PartialPath(fs::path wanted)
+    : wanted_(with_suffix(std::move(wanted), "")), partial_(with_suffix(wanted_, ".partial")) {
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+}
+
+PartialPath::PartialPath(PartialPath&& other) noexcept
+    : wanted_(std::exchange(other.wanted_, {})), partial_(std::exchange(other.partial_, {})) {}
+
+PartialPath& PartialPath::operator=(PartialPath&& other) noexcept {
+  std::swap(wanted_, other.wanted_);
+  std::swap(partial_, other.partial_);
+  return *this;
+}
+
+PartialPath::~PartialPath() {
+  std::error_code ignored;
+  if (!partial_.empty()) fs::remove_all(partial_, ignored);
+}
+
+Result<void> PartialPath::commit() {
+  std::error_code error;
+  // A folder cannot be renamed over one that holds files, so the old one is renamed first.
+  const fs::path old = with_suffix(wanted_, ".replaced");
+  const bool replaces_folder = fs::is_directory(wanted_, error);
+  if (replaces_folder) {
+    fs::remove_all(old, error);
+    fs::rename(wanted_, old, error);
+  }
+  fs::rename(partial_, wanted_, error);
+  std::error_code ignored;
+  if (error && replaces_folder) fs::rename(old, wanted_, ignored);
+  if (error)
+    return system_error(ErrorCode::kIo, "cannot write '" + wanted_.string() + "'", error.value());
+  if (replaces_folder) fs::remove_all(old, ignored);
+  return {};
+}
+
+Result<PartialPath> make_partial_folder(const fs::path& given, const char* marker) {
+  const fs::path folder = with_suffix(given, "");
+  if (folder.empty()) return Error{ErrorCode::kUsage, "the output folder has no name"};
+  std::error_code error;
+  if (fs::exists(folder, error)) {
+    if (!fs::is_directory(folder, error))
+      return Error{ErrorCode::kUsage, "output " + folder.string() +
+                                          " is a file: name a folder, new or made by mixrig"};
+    if (!fs::is_empty(folder, error) && !fs::exists(folder / marker, error))
+      return Error{ErrorCode::kUsage, "output " + folder.string() + " holds other files (no " +
+                                          marker + "): name a new folder"};
+  }
+  PartialPath partial(folder);
+  if (!fs::create_directories(partial.path(), error))
+    return system_error(ErrorCode::kIo, "cannot make folder " + partial.path().string(),
+                        error.value());
+  return partial;
+}
+
+Result<void> write_file(const fs::path& path, std::string_view bytes) {
+  PartialPath partial(path);
+  std::ofstream file(partial.path(), std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
+  return partial.commit();
+}
+
+}  // namespace mixrig

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files and folders that appear whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "hal/base/result.h"
+
+namespace mixrig {
+
+/// A name beside the wanted one to write under: `x.png` is written as `x.png.partial`. What lies
+/// under that name is removed at the start and, unless commit() was called, at the end.
+/// Not thread-safe.
+class PartialPath {
+ public:
+  explicit PartialPath(std::filesystem::path wanted);
+  PartialPath(PartialPath&& other) noexcept;
+  PartialPath& operator=(PartialPath&& other) noexcept;
+  ~PartialPath();
+
+  /// Where to write.
+  const std::filesystem::path& path() const { return partial_; }
+  /// Gives it the wanted name, in place of a file or folder that has it. Errors: kIo; then
+  /// what had the name before is still there.
+  Result<void> commit();
+
+ private:
+  std::filesystem::path wanted_, partial_;  ///< empty once moved from
+};
+
+/// An empty folder under its partial name. At commit() it replaces a folder that is empty or holds
+/// `marker`, a file that earlier runs of the same command leave.
+/// Errors: kUsage where anything else has the name; kIo.
+Result<PartialPath> make_partial_folder(const std::filesystem::path& folder, const char* marker);
+
+/// Writes a whole file or leaves what was there. Errors: kIo.
+Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace mixrig

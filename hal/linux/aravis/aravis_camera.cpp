@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/aravis/aravis_camera.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <arv.h>
+
+#include "hal/base/log.h"
+#include "hal/device/frame_pool.h"
+#include "hal/linux/aravis/aravis_setup.h"
+#include "hal/wire/genicam_buffer.h"
+
+namespace mixrig::device {
+namespace {
+
+constexpr int kLibraryBuffers = 8, kBuffers = 8;
+constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
+constexpr guint64 kWait_us = 100000;
+constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
+constexpr Duration kLookAgain = std::chrono::milliseconds(250);
+
+template <typename T>
+struct Unref {
+  void operator()(T* object) const { g_object_unref(object); }
+};
+template <typename T>
+using Object = std::unique_ptr<T, Unref<T>>;
+
+class AravisCamera final : public Camera {
+ public:
+  AravisCamera(std::string id, const StreamRequest& request, Clock& clock)
+      : id_(std::move(id)), request_(request), clock_(clock) {
+    info_.uri = "aravis:" + id_;
+  }
+  ~AravisCamera() override { stop(); }
+  Result<void> open();
+  Result<DepthInfo> depth_info() { return aravis_depth_info(camera_.get(), info_.uri); }
+
+  const CameraInfo& info() const override { return info_; }
+  Result<void> start(FrameSink sink) override;
+  void stop() override;
+  Result<void> set(CameraControl control, double value) override;
+  Result<double> get(CameraControl control) override;
+  StreamHealth health() const override;
+
+ private:
+  Result<void> connect();
+  Result<void> set_up();
+  Result<void> apply(CameraControl control, double value);
+  Result<void> start_stream();
+  void close_stream();
+  void work();
+  void take(ArvBuffer* buffer);
+  void come_back();
+  Error failed(const std::string& what, const AravisFault& fault) const {
+    return fault.error(info_.uri, what);
+  }
+
+  std::string id_;
+  StreamRequest request_;
+  Clock& clock_;
+  CameraInfo info_;
+  std::uint32_t code_ = 0;
+  Object<ArvCamera> camera_;
+  Object<ArvStream> stream_;
+  std::optional<FramePool> pool_;
+  FrameSink sink_;
+  std::thread thread_;
+  std::atomic<bool> stop_ = false, gone_ = false;
+  mutable std::mutex mutex_;  ///< guards health_ and camera_ against set/get
+  StreamHealth health_;
+  std::map<CameraControl, double> settings_;
+  std::optional<std::uint64_t> last_id_;
+  bool restarted_ = false;
+};
+
+Result<void> AravisCamera::open() {
+  MIXRIG_TRY(connect());
+  MIXRIG_TRY(set_up());
+  describe_aravis(camera_.get(), info_);
+  info_.stamp_clock = StampClock::kDevice;
+  pool_.emplace(kBuffers, declared_bytes(code_, info_.size));
+  return {};
+}
+
+Result<void> AravisCamera::connect() {
+  AravisFault fault;
+  arv_update_device_list();
+  camera_.reset(arv_camera_new(id_.c_str(), fault));
+  if (!camera_)
+    return Error{
+        ErrorCode::kNotFound,
+        info_.uri + ": no such camera: see arv-tool-0.8 and the network (" + fault.text() + ")"};
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  // The packet socket needs CAP_NET_RAW and receives nothing on the loopback interface.
+  if (ARV_IS_GV_DEVICE(device))
+    arv_gv_device_set_stream_options(ARV_GV_DEVICE(device),
+                                     ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+  gone_ = false;
+  g_signal_connect(device, "control-lost",
+                   G_CALLBACK(+[](ArvDevice*, std::atomic<bool>* gone) { *gone = true; }), &gone_);
+  return {};
+}
+
+Result<void> AravisCamera::set_up() {
+  CameraInfo described = info_;
+  MIXRIG_ASSIGN(const std::uint32_t code, choose_aravis_format(camera_.get(), request_, described));
+  MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, described));
+  if (pool_ && (code != code_ || described.size != info_.size))
+    return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+  for (const auto& [control, value] : settings_) MIXRIG_TRY(apply(control, value));
+  code_ = code;
+  if (!pool_) info_ = described;  // callers hold references to it: not changed after open()
+  return {};
+}
+
+Result<void> AravisCamera::start(FrameSink sink) {
+  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  sink_ = std::move(sink);
+  last_id_.reset();
+  MIXRIG_TRY(start_stream());
+  {
+    const std::lock_guard lock(mutex_);
+    health_.state = DeviceState::kStreaming;
+  }
+  stop_ = false;
+  thread_ = std::thread([this] { work(); });
+  return {};
+}
+
+Result<void> AravisCamera::start_stream() {
+  AravisFault fault;
+  stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, fault));
+  if (!stream_) return failed("creating the stream", fault);
+  if (ARV_IS_GV_STREAM(stream_.get()))
+    // The library's default, one picture's payload, ignores the kernel's overhead per packet:
+    // small pictures then lose packets where reader and network share a core.
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", kSocketBuffer_bytes, nullptr);
+  const guint payload = arv_camera_get_payload(camera_.get(), fault);
+  if (fault.any()) return failed("reading the payload size", fault);
+  const auto bytes = std::max<std::size_t>(payload, declared_bytes(code_, info_.size));
+  for (int i = 0; i < kLibraryBuffers; ++i)
+    arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(bytes));
+  arv_camera_start_acquisition(camera_.get(), fault);
+  if (fault.any()) {
+    stream_.reset();
+    return failed("starting the acquisition", fault);
+  }
+  return {};
+}
+
+void AravisCamera::close_stream() {
+  AravisFault fault;
+  if (camera_ && !gone_) arv_camera_stop_acquisition(camera_.get(), fault);
+  stream_.reset();
+}
+
+void AravisCamera::stop() {
+  stop_ = true;
+  if (!thread_.joinable()) return;
+  thread_.join();
+  close_stream();
+  const std::lock_guard lock(mutex_);
+  health_.state = DeviceState::kStopped;
+}
+
+void AravisCamera::work() {
+  while (!stop_) {
+    if (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), kWait_us)) {
+      take(buffer);
+      arv_stream_push_buffer(stream_.get(), buffer);
+    } else if (gone_) {
+      come_back();
+    }
+  }
+}
+
+void AravisCamera::take(ArvBuffer* buffer) {
+  std::size_t bytes = 0;
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &bytes));
+  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
+  Frame frame{.format = info_.format,
+              .size = info_.size,
+              .stride_bytes = row_bytes(info_.format, info_.size.width),
+              .sequence = id,
+              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostTime_ns)),
+              .received = clock_.now()};
+  const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  auto draft = pool_->take();
+  const bool whole =
+      arrived && draft && copy_picture(code_, info_.size, {data, bytes}, draft.bytes());
+  if (!whole) frame.flags |= kFrameIncomplete;
+  {
+    const std::lock_guard lock(mutex_);
+    if (last_id_ && id > *last_id_ + 1) {
+      health_.lost += id - *last_id_ - 1;
+      frame.flags |= kFrameAfterGap;
+    }
+    last_id_ = id;
+    if (!draft) return void(++health_.overrun);
+    if (!whole) ++health_.incomplete;
+    ++health_.frames;
+  }
+  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
+  const std::size_t used = image_bytes(info_.format, info_.size, frame.stride_bytes);
+  sink_(std::move(draft).publish(frame, used));
+}
+
+void AravisCamera::come_back() {
+  {
+    const std::lock_guard lock(mutex_);
+    health_.state = DeviceState::kLost;
+    stream_.reset();
+    camera_.reset();
+  }
+  log_warning("aravis", info_.uri + ": lost; looking for it");
+  while (!stop_) {
+    clock_.sleep_until(clock_.now() + kLookAgain);
+    const std::lock_guard lock(mutex_);
+    if (!connect() || !set_up() || !start_stream()) continue;
+    health_.state = DeviceState::kStreaming;
+    ++health_.returns;
+    last_id_.reset();
+    restarted_ = true;
+    log_warning("aravis", info_.uri + ": is back");
+    return;
+  }
+}
+
+Result<void> AravisCamera::set(CameraControl control, double value) {
+  const auto range = std::find_if(info_.controls.begin(), info_.controls.end(),
+                                  [&](const ControlRange& r) { return r.control == control; });
+  const std::string what = info_.uri + ": " + std::string(name(control));
+  if (range == info_.controls.end())
+    return Error{ErrorCode::kUnsupported, what + " is not on this camera"};
+  if (!(value >= range->minimum && value <= range->maximum))
+    return Error{ErrorCode::kUsage, what + " must be " + std::to_string(range->minimum) + " to " +
+                                        std::to_string(range->maximum)};
+  const std::lock_guard lock(mutex_);
+  if (!camera_) return Error{ErrorCode::kDevice, what + ": the camera is not there"};
+  MIXRIG_TRY(apply(control, value));
+  settings_[control] = value;
+  return {};
+}
+
+Result<void> AravisCamera::apply(CameraControl control, double value) {
+  AravisFault fault;
+  if (control == CameraControl::kExposure)
+    arv_camera_set_exposure_time(camera_.get(), value * 1e6, fault);
+  else
+    arv_camera_set_gain(camera_.get(), value, fault);
+  if (fault.any()) return failed("setting " + std::string(name(control)), fault);
+  return {};
+}
+
+Result<double> AravisCamera::get(CameraControl control) {
+  const std::lock_guard lock(mutex_);
+  AravisFault fault;
+  if (!camera_) return Error{ErrorCode::kDevice, info_.uri + ": the camera is not there"};
+  double value = 0;
+  if (control == CameraControl::kExposure)
+    value = arv_camera_get_exposure_time(camera_.get(), fault) * 1e-6;
+  else if (control == CameraControl::kGain)
+    value = arv_camera_get_gain(camera_.get(), fault);
+  else
+    return Error{ErrorCode::kUnsupported,
+                 info_.uri + ": " + std::string(name(control)) + " is not on this camera"};
+  if (fault.any()) return failed("reading " + std::string(name(control)), fault);
+  return value;
+}
+
+StreamHealth AravisCamera::health() const {
+  const std::lock_guard lock(mutex_);
+  return health_;
+}
+
+Result<std::unique_ptr<AravisCamera>> open_camera(const std::string& id,
+                                                  const StreamRequest& request, Clock& clock) {
+  auto camera = std::make_unique<AravisCamera>(id, request, clock);
+  MIXRIG_TRY(camera->open());
+  return camera;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_aravis(const std::string& id, const StreamRequest& request,
+                                            Clock& clock) {
+  MIXRIG_ASSIGN(auto camera, open_camera(id, request, clock));
+  return std::unique_ptr<Camera>(std::move(camera));
+}
+
+Result<std::unique_ptr<DepthCamera>> open_aravis_depth(const std::string& id,
+                                                       const StreamRequest& request, Clock& clock) {
+  StreamRequest depth_request = request;
+  if (depth_request.format == PixelFormat::kUnknown) depth_request.format = PixelFormat::kDepth16;
+  MIXRIG_ASSIGN(auto camera, open_camera(id, depth_request, clock));
+  MIXRIG_ASSIGN(const DepthInfo depth, camera->depth_info());
+  return as_depth_camera(std::move(camera), depth);
+}
+
+std::vector<std::string> list_aravis() {
+  std::vector<std::string> ids;
+  arv_update_device_list();
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) ids.emplace_back(arv_get_device_id(i));
+  return ids;
+}
+
+}  // namespace mixrig::device

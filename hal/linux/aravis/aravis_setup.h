@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Set-up of a GenICam camera through libaravis: format, size, trigger, 3D. Private to this room.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+#include "hal/device/depth_camera.h"
+
+typedef struct _ArvCamera ArvCamera;  // NOLINT(modernize-use-using): as libaravis declares it
+typedef struct _GError GError;        // NOLINT(modernize-use-using)
+
+namespace mixrig::device {
+
+/// A GError for one call; frees itself.
+class AravisFault {
+ public:
+  AravisFault() = default;
+  AravisFault(const AravisFault&) = delete;
+  AravisFault& operator=(const AravisFault&) = delete;
+  ~AravisFault() { clear(); }
+  operator GError**() {  // NOLINT(google-explicit-constructor)
+    clear();
+    return &error_;
+  }
+  bool any() const { return error_ != nullptr; }
+  std::string text() const;
+  /// kDevice: "URI: WHAT: reason".
+  Error error(const std::string& uri, const std::string& what) const {
+    return Error{ErrorCode::kDevice, uri + ": " + what + ": " + text()};
+  }
+
+ private:
+  void clear();
+  GError* error_ = nullptr;
+};
+
+/// Stops an acquisition that a crashed client left running and sets the requested format and size;
+/// fills size and format of `info`. Returns the camera's pixel format code.
+/// Errors: kUnsupported, kDevice.
+Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamRequest& request,
+                                           CameraInfo& info);
+/// Sets Line0, or free running at the requested rate; fills rate and trigger of `info`.
+/// Errors: kDevice.
+Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
+                                   CameraInfo& info);
+/// Model, serial number and controls.
+void describe_aravis(ArvCamera* camera, CameraInfo& info);
+/// Scale, offset, invalid value and intrinsics (SFNC 2.7, 3D Scan Control). Errors: kDevice where
+/// the camera reports no scale.
+Result<DepthInfo> aravis_depth_info(ArvCamera* camera, const std::string& uri);
+
+}  // namespace mixrig::device

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/v4l2/v4l2_camera.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "hal/base/log.h"
+
+namespace mixrig::device {
+namespace {
+
+constexpr int kBuffers = 8;
+constexpr Duration kWait = std::chrono::milliseconds(100);
+constexpr Duration kLookAgain = std::chrono::milliseconds(250);
+
+}  // namespace
+
+V4l2Camera::V4l2Camera(std::string path, const StreamRequest& request, Clock& clock)
+    : path_(std::move(path)), request_(request), clock_(clock) {
+  info_.uri = "v4l2:" + path_;
+  info_.stamp_clock = StampClock::kHost;
+}
+
+Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const std::string& path,
+                                                     const StreamRequest& request, Clock& clock) {
+  std::unique_ptr<V4l2Camera> camera(new V4l2Camera(path, request, clock));
+  MIXRIG_TRY(camera->set_up());
+  // A camera that is plugged in again must deliver what was negotiated first.
+  camera->request_.size = camera->info_.size;
+  camera->request_.format = camera->info_.format;
+  camera->pool_.emplace(kBuffers, camera->layout_.picture_bytes);
+  return camera;
+}
+
+Result<void> V4l2Camera::set_up() {
+  MIXRIG_ASSIGN(V4l2Node node, V4l2Node::open(path_));
+  CameraInfo described = info_;
+  MIXRIG_ASSIGN(const V4l2Layout layout, node.configure(request_, described));
+  if (pool_ && (layout.picture_bytes != layout_.picture_bytes || described.model != info_.model))
+    return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+  for (const auto& [control, value] : settings_) (void)node.set(control, value);
+  node_ = std::move(node);
+  if (!pool_) info_ = described;  // callers hold references to it: not changed after open()
+  layout_ = layout;
+  return {};
+}
+
+Result<void> V4l2Camera::start(FrameSink sink) {
+  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  {
+    const std::lock_guard lock(mutex_);
+    if (!node_.is_open()) MIXRIG_TRY(set_up());
+    MIXRIG_TRY(node_.start_streaming());
+    health_.state = DeviceState::kStreaming;
+    last_sequence_.reset();
+  }
+  sink_ = std::move(sink);
+  stop_ = false;
+  thread_ = std::thread([this] { work(); });
+  return {};
+}
+
+void V4l2Camera::stop() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+  const std::lock_guard lock(mutex_);
+  node_.close();  // start() opens it again: some drivers cannot free single buffers
+  health_.state = DeviceState::kStopped;
+}
+
+void V4l2Camera::work() {
+  while (!stop_) {
+    auto next = node_.next(kWait);
+    if (next && *next) {
+      take(**next);
+      if (node_.give_back(**next)) continue;
+    } else if (next) {
+      continue;
+    }
+    come_back();
+  }
+}
+
+void V4l2Camera::take(const V4l2Picture& picture) {
+  Frame frame{.format = layout_.format,
+              .size = layout_.size,
+              .stride_bytes = layout_.stride_bytes,
+              .sequence = picture.sequence,
+              .device_time = DeviceTime(picture.stamp.time_since_epoch()),
+              .received = clock_.now(),
+              .flags = payload_flags(layout_, picture.bytes.size(), picture.error)};
+  if (!picture.stamp_valid) frame.device_time = DeviceTime(frame.received.time_since_epoch());
+  auto draft = pool_->take();
+  {
+    const std::lock_guard lock(mutex_);
+    if (last_sequence_ && picture.sequence > *last_sequence_ + 1) {
+      health_.lost += picture.sequence - *last_sequence_ - 1;
+      frame.flags |= kFrameAfterGap;
+    }
+    last_sequence_ = picture.sequence;
+    const auto exposure = settings_.find(CameraControl::kExposure);
+    if (exposure != settings_.end())
+      frame.exposure = Duration(static_cast<long>(exposure->second * 1e9));
+    if (frame.flags & kFrameIncomplete) ++health_.incomplete;
+    if (!draft) return void(++health_.overrun);
+    ++health_.frames;
+  }
+  if (picture.stamp_is_start) frame.device_time += frame.exposure / 2;
+  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
+  const std::size_t used = std::min(picture.bytes.size(), draft.bytes().size());
+  std::memcpy(draft.bytes().data(), picture.bytes.data(), used);
+  sink_(std::move(draft).publish(frame, used));
+}
+
+/// Waits until the device is plugged in again. Logged once, not per try.
+void V4l2Camera::come_back() {
+  {
+    const std::lock_guard lock(mutex_);
+    node_.close();
+    health_.state = DeviceState::kLost;
+  }
+  log_warning("v4l2", info_.uri + ": lost; looking for it");
+  while (!stop_) {
+    clock_.sleep_until(clock_.now() + kLookAgain);
+    const std::lock_guard lock(mutex_);
+    if (!set_up()) continue;
+    if (!node_.start_streaming()) {
+      node_.close();
+      continue;
+    }
+    health_.state = DeviceState::kStreaming;
+    ++health_.returns;
+    last_sequence_.reset();
+    restarted_ = true;
+    log_warning("v4l2", info_.uri + ": is back");
+    return;
+  }
+}
+
+const ControlRange* V4l2Camera::range(CameraControl control) const {
+  const auto found = std::find_if(info_.controls.begin(), info_.controls.end(),
+                                  [&](const ControlRange& r) { return r.control == control; });
+  return found == info_.controls.end() ? nullptr : &*found;
+}
+
+Result<void> V4l2Camera::set(CameraControl control, double value) {
+  const ControlRange* known = range(control);
+  const std::string what = info_.uri + ": " + std::string(name(control));
+  if (known == nullptr) return Error{ErrorCode::kUnsupported, what + " is not on this camera"};
+  if (!(value >= known->minimum && value <= known->maximum))
+    return Error{ErrorCode::kUsage, what + " must be " + std::to_string(known->minimum) + " to " +
+                                        std::to_string(known->maximum)};
+  const std::lock_guard lock(mutex_);
+  if (!node_.is_open()) MIXRIG_TRY(set_up());
+  MIXRIG_TRY(node_.set(control, value));
+  settings_[control] = value;
+  return {};
+}
+
+Result<double> V4l2Camera::get(CameraControl control) {
+  if (range(control) == nullptr)
+    return Error{ErrorCode::kUnsupported,
+                 info_.uri + ": " + std::string(name(control)) + " is not on this camera"};
+  const std::lock_guard lock(mutex_);
+  if (!node_.is_open()) MIXRIG_TRY(set_up());
+  return node_.get(control);
+}
+
+StreamHealth V4l2Camera::health() const {
+  const std::lock_guard lock(mutex_);
+  return health_;
+}
+
+}  // namespace mixrig::device

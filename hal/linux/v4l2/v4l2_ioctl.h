@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Helpers shared by the files of the V4L2 node. Private to this room.
+#pragma once
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include <sys/ioctl.h>
+
+namespace mixrig::device {
+
+inline constexpr std::uint32_t kMostV4l2Entries = 256;  // of any table that a driver enumerates
+
+inline int ioctl_again(int fd, unsigned long request, void* argument) {
+  int result = 0;
+  do {
+    result = ::ioctl(fd, request, argument);
+  } while (result < 0 && errno == EINTR);
+  return result;
+}
+
+/// A name in a field of fixed length, with or without a terminating zero.
+template <std::size_t N>
+std::string v4l2_text(const unsigned char (&bytes)[N]) {
+  const auto* begin = reinterpret_cast<const char*>(bytes);
+  return {begin, ::strnlen(begin, N)};
+}
+
+}  // namespace mixrig::device

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// An open V4L2 capture node: the ioctls, nothing else. Closing releases all buffers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+#include "hal/wire/v4l2_format.h"
+
+namespace mixrig::device {
+
+/// One filled buffer; its bytes are valid until give_back().
+struct V4l2Picture {
+  std::span<const std::uint8_t> bytes;
+  std::uint32_t index = 0, sequence = 0;
+  HostTime stamp{};             ///< CLOCK_MONOTONIC as the driver stamped it
+  bool stamp_valid = false;     ///< the stamp is of CLOCK_MONOTONIC
+  bool stamp_is_start = false;  ///< of the start of exposure, else of the end of the transfer
+  bool error = false;
+};
+
+/// For one thread.
+class V4l2Node {
+ public:
+  V4l2Node() = default;
+  V4l2Node(V4l2Node&& other) noexcept { *this = std::move(other); }
+  V4l2Node& operator=(V4l2Node&& other) noexcept;
+  ~V4l2Node() { close(); }
+
+  /// Errors: kNotFound, kDevice (no capture node), kIo.
+  static Result<V4l2Node> open(const std::string& path);
+  /// Selects and sets a mode; fills model, size, format, rate and controls of `info`.
+  Result<V4l2Layout> configure(const StreamRequest& request, CameraInfo& info);
+  Result<void> start_streaming();
+  /// Waits for a picture; empty after `timeout`. Errors: kDevice when the node is gone.
+  Result<std::optional<V4l2Picture>> next(Duration timeout);
+  Result<void> give_back(const V4l2Picture& picture);
+
+  Result<void> set(CameraControl control, double value);
+  Result<double> get(CameraControl control) const;
+  bool is_open() const { return fd_ >= 0; }
+  void close();
+
+ private:
+  struct Mapping {
+    void* address = nullptr;
+    std::size_t bytes = 0;
+  };
+  Error failed(const char* what) const;
+  std::vector<V4l2Mode> modes() const;
+  void add_sizes(std::uint32_t code, std::vector<V4l2Mode>& modes) const;
+  double max_rate(std::uint32_t code, Size size) const;
+  double set_rate(double rate_hz) const;
+  bool set_hardware_trigger(bool on) const;
+  std::vector<ControlRange> controls() const;
+  bool write_control(std::uint32_t id, std::int32_t value) const;
+
+  int fd_ = -1;
+  std::string path_;
+  std::vector<Mapping> mappings_;
+};
+
+}  // namespace mixrig::device

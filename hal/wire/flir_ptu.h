@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Driver of FLIR / Directed Perception pan-tilt units (PTU-D46, D300) over any ByteStream.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "hal/device/byte_stream.h"
+#include "hal/device/pan_tilt.h"
+#include "hal/wire/flir_ptu_reply.h"
+
+namespace mixrig::device {
+
+/// Queries resolution and range from the unit; never sends a reset, which would move the head.
+/// Verbose replies are switched on because they name their axis, so that a late answer is not taken
+/// as that of another query. An exchange without an answer, or with an invalid or interrupted one,
+/// is repeated: position queries and absolute moves are idempotent.
+class FlirPtu final : public PanTilt {
+ public:
+  /// `uri` stands in error lines. Errors: kTimeout, kDevice.
+  static Result<std::unique_ptr<FlirPtu>> open(std::unique_ptr<ByteStream> stream, Clock& clock,
+                                               std::string uri);
+
+  const PanTiltInfo& info() const override { return info_; }
+  Result<void> move_to(PanTiltAngles target) override;
+  Result<void> set_motion(PanTiltMotion motion) override;
+  Result<PanTiltSample> sample() override;
+  Result<void> halt() override;
+  PanTiltHealth health() const override;
+
+ private:
+  FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri);
+  Result<void> configure();
+  Result<void> set_up_protocol();
+  Result<void> set_up_again();
+  Result<PtuReply> send_and_read(std::string_view text, Duration timeout);
+  Result<void> command(std::string_view text, Duration timeout);
+  Result<double> query(std::string_view text, PtuAxis axis);
+  Result<PtuReply> exchange(std::string_view text, Duration timeout);
+  Result<PtuReply> exchange_once(std::string_view text, Duration timeout);
+  Result<PtuReply> read_reply(HostTime until);
+  Result<void> drain();
+  Result<long> steps(double angle_rad, const PanTiltAngles& resolution, PtuAxis axis) const;
+  Error no_answer(std::string_view text) const;
+
+  std::unique_ptr<ByteStream> stream_;
+  Clock& clock_;
+  PanTiltInfo info_;
+  PtuReplyParser parser_;
+  PanTiltHealth health_;
+  std::uint64_t limits_at_move_ = 0;
+  bool stale_ = true;  ///< bytes of an earlier exchange may still arrive
+  bool lost_ = false;  ///< the line failed: set up the protocol again when it is back
+};
+
+}  // namespace mixrig::device

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Residuals of the depth pictures of a view.
+#pragma once
+
+#include <vector>
+
+#include "host/calibration/rig/pixel_motion.h"
+#include "host/calibration/rig/rig_terms.h"
+
+namespace mixrig::calibration {
+
+/// Sigma of depth on paper and on ink.
+struct DepthScatter {
+  double paper_m = 0, ink_m = 0;
+};
+DepthScatter depth_scatter(const Scene& scene, const std::vector<Sample>& samples,
+                           const Image<float>& measured);
+
+/// Sums of the depth residuals of a picture in the columns of `at`; adds their number to `rows`.
+Eigen::MatrixXd depth_sums(const Scene& scene, const std::vector<Sample>& samples,
+                           const Image<float>& measured, const DepthScatter& sigma,
+                           const CameraColumns& at, long& rows);
+
+}  // namespace mixrig::calibration

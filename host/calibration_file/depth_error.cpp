@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The natural cubic spline of a ToF camera's depth error.
+#include <algorithm>
+
+#include "host/calibration_file/calibration.h"
+
+namespace mixrig::calibration_file {
+namespace {
+
+/// Second derivatives of the natural cubic spline at its knots: a tridiagonal system, solved by
+/// elimination.
+std::vector<double> curvatures(const std::vector<double>& x, const std::vector<double>& y) {
+  const std::size_t n = x.size();
+  std::vector<double> m(n, 0.0), factor(n, 0.0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double left = x[i] - x[i - 1], right = x[i + 1] - x[i];
+    const double wanted = 6 * ((y[i + 1] - y[i]) / right - (y[i] - y[i - 1]) / left);
+    const double pivot = 2 * (left + right) - left * factor[i - 1];
+    factor[i] = right / pivot;
+    m[i] = (wanted - left * m[i - 1]) / pivot;
+  }
+  for (std::size_t i = n - 1; i-- > 1;) m[i] -= factor[i] * m[i + 1];
+  return m;
+}
+
+double spline(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  if (x.empty()) return 0;
+  if (x.size() == 1) return y.front();
+  const auto m = curvatures(x, y);
+  const std::size_t last = x.size() - 1;
+  const auto slope = [&](std::size_t i, bool at_end) {  // of piece i..i+1 at one of its ends
+    const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
+    return at_end ? chord + h * (m[i] + 2 * m[i + 1]) / 6 : chord - h * (2 * m[i] + m[i + 1]) / 6;
+  };
+  if (at <= x.front()) return y.front() + slope(0, false) * (at - x.front());
+  if (at >= x.back()) return y.back() + slope(last - 1, true) * (at - x.back());
+  const std::size_t i =
+      static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()) - 1;
+  const double h = x[i + 1] - x[i], b = (at - x[i]) / h, a = 1 - b;
+  return a * y[i] + b * y[i + 1] +
+         ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * h * h / 6;
+}
+
+}  // namespace
+
+double DepthError::at(double distance_m, double amplitude, const Eigen::Vector2d& px,
+                      Size size) const {
+  const double u = 2 * px.x() / std::max(size.width - 1, 1) - 1;
+  const double v = 2 * px.y() / std::max(size.height - 1, 1) - 1;
+  return spline(knots_m, error_m, distance_m) + (amplitude > 0 ? amplitude_m / amplitude : 0) +
+         place_m[0] * u + place_m[1] * v + place_m[2] * u * u + place_m[3] * u * v +
+         place_m[4] * v * v;
+}
+
+}  // namespace mixrig::calibration_file

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/capture/calibrated_source.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hal/base/log.h"
+#include "host/calibration_file/calibration.h"
+#include "host/depth/depth_correction.h"
+
+namespace mixrig::capture {
+namespace {
+
+class CalibratedSource final : public CaptureSource {
+ public:
+  CalibratedSource(std::unique_ptr<CaptureSource> source, SourceInfo info,
+                   std::optional<depth::DepthCorrection> correction)
+      : source_(std::move(source)),
+        info_(std::move(info)),
+        cameras_(std::make_shared<RigCameras>(info_)),
+        correction_(std::move(correction)) {}
+
+  const SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, Capture& capture) override {
+    MIXRIG_ASSIGN(const bool there, source_->read(number, capture));
+    if (!there) return false;
+    capture.cameras = cameras_;
+    if (correction_) correct(capture);
+    return true;
+  }
+  Result<void> read_truth(int number, Truth& truth) override {
+    return source_->read_truth(number, truth);
+  }
+  std::optional<SourceReport> report() const override { return source_->report(); }
+
+ private:
+  void correct(Capture& capture);
+
+  std::unique_ptr<CaptureSource> source_;
+  SourceInfo info_;
+  std::shared_ptr<const RigCameras> cameras_;
+  std::optional<depth::DepthCorrection> correction_;
+  bool warned_ = false;
+};
+
+void CalibratedSource::correct(Capture& capture) {
+  const Size size = info_.tof.size_px();
+  if (capture.depth_m.size() != size) return;  // the compositor reports the error
+  const bool lit = capture.amplitude.size() == size;
+  correction_->apply(capture.depth_m, lit ? capture.amplitude.view() : ImageView<float>());
+  if (lit || warned_ || !correction_->wants_amplitude()) return;
+  warned_ = true;
+  log_warning("capture",
+              "the depth error has an amplitude term, but these frames have no amplitude: the term "
+              "is left out");
+}
+
+std::string text(Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+std::string names_of(const calibration_file::Calibration& calibration) {
+  std::string names;
+  for (const auto& camera : calibration.cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  return names.empty() ? "none" : names;
+}
+
+Result<geometry::CameraModel> camera_of(const calibration_file::Calibration& calibration,
+                                        const std::string& name, Size size) {
+  const calibration_file::CalibratedCamera* camera = calibration.camera(name);
+  if (camera == nullptr)
+    return Error{ErrorCode::kFormat, "cameras: \"" + name +
+                                         "\" is missing, there are: " + names_of(calibration) +
+                                         ": run mixrig calibrate rig, or rename a camera"};
+  const auto* model = std::get_if<geometry::CameraModel>(&camera->model);
+  if (model == nullptr)
+    return Error{ErrorCode::kFormat, "cameras." + name +
+                                         ": a fisheye, but colour and depth must be pinholes: "
+                                         "calibrate it with --model pinhole"};
+  if (model->size_px() != size)
+    return Error{ErrorCode::kFormat, "cameras." + name + ": made of pictures of " +
+                                         text(model->size_px()) + ", these are " + text(size) +
+                                         ": calibrate at the size that is used"};
+  return *model;
+}
+
+/// `info` with the values of the calibration.
+Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibration& calibration) {
+  MIXRIG_ASSIGN(info.target, camera_of(calibration, "target", info.target.size_px()));
+  MIXRIG_ASSIGN(info.tof, camera_of(calibration, "tof", info.tof.size_px()));
+  const calibration_file::CalibratedPose* pose = calibration.pose("tof");
+  if (pose == nullptr)
+    return Error{ErrorCode::kFormat,
+                 "target_from: \"tof\" is missing: run mixrig calibrate rig, which finds the pose "
+                 "of the depth camera"};
+  info.target_from_tof = pose->target_from;
+  if (calibration.depth_error && calibration.depth_error->camera != "tof")
+    return Error{ErrorCode::kFormat, "depth_error: is of camera \"" +
+                                         calibration.depth_error->camera +
+                                         "\", not of \"tof\": remove it or calibrate again"};
+  info.calibration.clear();
+  return info;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
+                                                        const std::filesystem::path& file) {
+  if (file.empty()) return source;
+  MIXRIG_ASSIGN(const calibration_file::Calibration known, calibration_file::read_calibration(file));
+  auto info = calibrated(source->info(), known);
+  if (!info) return Error{info.error().code, file.string() + ": " + info.error().context};
+  std::optional<depth::DepthCorrection> correction;
+  if (known.depth_error)
+    correction.emplace(*known.depth_error, info->tof,
+                       info->depth_kind == DepthKind::kDistance);
+  return std::unique_ptr<CaptureSource>(std::make_unique<CalibratedSource>(
+      std::move(source), *std::move(info), std::move(correction)));
+}
+
+}  // namespace mixrig::capture

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Replaces the cameras of a take or a rig by those of a calibration file.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "host/capture/capture_source.h"
+
+namespace mixrig::capture {
+
+/// The same captures with the cameras `target` and `tof` and the pose of `tof` of the calibration
+/// file; the source unchanged where `file` is empty. Depth is corrected where the file holds its
+/// error. The view of the source is kept.
+/// Errors: those of the file; kFormat where it lacks a camera or the pose, or was made from pictures
+/// of another size.
+Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
+                                                        const std::filesystem::path& file);
+
+}  // namespace mixrig::capture

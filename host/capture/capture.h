@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The decoded streams of a rig at one tick. Rig, take and studio all make captures; code that uses
+// a Capture does not depend on its source.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "hal/base/clock.h"
+#include "hal/base/image.h"
+#include "hal/device/pan_tilt.h"
+#include "host/capture/rig_cameras.h"
+
+namespace mixrig::capture {
+
+enum class Stream : std::uint8_t { kPlate, kDepth, kFisheye, kPanTilt, kCount };
+enum class StreamStatus : std::uint8_t {
+  kAbsent,    ///< the source has no such stream
+  kFresh,     ///< of this tick
+  kRepeated,  ///< the last value again: the stream is slower than the plate
+  kMissing,   ///< expected at this tick, but not received
+};
+/// Where world_from_target comes from.
+enum class PoseOrigin : std::uint8_t {
+  kUnknown,   ///< none: the identity
+  kRecorded,  ///< of this frame, from the take or the studio
+  kFixed,     ///< one pose for all frames: rig.toml or the recording that is played
+};
+
+std::string_view name(StreamStatus status);
+std::string_view name(PoseOrigin origin);
+
+/// Buffers are kept when a Capture is read into again. Images of streams that are not kFresh or
+/// kRepeated are empty.
+struct Capture {
+  int number = 0;           ///< 1-based, counts the captures of a source
+  std::uint64_t tick = 0;   ///< of the 100 Hz master; 0 where the source has none
+  HostTime mid_exposure{};  ///< of the plate, on the source's clock
+  double time_s = 0;        ///< of the plate, since the source's start or its own epoch
+  Image<Rgb8> plate;        ///< sRGB, distorted, size of cameras->target
+  Image<float> depth_m;     ///< size of cameras->tof, as DepthKind; 0 = unknown
+  Image<float> amplitude;   ///< as depth_m; empty where the source has none
+  Image<Rgb8> fisheye;      ///< empty where the source has none
+  std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure
+  std::shared_ptr<const RigCameras> cameras;      ///< intrinsics in force
+  geometry::Pose world_from_target;
+  PoseOrigin pose_origin = PoseOrigin::kUnknown;
+  std::array<StreamStatus, static_cast<std::size_t>(Stream::kCount)> status{};
+
+  StreamStatus status_of(Stream stream) const { return status[static_cast<std::size_t>(stream)]; }
+  void set_status(Stream stream, StreamStatus s) { status[static_cast<std::size_t>(stream)] = s; }
+};
+
+/// Dropping the last reference returns the buffers to their pool.
+using CapturePtr = std::shared_ptr<const Capture>;
+
+}  // namespace mixrig::capture

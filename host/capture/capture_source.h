@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where captures come from: a recorded take, the virtual studio rendered on the fly, live devices.
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "host/capture/capture.h"
+#include "host/capture/source_report.h"
+#include "host/capture/truth.h"
+
+namespace mixrig::capture {
+
+/// Number of captures of a source that ends when its devices do.
+inline constexpr int kEndless = std::numeric_limits<int>::max();
+
+struct SourceInfo : RigCameras {
+  std::string name;
+  double rate_hz = 0;                 ///< of the plate; 0 where unknown
+  double depth_unit_m = 0.001;        ///< one step of 16-bit depth
+  int frames = 0;                     ///< kEndless for live devices
+  std::filesystem::path calibration;  ///< file that replaces the cameras, or empty
+  std::filesystem::path file;         ///< take.toml or rig.toml; empty for the studio
+  std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras
+  bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
+  bool has_poses = false;
+  bool has_truth = false;
+};
+
+/// Captures by number, 1..info().frames. Calls come from one thread at a time.
+class CaptureSource {
+ public:
+  virtual ~CaptureSource() = default;
+  virtual const SourceInfo& info() const = 0;
+  /// Reads and decodes capture `number`; live devices give the next one, whatever the number.
+  /// False when the source has ended: nothing was read.
+  /// Errors: kData for anything wrong with the capture; kDevice.
+  virtual Result<bool> read(int number, Capture& capture) = 0;
+  /// Call after read() of the same number, and only where info().has_truth. Errors as read.
+  virtual Result<void> read_truth(int number, Truth& truth) = 0;
+  /// Counts of live devices; empty for other sources. Any thread.
+  virtual std::optional<SourceReport> report() const { return std::nullopt; }
+};
+
+}  // namespace mixrig::capture

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The true scene of a capture, as rendered by the studio.
+#pragma once
+
+#include <cstdint>
+
+#include "hal/base/image.h"
+
+namespace mixrig::capture {
+
+/// All images in the ideal view.
+struct Truth {
+  static constexpr std::uint8_t kLayerMask = 3;  ///< visible: 0 background, 1 person, 2 virtual
+  static constexpr std::uint8_t kTofSees = 4;    ///< the ToF camera sees the real surface
+  static constexpr std::uint8_t kVirtual = 8;  ///< inside the virtual objects' silhouette, occluded or not
+
+  Image<float> depth_m;        ///< of the real scene
+  Image<std::uint8_t> matte;   ///< coverage by people, 255 = all
+  Image<float> light;          ///< light with / light without virtual objects
+  Image<Rgb8> composite;
+  Image<std::uint8_t> labels;  ///< the bits above
+};
+
+}  // namespace mixrig::capture

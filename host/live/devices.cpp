@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/live/devices.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "hal/wire/flir_ptu.h"
+#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/reopening_byte_stream.h"
+#include "hal/linux/serial_byte_stream.h"
+#include "hal/linux/tof_usb_camera.h"
+#include "hal/linux/v4l2/v4l2_camera.h"
+#include "hal/linux/aravis/aravis_camera.h"
+#include "hal/linux/gpiod_lines.h"
+
+namespace mixrig::live {
+namespace {
+
+constexpr int kPtuBaud = 9600;
+
+struct Uri {
+  std::string scheme, rest;
+};
+
+Uri split(const std::string& uri) {
+  const auto colon = uri.find(':');
+  if (colon == std::string::npos) return {uri, {}};
+  return {uri.substr(0, colon), uri.substr(colon + 1)};
+}
+
+Error unknown(const std::string& uri, const char* what, const char* known) {
+  return Error{ErrorCode::kUsage, "'" + uri + "' is not a " + what + ": use " + known};
+}
+
+/// A serial line that is reopened after its cable was unplugged.
+Result<std::unique_ptr<device::ByteStream>> open_line(const std::string& name, Clock& clock) {
+  return device::ReopeningByteStream::make([name] { return device::open_byte_stream(name); },
+                                           clock);
+}
+
+bool is_playable(const Uri& uri) { return uri.scheme == "take" || uri.scheme == "studio"; }
+
+/// One picture stream of a recording: "take:DIR/color" is DIR and "color".
+struct StreamUri {
+  std::string recording, name;
+};
+StreamUri stream_uri(const Uri& uri) {
+  const auto slash = uri.rest.rfind('/');
+  if (slash == std::string::npos) return {uri.scheme + ":", uri.rest};
+  return {uri.scheme + ":" + uri.rest.substr(0, slash), uri.rest.substr(slash + 1)};
+}
+
+}  // namespace
+
+std::vector<std::string> recordings_of(const RigConfig& rig) {
+  std::vector<std::string> uris;
+  const auto add = [&](const std::string& uri) {
+    const Uri parts = split(uri);
+    const std::string recording = stream_uri(parts).recording;
+    if (is_playable(parts) && std::find(uris.begin(), uris.end(), recording) == uris.end())
+      uris.push_back(recording);
+  };
+  for (const CameraConfig& camera : rig.cameras) add(camera.uri);
+  if (rig.depth) add(rig.depth->uri);
+  return uris;
+}
+
+Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& recording) {
+  for (const auto& [name, player] : players_)
+    if (name == recording) return player;
+  for (Recording& known : recordings_) {
+    if (known.uri != recording) continue;
+    if (!known.source) return known.source.error();
+    MIXRIG_ASSIGN(auto player, Player::create(*std::move(known.source), recording, clock_));
+    players_.emplace_back(recording, player);
+    return player;
+  }
+  return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
+}
+
+Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
+                                                             const device::StreamRequest& request) {
+  const Uri parts = split(uri);
+  if (parts.scheme == "v4l2") {
+    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, request, clock_));
+    return std::unique_ptr<device::Camera>(std::move(camera));
+  }
+  if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
+  if (const StreamUri view = stream_uri(parts);
+      is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->camera();
+  }
+  return unknown(uri, "camera", "v4l2:/dev/videoN, aravis:ID, take:DIR/color or studio:target");
+}
+
+Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
+    const std::string& uri, const device::StreamRequest& request) {
+  const Uri parts = split(uri);
+  if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock_);
+  if (parts.scheme == "v4l2") {
+    device::StreamRequest depth = request;
+    if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
+    MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, depth, clock_));
+    return device::as_depth_camera(std::move(camera), {});
+  }
+  if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
+  if (const StreamUri view = stream_uri(parts);
+      is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->depth();
+  }
+  return unknown(uri, "depth camera",
+                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
+}
+
+Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {
+  const Uri parts = split(uri);
+  if (parts.scheme != "flir-ptu") return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0");
+  const auto at = parts.rest.rfind('@');
+  int baud = kPtuBaud;
+  if (at != std::string::npos) {
+    const char* end = parts.rest.data() + parts.rest.size();
+    const auto [stop, fault] = std::from_chars(parts.rest.data() + at + 1, end, baud);
+    if (fault != std::errc() || stop != end || baud < 300 || baud > 4'000'000)
+      return Error{ErrorCode::kUsage,
+                   uri + ": the baud rate after @ is not valid: give 300 to 4000000"};
+  }
+  MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
+  MIXRIG_TRY(stream->set_line({.baud = baud}));
+  MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri));
+  return std::unique_ptr<device::PanTilt>(std::move(unit));
+}
+
+Result<std::unique_ptr<device::TriggerMaster>> DeviceOpener::trigger(const std::string& uri) {
+  const Uri parts = split(uri);
+  if (parts.scheme == "mcu") {
+    MIXRIG_ASSIGN(auto stream, open_line(parts.rest, clock_));
+    MIXRIG_ASSIGN(auto trigger, device::McuTrigger::open(std::move(stream), clock_, uri));
+    return std::unique_ptr<device::TriggerMaster>(std::move(trigger));
+  }
+  if (parts.scheme == "gpiod") return device::open_gpiod_trigger(parts.rest, clock_);
+  return unknown(uri, "trigger", "mcu:/dev/ttyACM0 or gpiod:gpiochip0/17,18");
+}
+
+Result<std::unique_ptr<device::TriggerInput>> DeviceOpener::edges(const std::string& uri) {
+  const Uri parts = split(uri);
+  if (parts.scheme == "gpiod") return device::open_gpiod_input(parts.rest);
+  return unknown(uri, "trigger input", "gpiod:gpiochip0/17");
+}
+
+Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) {
+  const auto set = [&](device::CameraControl control,
+                       const std::optional<double>& value) -> Result<void> {
+    return value ? camera.set(control, *value) : Result<void>();
+  };
+  MIXRIG_TRY(set(device::CameraControl::kExposure, config.exposure_s));
+  MIXRIG_TRY(set(device::CameraControl::kGain, config.gain));
+  MIXRIG_TRY(set(device::CameraControl::kFocus, config.focus));
+  return set(device::CameraControl::kWhiteBalance, config.white_balance_k);
+}
+
+Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
+  Devices devices;
+  if (!rig.trigger_uri.empty()) {
+    MIXRIG_ASSIGN(devices.trigger, opener.trigger(rig.trigger_uri));
+  }
+  if (!rig.edges_uri.empty()) {
+    MIXRIG_ASSIGN(devices.edges, opener.edges(rig.edges_uri));
+  }
+  for (const CameraConfig& config : rig.cameras) {
+    MIXRIG_ASSIGN(auto camera, opener.camera(config.uri, config.request));
+    MIXRIG_TRY(apply_controls(config, *camera));
+    devices.cameras.push_back(std::move(camera));
+  }
+  if (rig.depth) {
+    MIXRIG_ASSIGN(devices.depth, opener.depth(rig.depth->uri, rig.depth->request));
+  }
+  if (!rig.pan_tilt_uri.empty()) {
+    MIXRIG_ASSIGN(devices.pan_tilt, opener.pan_tilt(rig.pan_tilt_uri));
+  }
+  devices.player = opener.player();
+  return devices;
+}
+
+}  // namespace mixrig::live

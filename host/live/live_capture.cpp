@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/live/live_capture.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "host/capture/decode.h"
+
+namespace mixrig::live {
+namespace {
+
+geometry::CameraModel guess(Size size) {
+  const double focal_px = 0.5 * size.width / std::tan(std::numbers::pi / 6);
+  return {.pinhole = {.size_px = size,
+                      .fx_px = focal_px,
+                      .fy_px = focal_px,
+                      .cx_px = 0.5 * (size.width - 1),
+                      .cy_px = 0.5 * (size.height - 1)},
+          .lens = {}};
+}
+
+geometry::CameraModel depth_model(const device::DepthCamera& depth) {
+  geometry::CameraModel model = guess(depth.info().size);
+  if (const auto& reported = depth.depth().intrinsics) {
+    model.pinhole.fx_px = model.pinhole.fy_px = reported->focal_px;
+    model.pinhole.cx_px = reported->principal_x_px;
+    model.pinhole.cy_px = reported->principal_y_px;
+  }
+  return model;
+}
+
+/// Cameras without the values of rig.toml.
+take::TakeInfo info_of_devices(const Devices& devices) {
+  take::TakeInfo info;
+  if (devices.player) {
+    const capture::SourceInfo& played = devices.player->info();
+    info.target = played.target;
+    info.tof = played.tof;
+    info.view = played.view;
+    info.target_from_tof = played.target_from_tof;
+    info.noise = played.noise;
+    info.calibration = played.calibration;
+  }
+  // A recording may replace only one of the cameras.
+  const Size color = devices.cameras.front()->info().size, depth = devices.depth->info().size;
+  if (info.target.size_px() != color) {
+    info.target = guess(color);
+    info.view.reset();
+  }
+  if (info.tof.size_px() != depth) info.tof = depth_model(*devices.depth);
+  return info;
+}
+
+void fill_amplitude(const device::Frame& depth, Image<float>& amplitude) {
+  if (depth.amplitude.size() < 2 * depth.size.area()) return;
+  if (amplitude.size() != depth.size) amplitude.reset(depth.size);
+  const std::uint8_t* in = depth.amplitude.data();
+  for (int y = 0; y < depth.size.height; ++y)
+    for (int x = 0; x < depth.size.width; ++x, in += 2)
+      amplitude.row(y)[x] = static_cast<float>(in[0] | in[1] << 8);
+}
+
+}  // namespace
+
+Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices) {
+  if (devices.cameras.empty() || !devices.depth)
+    return Error{ErrorCode::kUsage,
+                 "the rig needs a [[camera]] and a [depth] camera: add them to rig.toml"};
+  take::TakeInfo info = info_of_devices(devices);
+  info.name = config.name;
+  info.file = config.file;
+  info.reported = devices.player || devices.depth->depth().intrinsics;
+  if (config.target) {
+    info.target = *config.target;
+    info.view.reset();
+  }
+  if (!config.calibration.empty()) info.calibration = config.calibration;
+  if (config.target) info.camera_tables.emplace_back("target");
+  if (config.tof) info.camera_tables.emplace_back("tof");
+  if (config.target_from_tof) info.camera_tables.emplace_back("target_from_tof");
+  if (config.tof) info.tof = *config.tof;
+  if (config.target_from_tof) info.target_from_tof = *config.target_from_tof;
+  const device::DepthInfo& depth = devices.depth->depth();
+  info.depth_kind =
+      depth.meaning == device::DepthMeaning::kZ ? capture::DepthKind::kZ : capture::DepthKind::kDistance;
+  info.depth_unit_m = depth.metres_per_step;
+  info.depth_unknown = 0;
+  const TriggerLine* line = config.line_of(config.cameras.front());
+  info.color.rate_hz =
+      line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
+  info.rate_hz = info.depth.rate_hz = info.color.rate_hz;
+  return info;
+}
+
+SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices) : devices_(devices) {
+  for (std::size_t i = 1; i < config.cameras.size(); ++i)
+    if (config.cameras[i].name == "fisheye") fisheye_ = i;
+}
+
+Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
+  using capture::Stream;
+  using capture::StreamStatus;
+  const sync::TimedFrame& plate = set.frames.frames[0];
+  const sync::TimedFrame& depth = set.frames.frames[devices_.cameras.size()];
+  if (!plate.frame || !depth.frame)
+    return Error{ErrorCode::kData, "a frame set without colour or depth: skipped"};
+  MIXRIG_TRY(capture::decode_rgb8(*plate.frame, capture.plate));
+  MIXRIG_TRY(device::to_metres(*depth.frame, devices_.depth->depth(), capture.depth_m));
+  fill_amplitude(*depth.frame, capture.amplitude);
+  capture.tick = devices_.trigger || devices_.edges ? set.frames.tick : 0;
+  capture.mid_exposure = plate.mid_exposure;
+  capture.pan_tilt = set.pan_tilt;
+  capture.status = {};
+  capture.set_status(Stream::kPlate, StreamStatus::kFresh);
+  capture.set_status(Stream::kDepth, last_depth_ == depth.frame->sequence ? StreamStatus::kRepeated
+                                                                          : StreamStatus::kFresh);
+  last_depth_ = depth.frame->sequence;
+  if (devices_.pan_tilt)
+    capture.set_status(Stream::kPanTilt,
+                       set.pan_tilt ? StreamStatus::kFresh : StreamStatus::kMissing);
+  return fisheye_ > 0 ? decode_fisheye(set, capture) : Result<void>();
+}
+
+Result<void> SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {
+  using capture::Stream;
+  using capture::StreamStatus;
+  const device::FramePtr& frame = set.frames.frames[fisheye_].frame;
+  if (!frame) {
+    capture.fisheye.reset({});
+    capture.set_status(Stream::kFisheye, StreamStatus::kMissing);
+    return {};
+  }
+  MIXRIG_TRY(capture::decode_rgb8(*frame, capture.fisheye));
+  capture.set_status(Stream::kFisheye, last_fisheye_ == frame->sequence ? StreamStatus::kRepeated
+                                                                        : StreamStatus::kFresh);
+  last_fisheye_ = frame->sequence;
+  return {};
+}
+
+void set_pose(const RigConfig& config, const Devices& devices, const LiveSet& set,
+              capture::Capture& capture) {
+  if (config.world_from_target) {
+    capture.world_from_target = *config.world_from_target;
+    capture.pose_origin = capture::PoseOrigin::kFixed;
+    return;
+  }
+  Player::PlayedPose played;
+  if (devices.player) played = devices.player->pose_of(set.frames.frames[0].frame->sequence);
+  capture.world_from_target = played.world_from_target;
+  capture.pose_origin = played.origin;
+}
+
+}  // namespace mixrig::live

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decodes a frame set of the live rig into a Capture.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "host/capture/capture.h"
+#include "host/live/devices.h"
+#include "host/live/live_session.h"
+#include "host/take/take.h"
+
+namespace mixrig::live {
+
+/// The cameras of a live rig: those of rig.toml, else of the recording that is played, else what
+/// the devices report, else a pinhole of 60 degrees, which `mixrig calibrate` replaces.
+/// Errors: kUsage for a rig without a camera or without a depth camera.
+Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices);
+
+/// Decodes frame sets. Not thread-safe.
+class SetDecoder {
+ public:
+  /// `config` and `devices` must outlive it.
+  SetDecoder(const RigConfig& config, const Devices& devices);
+  /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its picture;
+  /// mid-exposure, tick, head angles and the streams' status. Keeps the buffers of `capture`, and
+  /// does not change its number, time, cameras and pose.
+  /// Errors: kData where the set lacks colour or depth, or one of them cannot be decoded: skip it.
+  Result<void> decode(const LiveSet& set, capture::Capture& capture);
+
+ private:
+  Result<void> decode_fisheye(const LiveSet& set, capture::Capture& capture);
+
+  const Devices& devices_;
+  std::size_t fisheye_ = 0;  ///< index of its stream; 0 where the rig has none
+  std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames
+};
+
+/// Sets the pose of the target camera and its origin: from rig.toml, else from the played recording
+/// by the plate's counter, else unknown.
+void set_pose(const RigConfig& config, const Devices& devices, const LiveSet& set,
+              capture::Capture& capture);
+
+}  // namespace mixrig::live

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/live/player.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "hal/base/log.h"
+
+namespace mixrig::live {
+namespace {
+
+constexpr int kBuffers = 8;
+constexpr Duration kLongestSleep = std::chrono::milliseconds(50);
+
+void put_u16(std::uint8_t* out, long value) {
+  out[0] = static_cast<std::uint8_t>(value);
+  out[1] = static_cast<std::uint8_t>(value >> 8);
+}
+
+/// Rows of 16-bit samples, packed. Values out of range become 0, which is "unknown".
+void fill_u16(const Image<float>& in, double scale, std::span<std::uint8_t> out) {
+  std::uint8_t* at = out.data();
+  for (int y = 0; y < in.height(); ++y)
+    for (int x = 0; x < in.width(); ++x, at += 2) {
+      const long value = std::lround(static_cast<double>(in.row(y)[x]) * scale);
+      put_u16(at, value < 0 || value > 65535 ? 0 : value);
+    }
+}
+
+}  // namespace
+
+/// One camera of a Player.
+class PlayedCamera final : public device::Camera {
+ public:
+  PlayedCamera(std::shared_ptr<Player> player, Player::Channel& channel)
+      : player_(std::move(player)), channel_(channel) {}
+  ~PlayedCamera() override { stop(); }
+  const device::CameraInfo& info() const override { return channel_.info; }
+  Result<void> start(device::FrameSink sink) override {
+    return player_->start(channel_, std::move(sink));
+  }
+  void stop() override { player_->stop(channel_); }
+  Result<void> set(device::CameraControl control, double) override { return unsupported(control); }
+  Result<double> get(device::CameraControl control) override { return unsupported(control); }
+  device::StreamHealth health() const override { return player_->health(channel_); }
+
+ private:
+  Error unsupported(device::CameraControl control) const {
+    return Error{ErrorCode::kUnsupported, channel_.info.uri + ": " +
+                                              std::string(device::name(control)) +
+                                              " cannot be set on a recording"};
+  }
+  std::shared_ptr<Player> player_;
+  Player::Channel& channel_;
+};
+
+Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureSource> source,
+                                               const std::string& uri, Clock& clock) {
+  std::shared_ptr<Player> player(new Player(std::move(source), clock));
+  const capture::SourceInfo& info = player->info();
+  if (info.frames < 1 || !(info.rate_hz > 0))
+    return Error{ErrorCode::kData, uri + ": has no frames or no rate_hz: it cannot be played"};
+  MIXRIG_TRY(player->read(1));
+  player->first_s_ = player->capture_.time_s;
+  player->describe(uri);
+  return player;
+}
+
+Player::Player(std::unique_ptr<capture::CaptureSource> source, Clock& clock)
+    : source_(std::move(source)), clock_(clock) {}
+
+Player::~Player() {
+  stop(color_);
+  stop(depth_);
+}
+
+void Player::describe(const std::string& uri) {
+  const capture::SourceInfo& info = source_->info();
+  first_pose_ = {1, capture_.world_from_target, capture_.pose_origin};
+  const auto describe_one = [&](Channel& channel, const char* view, Size size,
+                                device::PixelFormat format) {
+    channel.info = {.uri = uri + "/" + view,
+                    .model = info.name,
+                    .size = size,
+                    .format = format,
+                    .rate_hz = info.rate_hz,
+                    .stamp_clock = device::StampClock::kHost};
+    const std::size_t bytes =
+        device::image_bytes(format, size, device::row_bytes(format, size.width));
+    const bool amplitude = format == device::PixelFormat::kDepth16 && !capture_.amplitude.empty();
+    channel.pool.emplace(kBuffers, bytes, amplitude ? bytes : 0);
+  };
+  describe_one(color_, "color", capture_.plate.size(), device::PixelFormat::kRgb8);
+  describe_one(depth_, "depth", capture_.depth_m.size(), device::PixelFormat::kDepth16);
+  const bool along_ray = info.depth_kind == capture::DepthKind::kDistance;
+  depth_info_ = {.metres_per_step = info.depth_unit_m,
+                 .meaning = along_ray ? device::DepthMeaning::kDistance : device::DepthMeaning::kZ,
+                 .intrinsics = device::DeviceIntrinsics{
+                     info.tof.pinhole.fx_px, info.tof.pinhole.cx_px, info.tof.pinhole.cy_px}};
+}
+
+std::unique_ptr<device::Camera> Player::camera() {
+  const std::lock_guard lock(mutex_);
+  color_.taken = true;
+  return std::make_unique<PlayedCamera>(shared_from_this(), color_);
+}
+
+std::unique_ptr<device::DepthCamera> Player::depth() {
+  const std::lock_guard lock(mutex_);
+  depth_.taken = true;
+  return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth_),
+                                 depth_info_);
+}
+
+Result<void> Player::start(Channel& channel, device::FrameSink sink) {
+  const std::lock_guard lock(mutex_);
+  if (channel.sink)
+    return Error{ErrorCode::kUsage, channel.info.uri + ": is already playing: stop it first"};
+  channel.sink = std::move(sink);
+  channel.health.state = device::DeviceState::kStreaming;
+  const auto ready = [](const Channel& c) { return !c.taken || c.sink; };
+  if (!ready(color_) || !ready(depth_)) return {};
+  // A camera that stopped and starts again while the player runs continues with the next frame.
+  if (!std::exchange(stop_, false)) return {};
+  begin_ = clock_.now();
+  thread_ = std::thread([this] { work(); });
+  return {};
+}
+
+void Player::stop(Channel& channel) {
+  std::thread done;
+  {
+    const std::lock_guard lock(mutex_);
+    channel.sink = nullptr;
+    channel.health.state = device::DeviceState::kStopped;
+    if (color_.sink || depth_.sink) return;
+    stop_ = true;
+    done = std::move(thread_);
+  }
+  if (done.joinable()) done.join();
+}
+
+device::StreamHealth Player::health(const Channel& channel) const {
+  const std::lock_guard lock(mutex_);
+  return channel.health;
+}
+
+Player::PlayedPose Player::pose_of(std::uint64_t sequence) const {
+  const std::lock_guard lock(mutex_);
+  const PlayedPose& kept = poses_[sequence % poses_.size()];
+  return kept.sequence == sequence ? kept : first_pose_;
+}
+
+void Player::work() {
+  for (int number = 1; number <= source_->info().frames; ++number) {
+    if (const auto read = read_next(number); !read) {
+      log_warning("rig", to_line(read.error()));
+      return end(device::DeviceState::kFailed);
+    }
+    const HostTime due = begin_ + Duration(std::llround((capture_.time_s - first_s_) * 1e9));
+    wait_until(due);
+    const std::lock_guard lock(mutex_);
+    if (stop_) return;
+    poses_[static_cast<std::size_t>(number) % poses_.size()] = {
+        static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
+    for (Channel* channel : {&color_, &depth_})
+      if (channel->sink) publish(*channel, due);
+  }
+  end(device::DeviceState::kStopped);
+}
+
+Result<void> Player::read(int number) {
+  MIXRIG_ASSIGN(const bool there, source_->read(number, capture_));
+  if (there) return {};
+  return Error{ErrorCode::kData, "the recording ends before frame " + std::to_string(number)};
+}
+
+/// As read(); the frame must also fit the devices' buffers.
+Result<void> Player::read_next(int number) {
+  MIXRIG_TRY(read(number));
+  if (capture_.plate.size() == color_.info.size && capture_.depth_m.size() == depth_.info.size)
+    return {};
+  return Error{ErrorCode::kData, color_.info.uri + ": frame " + std::to_string(number) +
+                                     " has another size than the first: playing ends"};
+}
+
+void Player::wait_until(HostTime due) {
+  while (clock_.now() < due) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stop_) return;
+    }
+    clock_.sleep_until(std::min(due, clock_.now() + kLongestSleep));
+  }
+}
+
+void Player::publish(Channel& channel, HostTime at) {
+  auto draft = channel.pool->take();
+  if (!draft) {
+    ++channel.health.overrun;
+    return;
+  }
+  fill(channel, draft);
+  const device::Frame frame{
+      .format = channel.info.format,
+      .size = channel.info.size,
+      .stride_bytes = device::row_bytes(channel.info.format, channel.info.size.width),
+      .sequence = static_cast<std::uint64_t>(capture_.number),
+      .device_time = DeviceTime(at.time_since_epoch()),
+      .received = clock_.now()};
+  ++channel.health.frames;
+  const std::size_t used = draft.bytes().size(), amplitude = draft.amplitude().size();
+  channel.sink(std::move(draft).publish(frame, used, amplitude));
+}
+
+void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const {
+  if (&channel == &depth_) {
+    fill_u16(capture_.depth_m, 1 / depth_info_.metres_per_step, draft.bytes());
+    if (!draft.amplitude().empty() && !capture_.amplitude.empty())
+      fill_u16(capture_.amplitude, 1, draft.amplitude());
+    return;
+  }
+  const std::size_t row = device::row_bytes(channel.info.format, channel.info.size.width);
+  std::uint8_t* at = draft.bytes().data();
+  for (int y = 0; y < capture_.plate.height(); ++y, at += row)
+    std::memcpy(at, capture_.plate.row(y), row);
+}
+
+void Player::end(device::DeviceState state) {
+  const std::lock_guard lock(mutex_);
+  for (Channel* channel : {&color_, &depth_})
+    if (channel->sink) channel->health.state = state;
+}
+
+}  // namespace mixrig::live

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plays recorded or rendered frames as if cameras delivered them now.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/device/depth_camera.h"
+#include "hal/device/frame_pool.h"
+#include "host/capture/capture_source.h"
+
+namespace mixrig::live {
+
+/// A colour and a depth camera of one recording. Both deliver each frame at its time, with one
+/// counter (the frame's number) and one stamp (when it was due). It plays from the first frame on
+/// as soon as all cameras that were taken from it have started; at the end they are kStopped.
+/// Thread-safe.
+class Player : public std::enable_shared_from_this<Player> {
+ public:
+  /// Reads the first frame. Errors: those of reading; kData for a recording without frames or rate.
+  static Result<std::shared_ptr<Player>> create(std::unique_ptr<capture::CaptureSource> source,
+                                                const std::string& uri, Clock& clock);
+  ~Player();
+
+  /// At most one of each. They keep the player alive.
+  std::unique_ptr<device::Camera> camera();
+  std::unique_ptr<device::DepthCamera> depth();
+  const capture::SourceInfo& info() const { return source_->info(); }
+  /// Pose of the target camera at a frame, by the frame's counter.
+  struct PlayedPose {
+    std::uint64_t sequence = 0;
+    geometry::Pose world_from_target;
+    capture::PoseOrigin origin = capture::PoseOrigin::kUnknown;
+  };
+  /// Of one of the last 64 frames, else of the first. Any thread.
+  PlayedPose pose_of(std::uint64_t sequence) const;
+
+ private:
+  friend class PlayedCamera;
+  /// One camera of the recording.
+  struct Channel {
+    device::CameraInfo info;
+    std::optional<device::FramePool> pool;
+    bool taken = false;
+    device::FrameSink sink;  ///< empty while the camera is stopped
+    device::StreamHealth health;
+  };
+  Player(std::unique_ptr<capture::CaptureSource> source, Clock& clock);
+  void describe(const std::string& uri);
+  Result<void> start(Channel& channel, device::FrameSink sink);
+  void stop(Channel& channel);
+  device::StreamHealth health(const Channel& channel) const;
+  void work();
+  Result<void> read(int number);
+  Result<void> read_next(int number);
+  void wait_until(HostTime due);
+  void publish(Channel& channel, HostTime at);
+  void fill(const Channel& channel, device::FramePool::Draft& draft) const;
+  void end(device::DeviceState state);
+
+  std::unique_ptr<capture::CaptureSource> source_;
+  Clock& clock_;
+  device::DepthInfo depth_info_;
+  capture::Capture capture_;  ///< used only by the thread while it runs
+  double first_s_ = 0;        ///< time of the first frame in the recording
+  HostTime begin_{};       ///< of the first frame
+  std::thread thread_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  Channel color_, depth_;
+  bool stop_ = true;
+  PlayedPose first_pose_;
+  std::array<PlayedPose, 64> poses_;  ///< at sequence mod 64
+};
+
+}  // namespace mixrig::live

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// rig.toml: the devices of a rig, their triggers and the calibration of the cameras.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+#include "hal/device/trigger.h"
+#include "host/geometry/camera_model.h"
+#include "host/geometry/pose.h"
+
+namespace mixrig::live {
+
+struct CameraConfig {
+  std::string name, uri;
+  device::StreamRequest request;
+  int trigger_line = -1;  ///< line of the trigger that fires the camera; -1 runs free
+  Duration delay{};  ///< from the tick to the stamp: trigger latency, half the exposure, transport
+  std::optional<double> exposure_s, gain, focus, white_balance_k;
+};
+
+struct TriggerLine {
+  int line = 0;
+  device::TriggerChannel channel;
+};
+
+struct RigConfig {
+  std::string name;
+  std::filesystem::path file;  ///< the file that was read
+  std::filesystem::path
+      calibration;          ///< calibration.toml that replaces the cameras below, or empty
+  std::string trigger_uri;  ///< empty: cameras run free, or another program starts the trigger
+  std::string edges_uri;    ///< GPIO line of this host wired to `edges_line`, or empty
+  int edges_line = -1;
+  std::vector<TriggerLine> lines;
+  std::vector<CameraConfig> cameras;  ///< the first one is the target camera
+  std::optional<CameraConfig> depth;
+  std::string pan_tilt_uri;
+  std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, where it is given
+  std::optional<geometry::Pose> target_from_tof;
+  std::optional<geometry::Pose> world_from_target;  ///< of a rig that does not move
+
+  const TriggerLine* line_of(const CameraConfig& camera) const { return line(camera.trigger_line); }
+  /// Null where the trigger has no such line.
+  const TriggerLine* line(int number) const;
+};
+
+/// Errors: kNotFound, kFormat (file:line: key ...).
+Result<RigConfig> read_rig(const std::filesystem::path& path);
+/// The same from text; pure.
+Result<RigConfig> parse_rig(std::string_view text, const std::string& name);
+/// As rig.toml; parse_rig reads back the same rig. Calibration is left out.
+std::string rig_text(const RigConfig& rig);
+
+}  // namespace mixrig::live

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Interface of the sinks for composites: files, contact sheet, viewfinder, streams.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "hal/base/result.h"
+#include "host/capture/capture.h"
+#include "host/capture/truth.h"
+#include "host/geometry/pose.h"
+#include "host/render/compositor.h"
+
+namespace mixrig::output {
+
+/// One composited frame and its inputs.
+struct Composite {
+  capture::CapturePtr capture;
+  std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
+  geometry::Pose world_from_target;             ///< that was used
+  render::FrameOutput images;                   ///< those of images.wanted are valid
+  float frame_ms = 0;                           ///< time to composite it
+  double foreground_pct = 0;                    ///< share of pixels with a matte of at least half
+};
+/// Dropping the last reference returns the buffers to their pool.
+using CompositePtr = std::shared_ptr<const Composite>;
+
+/// wanted() is called on the compositing thread, before write() of any later frame has ended; write()
+/// and finish() on the sink's own thread (SinkThread).
+class CompositeSink {
+ public:
+  virtual ~CompositeSink() = default;
+  /// One word for reports: "files", "sheet".
+  virtual std::string_view name() const = 0;
+  /// Images that frame `number` of the source needs for this sink; 0: the frame is not sent to it.
+  /// Thread-safe.
+  virtual render::OutputMask wanted(int number) const = 0;
+  /// May be slow: a sink of a live run then loses frames. Not called again after an error.
+  virtual Result<void> write(const CompositePtr& composite) = 0;
+  /// After the last write(). Errors: those of the sink.
+  virtual Result<void> finish() = 0;
+};
+
+}  // namespace mixrig::output

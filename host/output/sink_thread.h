@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs a sink in a thread of its own, fed by a bounded queue.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "hal/base/bounded_queue.h"
+#include "host/output/composite_sink.h"
+
+namespace mixrig::output {
+
+/// Counts of a sink.
+struct SinkReport {
+  std::string name;
+  std::uint64_t written = 0;
+  std::uint64_t dropped = 0;  ///< because the sink was too slow
+};
+
+/// Behaviour of push() when the queue is full.
+enum class WhenFull {
+  kDropOldest,  ///< live: the compositor is never delayed
+  kWait,        ///< a recording: every frame is written
+};
+
+/// The thread runs at low priority, so that encoding does not take the processor from the
+/// compositor. push() and finish() are for one thread.
+class SinkThread {
+ public:
+  SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full);
+  /// Ends the thread without finish().
+  ~SinkThread();
+  SinkThread(const SinkThread&) = delete;
+  SinkThread& operator=(const SinkThread&) = delete;
+
+  const CompositeSink& sink() const { return *sink_; }
+  /// Errors: that of an earlier write().
+  Result<void> push(CompositePtr composite);
+  /// Waits until the queue is written, then finishes the sink and ends the thread.
+  /// Errors: those of write() and finish().
+  Result<void> finish();
+  SinkReport report() const;
+
+ private:
+  void run();
+  Result<void> error() const;
+
+  std::unique_ptr<CompositeSink> sink_;
+  const WhenFull when_full_;
+  BoundedQueue<CompositePtr, 2> queue_;
+  std::atomic<std::uint64_t> written_ = 0;
+  std::atomic<bool> finish_ = false;
+  mutable std::mutex mutex_;  ///< guards error_
+  std::optional<Error> error_;
+  std::thread thread_;
+};
+
+}  // namespace mixrig::output

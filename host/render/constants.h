@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers of the passes that both back ends share. shaders/embed.cmake reads the lines
+// `inline constexpr TYPE kName = VALUE;` of this file and writes them to common/constants.glsl as
+// `const TYPE name = VALUE;`, so a number stands here and nowhere else. What a scene or a take
+// decides is in passes.h instead.
+#pragma once
+
+namespace mixrig::render {
+
+// --- All passes
+/// Metres: nearer surfaces are not drawn. The GPU's window depth is this over z.
+inline constexpr double kNearestM = 0.01;
+/// A pixel shows a person from this matte on.
+inline constexpr float kPersonMatte = 0.5F;
+
+// --- correct (README.md). All parts are of the depth unless said otherwise.
+/// Metres: no depth camera measures farther; what claims to is unknown.
+inline constexpr float kFarthestM = 1e4F;
+/// A step is at most this part, however noisy the pixel: otherwise dark surfaces would swallow
+/// people in front of them.
+inline constexpr float kSteepest = 0.1F;
+/// A larger bend is a step of the scene, not noise.
+inline constexpr float kLargestBend = 0.04F;
+/// Three depths lie on one plane up to this part of a step: less breaks noisy walls, more bridges
+/// real steps.
+inline constexpr float kPlanePart = 0.7F;
+/// A single neighbour is averaged within this part of a step, a pair of opposite ones within the
+/// whole: one side alone would pull a sloping surface over.
+inline constexpr float kSmoothPart = 0.5F;
+/// A pixel stays if this many of its eight neighbours lie at its depth; one may be another stray.
+inline constexpr int kLeastSupporters = 2;
+/// A hole is filled if more than half of its eight neighbours are known.
+inline constexpr int kLeastKnown = 5;
+
+// --- warp
+/// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy
+/// and must not carry a corner far behind its surface.
+inline constexpr float kLeastCornerPart = 0.5F;
+/// Most indices of a cell: four quarters of two triangles.
+inline constexpr int kCellIndices = 24;
+
+// --- virtual
+/// Samples along each axis of a pixel, 2 x 2: coverage in quarters.
+inline constexpr int kVirtualSamples = 2;
+
+// --- key: where votes decide
+/// Side of a block in pixels. The cpu back end counts a block's row of states as one 64-bit word.
+inline constexpr int kBlockPx = 8;
+/// Least size of a person in ToF pixels; less is a speckle of depth noise.
+inline constexpr float kSpeckleTofPx = 6.0F;
+/// Foreground is counted in the blocks within this radius, 5x5: a person's border that only touches
+/// a block is no speckle.
+inline constexpr int kSpeckleBlocks = 2;
+/// Blocks within this radius of foreground are near it, 7x7: pixels without depth may be people
+/// there (dark hair).
+inline constexpr int kNearBlocks = 3;
+/// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
+/// a few pixels there.
+inline constexpr int kBandBlocks = 1;
+/// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
+inline constexpr float kNoLimitW = 1e30F;
+
+// --- key: colour votes, in log odds
+/// Least standard deviation of a linear colour: camera noise in the dark...
+inline constexpr float kColorNoise = 0.004F;
+/// ...and flicker of light, as a part of the luminance.
+inline constexpr float kColorFlicker = 0.05F;
+/// A shadow darkens the background to this part at most; what is darker has another colour.
+inline constexpr float kDarkestShadow = 0.85F;
+/// Standard deviation of that darkening: at kDarkestShadow it counts as half of one.
+inline constexpr float kShadowSigma = 0.3F;
+/// Largest vote of one pixel's colour, a probability of 98 %: measured background outweighs it.
+inline constexpr float kColorVoteCap = 4.0F;
+/// Three channels of half a log ratio of variances (normal densities).
+inline constexpr float kSpreadOdds = 1.5F;
+
+// --- key: depth votes, in log odds
+/// Taps to either side, half a ToF footprint apart: 5x5 of them.
+inline constexpr int kDepthTapRadius = 2;
+/// Measured people: they lag in ToF depth and reach over edges, so they count less.
+inline constexpr float kForegroundWeight = 3.0F;
+/// Measured background is sure, while colour may be a shadow.
+inline constexpr float kBackgroundWeight = 5.0F;
+/// What a tap without measurement counts as, between background 0 and foreground 1: a little less
+/// than even, so that holes alone do not become people.
+inline constexpr float kUnknownShare = 0.4F;
+
+// --- light
+/// Side of a tile in pixels: people's light is found once a tile, no ToF camera sees finer.
+inline constexpr int kLightTilePx = 4;
+/// Taps of the search for shadow casters, and of the shadow filter: the filter's steps of 1/24 are
+/// what is seen, the search needs only a mean depth. Cost grows with both.
+inline constexpr int kBlockerTapCount = 12;
+inline constexpr int kShadowTapCount = 24;
+/// Texels by which a receiver is lifted along its normal off its own shadow.
+inline constexpr float kLiftTexels = 2.0F;
+/// Texels: a filter is never narrower.
+inline constexpr float kLeastRadiusTexel = 1.0F;
+/// Square metres: nothing is lit from nearer than a millimetre.
+inline constexpr float kLeastDistance2 = 1e-6F;
+/// ToF footprints to either side over which a person's normal is measured.
+inline constexpr float kNormalFootprints = 2.0F;
+/// Most lamps of the gles back end: 4.5 KiB of the 16 KiB that every driver's uniform block has.
+inline constexpr int kMostLamps = 32;
+
+// --- mix
+/// Metres: an object this far behind the background still touches it; noise of the learned depth.
+inline constexpr float kContactSlackM = 0.02F;
+
+}  // namespace mixrig::render

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plot of named points: speed against error.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/base/image.h"
+
+namespace mixrig::report {
+
+struct PlotPoint {
+  double x = 0, y = 0;
+  std::string label;  ///< written beside the dot
+};
+/// Points of one colour, joined by a line in the order given.
+struct PlotSeries {
+  std::string name;
+  std::vector<PlotPoint> points;
+};
+struct Plot {
+  std::string title, x_label, y_label;
+  std::vector<PlotSeries> series;
+};
+
+/// Axes start at zero and end at a round number above the largest value. Points that are not
+/// finite or negative are left out.
+Image<Rgb8> draw(const Plot& plot, Size size);
+
+/// Step between ticks so that at most eight cover 0..`largest`: 1, 2 or 5 times a power of ten.
+double tick_step(double largest);
+
+}  // namespace mixrig::report

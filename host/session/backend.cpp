@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/backend.h"
+
+#include "hal/base/log.h"
+#include "host/render/cpu/compositor_cpu.h"
+#include "host/render/gles/compositor_gles.h"
+#include "host/render/gles/egl_context.h"
+
+namespace mixrig::session {
+namespace {
+
+Result<std::unique_ptr<render::Compositor>> make_gles(const render::CompositorSetup& setup) {
+  return render::make_gles_compositor(setup);
+}
+
+/// Whether GL draws on a GPU; opens a context for the test and closes it.
+bool has_gpu() {
+  const auto context = render::gles::EglContext::create();
+  if (!context) {
+    log_info("app", to_line(context.error()) + ": cpu back end");
+    return false;
+  }
+  const std::string renderer = context->renderer();
+  if (!render::gles::is_software(renderer)) return true;
+  log_info("app", "GL is software (" + renderer + "): cpu back end");
+  return false;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
+                                                            BackendChoice choice) {
+  const bool gles = choice.backend == render::Backend::kGles ||
+                    (choice.backend == render::Backend::kAuto && has_gpu());
+  if (gles) return make_gles(setup);
+  return render::make_cpu_compositor(setup, choice.threads);
+}
+
+std::string backend_of(const render::Compositor& compositor) {
+  return compositor.renderer().starts_with("cpu") ? "cpu" : "gles";
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chooses the back end that composites.
+#pragma once
+
+#include <memory>
+
+#include "hal/base/result.h"
+#include "host/render/compositor.h"
+
+namespace mixrig::session {
+
+struct BackendChoice {
+  render::Backend backend = render::Backend::kAuto;
+  int threads = 0;  ///< of the cpu back end; 0 = one per core
+};
+
+/// A compositor for `setup`, which must outlive it. kAuto uses gles on a real GPU, and cpu where
+/// there is none, where GL is software, or where gles is not built in.
+/// Errors: kUnsupported for gles where it is not built in; those of the back end.
+Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
+                                                            BackendChoice choice);
+/// "gles" or "cpu": the back end of the compositor, by its renderer string.
+std::string backend_of(const render::Compositor& compositor);
+
+}  // namespace mixrig::session

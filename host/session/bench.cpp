@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/bench.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "hal/base/log.h"
+#include "host/session/run.h"
+#include "host/studio_io/studio_take.h"
+
+namespace mixrig::session {
+namespace {
+
+using studio::RigPreset;
+
+Size full_size(const BenchOptions& options) {
+  return options.quick ? Size{640, 512} : Size{1280, 1024};
+}
+
+std::vector<Rung> rungs_of(const BenchOptions& options) {
+  const Size full = full_size(options);
+  const auto part = [&](int quarters) {
+    return Size{full.width * quarters / 4, full.height * quarters / 4};
+  };
+  const auto rung = [](const char* knob, const std::string& name, RigPreset rig,
+                       render::Backend backend, int threads, Size size) {
+    return Rung{knob, name, rig, {backend, threads}, size, {}};
+  };
+  constexpr RigPreset kRig = RigPreset::kKinect2;
+  std::vector<Rung> rungs;
+  for (int threads : {1, 2})
+    rungs.push_back(rung(
+        "back end", "cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
+        kRig, render::Backend::kCpu, threads, full));
+  rungs.push_back(rung("back end", "gles", kRig, render::Backend::kGles, 0, full));
+  for (RigPreset rig : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2})
+    rungs.push_back(
+        rung("depth camera", std::string(studio::name(rig)), rig, render::Backend::kCpu, 2, full));
+  for (int quarters : {2, 3, 4})
+    rungs.push_back(
+        rung("view size", text(part(quarters)), kRig, render::Backend::kCpu, 2, part(quarters)));
+  return rungs;
+}
+
+bool same_setting(const Rung& a, const Rung& b) {
+  return a.rig == b.rig && a.backend.backend == b.backend.backend &&
+         a.backend.threads == b.backend.threads && a.view_size == b.view_size;
+}
+
+/// The take of a depth camera; rendered unless an earlier bench has rendered it.
+Result<std::filesystem::path> take_of(const BenchOptions& options, RigPreset rig,
+                                      const ProgressFn& progress) {
+  studio::StudioOptions wanted;
+  wanted.scenario = studio::Scenario::kWalk;
+  wanted.rig = rig;
+  wanted.seed = options.seed;
+  wanted.frames = options.quick ? 24 : 48;
+  wanted.size_px = full_size(options);
+  const std::filesystem::path folder =
+      options.folder / "takes" /
+      ("walk" + std::to_string(wanted.seed) + "-" + std::string(studio::name(rig)) + "-" +
+       text(wanted.size_px) + "-" + std::to_string(wanted.frames));
+  std::error_code code;
+  if (std::filesystem::exists(folder / "take.toml", code)) return folder;
+  const auto step = [&](int done) {
+    if (progress) progress("studio", done, wanted.frames);
+  };
+  const auto written = studio_io::write_studio_take(wanted, folder, take::StreamFormat::kPng, step);
+  if (!written) return written.error();
+  return folder;
+}
+
+Result<RunReport> run_rung(const Rung& rung, const BenchOptions& options, const Clock& clock,
+                           const ProgressFn& progress) {
+  MIXRIG_ASSIGN(const std::filesystem::path take, take_of(options, rung.rig, progress));
+  MIXRIG_ASSIGN(const auto session, open_session({take / "scene.toml", "take:" + take.string(),
+                                                  rung.view_size, rung.backend}));
+  return run(*session, {}, clock, progress);
+}
+
+/// Wrong share of the union of true and found person.
+double key_wrong_pct(const Rung& rung) {
+  return 100.0 * (1.0 - rung.report.error->key_iou.value_or(0.0));
+}
+
+/// The median shows the steady state of a rung; the slow first frame affects only p95.
+double p50_ms(const Rung& rung) { return rung.report.frame_ms.quantile(0.5); }
+
+}  // namespace
+
+Result<std::vector<Rung>> bench(const BenchOptions& options, const Clock& clock,
+                                const ProgressFn& progress) {
+  std::vector<Rung> done;
+  for (Rung& rung : rungs_of(options)) {
+    const auto same = std::find_if(done.begin(), done.end(),
+                                   [&](const Rung& other) { return same_setting(other, rung); });
+    if (same != done.end()) {
+      rung.report = same->report;
+    } else {
+      auto report = run_rung(rung, options, clock, progress);
+      if (!report && rung.backend.backend == render::Backend::kGles) {
+        log_warning("bench", "left out gles: " + to_line(report.error()));
+        continue;
+      }
+      MIXRIG_ASSIGN(rung.report, std::move(report));
+    }
+    done.push_back(std::move(rung));
+  }
+  return done;
+}
+
+nlohmann::json to_json(const std::vector<Rung>& rungs) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Rung& rung : rungs)
+    out.push_back({{"knob", rung.knob},
+                   {"rung", rung.name},
+                   {"p50_ms", p50_ms(rung)},
+                   {"report", to_json(rung.report)}});
+  return {{"rungs", out}};
+}
+
+std::string to_table(const std::vector<Rung>& rungs) {
+  std::string out = fmt::format("{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "knob",
+                                "rung", "p50 ms", "p95 ms", "depth bad", "key iou", "order",
+                                "light", "PSNR dB");
+  for (const Rung& rung : rungs) {
+    const measure::Errors& e = *rung.report.error;
+    out += fmt::format("{:<13} {:<15} {:>8.1f} {:>8.1f} {:>8.2f}% {:>8.4f} {:>7.2f}% {:>8.4f} {:>8.1f}\n",
+                       rung.knob, rung.name, p50_ms(rung), rung.report.frame_ms.quantile(0.95),
+                       e.depth_bad_pct.value_or(0), e.key_iou.value_or(0),
+                       e.order_wrong_pct.value_or(0), e.light_rmse.value_or(0),
+                       e.color_psnr_db.value_or(0));
+  }
+  return out;
+}
+
+report::Plot plot_of(const std::vector<Rung>& rungs) {
+  report::Plot plot{"speed against error",
+            "milliseconds a frame (median)",
+            "wrongly keyed, % of the person (1 - key_iou)",
+            {}};
+  for (const Rung& rung : rungs) {
+    if (plot.series.empty() || plot.series.back().name != rung.knob)
+      plot.series.push_back({rung.knob, {}});
+    plot.series.back().points.push_back({p50_ms(rung), key_wrong_pct(rung), rung.name});
+  }
+  return plot;
+}
+
+}  // namespace mixrig::session

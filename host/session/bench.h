@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Speed against error: the same walk in the studio, composited with every value of every setting.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/report/plot.h"
+#include "host/session/run_report.h"
+#include "host/session/session.h"
+#include "host/studio/studio.h"
+
+namespace mixrig::session {
+
+struct BenchOptions {
+  std::filesystem::path folder;  ///< takes are kept in folder/takes and used again
+  bool quick = false;            ///< fewer frames, half the size
+  unsigned seed = 7;
+};
+
+/// One setting of all parameters, and its result.
+struct Rung {
+  std::string knob;  ///< what is varied: "back end", "depth camera", "view size"
+  std::string name;  ///< the value
+  studio::RigPreset rig = studio::RigPreset::kKinect2;
+  BackendChoice backend;
+  Size view_size;
+  RunReport report;
+};
+
+/// Renders the takes that are missing and runs all rungs, gles among them where it starts. A rung
+/// that is one setting of several knobs is run once. Errors: those of the studio and of run().
+Result<std::vector<Rung>> bench(const BenchOptions& options, const Clock& clock,
+                                const ProgressFn& progress);
+
+nlohmann::json to_json(const std::vector<Rung>& rungs);
+std::string to_table(const std::vector<Rung>& rungs);
+/// Milliseconds a frame against wrongly keyed pixels, a line for each knob.
+report::Plot plot_of(const std::vector<Rung>& rungs);
+
+}  // namespace mixrig::session

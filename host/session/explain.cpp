@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/explain.h"
+
+#include <fmt/format.h>
+
+#include "host/session/run.h"
+#include "host/measure/quantile_sketch.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::session {
+namespace {
+
+std::string count(std::size_t n, const std::string& thing) {
+  return std::to_string(n) + " " + thing + (n == 1 ? "" : "s");
+}
+
+std::size_t triangles(const render::CompositorSetup& setup) {
+  std::size_t indices = 0;
+  for (const auto& object : setup.objects)
+    for (const auto& mesh : object.meshes) indices += mesh.indices.size();
+  return indices / 3;
+}
+
+std::size_t maps_used(const std::vector<render::LampParams>& lamps) {
+  std::size_t used = 0;
+  for (const auto& lamp : lamps) used += lamp.map_size_texel > 0;
+  return used;
+}
+
+std::string key_words(const render::CompositorSetup& setup, bool has_background) {
+  if (!has_background)
+    return setup.capture_box
+               ? "not run: the scene has no background, nothing is foreground; the capture volume "
+                 "has no effect"
+               : "not run: the scene has no background, nothing is foreground";
+  std::string words = "foreground against the learned background";
+  if (setup.key.color) words += ", by colour where depth is uncertain";
+  if (setup.capture_box) words += ", cropped to the capture volume";
+  return words;
+}
+
+std::string light_words(bool has_objects, std::size_t maps, bool has_background) {
+  if (!has_objects) return "not run: the scene has no object";
+  if (maps == 0) return "shades virtual objects";
+  return has_background ? "shadows of virtual objects on real surfaces, shading of virtual objects"
+                        : "shading of virtual objects; without a background no real surface "
+                          "is known that could receive a shadow";
+}
+
+std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const render::Tables& tables,
+                                const render::FrameParams& frame) {
+  const std::string view = text(setup.view.size_px), tof = text(setup.tof.size_px());
+  const render::Rect& rect = frame.virtual_rect;
+  const std::string virtual_size =
+      rect.empty() ? "-" : text(Size{rect.x1 - rect.x0, rect.y1 - rect.y0});
+  const std::size_t maps = maps_used(frame.lamps);
+  const bool objects = !setup.objects.empty();
+  return {
+      {"upload", view, "inputs to the device that draws"},
+      {"plate", view,
+       tables.plate_is_view ? "the lens is ideal: pixels are copied"
+                            : "samples the plate through its lens"},
+      {"correct", tof,
+       std::string(setup.depth_is_distance ? "distance to z, " : "") +
+           "flying pixels, depth steps"},
+      {"warp", view, "the depth camera has another position than the colour camera"},
+      {"virtual", virtual_size,
+       objects ? count(setup.objects.size(), "object") + ", " +
+                     count(triangles(setup), "triangle") + "; again only when the camera moves"
+               : "not run: the scene has no object"},
+      {"shadow", count(maps, "map"),
+       maps > 0 ? "lamps with objects in front of them; again only when a map's size changes"
+                : "not run: no lamp casts an object's shadow"},
+      {"key", view, key_words(setup, tables.has_background)},
+      {"light", view, light_words(objects, maps, tables.has_background)},
+      {"mix", view, "colour, mixed depth, segmented depth and matte in one pass"},
+      {"readback", view, "results from the device that draws"},
+  };
+}
+
+/// The origin of the camera's pose.
+std::string camera_words(const Session& session, const capture::Capture& first) {
+  switch (session.scene.pose_source) {
+    case scene::PoseSource::kFloor:
+      return "fixed on the floor of the learned background";
+    case scene::PoseSource::kIdentity:
+      return "fixed at the origin of the world";
+    case scene::PoseSource::kTake:
+      break;
+  }
+  return "given by the source (" + std::string(capture::name(first.pose_origin)) + ")";
+}
+
+/// Median time of `frames` composites of one capture; every pose differs by `step_m` from the last.
+Result<double> repeat(const Session& session, const capture::Capture& capture, int frames,
+                      double step_m, const Clock& clock) {
+  MIXRIG_ASSIGN(const auto compositor, make_compositor(session.setup, session.backend));
+  render::FrameOutput output;
+  measure::QuantileSketch times_ms;
+  geometry::Pose pose = session.world_from_target(capture);
+  for (int i = 0; i <= frames; ++i) {
+    pose.translation_m.x() += i % 2 == 0 ? step_m : -step_m;
+    const HostTime begin = clock.now();
+    MIXRIG_TRY(compositor->compose({capture.plate, capture.depth_m, pose}, output));
+    if (i > 0) times_ms.add(milliseconds(clock.now() - begin));  // the first frame fills caches
+  }
+  return times_ms.quantile(0.5);
+}
+
+void add_times(const RunReport& report, std::vector<PassLine>& passes) {
+  for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
+    for (PassLine& pass : passes)
+      if (pass.name == render::name(static_cast<render::Stage>(i)))
+        pass.p50_ms = report.stage_ms[i].quantile(0.5);
+  // Transfers cost something on a GPU only.
+  std::erase_if(passes, [](const PassLine& pass) {
+    return pass.p50_ms < 0.005 && (pass.name == "upload" || pass.name == "readback");
+  });
+}
+
+std::vector<ShadowMapLine> maps_of(const Session& session, const render::FrameParams& frame) {
+  std::vector<ShadowMapLine> lines;
+  for (std::size_t i = 0; i < frame.lamps.size(); ++i) {
+    const int size = frame.lamps[i].map_size_texel;
+    lines.push_back({session.scene.light.lamps[i].name, size,
+                     size > 0 ? "as many texels as its casters span in the view"
+                              : "dark, faces away from all casters, or there is none"});
+  }
+  return lines;
+}
+
+template <typename T>
+void add(std::vector<BufferLine>& lines, const char* name, const Image<T>& image) {
+  if (image.empty()) return;
+  lines.push_back({name, text(image.size()),
+                   static_cast<std::size_t>(image.stride()) *
+                       static_cast<std::size_t>(image.height()) * sizeof(T)});
+}
+
+std::vector<BufferLine> buffers_of(const Session& session, const render::Tables& tables,
+                                   const render::FrameParams& frame) {
+  std::vector<BufferLine> lines;
+  add(lines, "rays of the ToF camera", tables.tof_ray);
+  add(lines, "plate map", tables.plate_px);
+  add(lines, "key limit", tables.key_limit_w);
+  add(lines, "background normals", tables.background_normal);
+  if (session.background) {
+    add(lines, "background depth", session.background->depth_m);
+    add(lines, "background depth spread", session.background->depth_sigma_m);
+    add(lines, "background colour", session.background->color);
+    add(lines, "background colour spread", session.background->color_sigma);
+  }
+  for (const render::LampParams& lamp : frame.lamps) {
+    if (lamp.map_size_texel == 0) continue;
+    const auto side = static_cast<std::size_t>(lamp.map_size_texel);
+    lines.push_back({"shadow map", text(Size{lamp.map_size_texel, lamp.map_size_texel}),
+                     side * side * sizeof(float)});
+  }
+  const Size view = session.setup.view.size_px;
+  lines.push_back({"outputs", text(view), view.area() * (sizeof(Rgb8) + 2 * sizeof(float) + 1)});
+  return lines;
+}
+
+}  // namespace
+
+Result<Explanation> explain(Session& session, int frames, const Clock& clock,
+                            const ProgressFn& progress) {
+  RunOptions options;
+  FrameRange range = session.default_frames();
+  if (range.first <= range.second) {
+    range.second = std::min(range.second, range.first + frames - 1);
+    options.frames = range;
+  }
+  options.judge = false;
+  MIXRIG_ASSIGN(const RunReport report, run(session, std::move(options), clock, progress));
+  capture::Capture first;
+  MIXRIG_ASSIGN(const bool there, session.source->read(range.first, first));
+  if (!there) return Error{ErrorCode::kData, "the source has no frame to composite"};
+  const render::Tables tables = render::make_tables(session.setup);
+  render::FramePreparer preparer(session.setup);
+  preparer.update(session.world_from_target(first));
+
+  Explanation out;
+  out.scene = session.scene.path.string();
+  out.source = session.source->info().name;
+  out.backend = report.backend;
+  out.renderer = report.renderer;
+  out.frames = static_cast<int>(report.frame_ms.count());
+  out.frame_p50_ms = report.frame_ms.quantile(0.5);
+  out.rss_mb = report.rss_mb;
+  out.calibration = session.calibration.where + ": " + session.calibration.why;
+  out.camera = camera_words(session, first);
+  MIXRIG_ASSIGN(out.still_p50_ms, repeat(session, first, frames, 0, clock));
+  if (session.scene.pose_source == scene::PoseSource::kTake) {
+    constexpr double kStep_m = 0.001;
+    MIXRIG_ASSIGN(out.moving_p50_ms, repeat(session, first, frames, kStep_m, clock));
+  }
+  out.passes = passes_of(session.setup, tables, preparer.params());
+  add_times(report, out.passes);
+  out.shadow_maps = maps_of(session, preparer.params());
+  out.buffers = buffers_of(session, tables, preparer.params());
+  return out;
+}
+
+nlohmann::json to_json(const Explanation& e) {
+  nlohmann::json out = {{"scene", e.scene},
+                        {"source", e.source},
+                        {"backend", e.backend},
+                        {"renderer", e.renderer},
+                        {"frames", e.frames},
+                        {"frame_p50_ms", e.frame_p50_ms},
+                        {"still_p50_ms", e.still_p50_ms},
+                        {"moving_p50_ms", nullptr},
+                        {"calibration", e.calibration},
+                        {"camera", e.camera},
+                        {"rss_mb", e.rss_mb},
+                        {"passes", nlohmann::json::array()},
+                        {"shadow_maps", nlohmann::json::array()},
+                        {"buffers", nlohmann::json::array()}};
+  if (e.moving_p50_ms) out["moving_p50_ms"] = *e.moving_p50_ms;
+  for (const PassLine& p : e.passes)
+    out["passes"].push_back(
+        {{"name", p.name}, {"size", p.size}, {"why", p.why}, {"p50_ms", p.p50_ms}});
+  for (const ShadowMapLine& m : e.shadow_maps)
+    out["shadow_maps"].push_back({{"lamp", m.lamp}, {"size_texel", m.size_texel}, {"why", m.why}});
+  for (const BufferLine& b : e.buffers)
+    out["buffers"].push_back({{"name", b.name}, {"size", b.size}, {"bytes", b.bytes}});
+  return out;
+}
+
+std::string to_text(const Explanation& e) {
+  std::string out = fmt::format("{} in {}, {} ({})\n", e.scene, e.source, e.backend, e.renderer);
+  out += fmt::format("  calibration  {}\n  camera       {}\n", e.calibration, e.camera);
+  out += fmt::format("  {:<10} {:<11} {:>8}  {}\n", "pass", "size", "p50 ms", "why");
+  for (const PassLine& p : e.passes)
+    out += fmt::format("  {:<10} {:<11} {:>8.2f}  {}\n", p.name, p.size, p.p50_ms, p.why);
+  out += fmt::format("  {:<10} {:<11} {:>8.2f}  median of {} frames\n", "frame", "",
+                     e.frame_p50_ms, e.frames);
+  out += fmt::format("  {:<10} {:<11} {:>8.2f}  one frame repeatedly, the camera stands still\n",
+                     "still", "", e.still_p50_ms);
+  if (e.moving_p50_ms)
+    out += fmt::format("  {:<10} {:<11} {:>8.2f}  the same, the camera moves\n", "moving", "",
+                       *e.moving_p50_ms);
+  if (!e.shadow_maps.empty())
+    out += fmt::format("  {:<22} {:<11} {}\n", "shadow map", "texels", "why");
+  for (const ShadowMapLine& m : e.shadow_maps)
+    out += fmt::format("  {:<22} {:<11} {}\n", m.lamp,
+                       m.size_texel > 0 ? text(Size{m.size_texel, m.size_texel}) : "none", m.why);
+  out += fmt::format("  {:<26} {:<11} {:>8}\n", "buffer", "size", "MB");
+  for (const BufferLine& b : e.buffers)
+    out += fmt::format("  {:<26} {:<11} {:>8.1f}\n", b.name, b.size,
+                       static_cast<double>(b.bytes) / 1e6);
+  return out + fmt::format("  peak of the whole process  {:>20.0f} MB\n", e.rss_mb);
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/judge.h"
+
+#include <cmath>
+
+namespace mixrig::session {
+namespace {
+
+static_assert(measure::kLayerMask == capture::Truth::kLayerMask &&
+              measure::kTofSees == capture::Truth::kTofSees &&
+              measure::kInSilhouette == capture::Truth::kVirtual);
+static_assert(measure::kLayerVirtual == static_cast<int>(render::Layer::kVirtual));
+
+/// Source coordinate of a pixel centre when `from` pixels become `to`.
+float source_px(int i, int from, int to) {
+  const float at =
+      (static_cast<float>(i) + 0.5F) * static_cast<float>(from) / static_cast<float>(to) - 0.5F;
+  return std::clamp(at, 0.0F, static_cast<float>(from - 1));
+}
+
+template <typename T>
+Image<T> nearest(const Image<T>& in, Size size) {
+  Image<T> out(size);
+  for (int y = 0; y < size.height; ++y) {
+    const T* row = in.row(static_cast<int>(std::lround(source_px(y, in.height(), size.height))));
+    for (int x = 0; x < size.width; ++x)
+      out.row(y)[x] = row[std::lround(source_px(x, in.width(), size.width))];
+  }
+  return out;
+}
+
+float mix(float a, float b, float t) { return a + t * (b - a); }
+std::uint8_t mix(std::uint8_t a, std::uint8_t b, float t) {
+  return static_cast<std::uint8_t>(
+      std::lround(mix(static_cast<float>(a), static_cast<float>(b), t)));
+}
+Rgb8 mix(Rgb8 a, Rgb8 b, float t) { return {mix(a.r, b.r, t), mix(a.g, b.g, t), mix(a.b, b.b, t)}; }
+
+template <typename T>
+Image<T> bilinear(const Image<T>& in, Size size) {
+  Image<T> out(size);
+  for (int y = 0; y < size.height; ++y) {
+    const float v = source_px(y, in.height(), size.height);
+    const int y0 = static_cast<int>(v), y1 = std::min(y0 + 1, in.height() - 1);
+    for (int x = 0; x < size.width; ++x) {
+      const float u = source_px(x, in.width(), size.width);
+      const int x0 = static_cast<int>(u), x1 = std::min(x0 + 1, in.width() - 1);
+      const float tx = u - static_cast<float>(x0);
+      out.row(y)[x] = mix(mix(in.row(y0)[x0], in.row(y0)[x1], tx),
+                          mix(in.row(y1)[x0], in.row(y1)[x1], tx), v - static_cast<float>(y0));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<void> Judge::add(const capture::Truth& frame_truth, const render::FrameOutput& output) {
+  const measure::TruthImages truth{frame_truth.composite, frame_truth.depth_m, frame_truth.matte,
+                                   frame_truth.light, frame_truth.labels};
+  const Size size = frame_truth.labels.size();
+  if (size == output.color.size())
+    return measure::add_frame(
+        {output.color, output.warped_depth_m, output.matte, output.light, output.layer}, truth,
+        sums_);
+  const Image<Rgb8> color = bilinear(output.color, size);
+  const Image<float> depth_m = nearest(output.warped_depth_m, size);
+  const Image<std::uint8_t> matte = bilinear(output.matte, size);
+  const Image<float> light = bilinear(output.light, size);
+  const Image<std::uint8_t> layer = nearest(output.layer, size);
+  return measure::add_frame({color, depth_m, matte, light, layer}, truth, sums_);
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/open_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "hal/base/log.h"
+#include "host/live/live_source.h"
+#include "host/session/studio.h"
+#include "host/take/take_source.h"
+
+namespace mixrig::session {
+
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri) {
+  const std::size_t colon = uri.find(':');
+  const std::string kind = uri.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
+  if (kind == "take" && !rest.empty()) return take::open_take_source(rest);
+  if (kind == "studio") return open_studio(rest);
+  return Error{ErrorCode::kUsage,
+               "--source \"" + uri +
+                   "\" is not a source: use take:DIR, studio[:SCENARIO,SEED,RIG] or "
+                   "rig[:RIG.TOML]"};
+}
+
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig) {
+  std::vector<live::Recording> recordings;
+  for (const std::string& uri : live::recordings_of(rig))
+    recordings.push_back({uri, open_source(uri)});
+  return recordings;
+}
+
+live::RigConfig used_by(const scene::Scene&, live::RigConfig rig) {
+  // No pose source of a scene uses the fisheye or the head.
+  for (std::size_t i = 1; i < rig.cameras.size(); ++i)
+    log_info("session", "camera \"" + rig.cameras[i].name + "\" is not used by the scene");
+  if (rig.cameras.size() > 1) rig.cameras.erase(rig.cameras.begin() + 1, rig.cameras.end());
+  if (!rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
+  rig.pan_tilt_uri.clear();
+  const auto fired = [&](const live::CameraConfig& camera) { return camera.trigger_line >= 0; };
+  const bool any_fired = std::any_of(rig.cameras.begin(), rig.cameras.end(), fired) ||
+                         (rig.depth && fired(*rig.depth));
+  if (any_fired) return rig;
+  if (!rig.trigger_uri.empty()) log_info("session", "the trigger fires none of the used cameras");
+  rig.trigger_uri.clear();
+  rig.edges_uri.clear();
+  return rig;
+}
+
+Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
+                                                         const scene::Scene& scene,
+                                                         const std::atomic<bool>& stop,
+                                                         Clock& clock) {
+  MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
+  rig = used_by(scene, std::move(rig));
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig))));
+  return live::make_live_source(std::move(rig), std::move(devices), stop, clock);
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens sources of captures by URI.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/capture/capture_source.h"
+#include "host/live/devices.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::session {
+
+/// Opens "take:DIR" or "studio[:SCENARIO,SEED,RIG,...]".
+/// Errors: kUsage for another URI; kUnsupported for the studio in the board profile; those of the
+/// take.
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri);
+
+/// Opens the recordings that a rig's take: and studio: devices play. An entry that cannot be opened
+/// holds the error.
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig);
+
+/// The part of a rig that a scene uses: the first camera, the depth camera, and the trigger if it
+/// fires one of them. Other cameras and the head are not opened.
+live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
+
+/// Opens the devices of rig.toml that the scene uses. `stop` and `clock` must outlive the source.
+/// Errors: those of rig.toml and of the devices; kUsage without a camera or a depth camera.
+Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
+                                                         const scene::Scene& scene,
+                                                         const std::atomic<bool>& stop,
+                                                         Clock& clock);
+
+}  // namespace mixrig::session

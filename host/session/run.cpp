@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/run.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hal/base/log.h"
+#include "hal/base/partial_path.h"
+#include "hal/base/pool.h"
+#include "host/capture/capture_reader.h"
+#include "host/output/sheet_sink.h"
+#include "host/output/sink_thread.h"
+#include "host/session/judge.h"
+
+namespace mixrig::session {
+namespace {
+
+constexpr const char* kReportName = "report.json";
+constexpr int kSheetStep = 10;  // row k of an endless sheet: frame first + 10 k^2
+
+Result<FrameRange> range_of(const Session& session, const RunOptions& options) {
+  const FrameRange range = options.frames.value_or(session.default_frames());
+  const int frames = session.source->info().frames;
+  if (!options.frames && range.first > range.second)
+    return Error{ErrorCode::kUsage,
+                 fmt::format("the take has frames 1-{} and the background is learned from all of "
+                             "them: none is left to composite, select some by --frames",
+                             frames)};
+  if (range.first < 1 || range.second < range.first || range.second > frames)
+    return Error{ErrorCode::kUsage,
+                 fmt::format("--frames {}-{} is out of range: the take has frames 1-{}",
+                             range.first, range.second, frames)};
+  return range;
+}
+
+double foreground_pct(const Image<std::uint8_t>& matte) {
+  std::size_t count = 0;
+  for (int y = 0; y < matte.height(); ++y)
+    count += static_cast<std::size_t>(std::count_if(matte.row(y), matte.row(y) + matte.width(),
+                                                    [](std::uint8_t m) { return m >= 128; }));
+  return 100.0 * static_cast<double>(count) / static_cast<double>(matte.size().area());
+}
+
+bool moved(const geometry::Pose& a, const geometry::Pose& b) {
+  constexpr double kStill_m = 0.01, kStill_rad = 0.004;
+  return (a.translation_m - b.translation_m).norm() > kStill_m ||
+         a.rotation.angularDistance(b.rotation) > kStill_rad;
+}
+
+/// Spread over the range; at growing distances where its end is not known.
+std::vector<int> sheet_frames(FrameRange range, int rows) {
+  if (range.second != capture::kEndless) return output::spread(range.first, range.second, rows);
+  std::vector<int> frames;
+  for (int k = 0; k < rows; ++k) frames.push_back(range.first + kSheetStep * k * k);
+  return frames;
+}
+
+/// The state of a run; one method per step of the frame loop.
+class Runner {
+ public:
+  Runner(Session& session, RunOptions options, const Clock& clock)
+      : session_(session), options_(std::move(options)), clock_(clock) {}
+
+  Result<void> prepare(FrameRange range, const ProgressFn& progress);
+  /// False when the source has ended.
+  Result<bool> frame();
+  Result<RunReport> finish(std::string ended);
+
+ private:
+  using Sinks = std::vector<std::unique_ptr<output::SinkThread>>;
+
+  bool live() const { return session_.source->info().frames == capture::kEndless; }
+  bool judges() const { return options_.judge && session_.source->info().has_truth; }
+  Result<void> open_sinks(FrameRange range);
+  render::OutputMask wanted_by_sinks(int number) const;
+  Result<void> compose(output::Composite& composite, render::OutputMask wanted);
+  Result<void> deliver(const output::CompositePtr& composite);
+  Result<void> add_last_to_sheet();
+  void watch_camera(const geometry::Pose& world_from_target);
+
+  Session& session_;
+  RunOptions options_;
+  const Clock& clock_;
+  std::unique_ptr<render::Compositor> compositor_;
+  std::optional<PartialPath> folder_;
+  std::unique_ptr<capture::CaptureReader> reader_;
+  Pool<output::Composite> composites_;
+  Sinks sinks_;
+  output::SinkThread* sheet_ = nullptr;  ///< one of sinks_; none without an output folder
+  bool sheet_has_rows_ = false;
+  std::shared_ptr<output::Composite> last_;
+  Judge judge_;
+  std::optional<geometry::Pose> first_pose_;
+  bool warned_ = false;
+  RunReport report_;
+};
+
+Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
+  if (options_.out) {
+    MIXRIG_ASSIGN(folder_, make_partial_folder(*options_.out, kReportName));
+  }
+  MIXRIG_TRY(open_sinks(range));
+  MIXRIG_TRY(prepare_background(session_, progress));
+  MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
+  report_.backend = backend_of(*compositor_);
+  report_.renderer = compositor_->renderer();
+  report_.size = session_.setup.view.size_px;
+  // A live source may drop captures: it is read until enough were composited.
+  reader_ = std::make_unique<capture::CaptureReader>(
+      *session_.source, range.first, live() ? capture::kEndless : range.second, judges());
+  return {};
+}
+
+Result<void> Runner::open_sinks(FrameRange range) {
+  const auto when_full = live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait;
+  const auto add = [&](std::unique_ptr<output::CompositeSink> sink) {
+    sinks_.push_back(std::make_unique<output::SinkThread>(std::move(sink), when_full));
+  };
+  if (folder_) {
+    const capture::SourceInfo& info = session_.source->info();
+    MIXRIG_ASSIGN(auto files, output::FilesSink::create(folder_->path(), info, session_.setup.view,
+                                                        options_.output));
+    add(std::move(files));
+    add(std::make_unique<output::SheetSink>(
+        folder_->path() / "contact_sheet.png",
+        session_.scene.path.filename().string() + " in " + info.name,
+        sheet_frames(range, options_.sheet_rows)));
+    sheet_ = sinks_.back().get();
+  }
+  for (auto& sink : options_.sinks) add(std::move(sink));
+  return {};
+}
+
+/// Images that a frame's sinks require; always the matte, for the share of foreground.
+render::OutputMask Runner::wanted_by_sinks(int number) const {
+  // A recording is composited completely, also without sinks, so that its times are comparable.
+  render::OutputMask mask = live() ? render::kMatte : render::kComposite;
+  for (const auto& sink : sinks_) mask |= sink->sink().wanted(number);
+  return mask;
+}
+
+Result<bool> Runner::frame() {
+  MIXRIG_ASSIGN(auto item, reader_->next());
+  if (!item) return false;
+  last_ = composites_.take();
+  output::Composite& composite = *last_;
+  composite.capture = std::move(item->capture);
+  composite.truth = std::move(item->truth);
+  composite.world_from_target = session_.world_from_target(*composite.capture);
+  watch_camera(composite.world_from_target);
+  const render::OutputMask wanted = wanted_by_sinks(composite.capture->number);
+
+  const HostTime begin = clock_.now();
+  MIXRIG_TRY(compose(composite, wanted & render::kComposite));
+  composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
+  report_.frame_ms.add(composite.frame_ms);
+  const render::StageTimes& times = compositor_->stage_times();
+  for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
+  composite.foreground_pct = foreground_pct(composite.images.matte);
+  report_.foreground_pct.add(composite.foreground_pct);
+
+  // Inspection images cost time that a live frame does not need: a second, untimed pass.
+  const render::OutputMask all = wanted | (judges() ? Judge::kWanted : 0);
+  if ((all & ~render::kComposite) != 0) MIXRIG_TRY(compose(composite, all));
+  if (judges()) MIXRIG_TRY(judge_.add(*composite.truth, composite.images));
+  MIXRIG_TRY(deliver(last_));
+  return true;
+}
+
+Result<void> Runner::compose(output::Composite& composite, render::OutputMask wanted) {
+  composite.images.wanted = wanted;
+  return compositor_->compose(
+      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target},
+      composite.images);
+}
+
+Result<void> Runner::deliver(const output::CompositePtr& composite) {
+  for (const auto& sink : sinks_) {
+    if (sink->sink().wanted(composite->capture->number) == 0) continue;
+    MIXRIG_TRY(sink->push(composite));
+    sheet_has_rows_ |= sink.get() == sheet_;
+  }
+  return {};
+}
+
+/// A run that was stopped before the first frame of its sheet shows its last frame.
+Result<void> Runner::add_last_to_sheet() {
+  std::shared_ptr<output::Composite> composite = composites_.take();
+  composite->capture = last_->capture;
+  composite->truth = last_->truth;
+  composite->world_from_target = last_->world_from_target;
+  MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted));
+  return sheet_->push(std::move(composite));
+}
+
+void Runner::watch_camera(const geometry::Pose& world_from_target) {
+  if (!first_pose_) first_pose_ = world_from_target;
+  if (warned_ || !session_.background || !moved(*first_pose_, world_from_target)) return;
+  warned_ = true;
+  log_warning("session",
+              "the camera moves, the background is of a static camera: people are keyed "
+              "wrongly away from the first pose");
+}
+
+Result<RunReport> Runner::finish(std::string ended) {
+  const std::uint64_t dropped = reader_->dropped();
+  reader_.reset();
+  if (report_.frame_ms.count() == 0)
+    return Error{ErrorCode::kData, "no frame was composited (" + ended + "): nothing was written"};
+  report_.ended = std::move(ended);
+  report_.live = session_.source->report();
+  if (report_.live) report_.live->dropped_sets += dropped;
+  if (judges()) report_.error = judge_.errors();
+  if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
+  for (const auto& sink : sinks_) {
+    MIXRIG_TRY(sink->finish());
+    report_.sinks.push_back(sink->report());
+  }
+  report_.rss_mb = peak_rss_mb();
+  if (!folder_) return std::move(report_);
+  MIXRIG_TRY(write_file(folder_->path() / kReportName, to_json(report_).dump(2) + "\n"));
+  MIXRIG_TRY(folder_->commit());
+  return std::move(report_);
+}
+
+}  // namespace
+
+Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
+                      const ProgressFn& progress) {
+  MIXRIG_ASSIGN(const FrameRange range, range_of(session, options));
+  const std::atomic<bool>* stop = options.stop;
+  Runner runner(session, std::move(options), clock);
+  MIXRIG_TRY(runner.prepare(range, progress));
+  const auto stopped = [&] { return stop != nullptr && *stop; };
+  for (int number = range.first; !stopped(); ++number) {
+    MIXRIG_ASSIGN(const bool there, runner.frame());
+    if (!there && !stopped()) return runner.finish("end of the source");
+    if (!there) break;
+    if (progress && range.second != capture::kEndless)
+      progress("frames", number - range.first + 1, range.second - range.first + 1);
+    if (number == range.second) return runner.finish("frames");
+  }
+  return runner.finish("stopped");
+}
+
+}  // namespace mixrig::session

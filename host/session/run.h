@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main job: every frame of a session composited, timed, judged and given to the sinks.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/output/composite_sink.h"
+#include "host/output/files_sink.h"
+#include "host/session/run_report.h"
+#include "host/session/session.h"
+
+namespace mixrig::session {
+
+struct RunOptions {
+  std::optional<std::filesystem::path> out;  ///< no files where absent
+  output::OutputOptions output;
+  std::optional<FrameRange> frames;         ///< Session::default_frames where absent
+  int sheet_rows = 6;                       ///< frames on the contact sheet
+  const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
+  bool judge = true;                        ///< against truth, where the source has any
+  std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
+};
+
+/// Prepares the background, composites the frames and writes OUT: composite/, the other layers and
+/// frames.csv (FilesSink), contact_sheet.png, report.json; either all of OUT or nothing.
+/// Captures are read and decoded in a thread of their own, each sink writes in its own; this thread
+/// composites. Only compose() is timed; frames whose inspection images are needed are composited a
+/// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
+/// Memory does not grow with the number of frames.
+/// Errors: kUsage for frames out of range or an OUT that no earlier run made; kData where a frame
+/// cannot be read, or where the source ended or was stopped before the first frame; kIo; those of
+/// the back end and of the sinks.
+Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
+                      const ProgressFn& progress);
+
+}  // namespace mixrig::session

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/run_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/report/rig_json.h"
+
+namespace mixrig::session {
+namespace {
+
+using NamedError = std::pair<const char*, std::optional<double>>;
+
+std::array<NamedError, 9> named(const measure::Errors& e) {
+  return {{{"depth_mae_mm", e.depth_mae_mm},
+           {"depth_bad_pct", e.depth_bad_pct},
+           {"band_bad_pct", e.band_bad_pct},
+           {"key_iou", e.key_iou},
+           {"matte_mse", e.matte_mse},
+           {"order_wrong_pct", e.order_wrong_pct},
+           {"light_rmse", e.light_rmse},
+           {"light_shadow_rmse", e.light_shadow_rmse},
+           {"color_psnr_db", e.color_psnr_db}}};
+}
+
+double rounded(double value, int digits = 4) {
+  if (value == 0.0 || !std::isfinite(value)) return value;
+  const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+/// Three digits: the accuracy of the sketch.
+double quantile(const measure::QuantileSketch& sketch, double q) {
+  return rounded(sketch.quantile(q), 3);
+}
+
+bool ran(const measure::QuantileSketch& times_ms) { return times_ms.max() > 0.0; }
+
+std::string live_line(const capture::SourceReport& live) {
+  return fmt::format("  live: {} frame sets, {} dropped, {} without colour or depth\n", live.sets,
+                     live.dropped_sets, live.left_out);
+}
+
+/// The sinks that were too slow.
+std::string sink_lines(const std::vector<output::SinkReport>& sinks) {
+  std::string lines;
+  for (const output::SinkReport& sink : sinks)
+    if (sink.dropped > 0)
+      lines += fmt::format("  sink {}: {} frames written, {} dropped because it was too slow\n",
+                           sink.name, sink.written, sink.dropped);
+  return lines;
+}
+
+}  // namespace
+
+double fps(const RunReport& report) {
+  const double mean_ms = report.frame_ms.mean();
+  return mean_ms > 0.0 ? 1e3 / mean_ms : 0.0;
+}
+
+nlohmann::json to_json(const measure::Errors& errors) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [key, value] : named(errors)) {
+    if (value)
+      out[key] = rounded(*value);
+    else
+      out[key] = nullptr;
+  }
+  return out;
+}
+
+nlohmann::json to_json(const RunReport& report) {
+  nlohmann::json out;
+  out["frames"] = report.frame_ms.count();
+  out["fps"] = rounded(fps(report));
+  out["backend"] = report.backend;
+  out["renderer"] = report.renderer;
+  out["size"] = text(report.size);
+  out["ended"] = report.ended;
+  if (report.live) {
+    out["live"] = report::to_json(*report.live);
+    out["live"]["left_out"] = report.live->left_out;
+  }
+  if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
+  for (const output::SinkReport& sink : report.sinks)
+    out["sinks"].push_back(
+        {{"name", sink.name}, {"written", sink.written}, {"dropped", sink.dropped}});
+  out["stage_ms"] = nlohmann::json::object();
+  for (std::size_t i = 0; i < report.stage_ms.size(); ++i) {
+    const measure::QuantileSketch& times = report.stage_ms[i];
+    if (!ran(times)) continue;
+    out["stage_ms"][std::string(render::name(static_cast<render::Stage>(i)))] = {
+        {"p50", quantile(times, 0.5)},
+        {"p95", quantile(times, 0.95)}};
+  }
+  out["frame_ms"] = {{"p50", quantile(report.frame_ms, 0.5)},
+                     {"p95", quantile(report.frame_ms, 0.95)},
+                     {"p99", quantile(report.frame_ms, 0.99)}};
+  out["rss_mb"] = rounded(report.rss_mb);
+  out["foreground_pct"] = {{"mean", rounded(report.foreground_pct.mean())},
+                           {"p50", quantile(report.foreground_pct, 0.5)},
+                           {"max", rounded(report.foreground_pct.max())}};
+  if (report.error) out["error"] = to_json(*report.error);
+  return out;
+}
+
+std::string to_table(const RunReport& report) {
+  std::string out = fmt::format("{} frames, {}, {} ({})\n", report.frame_ms.count(),
+                                text(report.size), report.backend, report.renderer);
+  out += fmt::format("  {:<12} {:>8} {:>8}\n", "stage", "p50 ms", "p95 ms");
+  const auto row = [&](std::string_view what, const measure::QuantileSketch& times) {
+    out += fmt::format("  {:<12} {:>8.2f} {:>8.2f}\n", what, times.quantile(0.5),
+                       times.quantile(0.95));
+  };
+  for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
+    if (ran(report.stage_ms[i])) row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
+  row("frame", report.frame_ms);
+  out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
+  if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
+  if (report.live) out += live_line(*report.live);
+  out += sink_lines(report.sinks);
+  if (!report.error) return out;
+  out += "  error against truth\n";
+  for (const auto& [key, value] : named(*report.error))
+    out += value ? fmt::format("  {:<18} {:>10.4g}\n", key, *value)
+                 : fmt::format("  {:<18} {:>10}\n", key, "-");
+  return out;
+}
+
+double peak_rss_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string text_line; std::getline(status, text_line);)
+    if (long kib = 0; std::sscanf(text_line.c_str(), "VmHWM: %ld kB", &kib) == 1)
+      return static_cast<double>(kib) / 1024.0;
+  return 0.0;
+}
+
+std::string text(Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of a run: speed, memory, error. CONVENTIONS.md defines the keys.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/image.h"
+#include "host/capture/source_report.h"
+#include "host/measure/errors.h"
+#include "host/measure/quantile_sketch.h"
+#include "host/output/sink_thread.h"
+#include "host/render/compositor.h"
+
+namespace mixrig::session {
+
+struct RunReport {
+  std::string backend;   ///< "cpu" or "gles"
+  std::string renderer;  ///< as Compositor::renderer
+  Size size;
+  measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite, every frame
+  std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
+  measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
+  std::string ended = "frames";        ///< why it ended: "frames", "stopped", "end of the source"
+  std::optional<capture::SourceReport> live;  ///< of live devices
+  std::vector<output::SinkReport> sinks;
+  double rss_mb = 0;                   ///< peak
+  std::optional<measure::Errors> error;
+};
+
+/// One over the mean frame time; 0 without frames.
+double fps(const RunReport& report);
+/// An error measure without a pixel to judge becomes null.
+nlohmann::json to_json(const RunReport& report);
+nlohmann::json to_json(const measure::Errors& errors);
+/// The same as a text table: stages with median and 95th percentile, then the errors.
+std::string to_table(const RunReport& report);
+
+/// Peak resident set of this process, from /proc/self/status; 0 where it is not available.
+double peak_rss_mb();
+/// "1280x1024".
+std::string text(Size size);
+
+}  // namespace mixrig::session

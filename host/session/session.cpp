@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/session.h"
+
+#include <fmt/format.h>
+
+#include "host/capture/calibrated_source.h"
+#include "host/capture/capture_reader.h"
+#include "host/session/world_frame.h"
+
+namespace mixrig::session {
+namespace {
+
+glm::vec3 to_glm(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+glm::dvec3 to_glm(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+MeshArrays arrays_of(const scene::Mesh& mesh) {
+  MeshArrays arrays;
+  for (const auto& p : mesh.positions_m) arrays.positions_m.push_back(to_glm(p));
+  for (const auto& n : mesh.normals) arrays.normals.push_back(to_glm(n));
+  for (const auto& t : mesh.uv) arrays.uv.emplace_back(t.x(), t.y());
+  return arrays;
+}
+
+render::MeshView view_of(const scene::Mesh& mesh, const scene::Model& model,
+                         const MeshArrays& arrays) {
+  render::MeshView view;
+  view.positions_m = arrays.positions_m;
+  view.normals = arrays.normals;
+  view.uv = arrays.uv;
+  view.indices = mesh.indices;
+  view.base_color = to_glm(mesh.base_color);
+  if (mesh.texture >= 0) view.texture = model.textures[static_cast<std::size_t>(mesh.texture)];
+  view.double_sided = mesh.double_sided;
+  return view;
+}
+
+void add_objects(Session& session) {
+  for (const scene::Object& object : session.scene.objects)
+    for (const scene::Mesh& mesh : object.model.meshes) session.meshes.push_back(arrays_of(mesh));
+  auto arrays = session.meshes.begin();
+  for (const scene::Object& object : session.scene.objects) {
+    render::VirtualObject out;
+    for (const scene::Mesh& mesh : object.model.meshes)
+      out.meshes.push_back(view_of(mesh, object.model, *arrays++));
+    out.world_from_object = object.world_from_object;
+    out.scale = object.scale;
+    out.casts_shadow = object.casts_shadow;
+    session.setup.objects.push_back(std::move(out));
+  }
+}
+
+void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup) {
+  setup.light.ambient = to_glm(scene.light.ambient);
+  setup.light.exposure = static_cast<float>(scene.light.exposure);
+  for (const scene::Lamp& lamp : scene.light.lamps) {
+    render::Lamp out;
+    out.position_m = to_glm(lamp.position_m);
+    if (lamp.direction) out.direction = to_glm(*lamp.direction);
+    out.size_m = {lamp.size_m.x(), lamp.size_m.y()};
+    out.intensity = to_glm(lamp.intensity);
+    setup.light.lamps.push_back(out);
+  }
+  setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
+  setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
+  setup.key.color = scene.key.color;
+  if (scene.capture_volume)
+    setup.capture_box = {to_glm(scene.capture_volume->min_m), to_glm(scene.capture_volume->max_m)};
+}
+
+Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange range) {
+  const auto [first, last] = range;
+  if (first >= 1 && first <= last && last <= info.frames) return {};
+  return Error{ErrorCode::kFormat, "frames " + std::to_string(first) + "-" + std::to_string(last) +
+                                       " are not in the take, which has 1-" +
+                                       std::to_string(info.frames) +
+                                       ": give frames of the empty room"};
+}
+
+/// Adds the scene's file and key to an error.
+Error at_key(const Session& session, const char* key, Error error) {
+  error.context = session.scene.path.string() + ": " + key + ": " + error.context;
+  return error;
+}
+
+std::string text(const geometry::Pinhole& view) {
+  return fmt::format("{}x{} (f {:.1f} {:.1f}, c {:.1f} {:.1f} px)", view.size_px.width,
+                     view.size_px.height, view.fx_px, view.fy_px, view.cx_px, view.cy_px);
+}
+
+Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOptions& options,
+                                                                const scene::Scene& scene) {
+  const std::string& uri = options.source;
+  if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri);
+  if (options.clock == nullptr || options.stop == nullptr)
+    return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
+  return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", scene, *options.stop,
+                  *options.clock);
+}
+
+calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,
+                                                       const Session& session) {
+  const capture::SourceInfo& info = session.source->info();
+  return calibration_file::choose_calibration({.option = options.calibration,
+                                               .scene = session.scene.calibration,
+                                               .source = info.calibration,
+                                               .inline_tables = info.camera_tables,
+                                               .reported = info.reported,
+                                               .scene_file = session.scene.path,
+                                               .source_file = info.file});
+}
+
+Result<std::optional<model::StaticBackground>> background_of(Session& session,
+                                                             const ProgressFn& progress) {
+  const scene::Background& wanted = session.scene.background;
+  std::optional<model::StaticBackground> background;
+  if (wanted.model) {
+    MIXRIG_ASSIGN(background, model::load_static_background(*wanted.model));
+    if (!(background->view == session.setup.view))
+      return Error{ErrorCode::kData, "background " + wanted.model->string() +
+                                         " was learned in the view " + text(background->view) +
+                                         ", this take's is " + text(session.setup.view) +
+                                         ": scan it again with this rig and size"};
+  } else if (wanted.learn) {
+    auto learned =
+        learn_background(*session.source, session.setup, *wanted.learn, session.backend, progress);
+    if (!learned) return at_key(session, "background.learn", std::move(learned).error());
+    background = *std::move(learned);
+  }
+  return background;
+}
+
+}  // namespace
+
+geometry::Pinhole resized(const geometry::Pinhole& view, Size size) {
+  const double sx = static_cast<double>(size.width) / view.size_px.width;
+  const double sy = static_cast<double>(size.height) / view.size_px.height;
+  // Pixel centres are whole numbers, so the corner of the picture is at -0.5 at every size.
+  return {size, view.fx_px * sx, view.fy_px * sy, (view.cx_px + 0.5) * sx - 0.5,
+          (view.cy_px + 0.5) * sy - 0.5};
+}
+
+Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
+                                         std::optional<Size> view_size) {
+  render::CompositorSetup setup;
+  setup.target = info.target;
+  setup.view = info.view ? *info.view : geometry::ideal_view(info.target);
+  if (view_size) {
+    if (view_size->empty() || view_size->width > 16384 || view_size->height > 16384)
+      return Error{ErrorCode::kUsage, "--size: a view has 1 to 16384 pixels a side"};
+    setup.view = resized(setup.view, *view_size);
+  }
+  setup.tof = info.tof;
+  setup.target_from_tof = info.target_from_tof;
+  setup.depth_is_distance = info.depth_kind == capture::DepthKind::kDistance;
+  setup.noise = info.noise;
+  return setup;
+}
+
+Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
+                                                 const render::CompositorSetup& setup,
+                                                 FrameRange range, BackendChoice backend,
+                                                 const ProgressFn& progress) {
+  MIXRIG_TRY(check_empty_frames(source.info(), range));
+  const auto [first, last] = range;
+  render::CompositorSetup empty = setup;
+  empty.objects.clear();
+  empty.light.lamps.clear();
+  empty.background = {};
+  empty.capture_box.reset();
+  MIXRIG_ASSIGN(auto compositor, make_compositor(empty, backend));
+  model::StaticBackgroundBuilder builder(setup.view);
+  // A live source may drop captures: it is read until enough were learned.
+  const bool live = source.info().frames == capture::kEndless;
+  capture::CaptureReader reader(source, first, live ? capture::kEndless : last, false);
+  render::FrameOutput output;
+  output.wanted = render::kColor | render::kWarpedDepth;
+  for (int number = first; number <= last; ++number) {
+    MIXRIG_ASSIGN(const auto item, reader.next());
+    if (!item)
+      return Error{ErrorCode::kData, "the source ended or was stopped after " +
+                                         std::to_string(number - first) + " of " +
+                                         std::to_string(last - first + 1) +
+                                         " frames of the empty room: nothing was learned"};
+    MIXRIG_TRY(compositor->compose({item->capture->plate, item->capture->depth_m, {}}, output));
+    MIXRIG_TRY(builder.add(output.warped_depth_m, output.color));
+    if (progress) progress("background", number - first + 1, last - first + 1);
+  }
+  return builder.finish();
+}
+
+geometry::Pose Session::world_from_target(const capture::Capture& capture) const {
+  switch (scene.pose_source) {
+    case scene::PoseSource::kTake:
+      return capture.world_from_target;
+    case scene::PoseSource::kFloor:
+      return world_from_camera_on_floor(*background->floor);
+    case scene::PoseSource::kIdentity:
+      break;
+  }
+  return {};
+}
+
+FrameRange Session::default_frames() const {
+  const int learned =
+      scene.background.learn && !scene.background.model ? scene.background.learn->second : 0;
+  return {learned + 1, source->info().frames};
+}
+
+Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
+  auto session = std::make_unique<Session>();
+  session->backend = options.backend;
+  MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
+  MIXRIG_ASSIGN(session->source, open_any_source(options, session->scene));
+  session->calibration = choose_calibration(options, *session);
+  MIXRIG_ASSIGN(session->source, capture::with_calibration(std::move(session->source),
+                                                           session->calibration.file));
+  MIXRIG_ASSIGN(session->setup, setup_of(session->source->info(), options.view_size));
+  if (const auto& learn = session->scene.background.learn) {
+    if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)
+      return at_key(*session, "background.learn", std::move(fine).error());
+  }
+  add_objects(*session);
+  add_light_and_key(session->scene, session->setup);
+  return session;
+}
+
+Result<void> prepare_background(Session& session, const ProgressFn& progress) {
+  MIXRIG_ASSIGN(session.background, background_of(session, progress));
+  if (session.background) {
+    const model::StaticBackground& b = *session.background;
+    session.setup.background = {b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};
+  }
+  if (session.scene.pose_source == scene::PoseSource::kFloor &&
+      !(session.background && session.background->floor))
+    return Error{ErrorCode::kFormat,
+                 session.scene.path.string() + ": camera.pose = \"floor\": " +
+                     (session.background ? "no floor was found in the background"
+                                         : "there is no background to find the floor in") +
+                     ": use pose = \"identity\" or learn from empty frames that show the floor"};
+  return {};
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// A session: a scene, the frames it is composited into, and the setup of the compositor.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/calibration_file/choice.h"
+#include "host/session/backend.h"
+#include "host/session/open_source.h"
+#include "host/model/static_background.h"
+#include "host/render/compositor.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::session {
+
+/// Frame numbers, 1-based and inclusive.
+using FrameRange = std::pair<int, int>;
+/// Called after each of `total` steps of the long work that `what` names.
+using ProgressFn = std::function<void(std::string_view what, int done, int total)>;
+
+struct SessionOptions {
+  std::filesystem::path scene;
+  std::string source;             ///< as open_source, or "rig[:RIG.TOML]": live devices
+  std::optional<Size> view_size;  ///< size to composite at; the take's view where absent
+  BackendChoice backend;
+  std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
+  Clock* clock = nullptr;                   ///< of a rig's devices
+  const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
+};
+
+/// A mesh of the scene in the types of the back ends.
+struct MeshArrays {
+  std::vector<glm::vec3> positions_m, normals;
+  std::vector<glm::vec2> uv;
+};
+
+/// All data that is constant during a run. `setup` points into the other members, so a session
+/// cannot be moved. Not thread-safe.
+struct Session {
+  Session() = default;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  scene::Scene scene;
+  std::unique_ptr<capture::CaptureSource> source;
+  calibration_file::CalibrationChoice calibration;  ///< which one is used, and why
+  std::optional<model::StaticBackground> background;
+  std::vector<MeshArrays> meshes;
+  render::CompositorSetup setup;
+  BackendChoice backend;
+
+  /// Pose of the target camera at a frame: from the take, on the learned floor, or the identity.
+  geometry::Pose world_from_target(const capture::Capture& capture) const;
+  /// Frames to composite if the user gives none: those after the learned ones.
+  FrameRange default_frames() const;
+};
+
+/// Opens scene and source and prepares the setup except the background.
+/// Errors: those of scene and take; kFormat where the scene learns from frames that the take lacks.
+Result<std::unique_ptr<Session>> open_session(const SessionOptions& options);
+
+/// Learns or loads the background that the scene requires; then the session is ready to composite.
+/// Errors: kFormat where the scene requires a floor that is not known; kData where the background
+/// is of another view; those of reading and composing.
+Result<void> prepare_background(Session& session, const ProgressFn& progress);
+
+/// The setup from a take alone: cameras, noise; no objects, lamps or background.
+/// Errors: kUsage for a view size that is not 1..16384.
+Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
+                                         std::optional<Size> view_size);
+
+/// The same field of view on another grid of pixels.
+geometry::Pinhole resized(const geometry::Pinhole& view, Size size);
+
+/// Warps frames `range` of a source into the view of `setup` and learns the empty room from them.
+/// Errors: kFormat for frames that the source lacks, those of reading, composing and learning.
+Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
+                                                 const render::CompositorSetup& setup,
+                                                 FrameRange range, BackendChoice backend,
+                                                 const ProgressFn& progress);
+
+}  // namespace mixrig::session

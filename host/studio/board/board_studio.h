@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Views of a calibration board by every camera of a rig, with ground truth.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/studio/board/board_pattern.h"
+#include "host/studio/board/board_rig.h"
+
+namespace mixrig::studio {
+
+struct BoardOptions {
+  RigPreset rig = RigPreset::kKinect2;
+  unsigned seed = 1;
+  int views = 20;            ///< 1..500
+  Size size_px{1280, 1024};  ///< target camera, 64..4096 a side
+  int threads = 0;           ///< 0: one per core
+  BoardPlan board;
+  bool pan_tilt = false;         ///< the board is fixed and the unit turns
+  double blur_px = 0.6;          ///< sigma of every lens, 0..10
+  double noise = 1;              ///< factor on the noise of every sensor, 0..100
+  double depth_error_m = 0.015;  ///< largest systematic depth error, 0..0.1
+  double amplitude_error_m = 0;  ///< of depth where the signal is a tenth of the brightest, +-0.1
+  double pixel_error_m = 0;      ///< of depth in the corners of the picture, +-0.1
+};
+
+/// Properties of all views.
+struct BoardInfo {
+  std::string name;  ///< "board 3, kinect2"
+  BoardOptions options;
+  BoardRig rig;
+};
+
+/// The measurements of all sensors while nothing moves.
+struct BoardView {
+  int number = 0;  ///< 1-based
+  Image<Rgb8> target, fisheye;
+  Image<float> tof_distance_m;       ///< along the ray, multiple of the depth unit; 0 = unknown
+  Image<float> tof_amplitude;        ///< counts, 65535 = full well of a tap
+  double pan_rad = 0, tilt_rad = 0;  ///< as the encoders report, multiple of the step
+  geometry::Pose target_from_board;  ///< truth
+};
+
+/// Renders views in any order. The bytes of a view depend on the options only. In every fifth view
+/// the board is far off the axis, for the fisheye camera only. Not thread-safe.
+class BoardStudio {
+ public:
+  /// Errors: kUsage for options out of range, kUnsupported if Embree does not start.
+  static Result<BoardStudio> create(const BoardOptions& options);
+  BoardStudio(BoardStudio&&) noexcept;
+  BoardStudio& operator=(BoardStudio&&) noexcept;
+  ~BoardStudio();
+
+  const BoardInfo& info() const;
+  /// Renders view `number` (1..views).
+  void render(int number, BoardView& view);
+
+ private:
+  struct State;
+  explicit BoardStudio(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mixrig::studio

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures from surfels.
+#include "host/studio/sensors/picture.h"
+
+#include <algorithm>
+#include <array>
+
+namespace mixrig::studio {
+namespace {
+
+constexpr int kBand = 4;
+const Vec3 kLuminance(0.2126F, 0.7152F, 0.0722F);
+
+const Extent* extent_or_null(const Occluder& occluder, bool cull) {
+  return cull ? &occluder.extent : nullptr;
+}
+
+/// The surfels of a pixel in one scene, with their lamp light in this frame.
+struct Layer {
+  std::span<const Surfel> surfels;
+  std::array<LampLight, kSubSamples> lit;
+
+  const Surfel* at(int i) const {
+    if (surfels.empty()) return nullptr;
+    return &surfels[surfels.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+  }
+  const LampLight& light_at(int i) const {
+    return lit[surfels.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+  }
+  float z(int i) const {
+    const Surfel* s = at(i);
+    return s == nullptr ? kMiss : s->z;
+  }
+};
+
+void fill(Layer& layer, std::span<const Surfel> surfels, bool is_person, const LampSet& lamps,
+          const ShadowCasters& casters) {
+  layer.surfels = surfels;
+  for (std::size_t i = 0; i < surfels.size(); ++i)
+    layer.lit[i] = is_person ? LampLight{surfels[i].real, surfels[i].mixed}
+                             : with_person_shadow(surfels[i], lamps, casters);
+}
+
+Vec3 radiance(const Surfel& surfel, float lamp_light, const Vec3& tint, const Vec3& ambient) {
+  if (surfel.glows) return surfel.albedo;
+  return surfel.albedo.cwiseProduct(ambient + lamp_light * tint);
+}
+
+}  // namespace
+
+void light_surfels(SurfelMap& map, const LampSet& lamps, const ShadowCasters& casters,
+                   bool with_object, bool with_person, Crew& crew) {
+  const Rect rect = map.rect();
+  if (rect.empty()) return;
+  crew.rows(rect.y1 - rect.y0, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (Surfel& s : map.row(rect.y0 + y)) {
+        if (s.z == kMiss || s.glows) continue;
+        LampMask open = lamps.facing(s.origin, s.normal);
+        open = lamps.open(casters.furniture->scene,
+                          extent_or_null(*casters.furniture, casters.cull), s.origin, open);
+        if (with_person) open = lamps.open(casters.person->scene, nullptr, s.origin, open);
+        s.open_real = s.open_mixed = open;
+        s.real = s.mixed = lamps.irradiance(s.origin, s.normal, open);
+        if (!with_object) continue;
+        s.open_mixed = lamps.open(casters.object->scene,
+                                  extent_or_null(*casters.object, casters.cull), s.origin, open);
+        if (s.open_mixed != open) s.mixed = lamps.irradiance(s.origin, s.normal, s.open_mixed);
+      }
+  });
+}
+
+LampLight with_person_shadow(const Surfel& surfel, const LampSet& lamps,
+                             const ShadowCasters& casters) {
+  const Occluder& person = *casters.person;
+  if (surfel.z == kMiss || person.scene.empty()) return {surfel.real, surfel.mixed};
+  const LampMask open = lamps.open(person.scene, extent_or_null(person, casters.cull),
+                                   surfel.origin, surfel.open_real);
+  if (open == surfel.open_real) return {surfel.real, surfel.mixed};
+  const float real = lamps.irradiance(surfel.origin, surfel.normal, open);
+  const LampMask both = open & surfel.open_mixed;
+  return {real, both == open ? real : lamps.irradiance(surfel.origin, surfel.normal, both)};
+}
+
+Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
+                    const Vec3& ambient, const ShadowCasters& casters, bool with_object) {
+  Layer room, person, object;
+  fill(room, surfels.room.at(x, y), false, lamps, casters);
+  fill(person, surfels.person.at(x, y), true, lamps, casters);
+  if (with_object) fill(object, surfels.object.at(x, y), false, lamps, casters);
+  const bool flat =
+      room.surfels.size() <= 1 && person.surfels.size() <= 1 && object.surfels.size() <= 1;
+  const int count = flat ? 1 : kSubSamples;
+  Pixel pixel;
+  pixel.real = pixel.mixed = Vec3::Zero();
+  Vec3 light_real = Vec3::Zero(), light_mixed = Vec3::Zero();
+  std::array<int, 3> seen{};
+  for (int i = 0; i < count; ++i) {
+    const bool is_person = person.z(i) < room.z(i);
+    const Layer& real = is_person ? person : room;
+    const Surfel* surfel = real.at(i);
+    if (surfel == nullptr || surfel->z == kMiss) continue;
+    const LampLight& lit = real.light_at(i);
+    pixel.real += radiance(*surfel, lit.real, lamps.tint(), ambient);
+    pixel.person += is_person ? 1.0F : 0.0F;
+    if (!with_object) continue;
+    light_real += ambient + lit.real * lamps.tint();
+    light_mixed += ambient + lit.mixed * lamps.tint();
+    const bool is_virtual = object.z(i) < surfel->z;
+    pixel.silhouette += object.z(i) != kMiss ? 1.0F : 0.0F;
+    pixel.mixed += is_virtual
+                       ? radiance(*object.at(i), object.light_at(i).mixed, lamps.tint(), ambient)
+                       : radiance(*surfel, lit.mixed, lamps.tint(), ambient);
+    ++seen[is_virtual ? Truth::kVirtual : is_person ? Truth::kPerson : Truth::kBackground];
+  }
+  const float share = 1.0F / static_cast<float>(count);
+  pixel.real *= share, pixel.mixed *= share, pixel.person *= share, pixel.silhouette *= share;
+  if (!with_object) return pixel;
+  if (light_real.sum() > 0) pixel.light = light_mixed.dot(kLuminance) / light_real.dot(kLuminance);
+  pixel.layer =
+      static_cast<std::uint8_t>(std::max_element(seen.begin(), seen.end()) - seen.begin());
+  return pixel;
+}
+
+}  // namespace mixrig::studio

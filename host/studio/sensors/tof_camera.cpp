@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio's ToF camera.
+#include "host/studio/sensors/tof_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixrig::studio {
+namespace {
+
+constexpr int kBand = 8;
+
+Rect united(const Rect& a, const Rect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+float sub_offset(int i, int side) {
+  return (static_cast<float>(i) + 0.5F) / static_cast<float>(side) - 0.5F;
+}
+
+/// Position of a pixel relative to the person's silhouette.
+enum class Region { kOutside, kInside, kEdge };
+
+Region region_of(const float* person_z, Size size, int x, int y) {
+  float low = kMiss, high = 0;
+  for (int j = std::max(0, y - 1); j <= std::min(size.height - 1, y + 1); ++j)
+    for (int i = std::max(0, x - 1); i <= std::min(size.width - 1, x + 1); ++i) {
+      const float z = person_z[static_cast<std::size_t>(j) * size.width + i];
+      low = std::min(low, z), high = std::max(high, z);
+    }
+  if (low == kMiss) return Region::kOutside;
+  return high - low < 0.06F ? Region::kInside : Region::kEdge;
+}
+
+}  // namespace
+
+TofCamera::TofCamera(const TofSensor& sensor, unsigned seed, bool raw)
+    : sensor_(sensor), seed_(seed), raw_(raw), grid_(sensor.optics) {
+  const std::size_t pixels = sensor.optics.size_px.area();
+  room_rays_.resize(pixels * kSubRays);
+  room_echo_.resize(pixels);
+  for (auto& z : person_z_) z.assign(pixels, kMiss);
+}
+
+TofCamera::SubRay TofCamera::cast(const TraceScene& scene, const Materials& materials, float u,
+                                  float v) const {
+  Hit hit;
+  const Vec3 direction = rays_.direction(u, v);
+  if (!scene.intersect(rays_.position, direction, kMiss, hit)) return {kMiss, 0, 0};
+  const Vec3 visible = materials.albedo(hit.material, hit.uv, rays_.position + hit.t * direction);
+  const float length = direction.norm();
+  // The light source is at the lens, so light travels along the ray in both directions.
+  return {hit.t * length, materials.infrared(hit.material, visible),
+          -hit.normal.dot(direction) / length};
+}
+
+Echo TofCamera::echo(const SubRay& ray) const {
+  return ray.distance_m < kMiss ? echo_of(sensor_, ray.distance_m, ray.albedo, ray.cosine) : Echo{};
+}
+
+void TofCamera::trace_room(const TraceScene& room, const Materials& materials,
+                           const geometry::Pose& world_from_tof, Crew& crew) {
+  world_from_tof_ = world_from_tof;
+  rays_ = camera_rays(grid_, world_from_tof);
+  const Size size = sensor_.optics.size_px;
+  crew.rows(size.height, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
+        Echo sum;
+        for (int i = 0; i < kSubRays; ++i) {
+          const SubRay ray =
+              cast(room, materials, static_cast<float>(x) + sub_offset(i % kSide, kSide),
+                   static_cast<float>(y) + sub_offset(i / kSide, kSide));
+          room_rays_[pixel * kSubRays + i] = ray;
+          sum += echo(ray);
+        }
+        room_echo_[pixel] = sum * (1.0F / kSubRays);
+      }
+  });
+}
+
+Echo TofCamera::mixed_echo(const TraceScene& person, const Materials& materials, int x,
+                           int y) const {
+  const std::size_t pixel = static_cast<std::size_t>(y) * sensor_.optics.size_px.width + x;
+  Echo sum;
+  for (int i = 0; i < kSubRays; ++i) {
+    const SubRay& room = room_rays_[pixel * kSubRays + i];
+    const SubRay ray = cast(person, materials, static_cast<float>(x) + sub_offset(i % kSide, kSide),
+                            static_cast<float>(y) + sub_offset(i / kSide, kSide));
+    sum += echo(ray.distance_m < room.distance_m ? ray : room);
+  }
+  return sum * (1.0F / kSubRays);
+}
+
+Echo TofCamera::tap_echo(const TraceScene& person, const Materials& materials,
+                         const float* person_z, int x, int y) const {
+  const std::size_t pixel = static_cast<std::size_t>(y) * sensor_.optics.size_px.width + x;
+  switch (region_of(person_z, sensor_.optics.size_px, x, y)) {
+    case Region::kOutside:
+      return room_echo_[pixel];
+    case Region::kEdge:
+      return mixed_echo(person, materials, x, y);
+    case Region::kInside:
+      break;
+  }
+  const SubRay ray = cast(person, materials, static_cast<float>(x), static_cast<float>(y));
+  const SubRay& room = room_rays_[pixel * kSubRays + kSubRays / 2];
+  return ray.distance_m < room.distance_m ? echo(ray) : room_echo_[pixel];
+}
+
+void TofCamera::render(std::span<const TraceScene, 4> person, const Materials& materials,
+                       int number, Crew& crew, Image<float>& distance_m, Image<float>& amplitude) {
+  const Size size = sensor_.optics.size_px;
+  distance_m.reset(size);
+  amplitude.reset(size);
+  const float counts_per_e = 65535.0F / sensor_.full_well_e;
+  Rect rect;
+  for (const TraceScene& tap : person)
+    rect = united(rect, covered_by(tap.mesh(), sensor_.optics, world_from_tof_));
+  crew.rows(size.height, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int k = 0; k < 4; ++k) {
+        float* row = &person_z_[k][static_cast<std::size_t>(y) * size.width];
+        std::fill_n(row, size.width, kMiss);
+        if (y < rect.y0 || y >= rect.y1) continue;
+        Hit hit;
+        for (int x = rect.x0; x < rect.x1; ++x)
+          if (person[k].intersect(rays_.position,
+                                  rays_.direction(static_cast<float>(x), static_cast<float>(y)),
+                                  kMiss, hit))
+            row[x] = hit.t;
+      }
+  });
+  crew.rows(size.height, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
+        std::array<Echo, 4> taps;
+        taps.fill(room_echo_[pixel]);
+        if (x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
+          for (int k = 0; k < 4; ++k)
+            taps[k] = tap_echo(person[k], materials, person_z_[k].data(), x, y);
+        const TofValue value =
+            read_taps(sensor_, taps, hash_key(seed_, static_cast<std::uint64_t>(number), pixel),
+                      raw_, normal_);
+        distance_m.at(x, y) = value.distance_m;
+        amplitude.at(x, y) = std::round(counts_per_e * value.amplitude_e);
+      }
+  });
+}
+
+}  // namespace mixrig::studio

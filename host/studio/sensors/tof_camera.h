@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio's ToF camera: sub-rays of every pixel, four taps at four times.
+#pragma once
+
+#include <array>
+
+#include "hal/base/image.h"
+#include "host/studio/sensors/tof.h"
+#include "host/studio/stage/surfels.h"
+
+namespace mixrig::studio {
+
+/// Renders ToF frames. Reuses the empty room's echoes while the camera does not move.
+class TofCamera {
+ public:
+  TofCamera(const TofSensor& sensor, unsigned seed, bool raw);
+
+  const TofSensor& sensor() const { return sensor_; }
+  /// Traces the room from a camera pose: once, or before every frame if the camera moves.
+  void trace_room(const TraceScene& room, const Materials& materials,
+                  const geometry::Pose& world_from_tof, Crew& crew);
+  /// One frame. `person[k]` is the person at tap k.
+  void render(std::span<const TraceScene, 4> person, const Materials& materials, int number,
+              Crew& crew, Image<float>& distance_m, Image<float>& amplitude);
+
+ private:
+  static constexpr int kSide = 3, kSubRays = kSide * kSide;
+  struct SubRay {
+    float distance_m, albedo, cosine;
+  };
+
+  SubRay cast(const TraceScene& scene, const Materials& materials, float u, float v) const;
+  Echo echo(const SubRay& ray) const;
+  /// Mean echo of a pixel's sub-rays on person and room, at one tap.
+  Echo mixed_echo(const TraceScene& person, const Materials& materials, int x, int y) const;
+  Echo tap_echo(const TraceScene& person, const Materials& materials, const float* person_z, int x,
+                int y) const;
+
+  TofSensor sensor_;
+  unsigned seed_;
+  bool raw_;
+  NormalTable normal_;
+  RayGrid grid_;
+  CameraRays rays_;
+  geometry::Pose world_from_tof_;
+  std::vector<SubRay> room_rays_;
+  std::vector<Echo> room_echo_;
+  std::array<std::vector<float>, 4> person_z_;  ///< of the person at each tap, kMiss outside
+};
+
+}  // namespace mixrig::studio

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Layout and camera motion of each scenario.
+#include "host/studio/stage/layout.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "host/studio/sensors/noise.h"
+
+namespace mixrig::studio {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Light make_light(bool dim) {
+  Light light;
+  const float level = dim ? 0.35F : 1.0F;
+  light.ambient = level * Eigen::Vector3f(0.13F, 0.135F, 0.145F);
+  light.exposure = 1.1;
+  light.lamps = ceiling_lamps(level);
+  return light;
+}
+
+double steps(double angle_rad) { return kPanStep_rad * std::round(angle_rad / kPanStep_rad); }
+
+/// Pan and tilt about the unit's axes, which intersect 6 cm below and 5 cm behind the camera.
+CameraPlace pan_tilt(const geometry::Pose& rest, double pan_rad, double tilt_rad) {
+  const Eigen::Vector3d axis_in_camera(0, 0.06, -0.05);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-pan_rad, Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
+  const geometry::Pose rest_from_turned{turn, axis_in_camera - turn * axis_in_camera};
+  return {rest * rest_from_turned, pan_rad, tilt_rad};
+}
+
+geometry::Pose shaken(const geometry::Pose& rest, float t, unsigned seed) {
+  const auto walk = [&](unsigned salt, double size, float rate) {
+    return size * (wander(rate * t, seed + salt) - wander(0, seed + salt));
+  };
+  const Eigen::Vector3d turn(walk(201, 0.03, 0.9F), walk(202, 0.04, 0.8F), walk(203, 0.015, 0.7F));
+  const double angle = turn.norm();
+  const Eigen::AngleAxisd about(
+      angle, angle > 0 ? Eigen::Vector3d(turn / angle) : Eigen::Vector3d(Eigen::Vector3d::UnitX()));
+  const Eigen::Vector3d move(walk(204, 0.06, 0.6F), walk(205, 0.04, 0.7F), walk(206, 0.06, 0.5F));
+  return rest * geometry::Pose{Eigen::Quaterniond(about), move};
+}
+
+/// A pendulum of 0.9 m that swings sideways.
+geometry::Pose swung(const geometry::Pose& rest, double time_s) {
+  constexpr double kLength_m = 0.9;
+  const double angle = 0.16 * std::sin(time_s * std::sqrt(9.81 / kLength_m));
+  const Eigen::Vector3d pivot(0, -kLength_m, 0);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  return rest * geometry::Pose{turn, pivot - turn * pivot};
+}
+
+}  // namespace
+
+Layout make_layout(const StudioOptions& options) {
+  Layout layout;
+  const Scenario scenario = options.scenario;
+  const bool narrow = options.rig == RigPreset::kSr3000;
+  // The SR3000 rig has a narrow field of view; from this position it sees whole people.
+  layout.eye_m = narrow ? Eigen::Vector3d(0.22, 1.35, 1.42) : Eigen::Vector3d(0.22, 2.0, 1.5);
+  layout.look_at_m = {3.9, narrow ? 2.3 : 2.2, narrow ? 0.92 : 0.95};
+  Stage& stage = layout.stage;
+  stage.object = narrow ? Eigen::Vector2f(3.35F, 2.2F) : Eigen::Vector2f(3.2F, 2.15F);
+  stage.path_half_m = {0.75F, narrow ? 0.85F : 1.1F};
+  stage.spot = narrow ? Eigen::Vector2f(2.72F, 1.78F) : Eigen::Vector2f(2.5F, 1.74F);
+  if (scenario == Scenario::kFar) {
+    layout.eye_m = {0.22, 0.3, 1.55};
+    layout.look_at_m = {3.9, 2.6, 0.85};
+    stage.object = {3.55F, 2.45F};
+    stage.path_half_m = {0.62F, 0.62F};
+  }
+  if (scenario == Scenario::kEdges) layout.room.thin_things = true;
+  layout.room.seat = scenario == Scenario::kStill || scenario == Scenario::kTalk;
+  if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
+  layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
+  layout.room.seat_yaw_rad = static_cast<float>(kPi) - 0.35F;
+  const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
+  layout.world_from_object = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+                              {stage.object.x(), stage.object.y(), 0}};
+  layout.light = make_light(scenario == Scenario::kDark);
+  layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kHandheld ||
+                        scenario == Scenario::kPendulum;
+  return layout;
+}
+
+CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s) {
+  const geometry::Pose rest =
+      geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
+  switch (options.scenario) {
+    case Scenario::kPan: {
+      // A slow sweep to both sides, in whole steps of the unit.
+      const double pan = 0.21 * std::sin(2 * kPi * time_s / 6.0);
+      const double tilt = 0.04 * (1 - std::cos(2 * kPi * time_s / 4.0));
+      return pan_tilt(rest, steps(pan), steps(tilt));
+    }
+    case Scenario::kHandheld:
+      return {shaken(rest, static_cast<float>(time_s), options.seed)};
+    case Scenario::kPendulum:
+      return {swung(rest, time_s)};
+    default:
+      return {rest};
+  }
+}
+
+}  // namespace mixrig::studio

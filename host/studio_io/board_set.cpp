@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the virtual studio to a folder of board views with truth.
+#include "host/studio_io/board_set.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/base/partial_path.h"
+#include "host/config/writer.h"
+#include "host/image_io/image_io.h"
+
+namespace mixrig::studio_io {
+namespace {
+
+using config::Writer;
+using nlohmann::json;
+
+constexpr int kDigits = 6;  ///< of numbers in views.toml
+constexpr double kDeg = std::numbers::pi / 180;
+constexpr double kTruthFrom_m = 0.5, kTruthTo_m = 4.0, kTruthStep_m = 0.01;
+
+std::string numbered(const char* folder, int number) {
+  return fmt::format("{}/{:06}.png", folder, number);
+}
+
+Writer board_table(const studio::BoardPlan& board) {
+  Writer table;
+  table.set("kind", name(board.kind)).set("columns", board.columns).set("rows", board.rows);
+  table.set("square_mm", config::rounded(1000 * board.square_m, kDigits));
+  if (board.kind != studio::BoardKind::kCharuco) return table;
+  table.set("marker_mm", config::rounded(1000 * board.marker_m, kDigits));
+  table.set("dictionary", "4X4_50");
+  return table;
+}
+
+Writer camera_table(const char* name, const char* model, Size size, const char* images) {
+  Writer table;
+  table.set("name", name).set("model", model).set("size_px", size).set("images", images);
+  return table;
+}
+
+std::string manifest(const studio::BoardInfo& info) {
+  const studio::BoardRig& rig = info.rig;
+  Writer root, pan_tilt;
+  root.set("format", 1).set("name", info.name).set("views", info.options.views);
+  root.set("board", board_table(info.options.board));
+  root.add("camera", camera_table("target", "pinhole", rig.target.size_px, "target/%06d.png"));
+  root.add("camera", camera_table("fisheye", "fisheye", rig.fisheye.size_px, "fisheye/%06d.png"));
+  Writer tof = camera_table("tof", "pinhole", rig.tof.optics.size_px, "tof/amplitude/%06d.png");
+  tof.set("depth", "tof/depth/%06d.png");
+  tof.set("depth_unit_m", config::rounded(rig.tof.unit_m, kDigits)).set("depth_kind", "distance");
+  root.add("camera", std::move(tof));
+  pan_tilt.set("angles", "ptu.csv");
+  if (info.options.pan_tilt) root.set("pan_tilt", std::move(pan_tilt));
+  return root.text();
+}
+
+json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+json to_json(const geometry::Pose& pose) {
+  const Eigen::Vector4d q = pose.rotation.coeffs();
+  return {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}},
+          {"translation_m", to_json(pose.translation_m)}};
+}
+
+json to_json(const studio::Optics& o) {
+  return {{"fx", o.fx_px}, {"fy", o.fy_px}, {"cx", o.cx_px}, {"cy", o.cy_px}, {"k", o.distortion}};
+}
+
+json to_json(const studio::TurnAxis& axis) {
+  return {{"direction", to_json(axis.direction)},
+          {"point_m", to_json(axis.point_m)},
+          {"scale", axis.scale}};
+}
+
+json truth_of(const studio::BoardInfo& info) {
+  const studio::BoardRig& rig = info.rig;
+  const studio::FisheyeOptics& f = rig.fisheye;
+  json curve = json::array();
+  for (int i = 0; i <= std::lround((kTruthTo_m - kTruthFrom_m) / kTruthStep_m); ++i) {
+    const double d = kTruthFrom_m + i * kTruthStep_m;
+    curve.push_back({d, depth_error_m(rig.tof, d)});
+  }
+  return {
+      {"target", to_json(rig.target)},
+      {"tof", to_json(rig.tof.optics)},
+      {"fisheye", {{"f", f.f_px}, {"cx", f.cx_px}, {"cy", f.cy_px}, {"k1", f.k1}, {"k2", f.k2}}},
+      {"target_from_tof", to_json(rig.tof.target_from_tof)},
+      {"target_from_fisheye", to_json(rig.target_from_fisheye)},
+      {"depth_error", {{"distance_and_error_m", curve}}},
+      {"pan_tilt",
+       {{"pan", to_json(rig.pan_tilt.pan)},
+        {"tilt", to_json(rig.pan_tilt.tilt)},
+        {"repeatability_rad", rig.pan_tilt.repeatability_rad}}},
+      {"target_from_board", json::array()}};
+}
+
+Result<void> write_depth(const std::filesystem::path& path, const Image<float>& values,
+                         double unit) {
+  Image<std::uint16_t> whole(values.size());
+  for (int y = 0; y < values.height(); ++y)
+    for (int x = 0; x < values.width(); ++x)
+      whole.at(x, y) =
+          static_cast<std::uint16_t>(std::clamp(std::lround(values.at(x, y) / unit), 0L, 65535L));
+  return image_io::write_png(path, whole);
+}
+
+Result<void> write_view(const std::filesystem::path& folder, const studio::BoardInfo& info,
+                        const studio::BoardView& view) {
+  const int n = view.number;
+  MIXRIG_TRY(image_io::write_png(folder / numbered("target", n), view.target));
+  MIXRIG_TRY(image_io::write_png(folder / numbered("fisheye", n), view.fisheye));
+  MIXRIG_TRY(write_depth(folder / numbered("tof/amplitude", n), view.tof_amplitude, 1));
+  return write_depth(folder / numbered("tof/depth", n), view.tof_distance_m, info.rig.tof.unit_m);
+}
+
+Result<void> make_folders(const std::filesystem::path& folder) {
+  for (const char* part : {"target", "fisheye", "tof/amplitude", "tof/depth", "truth"}) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder / part, failed);
+    if (failed)
+      return system_error(ErrorCode::kIo, "cannot create " + (folder / part).string(),
+                          failed.value());
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
+                                          const std::filesystem::path& folder,
+                                          const std::function<void(int)>& progress) {
+  MIXRIG_ASSIGN(studio::BoardStudio studio, studio::BoardStudio::create(options));
+  const studio::BoardInfo& info = studio.info();
+  MIXRIG_ASSIGN(PartialPath output, make_partial_folder(folder, "views.toml"));
+  MIXRIG_TRY(make_folders(output.path()));
+  json truth = truth_of(info);
+  std::ostringstream angles;
+  angles.precision(9);
+  angles << "view,pan_deg,tilt_deg\n";
+  studio::BoardView view;
+  for (int number = 1; number <= options.views; ++number) {
+    studio.render(number, view);
+    MIXRIG_TRY(write_view(output.path(), info, view));
+    truth["target_from_board"].push_back(to_json(view.target_from_board));
+    angles << number << "," << view.pan_rad / kDeg << "," << view.tilt_rad / kDeg << "\n";
+    progress(number);
+  }
+  if (options.pan_tilt) MIXRIG_TRY(write_file(output.path() / "ptu.csv", angles.str()));
+  MIXRIG_TRY(write_file(output.path() / "truth/truth.json", truth.dump(1) + "\n"));
+  MIXRIG_TRY(write_file(output.path() / "views.toml", manifest(info)));
+  MIXRIG_TRY(output.commit());
+  return info;
+}
+
+}  // namespace mixrig::studio_io

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the virtual studio to a folder of board views with truth (docs/formats.md, views.toml).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "host/studio/board/board_studio.h"
+
+namespace mixrig::studio_io {
+
+/// Renders all views, views.toml, ptu.csv (with the pan-tilt unit) and truth/truth.json into
+/// `folder`: whole or not at all. `progress` is called after each view with the number done.
+/// Errors: kUsage for options out of range or a folder that holds something else, kIo,
+/// kUnsupported.
+Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
+                                          const std::filesystem::path& folder,
+                                          const std::function<void(int)>& progress);
+
+}  // namespace mixrig::studio_io

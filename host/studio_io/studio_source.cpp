@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/studio_io/studio_source.h"
+
+#include <charconv>
+#include <utility>
+#include <vector>
+
+#include "host/studio/studio.h"
+#include "host/studio_io/studio_take.h"
+
+namespace mixrig::studio_io {
+namespace {
+
+class StudioSource final : public capture::CaptureSource {
+ public:
+  explicit StudioSource(studio::Studio studio)
+      : studio_(std::move(studio)),
+        info_(studio_take_info(studio_.info())),
+        cameras_(std::make_shared<capture::RigCameras>(info_)) {}
+
+  const capture::SourceInfo& info() const override { return info_; }
+
+  Result<bool> read(int number, capture::Capture& capture) override {
+    studio_.render(number, frame_, &truth_);
+    swap_into(frame_, capture);
+    capture.cameras = cameras_;
+    return true;
+  }
+  Result<void> read_truth(int, capture::Truth& truth) override {
+    swap_into(truth_, truth);
+    return {};
+  }
+
+ private:
+  studio::Studio studio_;
+  capture::SourceInfo info_;
+  std::shared_ptr<const capture::RigCameras> cameras_;
+  studio::Frame frame_;
+  studio::Truth truth_;
+};
+
+std::vector<std::string> split(const std::string& words) {
+  std::vector<std::string> out(1);
+  for (char c : words) {
+    if (c == ',')
+      out.emplace_back();
+    else
+      out.back() += c;
+  }
+  return out;
+}
+
+/// A whole number in place of `value`, which stays where `word` is empty.
+template <typename Int>
+Result<void> read_number(const std::string& word, const char* what, Int& value) {
+  if (word.empty()) return {};
+  const char* end = word.data() + word.size();
+  const auto parsed = std::from_chars(word.data(), end, value);
+  if (parsed.ec == std::errc{} && parsed.ptr == end) return {};
+  return Error{ErrorCode::kUsage,
+               "--source studio: " + std::string(what) + " \"" + word + "\" is not a whole number"};
+}
+
+Result<studio::StudioOptions> options_of(const std::string& words) {
+  std::vector<std::string> word = split(words);
+  if (word.size() > 5)
+    return Error{ErrorCode::kUsage,
+                 "--source studio:" + words + ": give at most SCENARIO,SEED,RIG,FRAMES,WxH"};
+  word.resize(5);
+  studio::StudioOptions options;
+  if (!word[0].empty()) {
+    MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(word[0]));
+  }
+  MIXRIG_TRY(read_number(word[1], "seed", options.seed));
+  if (!word[2].empty()) {
+    MIXRIG_ASSIGN(options.rig, studio::parse_rig(word[2]));
+  }
+  MIXRIG_TRY(read_number(word[3], "number of frames", options.frames));
+  if (const std::size_t x = word[4].find('x'); !word[4].empty()) {
+    if (x == std::string::npos)
+      return Error{ErrorCode::kUsage, "--source studio: size \"" + word[4] + "\": give WxH"};
+    MIXRIG_TRY(read_number(word[4].substr(0, x), "width", options.size_px.width));
+    MIXRIG_TRY(read_number(word[4].substr(x + 1), "height", options.size_px.height));
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<capture::CaptureSource>> open_studio_source(const std::string& words) {
+  MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(words));
+  MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
+  return std::unique_ptr<capture::CaptureSource>(std::make_unique<StudioSource>(std::move(studio)));
+}
+
+}  // namespace mixrig::studio_io

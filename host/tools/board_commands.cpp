@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands of the board's build, in the order of --help.
+#include "host/tools/command.h"
+
+namespace mixrig::tools {
+
+void add_board_commands(CLI::App& app, Context& context) {
+  add_run_command(app, context);
+  add_scan_command(app, context);
+  add_explain_command(app, context);
+  add_info_command(app, context);
+  add_trigger_command(app, context);
+  add_flash_command(app, context);
+  add_record_command(app, context);
+  add_diag_command(app, context);
+  add_rig_command(app, context);
+  add_align_command(app, context);
+  add_calibrate_external_command(app, context);
+  add_track_command(app, context);
+}
+
+}  // namespace mixrig::tools

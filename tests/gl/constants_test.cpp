@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers that both back ends share (host/render/constants.h) are the same in the shaders.
+#include "host/render/constants.h"
+
+#include <map>
+#include <regex>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hal/base/srgb.h"
+#include "shaders/shaders.h"
+
+namespace mixrig::test {
+namespace {
+
+using namespace render;
+
+/// Numbers by their name in GLSL.
+const std::map<std::string, double> kOurs = {
+    {"nearest_m", kNearestM},
+    {"person_matte", kPersonMatte},
+    {"farthest_m", kFarthestM},
+    {"steepest", kSteepest},
+    {"largest_bend", kLargestBend},
+    {"plane_part", kPlanePart},
+    {"smooth_part", kSmoothPart},
+    {"least_supporters", kLeastSupporters},
+    {"least_known", kLeastKnown},
+    {"least_corner_part", kLeastCornerPart},
+    {"cell_indices", kCellIndices},
+    {"virtual_samples", kVirtualSamples},
+    {"block_px", kBlockPx},
+    {"speckle_tof_px", kSpeckleTofPx},
+    {"speckle_blocks", kSpeckleBlocks},
+    {"near_blocks", kNearBlocks},
+    {"band_blocks", kBandBlocks},
+    {"no_limit_w", kNoLimitW},
+    {"color_noise", kColorNoise},
+    {"color_flicker", kColorFlicker},
+    {"darkest_shadow", kDarkestShadow},
+    {"shadow_sigma", kShadowSigma},
+    {"color_vote_cap", kColorVoteCap},
+    {"spread_odds", kSpreadOdds},
+    {"depth_tap_radius", kDepthTapRadius},
+    {"foreground_weight", kForegroundWeight},
+    {"background_weight", kBackgroundWeight},
+    {"unknown_share", kUnknownShare},
+    {"light_tile_px", kLightTilePx},
+    {"blocker_tap_count", kBlockerTapCount},
+    {"shadow_tap_count", kShadowTapCount},
+    {"lift_texels", kLiftTexels},
+    {"least_radius_texel", kLeastRadiusTexel},
+    {"least_distance2", kLeastDistance2},
+    {"normal_footprints", kNormalFootprints},
+    {"most_lamps", kMostLamps},
+    {"contact_slack_m", kContactSlackM},
+    {"rec709_red", kRec709Red},
+    {"rec709_green", kRec709Green},
+    {"rec709_blue", kRec709Blue},
+};
+
+/// Constants of scalar type that a stage defines outside functions, by name.
+std::map<std::string, double> constants_of(std::string_view stage_name) {
+  const shaders::Stage* stage = shaders::find_stage(stage_name);
+  EXPECT_NE(stage, nullptr);
+  std::map<std::string, double> found;
+  const std::string text(stage->text);
+  static const std::regex kDefinition(R"(\nconst (?:int|float) (\w+) = ([-0-9.e]+);)");
+  for (std::sregex_iterator it(text.begin(), text.end(), kDefinition), end; it != end; ++it)
+    EXPECT_TRUE(found.emplace((*it)[1], std::stod((*it)[2])).second) << (*it)[1] << " twice";
+  return found;
+}
+
+TEST(Constants, shaders_have_the_same_numbers) {
+  const auto found = constants_of("key_votes.frag");
+  EXPECT_EQ(found.size(), kOurs.size()) << "each number of the table is listed in this test";
+  for (const auto& [name, value] : kOurs) {
+    ASSERT_TRUE(found.contains(name)) << name;
+    EXPECT_EQ(static_cast<float>(found.at(name)), static_cast<float>(value)) << name;
+  }
+}
+
+TEST(Constants, no_shader_has_a_number_of_its_own_under_such_a_name) {
+  static const std::regex kLocal(R"(\n +const (?:int|float) (\w+) = )");
+  for (const shaders::Stage& stage : shaders::all_stages()) {
+    for (const auto& [name, value] : constants_of(stage.name))
+      EXPECT_TRUE(kOurs.contains(name)) << stage.name << ": " << name << " is not in the table";
+    const std::string text(stage.text);
+    for (std::sregex_iterator it(text.begin(), text.end(), kLocal), end; it != end; ++it)
+      EXPECT_FALSE(kOurs.contains((*it)[1])) << stage.name << ": " << (*it)[1];
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::test

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs an estimator many times on one case and checks the results.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/estimation/verdict.h"
+#include "tests/stability/reference.h"
+
+namespace mixrig::estimation_bench {
+
+/// One noisy run: the verdict and, where there is an answer, its error.
+struct Trial {
+  estimation::Verdict verdict;
+  Eigen::VectorXd error;       ///< in the estimator's error parameters
+  Eigen::MatrixXd covariance;  ///< as claimed
+  double micros = 0;
+};
+
+enum class Expect {
+  kAnswer,   ///< ok or weak in every trial; efficient and consistent
+  kCareful,  ///< an answer or a refusal, but no overconfident answer: the border to degeneracy
+  kRefusal   ///< degenerate in every trial
+};
+
+/// A case: `trial(seed, residuals)` makes data from the seed, runs the estimator, and (where it is
+/// to be compared with bound and reference) sets `residuals` to the whitened model of its data.
+struct Case {
+  std::string estimator, name;
+  Expect expect = Expect::kAnswer;
+  std::function<Trial(std::uint64_t seed, Residuals& residuals)> trial;
+  std::string axis = {};  ///< of a sweep into a degeneracy: what `at` is
+  double at = NAN;
+};
+
+/// Number of runs: 200 suffice to distinguish 1.1 of the bound from 1.0.
+struct Effort {
+  int trials = 200;
+  int referenced = 3;            ///< trials that are solved in 50 digits too
+  bool bound_everywhere = true;  ///< the bound of cases that need not be answered too
+};
+/// For the unit test.
+inline constexpr Effort kShortEffort{24, 1, false};
+
+/// Results of a case; NaN where a figure does not exist.
+struct Row {
+  std::string estimator, name, axis;
+  double at = NAN;
+  Expect expect = Expect::kAnswer;
+  int ok = 0, weak = 0, refused = 0;
+  int dof = 0;                 ///< of all answers together
+  double over_bound = NAN;     ///< root mean square error over the Cramer-Rao bound
+  double nees = NAN;           ///< mean, per degree of freedom
+  double low = 0, high = 0;    ///< 95 % interval of that mean
+  double off_reference = NAN;  ///< greatest distance to the 50-digit minimum, sigmas
+  double micros = 0;           ///< median time of a call
+};
+
+Row measure(const Case& c, const Effort& effort);
+
+/// Faults of the row, one line each. What counts as a fault where is expected:
+/// - a refusal: any answer; a refusal without a reason is a fault everywhere;
+/// - an answer: any refusal; error over 1.1 of the bound (more where the trials are too few for
+/// it);
+///   NEES outside its 99.9 % interval; over 1e-3 sigma from the minimum in 50 digits;
+/// - careful: NEES over twice its 95 % limit, higher where few are answered, because the
+///   noise selects them.
+std::vector<std::string> faults_of(const Row& row);
+
+/// Whether the NEES of a case that must be answered lies outside its 95 % interval, as one in
+/// twenty does by chance.
+bool outside_95(const Row& row);
+
+/// Most of `cases` that chance puts outside (97.5 % of the binomial distribution).
+int most_outside_95(int cases);
+
+/// A figure of a sweep in a case's name.
+std::string shown(double value);
+
+/// Error of a pose, 6 parameters or 7 with log scale, at a point instead of the origin: far from
+/// the origin, the image of the origin is not linear in a small rotation.
+struct PoseChart {
+  Eigen::Vector3d centre;  ///< the point
+  Eigen::Vector3d arm;     ///< estimated rotation (times scale) of it
+  Eigen::VectorXd error(const Eigen::VectorXd& at_origin, const Eigen::Vector3d& value_of_centre,
+                        const Eigen::Vector3d& truth_of_centre) const;
+  Eigen::MatrixXd covariance(const Eigen::MatrixXd& at_origin) const;
+};
+
+/// Times `call` and fills a Trial with verdict and covariance; the caller adds the error.
+template <typename Call, typename Estimate>
+Trial timed(Call&& call, Estimate& estimate) {
+  const auto start = std::chrono::steady_clock::now();
+  estimate = call();
+  const std::chrono::duration<double, std::micro> taken = std::chrono::steady_clock::now() - start;
+  return {estimate.verdict, {}, estimate.covariance, taken.count()};
+}
+
+}  // namespace mixrig::estimation_bench

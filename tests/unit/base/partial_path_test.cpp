@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/base/partial_path.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+namespace mixrig {
+namespace {
+namespace fs = std::filesystem;
+
+class PartialPathTest : public ::testing::Test {
+ protected:
+  PartialPathTest() {
+    std::string pattern = (fs::temp_directory_path() / "mixrig-out-XXXXXX").string();
+    root_ = mkdtemp(pattern.data());
+  }
+  ~PartialPathTest() override { fs::remove_all(root_); }
+  static void touch(const fs::path& path) { std::ofstream(path) << "x"; }
+  fs::path root_;
+};
+
+TEST_F(PartialPathTest, AppearsWholeAtFinish) {
+  auto folder = make_partial_folder(root_ / "a" / "b", "report.json");
+  ASSERT_TRUE(folder) << folder.error().context;
+  touch(folder->path() / "picture");
+  EXPECT_FALSE(fs::exists(root_ / "a" / "b"));
+  ASSERT_TRUE(folder->commit());
+  EXPECT_TRUE(fs::exists(root_ / "a" / "b" / "picture"));
+  EXPECT_FALSE(fs::exists(root_ / "a" / "b.partial"));
+}
+
+TEST_F(PartialPathTest, LeavesNothingWhenDropped) {
+  {
+    auto folder = make_partial_folder(root_ / "out", "report.json");
+    ASSERT_TRUE(folder);
+    touch(folder->path() / "picture");
+    const PartialPath moved = *std::move(folder);
+  }
+  EXPECT_TRUE(fs::is_empty(root_));
+}
+
+TEST_F(PartialPathTest, ReplacesItsOwnFolder) {
+  fs::create_directory(root_ / "out");
+  touch(root_ / "out" / "report.json");
+  touch(root_ / "out" / "stale");
+  auto folder = make_partial_folder((root_ / "out").string() + "/", "report.json");
+  ASSERT_TRUE(folder);
+  ASSERT_TRUE(folder->commit());
+  EXPECT_TRUE(fs::is_empty(root_ / "out"));
+  EXPECT_FALSE(fs::exists(root_ / "out.replaced"));
+}
+
+TEST_F(PartialPathTest, RefusesAFileAndAFolderOfOthers) {
+  touch(root_ / "file");
+  fs::create_directory(root_ / "theirs");
+  touch(root_ / "theirs" / "thesis.tex");
+  for (const char* name : {"file", "theirs"}) {
+    const auto folder = make_partial_folder(root_ / name, "report.json");
+    ASSERT_FALSE(folder);
+    EXPECT_EQ(folder.error().code, ErrorCode::kUsage);
+    EXPECT_FALSE(fs::exists(root_ / (std::string(name) + ".partial")));
+  }
+  EXPECT_TRUE(fs::exists(root_ / "theirs" / "thesis.tex"));
+}
+
+TEST_F(PartialPathTest, TextThatCannotBeWrittenLeavesNothing) {
+  const auto result = write_file(root_ / "missing" / "report.json", "{}");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kIo);
+  ASSERT_TRUE(write_file(root_ / "report.json", "{}"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);
+}
+
+}  // namespace
+}  // namespace mixrig

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/calibration_file/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "host/calibration_file/tables.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mixrig::calibration_file {
+namespace {
+
+using geometry::LensKind;
+
+CalibratedCamera some_camera(const std::string& name, LensKind kind) {
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(geometry::parameter_count(kind));
+  v.head<8>() << 1100.1, 1099.9, 640.3, 511.7, -0.1 / 3, 0.02, 1e-4, -1e-17;
+  CalibratedCamera camera;
+  camera.name = name;
+  camera.model = geometry::make_camera(kind, {1280, 1024}, v);
+  camera.covariance = Eigen::MatrixXd::Random(v.size(), v.size());
+  camera.residual_px = 0.1234;
+  camera.views = 20;
+  camera.points = 1080;
+  camera.origin = {"2026-01-02T03:04:05Z", "mixrig 0.1.0", "0123456789abcdef"};
+  return camera;
+}
+
+Calibration whole() {
+  Calibration all;
+  all.cameras = {some_camera("target", LensKind::kPinhole),
+                 some_camera("a: b#", LensKind::kFisheye)};
+  CalibratedPose pose;
+  pose.name = "tof";
+  pose.target_from = {Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {-0.05, 1.0 / 3, 0}};
+  pose.covariance = Eigen::MatrixXd::Identity(6, 6) * 1e-9;
+  pose.views = 7;
+  all.poses = {pose};
+  DepthError error;
+  error.knots_m = {0.5, 1, 2};
+  error.error_m = {0.01, -0.01, 0.003};
+  error.place_m = {1e-3, 0, 0, 0, 2e-3};
+  all.depth_error = error;
+  PanTilt unit;
+  unit.tilt.direction = Eigen::Vector3d::UnitX();
+  unit.tilt.scale = 1.0001;
+  unit.covariance = Eigen::MatrixXd::Identity(9, 9);
+  all.pan_tilt = unit;
+  return all;
+}
+
+TEST(CalibrationFile, ReadsBackTheBitsThatItWrote) {
+  const Calibration before = whole();
+  const auto read = parse_calibration(calibration_text(before), "c.toml");
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_EQ(read->cameras.size(), 2U);
+  for (const CalibratedCamera& a : before.cameras) {
+    ASSERT_NE(read->camera(a.name), nullptr);
+    const CalibratedCamera& b = *read->camera(a.name);
+    EXPECT_EQ(geometry::kind_of(a.model), geometry::kind_of(b.model));
+    EXPECT_EQ(geometry::parameters_of(a.model), geometry::parameters_of(b.model));
+    EXPECT_EQ(geometry::size_px(a.model), geometry::size_px(b.model));
+    EXPECT_EQ(a.covariance, b.covariance);
+    EXPECT_EQ(a.residual_px, b.residual_px);
+    EXPECT_EQ(a.points, b.points);
+    EXPECT_EQ(a.origin, b.origin);
+  }
+  ASSERT_NE(read->pose("tof"), nullptr);
+  EXPECT_LT((read->pose("tof")->target_from.matrix() - before.poses[0].target_from.matrix()).norm(),
+            1e-15);
+  EXPECT_EQ(read->pose("tof")->covariance, before.poses[0].covariance);
+  EXPECT_EQ(read->pose("fisheye"), nullptr);
+  EXPECT_EQ(read->depth_error->error_m, before.depth_error->error_m);
+  EXPECT_EQ(read->depth_error->place_m, before.depth_error->place_m);
+  EXPECT_EQ(read->pan_tilt->tilt.scale, 1.0001);
+  EXPECT_EQ(read->pan_tilt->covariance.rows(), 9);
+}
+
+TEST(CalibrationFile, UpdatesOneEntryAndKeepsTheOthers) {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "calibration.toml";
+  ASSERT_TRUE(update_calibration(path, whole()));
+  Calibration newer;
+  newer.cameras = {some_camera("target", LensKind::kFisheye)};
+  ASSERT_TRUE(update_calibration(path, newer));
+  const auto read = read_calibration(path);
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_EQ(read->cameras.size(), 2U);
+  EXPECT_EQ(geometry::kind_of(read->camera("target")->model), LensKind::kFisheye);
+  EXPECT_TRUE(read->depth_error);
+  EXPECT_FALSE(std::filesystem::exists(folder / "calibration.toml.partial"));
+}
+
+TEST(CalibrationFile, DoesNotTouchWhatItCannotRead) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("calibration.toml", "format = 2\n");
+  const auto done = update_calibration(path, whole());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::kFormat);
+  EXPECT_EQ(test::read_bytes(path), "format = 2\n");
+}
+
+TEST(CalibrationFile, SaysWhatIsWrongAndWhere) {
+  const std::string good = calibration_text(whole());
+  struct Case {
+    const char *from, *to, *says;
+  };
+  for (const Case& c :
+       {Case{"format = 1", "format = 3", "c.toml:2: key \"format\""},
+        Case{"\"pinhole\"", "\"pinhol\"", "use one of \"pinhole\", \"fisheye\""},
+        Case{"size_px = [1280", "size_px = [0", "size_px"},
+        Case{"fx = 1100.1", "fx = -1100.1", "-1100.1 is out of range"},
+        Case{"fx = 1100.1", "fx = nan", "nan is out of range"},
+        Case{"rotation_xyzw = [0", "rotation_xyzw = [1", "must have length 1"},
+        Case{"rotation_xyzw", "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nrotation_xyzw",
+             "remove one of them"},
+        Case{"knots_m = [0.5, 1.0", "knots_m = [0.5, 0.5", "must grow"},
+        Case{"error_m = [", "error_m = [1, ", "array of 3 numbers"},
+        Case{"views = 20", "view = 20", "\"cameras.target.view\": not known"},
+        Case{"covariance = [", "covariance = [[1],", "covariance"},
+        Case{"[depth_error]", "[depth_eror]", "did you mean \"depth_error\"?"},
+        Case{"[depth_error]", "[depth_error", "not valid TOML"}}) {
+    std::string bad = good;
+    const auto at = bad.find(c.from);
+    ASSERT_NE(at, std::string::npos) << c.from;
+    bad.replace(at, std::string(c.from).size(), c.to);
+    const auto read = parse_calibration(bad, "c.toml");
+    ASSERT_FALSE(read) << c.to;
+    EXPECT_EQ(read.error().code, ErrorCode::kFormat);
+    EXPECT_NE(read.error().context.find(c.says), std::string::npos) << read.error().context;
+  }
+}
+
+TEST(CalibrationFile, SaysWhatToDoAboutAnOldYamlFile) {
+  for (const char* text : {"format: 1\ncameras:\n  target:\n", "# note\nformat: 1\n"}) {
+    const auto read = parse_calibration(text, "calibration.yaml");
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().code, ErrorCode::kFormat);
+    EXPECT_TRUE(read.error().context.starts_with("calibration.yaml: "));
+    EXPECT_NE(read.error().context.find("mixrig calibrate writes calibration.toml"),
+              std::string::npos);
+  }
+}
+
+TEST(CalibrationFile, NamesMayHoldAnything) {
+  Calibration all;
+  all.cameras = {some_camera("left \"eye\".[1]\n\\", LensKind::kPinhole)};
+  const auto read = parse_calibration(calibration_text(all), "c.toml");
+  ASSERT_TRUE(read) << read.error().context;
+  EXPECT_NE(read->camera(all.cameras[0].name), nullptr);
+}
+
+/// The error that parsing of `text` as one table gives, or empty.
+template <typename Parse>
+std::string error_of(const std::string& text, Parse parse) {
+  auto document = config::Document::parse(text, "t.toml");
+  EXPECT_TRUE(document) << document.error().context;
+  parse(document->root());
+  const auto done = document->finish();
+  return done ? "" : done.error().context;
+}
+
+TEST(Tables, ACameraNeedsNoModelAndNoDistortion) {
+  geometry::CameraModel model;
+  EXPECT_EQ(error_of("size_px = [64, 48]\nfx = 60\nfy = 61\ncx = 31.5\ncy = 23.5\n",
+                     [&](const config::Table& t) { model = parse_pinhole(t); }),
+            "");
+  EXPECT_EQ(model.pinhole.fy_px, 61);
+  EXPECT_TRUE(model.lens.is_ideal());
+}
+
+TEST(Tables, AnInlineCameraMayHoldAllThatCalibrationTomlHolds) {
+  const CalibratedCamera camera = some_camera("", LensKind::kPinhole);
+  geometry::CameraModel model;
+  EXPECT_EQ(error_of(camera_table(camera).text(),
+                     [&](const config::Table& t) { model = parse_pinhole(t); }),
+            "");
+  EXPECT_EQ(geometry::parameters_of(model), geometry::parameters_of(camera.model));
+}
+
+TEST(Tables, ColourAndDepthAreNotReadThroughAFisheye) {
+  const std::string text = camera_table(some_camera("", LensKind::kFisheye).model).text();
+  EXPECT_NE(error_of(text, [](const config::Table& t) { parse_pinhole(t); }).find("\"pinhole\""),
+            std::string::npos);
+  EXPECT_EQ(error_of(text, [](const config::Table& t) { parse_camera(t, "fisheye"); }), "");
+}
+
+TEST(Tables, APoseIsAMatrixOrAQuaternion) {
+  const geometry::Pose pose{Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {-1, 2, 3}};
+  geometry::Pose read;
+  const auto parse = [&](const config::Table& t) { read = parse_pose(t); };
+  EXPECT_EQ(error_of(pose_table(pose).text(), parse), "");
+  EXPECT_LT((read.matrix() - pose.matrix()).norm(), 1e-15);
+  EXPECT_EQ(
+      error_of("translation_m = [1, 2, 3]\nrotation = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]\n", parse),
+      "");
+  EXPECT_LT((read * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
+  EXPECT_NE(error_of("translation_m = [1, 2, 3]\n", parse).find("\"rotation\": missing"),
+            std::string::npos);
+  EXPECT_NE(error_of("translation_m = [1, 2, 3]\nrotation_xyzw = [0, 0, 0, 0]\n", parse)
+                .find("must have length 1"),
+            std::string::npos);
+}
+
+TEST(CalibrationFile, RefusesHostileText) {
+  EXPECT_FALSE(parse_calibration("", "c"));
+  EXPECT_FALSE(parse_calibration("- 1", "c"));
+  EXPECT_FALSE(parse_calibration("format = 1\ncameras = 3\n", "c"));
+  EXPECT_FALSE(parse_calibration("format = 1\n[cameras]\nleft = 3\n", "c"));
+  EXPECT_FALSE(parse_calibration("format = 1\n[depth_error]\nknots_m = 3\n", "c"));
+  EXPECT_FALSE(parse_calibration(std::string(100000, '['), "c"));
+  EXPECT_FALSE(parse_calibration(std::string(100000, '{'), "c"));
+  EXPECT_FALSE(parse_calibration(std::string("\0\x01\xff", 3), "c"));
+}
+
+TEST(InputHash, IsFnv1a) {
+  InputHash hash;
+  EXPECT_EQ(hash.text(), "cbf29ce484222325");
+  hash.add_bytes("foobar");
+  EXPECT_EQ(hash.text(), "85944171f73967e8");  // published test vector
+}
+
+}  // namespace
+}  // namespace mixrig::calibration_file

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole sessions on fake devices: a master of 100 Hz, colour at 25 Hz, depth at 25 Hz, a slower
+// camera; then one fault at a time.
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "host/live/record.h"
+#include "tests/unit/live/session_rig.h"
+
+namespace mixrig::live {
+namespace {
+
+TEST_F(Session, EveryFrameIsPairedToTheTickThatFiredIt) {
+  ASSERT_TRUE(session_->start());
+  const auto sets = run(400);
+  session_->stop();
+  EXPECT_EQ(sets.size(), 98U) << "100 frames of colour, two of them to lock";
+  for (const LiveSet& set : sets) {
+    EXPECT_EQ(set.frames.tick % 4, 0U);
+    // Colour and depth fire on ticks 0, 4, 8, ...: counter k belongs to tick 4 (k - 1).
+    EXPECT_EQ(set.frames.frames[0].frame->sequence, set.frames.tick / 4 + 1);
+    ASSERT_TRUE(set.frames.frames[2].frame);
+    EXPECT_EQ(set.frames.frames[2].frame->sequence, set.frames.tick / 4 + 1);
+    // The slower camera's last frame, once it has locked.
+    if (set.frames.tick < 24) continue;
+    ASSERT_TRUE(set.frames.frames[1].frame);
+    EXPECT_EQ(set.frames.frames[1].frame->sequence, (set.frames.tick - 1) / 10 + 1);
+  }
+  const SessionReport report = session_->report();
+  EXPECT_EQ(report.dropped_events, 0U);
+  EXPECT_EQ(report.dropped_sets, 0U);
+  EXPECT_EQ(report.streams[0].pairing.of(sync::PairStatus::kLocking), 2U);
+  EXPECT_EQ(report.streams[0].pairing.relocks, 0U);
+}
+
+TEST_F(Session, ACameraUnpluggedAndBackCostsItsOwnFramesOnly) {
+  ASSERT_TRUE(session_->start());
+  run(80);
+  side_->unplug();
+  const auto without = run(80);
+  EXPECT_EQ(without.size(), 20U) << "the others continued";
+  side_->replug();
+  const auto after = run(120);
+  bool back = false;
+  for (const LiveSet& set : after) back = back || set.frames.frames[1].frame != nullptr;
+  EXPECT_TRUE(back);
+  EXPECT_EQ(session_->report().streams[1].health.returns, 1U);
+  session_->stop();
+}
+
+TEST_F(Session, AResetOfTheTriggerBoardIsNoticedAndTheRigGoesOn) {
+  ASSERT_TRUE(session_->start());
+  run(80);
+  trigger_->reset();
+  clock_.advance(300ms);
+  ASSERT_TRUE(trigger_->wait_for_start(2, 20s)) << "the session starts it again";
+  const auto after = run(120);
+  session_->stop();
+  EXPECT_EQ(session_->report().trigger_restarts, 1U);
+  ASSERT_GE(after.size(), 20U);
+  EXPECT_LT(after.back().frames.tick, 130U) << "ticks start again";
+}
+
+TEST_F(Session, AConsumerThatSleepsLosesTheOldestAndTheyAreCounted) {
+  ASSERT_TRUE(session_->start());
+  for (int i = 0; i < 200; ++i) tick();
+  EXPECT_GE(session_->report().dropped_sets, 40U);
+  const auto set = session_->next(0ms);
+  ASSERT_TRUE(set);
+  EXPECT_GT(set->frames.tick, 150U);
+  session_->stop();
+}
+
+TEST_F(Session, ADeviceThatDoesNotStartStopsTheOthersAgain) {
+  depth_->fail_next_start({ErrorCode::kDevice, "fake: no power"});
+  const auto started = session_->start();
+  ASSERT_FALSE(started);
+  EXPECT_EQ(color_->health().state, device::DeviceState::kStopped);
+  ASSERT_TRUE(session_->start());
+  session_->stop();
+}
+
+class Recording : public Session {
+ protected:
+  void SetUp() override {
+    Session::SetUp();
+    folder_ =
+        std::filesystem::temp_directory_path() / ("mixrig_record_" + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder_);
+    options_.out = folder_;
+    options_.format = take::StreamFormat::kPng;
+    options_.duration = 2s;
+    options_.least_free_bytes = 0;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  /// Records while a second thread advances the clock.
+  Result<RecordReport> record_now() {
+    std::thread crank([&] {
+      if (!trigger_->wait_for_start(1, 20s)) return;
+      for (int ticks = 0; !done_; ++ticks) {
+        if (ticks == reset_at_) {
+          trigger_->reset();
+          clock_.advance(300ms);
+          if (!trigger_->wait_for_start(2, 60s)) return;
+        }
+        tick();
+        wait([&] { return session_->report().waiting_sets == 0; });
+      }
+    });
+    auto report = record(*session_, config_, devices_, options_, stop_, clock_);
+    done_ = true;
+    crank.join();
+    return report;
+  }
+  std::filesystem::path folder_;
+  RecordOptions options_;
+  int reset_at_ = -1;  ///< tick at which the trigger is reset
+  std::atomic<bool> stop_ = false;
+};
+
+TEST_F(Recording, ATakeHoldsItsFramesAndTheirTicks) {
+  const auto report = record_now();
+  ASSERT_TRUE(report) << to_line(report.error());
+  EXPECT_EQ(report->ended, "duration");
+  EXPECT_NEAR(report->frames, 50, 2) << "2 s at 25 Hz";
+  EXPECT_EQ(report->session.dropped_sets, 0U);
+  auto take = take::TakeReader::open(folder_);
+  ASSERT_TRUE(take) << to_line(take.error());
+  EXPECT_EQ(take->info().frames, report->frames);
+  std::ifstream ticks(folder_ / "ticks.csv");
+  std::string line;
+  std::getline(ticks, line);
+  int rows = 0;
+  while (std::getline(ticks, line))
+    if (line.find(",color,") != std::string::npos) ++rows;
+  EXPECT_EQ(rows, report->frames);
+}
+
+TEST_F(Recording, AResetOfTheTriggerBoardLeavesAReadableTake) {
+  options_.duration = 3s;
+  reset_at_ = 150;
+  const auto report = record_now();
+  ASSERT_TRUE(report) << to_line(report.error());
+  EXPECT_EQ(report->session.trigger_restarts, 1U);
+  auto take = take::TakeReader::open(folder_);
+  ASSERT_TRUE(take) << to_line(take.error());
+  EXPECT_EQ(take->info().frames, report->frames);
+  capture::Capture frame;
+  for (int number = 1; number <= report->frames; ++number)
+    ASSERT_TRUE(take->read(number, frame)) << number;
+}
+
+TEST_F(Recording, EndsWholeBeforeTheDiskIsFull) {
+  options_.least_free_bytes = 1000;
+  options_.duration = 3600s;
+  int asked = 0;
+  options_.free_bytes = [&](const std::filesystem::path&) { return ++asked < 3 ? 2000U : 500U; };
+  const auto report = record_now();
+  ASSERT_TRUE(report) << to_line(report.error());
+  EXPECT_EQ(report->ended, "disk almost full");
+  EXPECT_TRUE(take::TakeReader::open(folder_));
+}
+
+TEST_F(Recording, StopLeavesAWholeTake) {
+  options_.duration = 3600s;
+  options_.progress = [this](double) { stop_ = true; };
+  const auto report = record_now();
+  ASSERT_TRUE(report) << to_line(report.error());
+  EXPECT_EQ(report->ended, "stopped");
+  EXPECT_TRUE(take::TakeReader::open(folder_));
+}
+
+}  // namespace
+}  // namespace mixrig::live

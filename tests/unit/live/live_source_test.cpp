@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Live devices as a source of frames: a recording that plays, cameras that send nothing, a stop.
+#include "host/live/live_source.h"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "hal/fake/fake_camera.h"
+#include "tests/support/made_playable.h"
+#include "tests/support/progress.h"
+#include "tests/support/threaded_clock.h"
+
+namespace mixrig::live {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LiveSourceTest : public ::testing::Test {
+ protected:
+  Result<std::unique_ptr<capture::CaptureSource>> open(int frames) {
+    RigConfig config;
+    config.name = "played";
+    config.cameras.emplace_back();
+    config.cameras[0].name = "color";
+    config.cameras[0].uri = "take:made/color";
+    config.depth.emplace();
+    config.depth->name = "depth";
+    config.depth->uri = "take:made/depth";
+    std::vector<Recording> recordings;
+    recordings.push_back({"take:made", std::unique_ptr<capture::CaptureSource>(
+                                           std::make_unique<test::MadeRecording>(frames))});
+    DeviceOpener opener(clock_, std::move(recordings));
+    MIXRIG_ASSIGN(Devices devices, open_devices(config, std::move(opener)));
+    return make_live_source(std::move(config), std::move(devices), stop_, clock_);
+  }
+  test::SteppedClock clock_;
+  std::atomic<bool> stop_ = false;
+};
+
+TEST_F(LiveSourceTest, GivesEveryMomentInOrderAndEndsWithTheRecording) {
+  auto source = open(20);
+  ASSERT_TRUE(source) << to_line(source.error());
+  EXPECT_EQ((*source)->info().frames, capture::kEndless);
+  EXPECT_EQ((*source)->info().target.pinhole.fx_px, 20) << "calibration of the recording";
+  capture::Capture frame;
+  for (int number = 1; number <= 20; ++number, clock_.advance(40ms)) {
+    const auto there = (*source)->read(number, frame);
+    ASSERT_TRUE(there) << to_line(there.error());
+    ASSERT_TRUE(*there) << number;
+    EXPECT_EQ(frame.number, number);
+    EXPECT_EQ(frame.status_of(capture::Stream::kDepth), capture::StreamStatus::kFresh);
+    EXPECT_EQ(frame.status_of(capture::Stream::kFisheye), capture::StreamStatus::kAbsent);
+    EXPECT_EQ(frame.pose_origin, capture::PoseOrigin::kRecorded);
+    EXPECT_EQ(frame.plate.at(3, 4), (Rgb8{static_cast<std::uint8_t>(number), 100, 200}));
+    EXPECT_NEAR(frame.depth_m.at(3, 4), 0.01 * number, 1e-6);
+    EXPECT_NEAR(frame.time_s, 0.04 * (number - 1), 1e-9);
+    EXPECT_EQ(frame.world_from_target.translation_m.z(), 3);
+  }
+  const auto over = (*source)->read(21, frame);
+  ASSERT_TRUE(over);
+  EXPECT_FALSE(*over);
+  const capture::SourceReport report = *(*source)->report();
+  EXPECT_EQ(report.sets, 20U);
+  EXPECT_EQ(report.dropped_sets, 0U);
+  EXPECT_EQ(report.left_out, 0U);
+}
+
+TEST_F(LiveSourceTest, AConsumerThatIsLateLosesFramesAndTheReportSaysHowMany) {
+  auto source = open(20);
+  ASSERT_TRUE(source);
+  capture::Capture frame;
+  ASSERT_TRUE(*(*source)->read(1, frame));
+  for (int sets = 2; sets <= 20; ++sets) {
+    clock_.advance(40ms);
+    ASSERT_TRUE(test::comes_true([&] { return (*source)->report()->sets == static_cast<std::uint64_t>(sets); }));
+  }
+  int read = 1;
+  for (;;) {
+    const auto there = (*source)->read(read + 1, frame);
+    ASSERT_TRUE(there);
+    if (!*there) break;
+    ++read;
+  }
+  EXPECT_EQ(frame.plate.at(0, 0).r, 20) << "the newest are kept";
+  const capture::SourceReport report = *(*source)->report();
+  EXPECT_EQ(report.sets, 20U);
+  EXPECT_EQ(report.dropped_sets + static_cast<std::uint64_t>(read), 20U);
+}
+
+TEST_F(LiveSourceTest, StopEndsIt) {
+  auto source = open(1000);
+  ASSERT_TRUE(source);
+  capture::Capture frame;
+  ASSERT_TRUE(*(*source)->read(1, frame));
+  stop_ = true;
+  EXPECT_FALSE(*(*source)->read(2, frame));
+}
+
+TEST_F(LiveSourceTest, CamerasThatStaySilentAreAnErrorAfterFiveSeconds) {
+  const auto camera = [this](device::PixelFormat format) {
+    return std::make_unique<fake::FakeCamera>(
+        clock_, device::CameraInfo{.uri = "fake:", .size = {16, 12}, .format = format});
+  };
+  Devices devices;
+  devices.cameras.push_back(camera(device::PixelFormat::kRgb8));
+  devices.depth = device::as_depth_camera(camera(device::PixelFormat::kDepth16), {});
+  RigConfig config;
+  config.cameras.emplace_back();
+  config.depth.emplace();
+  auto source = make_live_source(std::move(config), std::move(devices), stop_, clock_);
+  ASSERT_TRUE(source);
+  std::atomic<bool> done = false;
+  std::thread time([&] {
+    while (!done) clock_.advance(1ms);
+  });
+  capture::Capture frame;
+  const auto there = (*source)->read(1, frame);
+  done = true;
+  time.join();
+  ASSERT_FALSE(there);
+  EXPECT_EQ(there.error().code, ErrorCode::kDevice);
+  EXPECT_NE(there.error().context.find("mixrig diag"), std::string::npos);
+}
+
+TEST(LiveSourceOpen, ARigWithoutADepthCameraIsRefused) {
+  SystemClock clock;
+  std::atomic<bool> stop = false;
+  const auto source = make_live_source({}, {}, stop, clock);
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().code, ErrorCode::kUsage);
+}
+
+}  // namespace
+}  // namespace mixrig::live

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/live/rig_config.h"
+
+#include <gtest/gtest.h>
+
+namespace mixrig::live {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kWhole = R"(
+format = 1
+name = "bench"
+[trigger]
+uri = "mcu:/dev/ttyACM0"
+[[trigger.line]]
+line = 0
+divider = 4
+width_ms = 2.0
+[[trigger.line]]
+line = 2
+divider = 10
+phase_ms = 20
+active_low = true
+[trigger.edges]
+uri = "gpiod:gpiochip0/17"
+line = 2
+[[camera]]
+name = "color"
+uri = "aravis:Cam-1"
+size_px = [1280, 1024]
+format = "bayer_rggb8"
+trigger_line = 0
+delay_ms = 3.5
+exposure_ms = 5
+[[camera]]
+uri = "v4l2:/dev/video0"
+rate_hz = 30
+[depth]
+uri = "usb:1209:0001"
+[pan_tilt]
+uri = "flir-ptu:/dev/ttyUSB0@38400"
+[target]
+size_px = [1280, 1024]
+fx = 1100.0
+fy = 1101.0
+cx = 639.5
+cy = 511.5
+distortion = [0.1, -0.2, 0.0, 0.0]
+)";
+
+TEST(RigConfig, ReadsEveryDevice) {
+  const auto rig = parse_rig(kWhole, "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  EXPECT_EQ(rig->trigger_uri, "mcu:/dev/ttyACM0");
+  ASSERT_EQ(rig->lines.size(), 2U);
+  EXPECT_EQ(rig->lines[0].channel.width, 2ms);
+  EXPECT_EQ(rig->lines[1].channel.phase, 20ms);
+  EXPECT_TRUE(rig->lines[1].channel.active_low);
+  EXPECT_EQ(rig->edges_uri, "gpiod:gpiochip0/17");
+  EXPECT_EQ(rig->line(rig->edges_line), &rig->lines[1]);
+  ASSERT_EQ(rig->cameras.size(), 2U);
+  EXPECT_EQ(rig->cameras[0].request.format, device::PixelFormat::kBayerRggb8);
+  EXPECT_TRUE(rig->cameras[0].request.hardware_trigger);
+  EXPECT_EQ(rig->cameras[0].delay, 3500us);
+  EXPECT_DOUBLE_EQ(*rig->cameras[0].exposure_s, 0.005);
+  EXPECT_EQ(rig->line_of(rig->cameras[0]), &rig->lines[0]);
+  EXPECT_EQ(rig->cameras[1].name, "camera2");
+  EXPECT_EQ(rig->line_of(rig->cameras[1]), nullptr);
+  ASSERT_TRUE(rig->depth);
+  EXPECT_EQ(rig->depth->uri, "usb:1209:0001");
+  ASSERT_TRUE(rig->target);
+  EXPECT_DOUBLE_EQ(rig->target->lens.coefficients()[1], -0.2);
+}
+
+TEST(RigConfig, ATriggerMayBeStartedByAnotherProgram) {
+  const auto rig = parse_rig(
+      "format = 1\n[trigger.edges]\nuri = \"gpiod:x/1\"\nline = 0\n"
+      "[[trigger.line]]\nline = 0\ndivider = 4\n",
+      "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  EXPECT_TRUE(rig->trigger_uri.empty());
+  EXPECT_EQ(parse_rig(rig_text(*rig), "again.toml")->edges_line, 0);
+}
+
+TEST(RigConfig, PosesAreReadAndMustBeRotations) {
+  const std::string head = "format = 1\n[world_from_target]\ntranslation_m = [1.0, 2.0, 3.0]\n";
+  const auto rig = parse_rig(
+      head + "rotation = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]\n", "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  ASSERT_TRUE(rig->world_from_target);
+  EXPECT_FALSE(rig->target_from_tof);
+  const Eigen::Vector3d moved = rig->world_from_target->rotation * Eigen::Vector3d::UnitX() +
+                                rig->world_from_target->translation_m;
+  EXPECT_NEAR((moved - Eigen::Vector3d(1, 3, 3)).norm(), 0, 1e-12);
+  const auto sheared = parse_rig(
+      head + "rotation = [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]\n", "rig.toml");
+  ASSERT_FALSE(sheared);
+  EXPECT_NE(sheared.error().context.find("rotation"), std::string::npos);
+}
+
+TEST(RigConfig, WhatIsWrittenReadsBackTheSame) {
+  const auto rig = parse_rig(kWhole, "rig.toml");
+  ASSERT_TRUE(rig);
+  const auto again = parse_rig(rig_text(*rig), "again.toml");
+  ASSERT_TRUE(again) << to_line(again.error());
+  EXPECT_EQ(rig_text(*again), rig_text(*rig));
+  EXPECT_EQ(again->cameras[0].delay, rig->cameras[0].delay);
+  EXPECT_EQ(again->lines[1].channel.phase, rig->lines[1].channel.phase);
+}
+
+TEST(RigConfig, TextOfAnyKindIsReadBack) {
+  RigConfig rig;
+  for (const char* text : {"\"quoted\"", "back\\slash", "two\nlines", "B\xc3\xbchne", "[x]"}) {
+    rig.name = text;
+    rig.pan_tilt_uri = text;
+    rig.cameras.resize(1);
+    rig.cameras[0].name = rig.cameras[0].uri = text;
+    const auto again = parse_rig(rig_text(rig), "again.toml");
+    ASSERT_TRUE(again) << to_line(again.error()) << "\n" << rig_text(rig);
+    EXPECT_EQ(again->name, text);
+    EXPECT_EQ(again->pan_tilt_uri, text);
+    EXPECT_EQ(again->cameras[0].name, text);
+    EXPECT_EQ(again->cameras[0].uri, text);
+  }
+}
+
+TEST(RigConfig, FaultsAreReportedWithFileAndKey) {
+  struct Case {
+    const char* text;
+    const char* in_the_line;
+  };
+  const Case cases[] = {
+      {"name = \"x\"", "format"},
+      {"format = 2", "format"},
+      {"format = 1\n[[camera]]\nname = \"a\"", "uri"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nsize_px = [0, 5]", "size_px"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nrate = 5", "rate"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\ntrigger_line = 3",
+       "no [[trigger.line]] has line = 3"},
+      {"format = 1\n[[camera]]\nname=\"a\"\nuri = \"v4l2:x\"\n[[camera]]\nname=\"a\"\nuri = "
+       "\"v4l2:y\"",
+       "two devices are named"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nformat = \"yuv9\"", "format"},
+      {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[trigger.edges]\nuri = \"gpiod:x/1\"\nline = 3",
+       "no [[trigger.line]] has line = 3"},
+      {"format = 1\n[[trigger.line]]\nline = 0\ndivider = 4", "uri"},
+      {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[[trigger.line]]\nline = 0\ndivider = 0",
+       "divider"},
+  };
+  for (const Case& c : cases) {
+    const auto rig = parse_rig(c.text, "bad.toml");
+    ASSERT_FALSE(rig) << c.text;
+    EXPECT_EQ(rig.error().code, ErrorCode::kFormat);
+    EXPECT_NE(rig.error().context.find("bad.toml"), std::string::npos) << rig.error().context;
+    EXPECT_NE(rig.error().context.find(c.in_the_line), std::string::npos) << rig.error().context;
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::live

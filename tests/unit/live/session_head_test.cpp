@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The angle of a moving head: a set waits for the next position, for a limited time.
+#include "tests/unit/live/session_rig.h"
+
+namespace mixrig::live {
+namespace {
+
+/// Turns at a constant rate; its answers are `lag` old when they arrive.
+class TurningHead final : public device::PanTilt {
+ public:
+  TurningHead(Clock& clock, Duration lag) : clock_(clock), lag_(lag) {}
+  static device::PanTiltAngles angles(HostTime at) {
+    const double t_s = seconds(at.time_since_epoch());
+    return {0.01 * t_s, -0.02 * t_s};
+  }
+  const device::PanTiltInfo& info() const override { return info_; }
+  Result<void> move_to(device::PanTiltAngles) override { return {}; }
+  Result<void> set_motion(device::PanTiltMotion) override { return {}; }
+  Result<device::PanTiltSample> sample() override {
+    const HostTime at = clock_.now() - lag_;
+    return device::PanTiltSample{angles(at), at, at};
+  }
+  Result<void> halt() override { return {}; }
+  device::PanTiltHealth health() const override { return {}; }
+
+ private:
+  Clock& clock_;
+  Duration lag_;
+  device::PanTiltInfo info_;
+};
+
+TEST_F(Session, AMovingHeadsAngleIsAwaited) {
+  devices_.pan_tilt = std::make_unique<TurningHead>(clock_, 45ms);
+  ASSERT_TRUE(session_->start());
+  const auto sets = run(400);
+  EXPECT_EQ(sets.size(), 97U) << "two frames to lock, one that waits";
+  for (const LiveSet& set : sets) {
+    ASSERT_TRUE(set.pan_tilt);
+    const auto truth = TurningHead::angles(set.frames.frames[0].mid_exposure);
+    EXPECT_NEAR(set.pan_tilt->pan_rad, truth.pan_rad, 1e-9);
+    EXPECT_NEAR(set.pan_tilt->tilt_rad, truth.tilt_rad, 1e-9);
+  }
+  session_->stop();
+  EXPECT_EQ(session_->report().sets_without_angle, 1U) << "the one that waited when it was stopped";
+  EXPECT_EQ(session_->report().dropped_sets, 0U);
+}
+
+TEST_F(Session, AHeadThatAnswersTooLateCostsItsAngleAndNoSet) {
+  devices_.pan_tilt = std::make_unique<TurningHead>(clock_, 400ms);
+  ASSERT_TRUE(session_->start());
+  const auto sets = run(400);
+  EXPECT_EQ(sets.size(), 95U);
+  for (const LiveSet& set : sets) {
+    EXPECT_FALSE(set.pan_tilt) << "marked, not guessed";
+    EXPECT_LE(clock_.now() - set.frames.frames[0].mid_exposure, 4s);
+  }
+  EXPECT_EQ(session_->report().sets_without_angle, 95U);
+  EXPECT_EQ(session_->report().dropped_sets, 0U);
+  session_->stop();
+}
+
+}  // namespace
+}  // namespace mixrig::live

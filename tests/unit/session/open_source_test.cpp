@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/open_source.h"
+
+#include <gtest/gtest.h>
+
+namespace mixrig::session {
+namespace {
+
+live::RigConfig whole_rig() {
+  live::RigConfig rig;
+  for (const char* name : {"target", "fisheye"}) {
+    rig.cameras.emplace_back();
+    rig.cameras.back().name = name;
+  }
+  rig.depth.emplace();
+  rig.pan_tilt_uri = "flir-ptu:/dev/ttyUSB0";
+  rig.trigger_uri = "mcu:/dev/ttyACM0";
+  rig.edges_uri = "gpiod:gpiochip0/17";
+  return rig;
+}
+
+TEST(UsedBy, LeavesOutTheFisheyeAndTheHead) {
+  live::RigConfig rig = whole_rig();
+  rig.depth->trigger_line = 1;
+  const live::RigConfig used = used_by({}, rig);
+  ASSERT_EQ(used.cameras.size(), 1U);
+  EXPECT_EQ(used.cameras[0].name, "target");
+  EXPECT_TRUE(used.depth);
+  EXPECT_EQ(used.pan_tilt_uri, "");
+  EXPECT_EQ(used.trigger_uri, rig.trigger_uri) << "it fires the depth camera";
+  EXPECT_EQ(used.edges_uri, rig.edges_uri);
+}
+
+TEST(UsedBy, LeavesOutATriggerThatFiresOnlyOtherCameras) {
+  live::RigConfig rig = whole_rig();
+  rig.cameras[1].trigger_line = 2;
+  const live::RigConfig used = used_by({}, rig);
+  EXPECT_EQ(used.trigger_uri, "");
+  EXPECT_EQ(used.edges_uri, "");
+}
+
+TEST(OpenRecordings, ARecordingThatCannotBeOpenedHoldsItsError) {
+  live::RigConfig rig;
+  rig.cameras.emplace_back();
+  rig.cameras[0].uri = "take:/nonexistent/color";
+  rig.depth.emplace();
+  rig.depth->uri = "take:/nonexistent/depth";
+  const auto recordings = open_recordings(rig);
+  ASSERT_EQ(recordings.size(), 1U) << "one recording stands for both cameras";
+  EXPECT_EQ(recordings[0].uri, "take:/nonexistent");
+  EXPECT_FALSE(recordings[0].source);
+}
+
+TEST(OpenSource, ARigIsNoRecording) {
+  const auto source = open_source("rig:none.toml");
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().code, ErrorCode::kUsage);
+}
+
+}  // namespace
+}  // namespace mixrig::session

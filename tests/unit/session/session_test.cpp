@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/box_source.h"
+
+namespace mixrig::session {
+namespace {
+
+TEST(Resized, KeepsTheFieldOfViewToThePixelsEdges) {
+  const geometry::Pinhole view{{1280, 1024}, 1100, 1050, 640, 500};
+  const geometry::Pinhole half = resized(view, {640, 512});
+  // The picture's left edge is half a pixel left of pixel 0, whatever the size.
+  EXPECT_NEAR(half.unproject({-0.5, -0.5}).x(), view.unproject({-0.5, -0.5}).x(), 1e-12);
+  EXPECT_NEAR(half.unproject({639.5, 511.5}).y(), view.unproject({1279.5, 1023.5}).y(), 1e-12);
+  EXPECT_DOUBLE_EQ(half.fx_px, 550.0);
+}
+
+TEST(Setup, RefusesAViewWithoutPixels) {
+  const test::BoxSource source(3, 6);
+  for (Size size : {Size{0, 10}, Size{10, -1}, Size{20000, 10}}) {
+    const auto setup = setup_of(source.info(), size);
+    ASSERT_FALSE(setup);
+    EXPECT_EQ(setup.error().code, ErrorCode::kUsage);
+  }
+}
+
+TEST(LearnBackground, FindsTheWallAndItsColour) {
+  test::BoxSource source(5, 6);
+  const auto setup = setup_of(source.info(), std::nullopt);
+  ASSERT_TRUE(setup);
+  const auto background = learn_background(source, *setup, {1, 5}, {render::Backend::kCpu, 1}, {});
+  ASSERT_TRUE(background) << background.error().context;
+  EXPECT_NEAR(background->depth_m.at(32, 24), 3.0F, 1e-3F);
+  // sRGB 128 is 0.2159 of linear light.
+  EXPECT_NEAR(background->color.at(32, 24).g, 0.2159F, 2e-3F);
+}
+
+TEST(LearnBackground, RefusesFramesThatTheTakeLacks) {
+  test::BoxSource source(5, 6);
+  const auto setup = setup_of(source.info(), std::nullopt);
+  ASSERT_TRUE(setup);
+  for (FrameRange range : {FrameRange{0, 3}, FrameRange{4, 3}, FrameRange{1, 7}}) {
+    const auto background = learn_background(source, *setup, range, {}, {});
+    ASSERT_FALSE(background);
+    EXPECT_EQ(background.error().code, ErrorCode::kFormat);
+    EXPECT_NE(background.error().context.find("1-6"), std::string::npos);
+  }
+}
+
+TEST(Session, StandsOnlyOnAFloorThatWasFound) {
+  Session session;
+  session.source = std::make_unique<test::BoxSource>(5, 6);
+  session.scene.pose_source = scene::PoseSource::kFloor;
+  const auto result = prepare_background(session, {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kFormat);
+  EXPECT_NE(result.error().context.find("camera.pose"), std::string::npos);
+}
+
+TEST(Session, CompositesWhatComesAfterTheLearnedFrames) {
+  Session session;
+  session.source = std::make_unique<test::BoxSource>(5, 60);
+  EXPECT_EQ(session.default_frames(), (FrameRange{1, 60}));
+  session.scene.background.learn = {1, 25};
+  EXPECT_EQ(session.default_frames(), (FrameRange{26, 60}));
+}
+
+}  // namespace
+}  // namespace mixrig::session

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sinks of a run: a slow one does not affect the others; images that none requires are not made.
+#include <condition_variable>
+#include <mutex>
+
+#include <gtest/gtest.h>
+
+#include "host/session/run.h"
+#include "tests/support/progress.h"
+
+namespace mixrig::session {
+namespace {
+
+/// Counts the frames; write() waits while the sink is held.
+class CountingSink final : public output::CompositeSink {
+ public:
+  struct State {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool held = false;
+    int written = 0;
+    void release() {
+      const std::lock_guard lock(mutex);
+      held = false;
+      changed.notify_all();
+    }
+    int count() {
+      const std::lock_guard lock(mutex);
+      return written;
+    }
+  };
+  CountingSink(State& state, std::string_view name) : state_(state), name_(name) {}
+  std::string_view name() const override { return name_; }
+  render::OutputMask wanted(int) const override { return render::kColor; }
+  Result<void> write(const output::CompositePtr& composite) override {
+    EXPECT_EQ(composite->images.color.at(3, 3), (Rgb8{90, 90, 90}));
+    EXPECT_TRUE(composite->images.mixed_depth_m.empty()) << "no sink of this live run requires it";
+    std::unique_lock lock(state_.mutex);
+    state_.changed.wait(lock, [this] { return !state_.held; });
+    ++state_.written;
+    return {};
+  }
+  Result<void> finish() override { return {}; }
+
+ private:
+  State& state_;
+  std::string_view name_;
+};
+
+/// A live source: gives the next frame after the fast sink has written the one before.
+class PacedSource final : public capture::CaptureSource {
+ public:
+  PacedSource(int frames, CountingSink::State& fast, CountingSink::State& slow)
+      : frames_(frames), fast_(fast), slow_(slow) {
+    info_.frames = capture::kEndless;
+    info_.name = "paced";
+    info_.target.pinhole = {{64, 48}, 60, 60, 31.5, 23.5};
+    info_.tof = info_.target;
+  }
+  const capture::SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, capture::Capture& capture) override {
+    EXPECT_TRUE(test::comes_true([&] { return fast_.count() >= number - 1; }));
+    if (number > frames_) {
+      slow_.release();
+      return false;
+    }
+    capture.number = number;
+    capture.plate.reset({64, 48}, {90, 90, 90});
+    capture.depth_m.reset({64, 48}, 3.0F);
+    return true;
+  }
+  Result<void> read_truth(int, capture::Truth&) override {
+    return Error{ErrorCode::kData, "no truth"};
+  }
+  std::optional<capture::SourceReport> report() const override { return capture::SourceReport{}; }
+
+ private:
+  int frames_;
+  CountingSink::State &fast_, &slow_;
+  capture::SourceInfo info_;
+};
+
+TEST(SinkRun, ASinkThatIsStuckLosesItsOwnFramesOnly) {
+  constexpr int kFrames = 60;
+  CountingSink::State fast, slow;
+  slow.held = true;
+  Session session;
+  session.source = std::make_unique<PacedSource>(kFrames, fast, slow);
+  session.setup = *setup_of(session.source->info(), std::nullopt);
+  session.backend = {render::Backend::kCpu, 1};
+  RunOptions options;
+  options.sinks.push_back(std::make_unique<CountingSink>(slow, "slow"));
+  options.sinks.push_back(std::make_unique<CountingSink>(fast, "fast"));
+  const SystemClock clock;
+  const auto report = run(session, std::move(options), clock, {});
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->frame_ms.count(), static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(report->ended, "end of the source");
+  ASSERT_EQ(report->sinks.size(), 2U);
+  EXPECT_EQ(report->sinks[1].written, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(report->sinks[1].dropped, 0U);
+  EXPECT_EQ(report->sinks[0].written, 3U) << "the one it held and the two that waited";
+  EXPECT_EQ(report->sinks[0].dropped, static_cast<std::uint64_t>(kFrames) - 3U);
+  EXPECT_EQ(to_json(*report)["sinks"][0]["dropped"], kFrames - 3);
+  EXPECT_NE(to_table(*report).find("sink slow: 3 frames written"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mixrig::session

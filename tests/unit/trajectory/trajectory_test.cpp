@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/trajectory/trajectory.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "host/estimation/verdict.h"
+
+namespace mixrig::trajectory {
+namespace {
+
+Trajectory spin(double step_s, int count) {
+  std::vector<TimedPose> samples;
+  for (int i = 0; i < count; ++i) {
+    const double t = i * step_s;
+    samples.push_back({t, {estimation::rotation_exp({0, 0, t * t}), {t * t * t, 0, 0}}});
+  }
+  return Trajectory(std::move(samples));
+}
+
+TEST(Trajectory, FollowsACubicExactlyBetweenSamples) {
+  const auto pose = spin(0.1, 20).at(0.73);
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR(pose->translation_m.x(), std::pow(0.73, 3), 1e-12);
+  EXPECT_NEAR(estimation::rotation_log(pose->rotation).z(), 0.73 * 0.73, 1e-12);
+}
+
+TEST(Trajectory, MakesNothingUpInGapsAndOutside) {
+  auto samples = spin(0.1, 30).samples();
+  samples.erase(samples.begin() + 10, samples.begin() + 15);  // 0.9 .. 1.5 s
+  const Trajectory trajectory(samples);
+  EXPECT_TRUE(trajectory.at(0.85));
+  EXPECT_FALSE(trajectory.at(1.2));
+  EXPECT_TRUE(trajectory.at(1.55));
+  EXPECT_FALSE(trajectory.at(-0.01));
+  EXPECT_FALSE(trajectory.at(2.95));
+  EXPECT_FALSE(trajectory.at(NAN));
+  EXPECT_TRUE(trajectory.at(2.9));
+}
+
+class TrajectoryFile : public ::testing::Test {
+ protected:
+  Result<Trajectory> read(const std::string& text) {
+    const auto path = std::filesystem::path(::testing::TempDir()) / "trajectory_test.txt";
+    std::ofstream(path) << text;
+    return read_trajectory(path);
+  }
+};
+
+TEST_F(TrajectoryFile, ReadsTumAndCsv) {
+  const auto tum = read("# t x y z qx qy qz qw\n1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 1 0\n");
+  ASSERT_TRUE(tum);
+  EXPECT_EQ(tum->samples().size(), 2u);
+  EXPECT_EQ(tum->samples()[1].world_from_body.translation_m.z(), 4);
+  const auto csv = read("t,x,y,z,qx,qy,qz,qw\r\n1.5, 1, 2, 3, 0, 0, 0, 1\r\n");
+  ASSERT_TRUE(csv);
+  EXPECT_EQ(csv->samples().size(), 1u);
+}
+
+TEST_F(TrajectoryFile, NamesTheBrokenLine) {
+  const auto broken = read("1.5 1 2 3 0 0 0 1\n2.5 1 2 three 0 0 0 1\n");
+  ASSERT_FALSE(broken);
+  EXPECT_NE(broken.error().context.find(":2:"), std::string::npos) << broken.error().context;
+  EXPECT_FALSE(read("1 2 3\n"));
+  EXPECT_FALSE(read("1 2 3 4 5 6 7 8 9\n"));
+  EXPECT_EQ(read_trajectory("/nowhere/at/all").error().code, ErrorCode::kNotFound);
+  const auto empty = read("");
+  ASSERT_TRUE(empty);
+  EXPECT_TRUE(empty->empty());
+}
+
+}  // namespace
+}  // namespace mixrig::trajectory
