@@ -60,7 +60,7 @@ class Recorder {
     return {};
   }
 
-  /// False for a set that lacks colour or depth.
+  /// False for a set without readable colour and depth.
   Result<bool> write(const LiveSet& set) {
     if (!decoder_.decode(set, frame_)) return false;
     const HostTime at = set.frames.frames[0].mid_exposure;

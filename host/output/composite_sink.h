@@ -30,7 +30,7 @@ using CompositePtr = std::shared_ptr<const Composite>;
 class CompositeSink {
  public:
   virtual ~CompositeSink() = default;
-  /// One word for reports: "files", "sheet".
+  /// Name for reports: "files", "sheet".
   virtual std::string_view name() const = 0;
   /// Images that frame `number` of the source needs for this sink; 0: the frame is not sent to it.
   /// Thread-safe.

@@ -27,19 +27,19 @@ std::size_t maps_used(const std::vector<render::LampParams>& lamps) {
   return used;
 }
 
-std::string key_words(const render::CompositorSetup& setup, bool has_background) {
+std::string key_reason(const render::CompositorSetup& setup, bool has_background) {
   if (!has_background)
     return setup.capture_box
                ? "not run: the scene has no background, nothing is foreground; the capture volume "
                  "has no effect"
                : "not run: the scene has no background, nothing is foreground";
-  std::string words = "foreground against the learned background";
-  if (setup.key.color) words += ", by colour where depth is uncertain";
-  if (setup.capture_box) words += ", cropped to the capture volume";
-  return words;
+  std::string reason = "foreground against the learned background";
+  if (setup.key.color) reason += ", by colour where depth is uncertain";
+  if (setup.capture_box) reason += ", cropped to the capture volume";
+  return reason;
 }
 
-std::string light_words(bool has_objects, std::size_t maps, bool has_background) {
+std::string light_reason(bool has_objects, std::size_t maps, bool has_background) {
   if (!has_objects) return "not run: the scene has no object";
   if (maps == 0) return "shades virtual objects";
   return has_background ? "shadows of virtual objects on real surfaces, shading of virtual objects"
@@ -71,8 +71,8 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"shadow", count(maps, "map"),
        maps > 0 ? "lamps with objects in front of them; again only when a map's size changes"
                 : "not run: no lamp casts an object's shadow"},
-      {"key", view, key_words(setup, tables.has_background)},
-      {"light", view, light_words(objects, maps, tables.has_background)},
+      {"key", view, key_reason(setup, tables.has_background)},
+      {"light", view, light_reason(objects, maps, tables.has_background)},
       {"mix", view, "colour, mixed depth, segmented depth and matte in one pass"},
       {"readback", view, "results from the device that draws"},
   };

@@ -76,6 +76,9 @@ class Runner {
   Result<void> open_sinks(FrameRange range);
   render::OutputMask wanted_by_sinks(int number) const;
   Result<void> compose(output::Composite& composite, render::OutputMask wanted);
+  Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
+                       render::FrameOutput& images);
+  Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
   Result<void> deliver(const output::CompositePtr& composite);
   Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
@@ -92,6 +95,7 @@ class Runner {
   bool sheet_has_rows_ = false;
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
+  render::FrameOutput judged_;
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false;
   RunReport report_;
@@ -147,7 +151,9 @@ Result<bool> Runner::frame() {
   last_ = composites_.take();
   output::Composite& composite = *last_;
   composite.capture = std::move(item->capture);
-  composite.truth = std::move(item->truth);
+  const bool on_sheet =
+      sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
+  composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
   composite.world_from_target = session_.world_from_target(*composite.capture);
   watch_camera(composite.world_from_target);
   const render::OutputMask wanted = wanted_by_sinks(composite.capture->number);
@@ -161,19 +167,28 @@ Result<bool> Runner::frame() {
   composite.foreground_pct = foreground_pct(composite.images.matte);
   report_.foreground_pct.add(composite.foreground_pct);
 
-  // Inspection images cost time that a live frame does not need: a second, untimed pass.
-  const render::OutputMask all = wanted | (judges() ? Judge::kWanted : 0);
-  if ((all & ~render::kComposite) != 0) MIXRIG_TRY(compose(composite, all));
-  if (judges()) MIXRIG_TRY(judge_.add(*composite.truth, composite.images));
+  // Inspection images cost time that a live frame does not spend: a second, untimed pass.
+  if ((wanted & ~render::kComposite) != 0) MIXRIG_TRY(compose(composite, wanted));
+  if (judges()) MIXRIG_TRY(judge(composite, *item->truth));
   MIXRIG_TRY(deliver(last_));
   return true;
 }
 
 Result<void> Runner::compose(output::Composite& composite, render::OutputMask wanted) {
-  composite.images.wanted = wanted;
+  return compose(composite, wanted, composite.images);
+}
+
+Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
+                             render::FrameOutput& images) {
+  images.wanted = wanted;
   return compositor_->compose(
-      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target},
-      composite.images);
+      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target}, images);
+}
+
+/// In images of its own, so that composites which wait for a sink do not hold them.
+Result<void> Runner::judge(const output::Composite& composite, const capture::Truth& truth) {
+  MIXRIG_TRY(compose(composite, Judge::kWanted, judged_));
+  return judge_.add(truth, judged_);
 }
 
 Result<void> Runner::deliver(const output::CompositePtr& composite) {
@@ -189,7 +204,6 @@ Result<void> Runner::deliver(const output::CompositePtr& composite) {
 Result<void> Runner::add_last_to_sheet() {
   std::shared_ptr<output::Composite> composite = composites_.take();
   composite->capture = last_->capture;
-  composite->truth = last_->truth;
   composite->world_from_target = last_->world_from_target;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted));
   return sheet_->push(std::move(composite));

@@ -230,11 +230,11 @@ template <typename T>
 Result<void> check_size(const Image<T>& image, Size wanted, const std::string& name,
                         const char* table) {
   if (image.size() == wanted) return {};
-  const auto words = [](Size s) {
+  const auto size_text = [](Size s) {
     return std::to_string(s.width) + "x" + std::to_string(s.height);
   };
-  return Error{ErrorCode::kData, "picture '" + name + "' is " + words(image.size()) + " but [" +
-                                     table + "] size_px is " + words(wanted) +
+  return Error{ErrorCode::kData, "picture '" + name + "' is " + size_text(image.size()) + " but [" +
+                                     table + "] size_px is " + size_text(wanted) +
                                      ": correct one of them"};
 }
 

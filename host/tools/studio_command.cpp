@@ -68,10 +68,10 @@ Result<nlohmann::json> render_board(const Arguments& arguments) {
   return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"views", options.views}};
 }
 
-Result<take::StreamFormat> format_of(const std::string& word) {
-  if (word == "png") return take::StreamFormat::kPng;
-  if (word == "mkv") return take::StreamFormat::kMatroska;
-  return Error{ErrorCode::kUsage, "unknown --format \"" + word + "\": use png or mkv"};
+Result<take::StreamFormat> format_of(const std::string& format) {
+  if (format == "png") return take::StreamFormat::kPng;
+  if (format == "mkv") return take::StreamFormat::kMatroska;
+  return Error{ErrorCode::kUsage, "unknown --format \"" + format + "\": use png or mkv"};
 }
 
 Result<nlohmann::json> render(const Arguments& arguments) {

@@ -30,7 +30,7 @@ TEST(Pool, KeepsBuffersAndAllocatesNothingOnceItIsWarm) {
     EXPECT_EQ(item->capacity(), 100U);
     item->assign(100, i);
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(test::allocations, before);
   EXPECT_EQ(pool.size(), 1U);
 }
 

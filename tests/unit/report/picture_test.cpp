@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/output/contact_sheet.h"
 #include "host/report/canvas.h"
 #include "host/report/plot.h"
 
@@ -31,12 +30,6 @@ TEST(DepthPicture, ShowsUnknownAsBlackAndNearWarmerThanFar) {
   EXPECT_EQ(out.at(0, 0), Rgb8{});
   EXPECT_GT(out.at(1, 0).r, out.at(1, 0).b);
   EXPECT_GT(out.at(2, 0).b, out.at(2, 0).r);
-}
-
-TEST(Spread, TakesTheMiddleOfEqualParts) {
-  EXPECT_EQ(spread(1, 100, 4), (std::vector<int>{13, 38, 63, 88}));
-  EXPECT_EQ(spread(5, 7, 6), (std::vector<int>{5, 6, 7}));
-  EXPECT_EQ(spread(9, 9, 3), (std::vector<int>{9}));
 }
 
 TEST(TickStep, IsARoundNumberWithAtMostEightTicks) {

@@ -46,7 +46,7 @@ TEST(OpenRecordings, ARecordingThatCannotBeOpenedHoldsItsError) {
   rig.depth.emplace();
   rig.depth->uri = "take:/nonexistent/depth";
   const auto recordings = open_recordings(rig);
-  ASSERT_EQ(recordings.size(), 1U) << "one recording stands for both cameras";
+  ASSERT_EQ(recordings.size(), 1U) << "one recording replaces both cameras";
   EXPECT_EQ(recordings[0].uri, "take:/nonexistent");
   EXPECT_FALSE(recordings[0].source);
 }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory does not grow with the number of frames.
+#include <gtest/gtest.h>
+
+#include "host/session/run.h"
+#include "tests/support/box_source.h"
+#include "tests/support/resident_memory.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mixrig::session {
+namespace {
+
+TEST(LongRun, ResidentMemoryStaysWhereItWasAfterAThousandFrames) {
+  constexpr int kFrames = 6000;
+  const test::TemporaryFolder folder;
+  Session session;
+  session.source = std::make_unique<test::BoxSource>(5, kFrames);
+  session.scene.background.learn = {1, 5};
+  session.setup = *setup_of(session.source->info(), std::nullopt);
+  session.backend = {render::Backend::kCpu, 1};
+  RunOptions options;
+  options.out = folder / "out";
+  options.output.format = output::OutputFormat::kNone;
+  options.judge = false;
+  const SystemClock clock;
+  double early_mb = 0;
+  const auto report =
+      run(session, std::move(options), clock, [&](std::string_view what, int done, int) {
+        if (what == "frames" && done == 1000) early_mb = test::resident_mb();
+      });
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->frame_ms.count(), static_cast<std::uint64_t>(kFrames - 5));
+  EXPECT_GT(early_mb, 1.0);
+  EXPECT_LT(test::resident_mb() - early_mb, 5.0);
+}
+
+}  // namespace
+}  // namespace mixrig::session
