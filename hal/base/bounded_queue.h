@@ -27,15 +27,16 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
-  /// Waits while the queue is full; false, and the item is gone, if the queue is closed.
-  bool push_or_wait(T item) {
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return items_.size() < N || closed_; });
-      if (closed_) return false;
-      (void)items_.push(std::move(item));
-    }
+  /// Waits until the queue is empty, pushes, and waits until the item was taken, so that the two
+  /// sides work at the same time and only one item lies between them. False, and the item is gone,
+  /// if the queue was closed before.
+  bool hand_over(T item) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return items_.empty() || closed_; });
+    if (closed_) return false;
+    (void)items_.push(std::move(item));
     changed_.notify_all();
+    changed_.wait(lock, [this] { return items_.empty() || closed_; });
     return true;
   }
 
@@ -86,7 +87,7 @@ class BoundedQueue {
     if (items_.empty()) return std::nullopt;
     std::optional<T> item = items_.pop();
     lock.unlock();
-    changed_.notify_all();  // a push_or_wait may go on
+    changed_.notify_all();  // hand_over() may go on
     return item;
   }
 

@@ -13,7 +13,8 @@
 namespace mixrig {
 
 /// Hands out objects whose buffers are kept between uses: nothing is allocated once as many objects
-/// exist as are in use at one time. Any threads; objects may outlive the pool.
+/// exist as are in use at one time. T::recycle(), if there is one, is called when the last user
+/// drops an object. Any threads; objects may outlive the pool.
 template <typename T>
 class Pool {
  public:
@@ -45,6 +46,7 @@ class Pool {
       return slot;
     }
     void give_back(Slot* slot) {
+      if constexpr (requires { slot->value.recycle(); }) slot->value.recycle();
       const std::lock_guard lock(mutex_);
       free_.push_back(slot);  // capacity was reserved
     }

@@ -108,13 +108,13 @@ Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibrati
 Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
                                                         const std::filesystem::path& file) {
   if (file.empty()) return source;
-  MIXRIG_ASSIGN(const calibration_file::Calibration known, calibration_file::read_calibration(file));
+  MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                calibration_file::read_calibration(file));
   auto info = calibrated(source->info(), known);
   if (!info) return Error{info.error().code, file.string() + ": " + info.error().context};
   std::optional<depth::DepthCorrection> correction;
   if (known.depth_error)
-    correction.emplace(*known.depth_error, info->tof,
-                       info->depth_kind == DepthKind::kDistance);
+    correction.emplace(*known.depth_error, info->tof, info->depth_kind == DepthKind::kDistance);
   return std::unique_ptr<CaptureSource>(std::make_unique<CalibratedSource>(
       std::move(source), *std::move(info), std::move(correction)));
 }

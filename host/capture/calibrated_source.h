@@ -12,8 +12,8 @@ namespace mixrig::capture {
 /// The same captures with the cameras `target` and `tof` and the pose of `tof` of the calibration
 /// file; the source unchanged where `file` is empty. Depth is corrected where the file holds its
 /// error. The view of the source is kept.
-/// Errors: those of the file; kFormat where it lacks a camera or the pose, or was made from pictures
-/// of another size.
+/// Errors: those of the file; kFormat where it lacks a camera or the pose, or was made from
+/// pictures of another size.
 Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
                                                         const std::filesystem::path& file);
 

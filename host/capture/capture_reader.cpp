@@ -51,7 +51,7 @@ Result<bool> CaptureReader::read(int number, CaptureItem& item) {
 }
 
 bool CaptureReader::push(Slot slot) {
-  if (!live_) return queue_.push_or_wait(std::move(slot));
+  if (!live_) return queue_.hand_over(std::move(slot));
   queue_.push(std::move(slot));
   return true;
 }

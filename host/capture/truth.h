@@ -12,11 +12,12 @@ namespace mixrig::capture {
 struct Truth {
   static constexpr std::uint8_t kLayerMask = 3;  ///< visible: 0 background, 1 person, 2 virtual
   static constexpr std::uint8_t kTofSees = 4;    ///< the ToF camera sees the real surface
-  static constexpr std::uint8_t kVirtual = 8;  ///< inside the virtual objects' silhouette, occluded or not
+  static constexpr std::uint8_t kVirtual =
+      8;  ///< inside the virtual objects' silhouette, occluded or not
 
-  Image<float> depth_m;        ///< of the real scene
-  Image<std::uint8_t> matte;   ///< coverage by people, 255 = all
-  Image<float> light;          ///< light with / light without virtual objects
+  Image<float> depth_m;       ///< of the real scene
+  Image<std::uint8_t> matte;  ///< coverage by people, 255 = all
+  Image<float> light;         ///< light with / light without virtual objects
   Image<Rgb8> composite;
   Image<std::uint8_t> labels;  ///< the bits above
 };

@@ -13,8 +13,8 @@ constexpr int kSteps = 2048;
 
 }  // namespace
 
-DepthCorrection::DepthCorrection(const calibration_file::DepthError& error, const geometry::CameraModel& tof,
-                                 bool depth_is_distance)
+DepthCorrection::DepthCorrection(const calibration_file::DepthError& error,
+                                 const geometry::CameraModel& tof, bool depth_is_distance)
     : amplitude_m_(static_cast<float>(error.amplitude_m)),
       place_m_(tof.size_px()),
       ray_(tof.size_px()) {

@@ -9,7 +9,8 @@
 
 namespace mixrig::depth {
 
-/// Tables of a calibration_file::DepthError, made once: apply() allocates nothing. Immutable, so thread-safe.
+/// Tables of a calibration_file::DepthError, made once: apply() allocates nothing. Immutable, so
+/// thread-safe.
 class DepthCorrection {
  public:
   /// `depth_is_distance`: depth is along the ray, not along z.

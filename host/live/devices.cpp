@@ -5,14 +5,14 @@
 #include <charconv>
 #include <utility>
 
-#include "hal/wire/flir_ptu.h"
-#include "hal/wire/mcu_trigger.h"
-#include "hal/wire/reopening_byte_stream.h"
+#include "hal/linux/aravis/aravis_camera.h"
+#include "hal/linux/gpiod_lines.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
-#include "hal/linux/aravis/aravis_camera.h"
-#include "hal/linux/gpiod_lines.h"
+#include "hal/wire/flir_ptu.h"
+#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/reopening_byte_stream.h"
 
 namespace mixrig::live {
 namespace {

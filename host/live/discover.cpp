@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "host/live/devices.h"
 #include "hal/linux/aravis/aravis_camera.h"
+#include "host/live/devices.h"
 
 namespace mixrig::live {
 namespace {

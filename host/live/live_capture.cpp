@@ -81,8 +81,8 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
   if (config.tof) info.tof = *config.tof;
   if (config.target_from_tof) info.target_from_tof = *config.target_from_tof;
   const device::DepthInfo& depth = devices.depth->depth();
-  info.depth_kind =
-      depth.meaning == device::DepthMeaning::kZ ? capture::DepthKind::kZ : capture::DepthKind::kDistance;
+  info.depth_kind = depth.meaning == device::DepthMeaning::kZ ? capture::DepthKind::kZ
+                                                              : capture::DepthKind::kDistance;
   info.depth_unit_m = depth.metres_per_step;
   info.depth_unknown = 0;
   const TriggerLine* line = config.line_of(config.cameras.front());

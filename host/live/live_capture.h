@@ -22,10 +22,10 @@ class SetDecoder {
  public:
   /// `config` and `devices` must outlive it.
   SetDecoder(const RigConfig& config, const Devices& devices);
-  /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its picture;
-  /// mid-exposure, tick, head angles and the streams' status. Keeps the buffers of `capture`, and
-  /// does not change its number, time, cameras and pose.
-  /// Errors: kData where the set lacks colour or depth, or one of them cannot be decoded: skip it.
+  /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its
+  /// picture; mid-exposure, tick, head angles and the streams' status. Keeps the buffers of
+  /// `capture`, and does not change its number, time, cameras and pose. Errors: kData where the set
+  /// lacks colour or depth, or one of them cannot be decoded: skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
 
  private:

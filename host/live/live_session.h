@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
+#include "hal/base/bounded_queue.h"
 #include "hal/base/clock.h"
 #include "hal/device/depth_camera.h"
 #include "host/capture/source_report.h"
-#include "hal/base/bounded_queue.h"
 #include "host/live/devices.h"
 #include "host/live/rig_config.h"
 #include "host/sync/clock_map.h"

@@ -69,7 +69,7 @@ class Player : public std::enable_shared_from_this<Player> {
   device::DepthInfo depth_info_;
   capture::Capture capture_;  ///< used only by the thread while it runs
   double first_s_ = 0;        ///< time of the first frame in the recording
-  HostTime begin_{};       ///< of the first frame
+  HostTime begin_{};          ///< of the first frame
   std::thread thread_;
   mutable std::mutex mutex_;  ///< guards what follows
   Channel color_, depth_;

@@ -6,8 +6,8 @@
 
 #include <fcntl.h>
 
-#include "host/image_io/image_io.h"
 #include "host/capture/decode.h"
+#include "host/image_io/image_io.h"
 #include "host/live/live_capture.h"
 
 namespace mixrig::live {
@@ -17,8 +17,8 @@ namespace {
 
 constexpr Duration kWait = std::chrono::milliseconds(200);
 constexpr Duration kFirstFrameTimeout = std::chrono::seconds(5);  // until the first frame
-constexpr int kFramesPerDiskCheck = 10;                       // at the free disk
-constexpr long kReserve_bytes = 4L << 20;                // index and manifest of a take
+constexpr int kFramesPerDiskCheck = 10;                           // at the free disk
+constexpr long kReserve_bytes = 4L << 20;                         // index and manifest of a take
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }

@@ -18,8 +18,7 @@ struct RecordOptions {
   std::filesystem::path out;
   Duration duration = std::chrono::seconds(10);
   take::StreamFormat format = take::StreamFormat::kMatroska;
-  std::uint64_t least_free_bytes = 512ULL
-                                   << 20;  ///< recording ends, complete, before less is free
+  std::uint64_t least_free_bytes = 512ULL << 20;  ///< recording ends, complete, before less is free
   /// Free bytes where `out` lies; std::filesystem::space by default.
   std::function<std::uint64_t(const std::filesystem::path&)> free_bytes;
   std::function<void(double share)> progress;

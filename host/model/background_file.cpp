@@ -39,7 +39,7 @@ Result<void> write_previews(const StaticBackground& background, const fs::path& 
     for (int x = 0; x < color.width(); ++x) {
       const Rgbf& c = background.color.at(x, y);
       color.at(x, y) = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
-                            srgb_byte_from_linear(c.b)};
+                        srgb_byte_from_linear(c.b)};
       depth_mm.at(x, y) = static_cast<std::uint16_t>(
           std::clamp(1000.0F * background.depth_m.at(x, y), 0.0F, 65535.0F));
     }

@@ -21,12 +21,18 @@ struct Composite {
   render::FrameOutput images;                   ///< those of images.wanted are valid
   float frame_ms = 0;                           ///< time to composite it
   double foreground_pct = 0;                    ///< share of pixels with a matte of at least half
+
+  /// Lets go of the inputs, when the last user has dropped it; the images keep their buffers.
+  void recycle() {
+    capture.reset();
+    truth.reset();
+  }
 };
 /// Dropping the last reference returns the buffers to their pool.
 using CompositePtr = std::shared_ptr<const Composite>;
 
-/// wanted() is called on the compositing thread, before write() of any later frame has ended; write()
-/// and finish() on the sink's own thread (SinkThread).
+/// wanted() is called on the compositing thread, before write() of any later frame has ended;
+/// write() and finish() on the sink's own thread (SinkThread).
 class CompositeSink {
  public:
   virtual ~CompositeSink() = default;

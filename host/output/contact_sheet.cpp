@@ -23,7 +23,8 @@ void ContactSheet::add_row(int frame, ImageView<const Rgb8> plate,
   const Size thumb{kThumb_px, std::max(1, kThumb_px * size.height / size.width)};
   Row row{frame, {}};
   row.pictures.push_back(report::shrunk(plate, thumb));
-  row.pictures.push_back(report::shrunk(report::depth_picture(output.warped_depth_m, near_m_, far_m_), thumb));
+  row.pictures.push_back(
+      report::shrunk(report::depth_picture(output.warped_depth_m, near_m_, far_m_), thumb));
   row.pictures.push_back(report::shrunk(report::key_picture(output.state), thumb));
   row.pictures.push_back(report::shrunk(report::light_picture(output.light), thumb));
   row.pictures.push_back(report::shrunk(output.color, thumb));

@@ -99,10 +99,10 @@ Result<void> FilesSink::write_layers(const render::FrameOutput& images) {
   if (options_.inspect) {
     to_millimetres(images.warped_depth_m, depth_mm_);
     MIXRIG_TRY(image_io::write_png(folder_ / "warped_depth" / name, depth_mm_.view()));
-    MIXRIG_TRY(image_io::write_png(folder_ / "key" / name,
-                                   report::key_picture(images.state).view()));
-    MIXRIG_TRY(image_io::write_png(folder_ / "light" / name,
-                                   report::light_picture(images.light).view()));
+    MIXRIG_TRY(
+        image_io::write_png(folder_ / "key" / name, report::key_picture(images.state).view()));
+    MIXRIG_TRY(
+        image_io::write_png(folder_ / "light" / name, report::light_picture(images.light).view()));
   }
   return {};
 }

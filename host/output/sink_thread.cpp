@@ -19,10 +19,11 @@ SinkThread::~SinkThread() {
 
 Result<void> SinkThread::push(CompositePtr composite) {
   MIXRIG_TRY(error());
+  ++pushed_;
   if (when_full_ == WhenFull::kDropOldest)
     queue_.push(std::move(composite));
   else
-    queue_.push_or_wait(std::move(composite));
+    queue_.hand_over(std::move(composite));
   return {};
 }
 
@@ -42,21 +43,27 @@ Result<void> SinkThread::error() const {
   return error_ ? Result<void>(*error_) : Result<void>();
 }
 
+void SinkThread::wait_until_idle() {
+  std::unique_lock lock(mutex_);
+  handled_one_.wait(lock, [this] { return handled_ + queue_.dropped() >= pushed_; });
+}
+
 void SinkThread::run() {
   lower_thread_priority();
-  Result<void> done;
+  bool failed = false;
   while (auto composite = queue_.pop()) {
-    if (!done) continue;  // drains the queue, so that the compositor does not block
-    done = sink_->write(*composite);
-    if (done) {
-      ++written_;
-      continue;
-    }
+    // After an error the queue is still emptied, so that the compositor does not block.
+    const Result<void> done = failed ? Result<void>() : sink_->write(*composite);
+    composite.reset();
     const std::lock_guard lock(mutex_);
-    error_ = done.error();
+    if (!done) error_ = done.error();
+    written_ += done && !failed ? 1 : 0;
+    failed |= !done;
+    ++handled_;
+    handled_one_.notify_all();
   }
-  if (!done || !finish_) return;
-  done = sink_->finish();
+  if (failed || !finish_) return;
+  const auto done = sink_->finish();
   if (done) return;
   const std::lock_guard lock(mutex_);
   error_ = done.error();

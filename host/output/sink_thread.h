@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -41,6 +42,8 @@ class SinkThread {
   const CompositeSink& sink() const { return *sink_; }
   /// Errors: that of an earlier write().
   Result<void> push(CompositePtr composite);
+  /// Waits until all that was pushed is written.
+  void wait_until_idle();
   /// Waits until the queue is written, then finishes the sink and ends the thread.
   /// Errors: those of write() and finish().
   Result<void> finish();
@@ -54,8 +57,11 @@ class SinkThread {
   const WhenFull when_full_;
   BoundedQueue<CompositePtr, 2> queue_;
   std::atomic<std::uint64_t> written_ = 0;
+  std::uint64_t pushed_ = 0;  ///< of the pushing thread
   std::atomic<bool> finish_ = false;
-  mutable std::mutex mutex_;  ///< guards error_
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::condition_variable handled_one_;
+  std::uint64_t handled_ = 0;  ///< composites that were written, or discarded after an error
   std::optional<Error> error_;
   std::thread thread_;
 };

@@ -121,25 +121,25 @@ nlohmann::json to_json(const std::vector<Rung>& rungs) {
 }
 
 std::string to_table(const std::vector<Rung>& rungs) {
-  std::string out = fmt::format("{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "knob",
-                                "rung", "p50 ms", "p95 ms", "depth bad", "key iou", "order",
-                                "light", "PSNR dB");
+  std::string out =
+      fmt::format("{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "knob", "rung",
+                  "p50 ms", "p95 ms", "depth bad", "key iou", "order", "light", "PSNR dB");
   for (const Rung& rung : rungs) {
     const measure::Errors& e = *rung.report.error;
-    out += fmt::format("{:<13} {:<15} {:>8.1f} {:>8.1f} {:>8.2f}% {:>8.4f} {:>7.2f}% {:>8.4f} {:>8.1f}\n",
-                       rung.knob, rung.name, p50_ms(rung), rung.report.frame_ms.quantile(0.95),
-                       e.depth_bad_pct.value_or(0), e.key_iou.value_or(0),
-                       e.order_wrong_pct.value_or(0), e.light_rmse.value_or(0),
-                       e.color_psnr_db.value_or(0));
+    out += fmt::format(
+        "{:<13} {:<15} {:>8.1f} {:>8.1f} {:>8.2f}% {:>8.4f} {:>7.2f}% {:>8.4f} {:>8.1f}\n",
+        rung.knob, rung.name, p50_ms(rung), rung.report.frame_ms.quantile(0.95),
+        e.depth_bad_pct.value_or(0), e.key_iou.value_or(0), e.order_wrong_pct.value_or(0),
+        e.light_rmse.value_or(0), e.color_psnr_db.value_or(0));
   }
   return out;
 }
 
 report::Plot plot_of(const std::vector<Rung>& rungs) {
   report::Plot plot{"speed against error",
-            "milliseconds a frame (median)",
-            "wrongly keyed, % of the person (1 - key_iou)",
-            {}};
+                    "milliseconds a frame (median)",
+                    "wrongly keyed, % of the person (1 - key_iou)",
+                    {}};
   for (const Rung& rung : rungs) {
     if (plot.series.empty() || plot.series.back().name != rung.knob)
       plot.series.push_back({rung.knob, {}});

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "host/session/run.h"
 #include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"
+#include "host/session/run.h"
 
 namespace mixrig::session {
 namespace {
@@ -234,8 +234,8 @@ std::string to_text(const Explanation& e) {
   out += fmt::format("  {:<10} {:<11} {:>8}  {}\n", "pass", "size", "p50 ms", "why");
   for (const PassLine& p : e.passes)
     out += fmt::format("  {:<10} {:<11} {:>8.2f}  {}\n", p.name, p.size, p.p50_ms, p.why);
-  out += fmt::format("  {:<10} {:<11} {:>8.2f}  median of {} frames\n", "frame", "",
-                     e.frame_p50_ms, e.frames);
+  out += fmt::format("  {:<10} {:<11} {:>8.2f}  median of {} frames\n", "frame", "", e.frame_p50_ms,
+                     e.frames);
   out += fmt::format("  {:<10} {:<11} {:>8.2f}  one frame repeatedly, the camera stands still\n",
                      "still", "", e.still_p50_ms);
   if (e.moving_p50_ms)

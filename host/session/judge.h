@@ -14,8 +14,8 @@ namespace mixrig::session {
 class Judge {
  public:
   /// Images of a composite that it uses.
-  static constexpr render::OutputMask kWanted = render::kColor | render::kWarpedDepth |
-                                                render::kMatte | render::kLight | render::kLayer;
+  static constexpr render::OutputMask kWanted =
+      render::kColor | render::kWarpedDepth | render::kMatte | render::kLight | render::kLayer;
   /// `output` holds the wanted images. Errors: kData for a truth of another size.
   Result<void> add(const capture::Truth& truth, const render::FrameOutput& output);
   measure::Errors errors() const { return measure::errors_of(sums_); }

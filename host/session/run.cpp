@@ -90,6 +90,7 @@ class Runner {
   std::optional<PartialPath> folder_;
   std::unique_ptr<capture::CaptureReader> reader_;
   Pool<output::Composite> composites_;
+  Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
   Sinks sinks_;
   output::SinkThread* sheet_ = nullptr;  ///< one of sinks_; none without an output folder
   bool sheet_has_rows_ = false;
@@ -148,15 +149,16 @@ render::OutputMask Runner::wanted_by_sinks(int number) const {
 Result<bool> Runner::frame() {
   MIXRIG_ASSIGN(auto item, reader_->next());
   if (!item) return false;
-  last_ = composites_.take();
+  const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
+  const bool inspected = (wanted & ~render::kComposite) != 0;
+  last_.reset();  // its buffers may be used again
+  last_ = (inspected ? inspected_ : composites_).take();
   output::Composite& composite = *last_;
   composite.capture = std::move(item->capture);
-  const bool on_sheet =
-      sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
+  const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
   composite.world_from_target = session_.world_from_target(*composite.capture);
   watch_camera(composite.world_from_target);
-  const render::OutputMask wanted = wanted_by_sinks(composite.capture->number);
 
   const HostTime begin = clock_.now();
   MIXRIG_TRY(compose(composite, wanted & render::kComposite));
@@ -168,7 +170,7 @@ Result<bool> Runner::frame() {
   report_.foreground_pct.add(composite.foreground_pct);
 
   // Inspection images cost time that a live frame does not spend: a second, untimed pass.
-  if ((wanted & ~render::kComposite) != 0) MIXRIG_TRY(compose(composite, wanted));
+  if (inspected) MIXRIG_TRY(compose(composite, wanted));
   if (judges()) MIXRIG_TRY(judge(composite, *item->truth));
   MIXRIG_TRY(deliver(last_));
   return true;
@@ -195,6 +197,8 @@ Result<void> Runner::deliver(const output::CompositePtr& composite) {
   for (const auto& sink : sinks_) {
     if (sink->sink().wanted(composite->capture->number) == 0) continue;
     MIXRIG_TRY(sink->push(composite));
+    // Composites with inspection images are large: of a recording only one exists at a time.
+    if (!live() && sink.get() == sheet_) sink->wait_until_idle();
     sheet_has_rows_ |= sink.get() == sheet_;
   }
   return {};
@@ -202,7 +206,7 @@ Result<void> Runner::deliver(const output::CompositePtr& composite) {
 
 /// A run that was stopped before the first frame of its sheet shows its last frame.
 Result<void> Runner::add_last_to_sheet() {
-  std::shared_ptr<output::Composite> composite = composites_.take();
+  std::shared_ptr<output::Composite> composite = inspected_.take();
   composite->capture = last_->capture;
   composite->world_from_target = last_->world_from_target;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted));
@@ -228,6 +232,9 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (report_.live) report_.live->dropped_sets += dropped;
   if (judges()) report_.error = judge_.errors();
   if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
+  compositor_.reset();  // its buffers are not needed beside the sheet's
+  judged_ = {};
+  composites_ = {};
   for (const auto& sink : sinks_) {
     MIXRIG_TRY(sink->finish());
     report_.sinks.push_back(sink->report());

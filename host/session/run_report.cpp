@@ -94,8 +94,7 @@ nlohmann::json to_json(const RunReport& report) {
     const measure::QuantileSketch& times = report.stage_ms[i];
     if (!ran(times)) continue;
     out["stage_ms"][std::string(render::name(static_cast<render::Stage>(i)))] = {
-        {"p50", quantile(times, 0.5)},
-        {"p95", quantile(times, 0.95)}};
+        {"p50", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
   }
   out["frame_ms"] = {{"p50", quantile(report.frame_ms, 0.5)},
                      {"p95", quantile(report.frame_ms, 0.95)},
@@ -117,7 +116,8 @@ std::string to_table(const RunReport& report) {
                        times.quantile(0.95));
   };
   for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
-    if (ran(report.stage_ms[i])) row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
+    if (ran(report.stage_ms[i]))
+      row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
   row("frame", report.frame_ms);
   out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
   if (report.ended != "frames") out += "  ended: " + report.ended + "\n";

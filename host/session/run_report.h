@@ -25,10 +25,10 @@ struct RunReport {
   measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite, every frame
   std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
   measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
-  std::string ended = "frames";        ///< why it ended: "frames", "stopped", "end of the source"
+  std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
   std::optional<capture::SourceReport> live;  ///< of live devices
   std::vector<output::SinkReport> sinks;
-  double rss_mb = 0;                   ///< peak
+  double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;
 };
 

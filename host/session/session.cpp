@@ -212,8 +212,8 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
   MIXRIG_ASSIGN(session->source, open_any_source(options, session->scene));
   session->calibration = choose_calibration(options, *session);
-  MIXRIG_ASSIGN(session->source, capture::with_calibration(std::move(session->source),
-                                                           session->calibration.file));
+  MIXRIG_ASSIGN(session->source,
+                capture::with_calibration(std::move(session->source), session->calibration.file));
   MIXRIG_ASSIGN(session->setup, setup_of(session->source->info(), options.view_size));
   if (const auto& learn = session->scene.background.learn) {
     if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)

@@ -15,11 +15,11 @@
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "host/calibration_file/choice.h"
-#include "host/session/backend.h"
-#include "host/session/open_source.h"
 #include "host/model/static_background.h"
 #include "host/render/compositor.h"
 #include "host/scene/scene.h"
+#include "host/session/backend.h"
+#include "host/session/open_source.h"
 
 namespace mixrig::session {
 

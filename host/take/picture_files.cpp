@@ -10,10 +10,9 @@
 namespace mixrig::take {
 
 Result<NumberedName> NumberedName::parse(const std::string& pattern) {
-  const Error error{ErrorCode::kFormat,
-                    "\"" + pattern +
-                        "\" needs exactly one number: write %d or %06d in its "
-                        "place, or name a .mkv file"};
+  const Error error{ErrorCode::kFormat, "\"" + pattern +
+                                            "\" needs exactly one number: write %d or %06d in its "
+                                            "place, or name a .mkv file"};
   const std::size_t percent = pattern.find('%');
   if (percent == std::string::npos) return error;
   NumberedName name;

@@ -46,8 +46,8 @@ struct TakeReader::State {
   Manifest manifest;
   std::unique_ptr<PictureStream> color, depth, amplitude;
   std::vector<FrameIndex> frames;
-  std::map<int, FrameTick> ticks;                     ///< by frame number, where recorded
-  std::map<int, device::PanTiltAngles> pan_tilt;      ///< the same
+  std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
+  std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 
@@ -153,8 +153,8 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
   capture.set_status(Stream::kPlate, StreamStatus::kFresh);
   capture.set_status(Stream::kDepth, StreamStatus::kFresh);
   if (!pan_tilt.empty())
-    capture.set_status(Stream::kPanTilt, angles != pan_tilt.end() ? StreamStatus::kFresh
-                                                                  : StreamStatus::kMissing);
+    capture.set_status(Stream::kPanTilt,
+                       angles != pan_tilt.end() ? StreamStatus::kFresh : StreamStatus::kMissing);
 }
 
 Result<void> TakeReader::State::index_numbered() {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "host/image_io/image_io.h"
 #include "hal/base/partial_path.h"
+#include "host/image_io/image_io.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"

@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "hal/base/partial_path.h"
-#include "host/report/plot.h"
 #include "host/image_io/image_io.h"
-#include "host/trajectory/align.h"
+#include "host/report/plot.h"
 #include "host/tools/command.h"
+#include "host/trajectory/align.h"
 
 namespace mixrig::tools {
 namespace {
@@ -60,9 +60,9 @@ void print(const estimation::Estimate<trajectory::Alignment>& estimate) {
 
 Result<void> write_plot(const std::string& path, const trajectory::Alignment& alignment) {
   report::Plot plot{"Residual of the aligned relative rotations",
-                 "time of A from its start, s",
-                 "residual, deg",
-                 {{"residual", {}}}};
+                    "time of A from its start, s",
+                    "residual, deg",
+                    {{"residual", {}}}};
   const double start_s = alignment.residuals.empty() ? 0 : alignment.residuals.front().t_s;
   for (const auto& r : alignment.residuals)
     plot.series[0].points.push_back({r.t_s - start_s, r.angle_rad * kDegrees, {}});
@@ -86,8 +86,8 @@ Result<nlohmann::json> act(const Arguments& arguments) {
   else if (!arguments.json.empty())
     MIXRIG_TRY(write_file(arguments.json, report.dump(2) + "\n"));
   if (!estimate.usable())
-    return Error{ErrorCode::kData,
-                 arguments.a + " and " + arguments.b + " cannot be aligned: " + estimate.verdict.reason};
+    return Error{ErrorCode::kData, arguments.a + " and " + arguments.b +
+                                       " cannot be aligned: " + estimate.verdict.reason};
   if (arguments.json != "-") print(estimate);
   if (!arguments.plot.empty()) MIXRIG_TRY(write_plot(arguments.plot, estimate.value));
   return report;
@@ -102,7 +102,9 @@ void add_align_command(CLI::App& app, Context& context) {
   command->add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw")->required();
   command->add_option("B", arguments->b, "trajectory of the other sensor: t_A = t_B + offset")
       ->required();
-  command->add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
+  command
+      ->add_option("--window", arguments->options.window_s,
+                   "relative motions are over this time, s")
       ->check(CLI::Range(0.05, 10.0));
   command->add_option("--plot", arguments->plot, "PNG of the residuals over time");
   command->add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")

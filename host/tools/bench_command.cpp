@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/session/bench.h"
 #include "host/image_io/image_io.h"
+#include "host/session/bench.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 
@@ -13,7 +13,8 @@ namespace {
 
 Result<nlohmann::json> bench(const session::BenchOptions& options) {
   const SystemClock clock;
-  MIXRIG_ASSIGN(const std::vector<session::Rung> rungs, session::bench(options, clock, progress_bar()));
+  MIXRIG_ASSIGN(const std::vector<session::Rung> rungs,
+                session::bench(options, clock, progress_bar()));
   MIXRIG_TRY(image_io::write_png(options.folder / "speed_against_error.png",
                                  report::draw(session::plot_of(rungs), {1100, 720}).view()));
   std::fputs(session::to_table(rungs).c_str(), stdout);

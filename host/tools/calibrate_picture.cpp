@@ -12,10 +12,10 @@
 namespace mixrig::tools {
 namespace {
 
-using report::Canvas;
 using calibration::Intrinsics;
 using calibration::UncertaintyMap;
 using calibration::ViewFit;
+using report::Canvas;
 
 constexpr Rgb8 kPaper{255, 255, 255}, kInk{30, 30, 30}, kFrame{200, 200, 200}, kPoint{31, 119, 180},
     kResidual{214, 96, 30}, kLeftOut{170, 170, 170};

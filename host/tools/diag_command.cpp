@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/session/open_source.h"
 #include "host/live/diagnose.h"
 #include "host/live/discover.h"
+#include "host/session/open_source.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {
@@ -68,7 +68,8 @@ void add_diag_command(CLI::App& app, Context& context) {
       ->check(CLI::Range(0.5, 3600.0));
   command->add_flag("--no-move", arguments->no_move, "do not move the pan-tilt head");
   command->add_flag("--no-network", arguments->no_network, "do not search the network for cameras");
-  command->callback([&context, arguments] { context.action = [arguments] { return diag(*arguments); }; });
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return diag(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

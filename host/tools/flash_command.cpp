@@ -7,11 +7,11 @@
 #include <string>
 
 #include "hal/base/log.h"
+#include "hal/linux/libusb_control.h"
+#include "hal/linux/serial_byte_stream.h"
 #include "hal/wire/dfuse.h"
 #include "hal/wire/flash_image.h"
-#include "hal/linux/libusb_control.h"
 #include "hal/wire/mcu_trigger.h"
-#include "hal/linux/serial_byte_stream.h"
 #include "hal/wire/stm32_rom.h"
 #include "host/tools/command.h"
 
@@ -112,7 +112,8 @@ Result<bool> keep_previous(const Arguments& arguments, const device::PreviousFla
     return false;
   }
   MIXRIG_TRY(device::write_image_file(kept_path(arguments), previous.bytes));
-  std::printf("kept the old firmware in %s (mixrig flash --restore)\n", kept_path(arguments).c_str());
+  std::printf("kept the old firmware in %s (mixrig flash --restore)\n",
+              kept_path(arguments).c_str());
   return true;
 }
 
@@ -123,7 +124,8 @@ Error start_old_firmware(Target& target, Error error) {
 }
 
 /// Writes the content unless flash already holds it; keeps the old content first.
-Result<nlohmann::json> keep_and_write(Target& target, const Arguments& arguments, const Wanted& wanted) {
+Result<nlohmann::json> keep_and_write(Target& target, const Arguments& arguments,
+                                      const Wanted& wanted) {
   const device::FlashProgress progress = progress_bars();
   MIXRIG_ASSIGN(const device::PreviousFlash previous,
                 read_previous(*target.bootloader, target.info, wanted.bytes.size(), progress));
@@ -198,7 +200,8 @@ void add_flash_command(CLI::App& app, Context& context) {
   command->add_flag("--verify-only", arguments->verify_only, "compare only, do not write");
   command->add_flag("--restore", arguments->restore, "write back what the last flash replaced");
   command->add_option("--kept", arguments->kept, "where the replaced firmware is kept");
-  command->callback([&context, arguments] { context.action = [arguments] { return flash(*arguments); }; });
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return flash(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
+#include "host/measure/percentile.h"
 #include "host/output/contact_sheet.h"
 #include "host/session/run_report.h"
 #include "host/take/take.h"
 #include "host/take/take_source.h"
-#include "host/measure/percentile.h"
 #include "host/tools/command.h"
 
 namespace mixrig::tools {

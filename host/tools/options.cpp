@@ -27,9 +27,8 @@ Result<std::string> source_of(const SessionArguments& arguments) {
   const auto folder = (std::filesystem::path(".") / arguments.scene).parent_path();
   std::error_code code;
   if (std::filesystem::exists(folder / "take.toml", code)) return "take:" + folder.string();
-  return Error{ErrorCode::kUsage,
-               "no --source given and no take.toml beside " + arguments.scene +
-                   ": give a --source"};
+  return Error{ErrorCode::kUsage, "no --source given and no take.toml beside " + arguments.scene +
+                                      ": give a --source"};
 }
 
 }  // namespace
@@ -57,7 +56,8 @@ void add_backend_options(CLI::App& command, SessionArguments& arguments) {
       .add_option("--backend", arguments.backend,
                   "auto, gles or cpu: auto uses gles on a real GPU, else cpu")
       ->check(CLI::IsMember({"auto", "gles", "cpu"}));
-  command.add_option("--threads", arguments.threads, "threads of the cpu back end, 0 = one per core")
+  command
+      .add_option("--threads", arguments.threads, "threads of the cpu back end, 0 = one per core")
       ->check(CLI::Range(0, 256));
 }
 
@@ -72,7 +72,8 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
       "take:DIR, studio[:SCENARIO,SEED,RIG] rendered on the fly, or rig[:RIG.TOML]";
   command.add_option("--source", arguments.source,
                      std::string(kSources) + "; the take beside SCENE if not given");
-  command.add_option("--size", arguments.size, "WxH to composite at; the take's own size if not given");
+  command.add_option("--size", arguments.size,
+                     "WxH to composite at; the take's own size if not given");
   add_calibration_option(command, arguments);
   add_backend_options(command, arguments);
 }
@@ -86,7 +87,7 @@ Result<std::optional<Size>> view_size(const SessionArguments& arguments) {
 session::BackendChoice backend_choice(const SessionArguments& arguments) {
   const render::Backend backend = arguments.backend == "gles"  ? render::Backend::kGles
                                   : arguments.backend == "cpu" ? render::Backend::kCpu
-                                                           : render::Backend::kAuto;
+                                                               : render::Backend::kAuto;
   return {backend, arguments.threads};
 }
 

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "hal/linux/service_notify.h"
-#include "host/session/open_source.h"
-#include "host/report/rig_json.h"
 #include "host/live/record.h"
 #include "host/live/rig_config.h"
+#include "host/report/rig_json.h"
+#include "host/session/open_source.h"
 #include "host/tools/command.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -24,13 +24,15 @@ struct Arguments {
 Result<nlohmann::json> record(const Arguments& arguments) {
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
-  MIXRIG_ASSIGN(live::Devices devices,
-                live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
+  MIXRIG_ASSIGN(
+      live::Devices devices,
+      live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
   live::RecordOptions options;
   options.out = arguments.out;
   options.duration = Duration(static_cast<long>(arguments.duration_s * 1e9));
   options.least_free_bytes = static_cast<std::uint64_t>(arguments.keep_free_mb * 1048576.0);
-  options.format = arguments.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
+  options.format =
+      arguments.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
   Progress progress("recording", 1000);
   HostTime notified{};
   options.progress = [&](double share) {
@@ -70,7 +72,8 @@ void add_record_command(CLI::App& app, Context& context) {
   command->add_option("--format", arguments->format, "of the streams")
       ->capture_default_str()
       ->check(CLI::IsMember({"mkv", "png"}));
-  command->callback([&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

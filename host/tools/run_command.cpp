@@ -23,7 +23,7 @@ Result<nlohmann::json> run(const Arguments& arguments) {
   if (!arguments.out.empty()) options.out = arguments.out;
   options.output.format = arguments.format == "video"  ? output::OutputFormat::kVideo
                           : arguments.format == "none" ? output::OutputFormat::kNone
-                                                   : output::OutputFormat::kPng;
+                                                       : output::OutputFormat::kPng;
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
   if (!arguments.frames.empty()) {
@@ -34,7 +34,8 @@ Result<nlohmann::json> run(const Arguments& arguments) {
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
-  MIXRIG_ASSIGN(const session::RunReport report, session::run(*session, std::move(options), clock, progress_bar()));
+  MIXRIG_ASSIGN(const session::RunReport report,
+                session::run(*session, std::move(options), clock, progress_bar()));
   std::fputs(session::to_table(report).c_str(), stdout);
   return session::to_json(report);
 }
@@ -46,7 +47,8 @@ void add_run_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "run", "composite a scene into a take; write pictures, contact sheet and report");
   add_session_options(*command, arguments->session);
-  command->add_option("--out", arguments->out, "folder to write, new or made by an earlier run; no files if not given");
+  command->add_option("--out", arguments->out,
+                      "folder to write, new or made by an earlier run; no files if not given");
   command->add_option("--frames", arguments->frames,
                       "FIRST-LAST to composite; all after the learned ones if not given");
   command
@@ -54,8 +56,10 @@ void add_run_command(CLI::App& app, Context& context) {
                    "of composite and mixed depth: png, video (Matroska, lossless) or none")
       ->check(CLI::IsMember({"png", "video", "none"}));
   command->add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
-  command->add_flag("--inspect", arguments->inspect, "write warped depth, key and light map as well");
-  command->callback([&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
+  command->add_flag("--inspect", arguments->inspect,
+                    "write warped depth, key and light map as well");
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

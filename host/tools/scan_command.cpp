@@ -74,14 +74,14 @@ Result<nlohmann::json> scan(const Arguments& arguments) {
   MIXRIG_ASSIGN(const auto size, view_size(arguments.session));
   MIXRIG_ASSIGN(const session::FrameRange range, parse_range(arguments.frames, "--frames"));
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(arguments.take));
-  const std::filesystem::path calibration = arguments.session.calibration.empty()
-                                                ? recorded->info().calibration
-                                                : std::filesystem::path(arguments.session.calibration);
+  const std::filesystem::path calibration =
+      arguments.session.calibration.empty() ? recorded->info().calibration
+                                            : std::filesystem::path(arguments.session.calibration);
   MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
   MIXRIG_ASSIGN(const auto setup, session::setup_of(source->info(), size));
-  MIXRIG_ASSIGN(
-      const model::StaticBackground background,
-      session::learn_background(*source, setup, range, backend_choice(arguments.session), progress_bar()));
+  MIXRIG_ASSIGN(const model::StaticBackground background,
+                session::learn_background(*source, setup, range, backend_choice(arguments.session),
+                                          progress_bar()));
   MIXRIG_TRY(model::save(background, arguments.out));
   print(background);
   return report_of(background);
@@ -94,12 +94,14 @@ void add_scan_command(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("scan", "learn the background of a static camera from empty frames");
   command->add_option("--static", arguments->take, "TAKE: folder or take.toml")->required();
-  command->add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")->required();
+  command->add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")
+      ->required();
   command->add_option("OUT", arguments->out, "background folder to write")->required();
   command->add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
   add_calibration_option(*command, arguments->session);
   add_backend_options(*command, arguments->session);
-  command->callback([&context, arguments] { context.action = [arguments] { return scan(*arguments); }; });
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return scan(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

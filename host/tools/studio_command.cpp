@@ -48,7 +48,8 @@ Result<studio::BoardOptions> board_options_of(const Arguments& arguments) {
   options.pan_tilt = arguments.pan_tilt;
   options.board.columns = squares.width, options.board.rows = squares.height;
   options.board.square_m = arguments.square_mm / 1000;
-  options.board.marker_m = (arguments.marker_mm > 0 ? arguments.marker_mm : 0.75 * arguments.square_mm) / 1000;
+  options.board.marker_m =
+      (arguments.marker_mm > 0 ? arguments.marker_mm : 0.75 * arguments.square_mm) / 1000;
   options.board.bend_m = arguments.bend_mm / 1000;
   options.blur_px = arguments.blur_px;
   options.noise = arguments.noise;
@@ -78,8 +79,9 @@ Result<nlohmann::json> render(const Arguments& arguments) {
   MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(arguments));
   MIXRIG_ASSIGN(const take::StreamFormat format, format_of(arguments.format));
   Progress bar("studio", options.frames);
-  MIXRIG_ASSIGN(const studio::StudioInfo info,
-                studio_io::write_studio_take(options, arguments.out, format, [&](int n) { bar.step(n); }));
+  MIXRIG_ASSIGN(
+      const studio::StudioInfo info,
+      studio_io::write_studio_take(options, arguments.out, format, [&](int n) { bar.step(n); }));
   std::printf("%s: %s, %d frames of %dx%d, the first %d empty\n", arguments.out.c_str(),
               info.name.c_str(), info.frames, info.target.size_px.width, info.target.size_px.height,
               info.empty_frames);
@@ -121,7 +123,8 @@ void add_studio_command(CLI::App& app, Context& context) {
                       "still walk talk pan handheld pendulum edges far dark board");
   command->add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
   command->add_option("--seed", arguments->seed, "Person, clothes, path and noise");
-  command->add_option("--frames", arguments->frames, "Length; the first 25 (at most half) are empty");
+  command->add_option("--frames", arguments->frames,
+                      "Length; the first 25 (at most half) are empty");
   command->add_option("--size", arguments->size, "Target camera, WxH");
   command->add_option("--format", arguments->format, "png or mkv");
   command->add_option("--threads", arguments->threads, "0: one per core");

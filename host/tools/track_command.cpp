@@ -53,8 +53,9 @@ Result<Frames> receive(const Arguments& arguments, stream::NatNetVersion version
   const SystemClock clock;
   MIXRIG_ASSIGN(auto receiver, stream::NatNetReceiver::open(address, version, clock));
   const StopOnSignal signals;
-  MIXRIG_ASSIGN(auto frames, mocap::receive_frames(receiver, {arguments.duration_s, arguments.frames},
-                                                   StopOnSignal::flag(), clock));
+  MIXRIG_ASSIGN(auto frames,
+                mocap::receive_frames(receiver, {arguments.duration_s, arguments.frames},
+                                      StopOnSignal::flag(), clock));
   return Frames{std::move(frames), receiver.counts()};
 }
 
@@ -79,7 +80,8 @@ Result<mocap::TrackOptions> track_options(const Arguments& arguments) {
   options.up = arguments.up == "z" ? mocap::Up::kZ : mocap::Up::kY;
   options.body_id = arguments.body;
   if (arguments.calibration.empty()) return options;
-  MIXRIG_ASSIGN(const calibration_file::Calibration known, calibration_file::read_calibration(arguments.calibration));
+  MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                calibration_file::read_calibration(arguments.calibration));
   const auto* body = known.pose("body");
   if (body == nullptr)
     return Error{ErrorCode::kData, arguments.calibration +
@@ -161,7 +163,8 @@ void add_track_command(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber);
   command->add_option("--frames", arguments->frames, "number of frames of a live stream");
   command->add_option("--out", arguments->out, "trajectory in TUM format, z up");
-  command->callback([&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
+  command->callback(
+      [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "hal/wire/mcu_trigger.h"
 #include "hal/linux/serial_byte_stream.h"
+#include "hal/wire/mcu_trigger.h"
 #include "host/sync/clock_map.h"
 #include "host/tools/command.h"
 
@@ -187,12 +187,14 @@ Result<nlohmann::json> monitor(const Arguments& arguments) {
 
 using Action = Result<nlohmann::json> (*)(const Arguments&);
 
-CLI::App* add_action(CLI::App& parent, Context& context, const std::shared_ptr<Arguments>& arguments,
-                     const char* name, const char* what, Action action) {
+CLI::App* add_action(CLI::App& parent, Context& context,
+                     const std::shared_ptr<Arguments>& arguments, const char* name,
+                     const char* what, Action action) {
   CLI::App* command = parent.add_subcommand(name, what);
   command->add_option("--port", arguments->port, "serial port, or unix:SOCKET");
-  command->callback(
-      [&context, arguments, action] { context.action = [arguments, action] { return action(*arguments); }; });
+  command->callback([&context, arguments, action] {
+    context.action = [arguments, action] { return action(*arguments); };
+  });
   return command;
 }
 

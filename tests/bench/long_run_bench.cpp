@@ -31,8 +31,10 @@ int main(int argc, char** argv) {
       });
   if (!report) return std::fprintf(stderr, "%s\n", report.error().context.c_str()), 1;
   const double end_mb = test::resident_mb();
-  std::printf("%llu frames, %.3f ms a frame; resident %.2f MB after 1000 frames, %.2f MB at the end: %+.2f MB\n",
-              static_cast<unsigned long long>(report->frame_ms.count()), report->frame_ms.mean(),
-              at_1000_mb, end_mb, end_mb - at_1000_mb);
+  std::printf(
+      "%llu frames, %.3f ms a frame; resident %.2f MB after 1000 frames, %.2f MB at the end: %+.2f "
+      "MB\n",
+      static_cast<unsigned long long>(report->frame_ms.count()), report->frame_ms.mean(),
+      at_1000_mb, end_mb, end_mb - at_1000_mb);
   return 0;
 }

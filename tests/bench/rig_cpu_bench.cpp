@@ -4,14 +4,14 @@
 // (distance and amplitude, checksummed packets) at 25 Hz, a master of 100 Hz, pairing into sets.
 // The emulated devices' own time is taken off. Prints percent of one core.
 //   rig_cpu_bench [SECONDS]
-#include <sys/resource.h>
-#include <time.h>
-
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
+
+#include <sys/resource.h>
+#include <time.h>
 
 #include "hal/device/frame_pool.h"
 #include "hal/fake/fake_trigger.h"
@@ -182,10 +182,10 @@ int run(double seconds_wanted) {
   std::printf("%.1f %% of one core over %.1f s (emulated devices: %.1f %% more)\n",
               100 * used_s / wall_s, wall_s, 100 * (emulator.cpu_s() - off_s) / wall_s);
   for (std::size_t i = 0; i < after.streams.size(); ++i)
-    std::printf("%-8s %.1f Hz\n", after.streams[i].name.c_str(),
-                static_cast<double>(after.streams[i].health.frames -
-                                    before.streams[i].health.frames) /
-                    wall_s);
+    std::printf(
+        "%-8s %.1f Hz\n", after.streams[i].name.c_str(),
+        static_cast<double>(after.streams[i].health.frames - before.streams[i].health.frames) /
+            wall_s);
   std::printf("sets     %.1f Hz, %llu dropped\n",
               static_cast<double>(after.sets - before.sets) / wall_s,
               static_cast<unsigned long long>(after.dropped_sets - before.dropped_sets));

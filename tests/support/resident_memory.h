@@ -14,7 +14,8 @@ inline double resident_mb() {
   std::ifstream statm("/proc/self/statm");
   long total_pages = 0, resident_pages = 0;
   statm >> total_pages >> resident_pages;
-  return static_cast<double>(resident_pages) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1 << 20);
+  return static_cast<double>(resident_pages) * static_cast<double>(::sysconf(_SC_PAGESIZE)) /
+         (1 << 20);
 }
 
 }  // namespace mixrig::test

@@ -40,22 +40,25 @@ TEST(BoundedQueue, ClosingWakesTheConsumerAndKeepsQueuedItems) {
   other.join();
 }
 
-TEST(BoundedQueue, PushOrWaitKeepsEveryItem) {
+TEST(BoundedQueue, HandOverKeepsEveryItemAndLeavesOneBetweenTheThreads) {
   BoundedQueue<int, 2> queue;
   std::thread producer([&] {
-    for (int i = 1; i <= 1000; ++i) EXPECT_TRUE(queue.push_or_wait(i));
+    for (int i = 1; i <= 1000; ++i) EXPECT_TRUE(queue.hand_over(i));
     queue.close();
   });
-  for (int i = 1; i <= 1000; ++i) EXPECT_EQ(queue.pop(), i);
+  for (int i = 1; i <= 1000; ++i) {
+    EXPECT_LE(queue.size(), 1U);
+    EXPECT_EQ(queue.pop(), i);
+  }
   EXPECT_FALSE(queue.pop());
   producer.join();
   EXPECT_EQ(queue.dropped(), 0U);
 }
 
-TEST(BoundedQueue, CloseEndsAWaitingPush) {
-  BoundedQueue<int, 1> queue;
-  ASSERT_TRUE(queue.push_or_wait(1));
-  std::thread producer([&] { EXPECT_FALSE(queue.push_or_wait(2)); });
+TEST(BoundedQueue, CloseEndsAWaitingHandOver) {
+  BoundedQueue<int, 2> queue;
+  queue.push(1);
+  std::thread producer([&] { EXPECT_FALSE(queue.hand_over(2)) << "it waits for an empty queue"; });
   queue.close();
   producer.join();
   EXPECT_EQ(queue.pop(), 1) << "what was queued before is still delivered";

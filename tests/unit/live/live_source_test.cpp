@@ -73,7 +73,8 @@ TEST_F(LiveSourceTest, AConsumerThatIsLateLosesFramesAndTheReportSaysHowMany) {
   ASSERT_TRUE(*(*source)->read(1, frame));
   for (int sets = 2; sets <= 20; ++sets) {
     clock_.advance(40ms);
-    ASSERT_TRUE(test::comes_true([&] { return (*source)->report()->sets == static_cast<std::uint64_t>(sets); }));
+    ASSERT_TRUE(test::comes_true(
+        [&] { return (*source)->report()->sets == static_cast<std::uint64_t>(sets); }));
   }
   int read = 1;
   for (;;) {

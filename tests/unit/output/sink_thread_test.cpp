@@ -103,6 +103,19 @@ TEST_F(SinkThreadTest, AnErrorReachesTheNextPushAndFinish) {
   EXPECT_FALSE(log_.finished) << "a sink that failed is not finished";
 }
 
+TEST_F(SinkThreadTest, IsIdleWhenAllThatWasPushedIsWritten) {
+  SinkThread sink(std::make_unique<GatedSink>(log_), WhenFull::kWait);
+  for (int i = 1; i <= 20; ++i) {
+    ASSERT_TRUE(sink.push(composite(i)));
+    sink.wait_until_idle();
+    EXPECT_EQ(sink.report().written, static_cast<std::uint64_t>(i));
+  }
+  log_.fails_at = 21;
+  ASSERT_TRUE(sink.push(composite(21)));
+  sink.wait_until_idle();
+  EXPECT_FALSE(sink.push(composite(22))) << "an error is known when the sink is idle";
+}
+
 TEST_F(SinkThreadTest, DroppedUnfinishedItEndsWithoutFinish) {
   { SinkThread sink(std::make_unique<GatedSink>(log_), WhenFull::kWait); }
   EXPECT_FALSE(log_.finished);

@@ -85,8 +85,8 @@ TEST_F(RunTest, WritesATakeASheetAndAReport) {
   ASSERT_TRUE(image_io::read_gray16(root_ / "out" / "segmented_depth" / "000003.png", depth_mm));
   EXPECT_NEAR(depth_mm.at(32, 24), 2000, 2);
   EXPECT_EQ(depth_mm.at(2, 2), 0);
-  for (const char* name : {"contact_sheet.png", "report.json", "frames.csv", "key/000001.png", "light/000001.png",
-                           "warped_depth/000001.png"})
+  for (const char* name : {"contact_sheet.png", "report.json", "frames.csv", "key/000001.png",
+                           "light/000001.png", "warped_depth/000001.png"})
     EXPECT_TRUE(fs::exists(root_ / "out" / name)) << name;
 }
 
