@@ -20,8 +20,8 @@ struct BoardViews {
 Result<BoardViews> collect_views(const std::vector<std::string>& images,
                                  const calibration::BoardSpec& board);
 
-/// Ids in wrong places bend every view: told before any camera is fitted. Errors: kData, with the
-/// board that fits.
+/// Ids in wrong places distort every view: checked before any camera is fitted. Errors: kData, with
+/// the board that fits.
 Result<void> check_board(const std::vector<std::string>& images,
                          const calibration::BoardSpec& board, const BoardViews& all);
 
