@@ -18,11 +18,15 @@ class CountingSink final : public output::CompositeSink {
     std::mutex mutex;
     std::condition_variable changed;
     bool held = false;
-    int written = 0;
+    int entered = 0, written = 0;
     void release() {
       const std::lock_guard lock(mutex);
       held = false;
       changed.notify_all();
+    }
+    bool has_entered() {
+      const std::lock_guard lock(mutex);
+      return entered > 0;
     }
     int count() {
       const std::lock_guard lock(mutex);
@@ -36,6 +40,7 @@ class CountingSink final : public output::CompositeSink {
     EXPECT_EQ(composite->images.color.at(3, 3), (Rgb8{90, 90, 90}));
     EXPECT_TRUE(composite->images.mixed_depth_m.empty()) << "no sink of this live run requires it";
     std::unique_lock lock(state_.mutex);
+    ++state_.entered;
     state_.changed.wait(lock, [this] { return !state_.held; });
     ++state_.written;
     return {};
@@ -60,6 +65,7 @@ class PacedSource final : public capture::CaptureSource {
   const capture::SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, capture::Capture& capture) override {
     EXPECT_TRUE(test::comes_true([&] { return fast_.count() >= number - 1; }));
+    if (number == 2) EXPECT_TRUE(test::comes_true([&] { return slow_.has_entered(); }));
     if (number > frames_) {
       slow_.release();
       return false;
