@@ -65,7 +65,9 @@ class PacedSource final : public capture::CaptureSource {
   const capture::SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, capture::Capture& capture) override {
     EXPECT_TRUE(test::comes_true([&] { return fast_.count() >= number - 1; }));
-    if (number == 2) EXPECT_TRUE(test::comes_true([&] { return slow_.has_entered(); }));
+    if (number == 2) {
+      EXPECT_TRUE(test::comes_true([&] { return slow_.has_entered(); }));
+    }
     if (number > frames_) {
       slow_.release();
       return false;
