@@ -79,7 +79,7 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
 }
 
 /// The origin of the camera's pose.
-std::string camera_words(const Session& session, const capture::Capture& first) {
+std::string pose_origin_text(const Session& session, const capture::Capture& first) {
   switch (session.scene.pose_source) {
     case scene::PoseSource::kFloor:
       return "fixed on the floor of the learned background";
@@ -189,7 +189,7 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   out.frame_p50_ms = report.frame_ms.quantile(0.5);
   out.rss_mb = report.rss_mb;
   out.calibration = session.calibration.where + ": " + session.calibration.why;
-  out.camera = camera_words(session, first);
+  out.camera = pose_origin_text(session, first);
   MIXRIG_ASSIGN(out.still_p50_ms, repeat(session, first, frames, 0, clock));
   if (session.scene.pose_source == scene::PoseSource::kTake) {
     constexpr double kStep_m = 0.001;

@@ -5,12 +5,29 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace mixrig::test {
+
+/// Numbers of one column of a CSV file with a header.
+inline std::vector<double> column(const std::string& file, int index) {
+  std::ifstream in(file);
+  std::vector<double> values;
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int i = 0; i <= index; ++i) std::getline(cells, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
+}
 
 class CommandTest : public ::testing::Test {
  protected:

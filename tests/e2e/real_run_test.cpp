@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mixrig run` on a real recording (label data): people enter and leave a room.
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,21 +10,6 @@
 
 namespace mixrig::test {
 namespace {
-
-/// Numbers of one column of a CSV file with a header.
-std::vector<double> column(const std::string& file, int index) {
-  std::ifstream in(file);
-  std::vector<double> values;
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::istringstream cells(line);
-    std::string cell;
-    for (int i = 0; i <= index; ++i) std::getline(cells, cell, ',');
-    values.push_back(std::stod(cell));
-  }
-  return values;
-}
 
 class RealRun : public CommandTest {
  protected:
