@@ -3,11 +3,49 @@
 
 #include <algorithm>
 
-namespace mixrig {
+#include <sched.h>
 
-Crew::Crew(int threads) {
-  const int total =
-      threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+namespace mixrig {
+namespace {
+
+/// Cores that the calling thread may use; empty where the system does not say.
+std::vector<int> allowed_cores() {
+  cpu_set_t set;
+  std::vector<int> cores;
+  if (::sched_getaffinity(0, sizeof(set), &set) != 0) return cores;
+  for (int i = 0; i < CPU_SETSIZE; ++i)
+    if (CPU_ISSET(i, &set)) cores.push_back(i);
+  return cores;
+}
+
+void keep_on(std::span<const int> cores) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int core : cores) CPU_SET(core, &set);
+  (void)::sched_setaffinity(0, sizeof(set), &set);
+}
+
+/// Keeps the calling thread on a core, until it may use all of `cores` again.
+class OnFirstCore {
+ public:
+  explicit OnFirstCore(std::span<const int> cores) : cores_(cores) {
+    if (!cores_.empty()) keep_on(cores_.first(1));
+  }
+  ~OnFirstCore() {
+    if (!cores_.empty()) keep_on(cores_);
+  }
+  OnFirstCore(const OnFirstCore&) = delete;
+  OnFirstCore& operator=(const OnFirstCore&) = delete;
+
+ private:
+  const std::span<const int> cores_;
+};
+
+}  // namespace
+
+Crew::Crew(int threads) : cores_(allowed_cores()) {
+  const int total = threads > 0 ? threads : std::max(1, static_cast<int>(cores_.size()));
+  if (total != static_cast<int>(cores_.size())) cores_.clear();
   for (int i = 1; i < total; ++i) workers_.emplace_back([this, i] { work(i); });
 }
 
@@ -28,6 +66,7 @@ void Crew::run(int count, int grain, Function function, void* context) {
       function(context, 0, begin, std::min(begin + grain, count));
     return;
   }
+  const OnFirstCore caller(cores_);
   {
     const std::lock_guard lock(mutex_);
     function_ = function;
@@ -60,6 +99,7 @@ void Crew::take_bands(int worker) {
 }
 
 void Crew::work(int worker) {
+  if (!cores_.empty()) keep_on({&cores_[static_cast<std::size_t>(worker)], 1});
   unsigned seen = 0;
   while (true) {
     {

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -11,6 +12,10 @@ namespace mixrig {
 
 /// Runs one body over bands of [0, count) on a fixed number of threads, including the caller's.
 /// One call at a time per crew; the body must not call back into the same crew.
+/// With one thread per core each worker stays on a core of its own, and the caller on the remaining
+/// one during a call: some systems (Linux as a KVM guest) otherwise wake two of them on the same
+/// core while another one idles, which cost a frame up to half of its time. Fewer threads are
+/// placed by the system.
 class Crew {
  public:
   /// `threads` >= 1; 0 means one per core.
@@ -46,6 +51,7 @@ class Crew {
   void work(int worker);
   void take_bands(int worker);
 
+  std::vector<int> cores_;  ///< of each thread, the caller first; empty: placed by the system
   std::mutex mutex_;
   std::condition_variable start_, done_;
   Function function_ = nullptr;

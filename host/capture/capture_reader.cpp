@@ -7,8 +7,12 @@
 
 namespace mixrig::capture {
 
-CaptureReader::CaptureReader(CaptureSource& source, int first, int last, bool with_truth)
-    : source_(source), with_truth_(with_truth), live_(source.info().frames == kEndless) {
+CaptureReader::CaptureReader(CaptureSource& source, int first, int last, bool with_truth,
+                             WorkGate* gate)
+    : source_(source),
+      gate_(gate),
+      with_truth_(with_truth),
+      live_(source.info().frames == kEndless) {
   thread_ = std::thread([this, first, last] { run(first, last); });
 }
 
@@ -39,6 +43,7 @@ void CaptureReader::run(int first, int last) {
 }
 
 Result<bool> CaptureReader::read(int number, CaptureItem& item) {
+  const WorkGate::Work work(gate_);
   std::shared_ptr<Capture> capture = captures_.take();
   MIXRIG_ASSIGN(const bool there, source_.read(number, *capture));
   if (!there) return false;

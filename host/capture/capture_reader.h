@@ -10,6 +10,7 @@
 #include "hal/base/bounded_queue.h"
 #include "hal/base/pool.h"
 #include "hal/base/result.h"
+#include "hal/base/work_gate.h"
 #include "host/capture/capture_source.h"
 
 namespace mixrig::capture {
@@ -25,8 +26,10 @@ struct CaptureItem {
 /// the source. next() is for one thread.
 class CaptureReader {
  public:
-  /// Starts to read `first`..`last`. The source must outlive the reader.
-  CaptureReader(CaptureSource& source, int first, int last, bool with_truth);
+  /// Starts to read `first`..`last`. The source and the gate must outlive the reader. With a gate,
+  /// each read() of the source is a piece of work behind it.
+  CaptureReader(CaptureSource& source, int first, int last, bool with_truth,
+                WorkGate* gate = nullptr);
   /// Ends the thread; a live source that delivers nothing delays this until its read() returns.
   ~CaptureReader();
   CaptureReader(const CaptureReader&) = delete;
@@ -48,6 +51,7 @@ class CaptureReader {
   bool push(Slot slot);
 
   CaptureSource& source_;
+  WorkGate* const gate_;
   const bool with_truth_, live_;
   Pool<Capture> captures_;
   Pool<Truth> truths_;

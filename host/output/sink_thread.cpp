@@ -7,8 +7,8 @@
 
 namespace mixrig::output {
 
-SinkThread::SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full)
-    : sink_(std::move(sink)), when_full_(when_full) {
+SinkThread::SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full, WorkGate* gate)
+    : sink_(std::move(sink)), when_full_(when_full), gate_(gate) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -48,12 +48,17 @@ void SinkThread::wait_until_idle() {
   handled_one_.wait(lock, [this] { return handled_ + queue_.dropped() >= pushed_; });
 }
 
+Result<void> SinkThread::write(const CompositePtr& composite) {
+  const WorkGate::Work work(gate_);
+  return sink_->write(composite);
+}
+
 void SinkThread::run() {
   lower_thread_priority();
   bool failed = false;
   while (auto composite = queue_.pop()) {
     // After an error the queue is still emptied, so that the compositor does not block.
-    const Result<void> done = failed ? Result<void>() : sink_->write(*composite);
+    const Result<void> done = failed ? Result<void>() : write(*composite);
     composite.reset();
     const std::lock_guard lock(mutex_);
     if (!done) error_ = done.error();

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "hal/base/bounded_queue.h"
+#include "hal/base/work_gate.h"
 #include "host/output/composite_sink.h"
 
 namespace mixrig::output {
@@ -33,7 +34,8 @@ enum class WhenFull {
 /// compositor. push() and finish() are for one thread.
 class SinkThread {
  public:
-  SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full);
+  /// With a gate, each write() of the sink is a piece of work behind it; it must outlive this.
+  SinkThread(std::unique_ptr<CompositeSink> sink, WhenFull when_full, WorkGate* gate = nullptr);
   /// Ends the thread without finish().
   ~SinkThread();
   SinkThread(const SinkThread&) = delete;
@@ -51,10 +53,12 @@ class SinkThread {
 
  private:
   void run();
+  Result<void> write(const CompositePtr& composite);
   Result<void> error() const;
 
   std::unique_ptr<CompositeSink> sink_;
   const WhenFull when_full_;
+  WorkGate* const gate_;
   BoundedQueue<CompositePtr, 2> queue_;
   std::atomic<std::uint64_t> written_ = 0;
   std::uint64_t pushed_ = 0;  ///< of the pushing thread

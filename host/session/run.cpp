@@ -9,6 +9,7 @@
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "hal/base/pool.h"
+#include "hal/base/work_gate.h"
 #include "host/capture/capture_reader.h"
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
@@ -72,10 +73,12 @@ class Runner {
   using Sinks = std::vector<std::unique_ptr<output::SinkThread>>;
 
   bool live() const { return session_.source->info().frames == capture::kEndless; }
+  /// A recording has no deadline: while a frame is timed nothing is decoded or encoded beside it.
+  WorkGate* gate() { return live() ? nullptr : &gate_; }
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
   Result<void> open_sinks(FrameRange range);
   render::OutputMask wanted_by_sinks(int number) const;
-  Result<void> compose(output::Composite& composite, render::OutputMask wanted);
+  Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
                        render::FrameOutput& images);
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
@@ -88,6 +91,7 @@ class Runner {
   const Clock& clock_;
   std::unique_ptr<render::Compositor> compositor_;
   std::optional<PartialPath> folder_;
+  WorkGate gate_;
   std::unique_ptr<capture::CaptureReader> reader_;
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
@@ -114,14 +118,14 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   report_.size = session_.setup.view.size_px;
   // A live source may drop captures: it is read until enough were composited.
   reader_ = std::make_unique<capture::CaptureReader>(
-      *session_.source, range.first, live() ? capture::kEndless : range.second, judges());
+      *session_.source, range.first, live() ? capture::kEndless : range.second, judges(), gate());
   return {};
 }
 
 Result<void> Runner::open_sinks(FrameRange range) {
   const auto when_full = live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait;
   const auto add = [&](std::unique_ptr<output::CompositeSink> sink) {
-    sinks_.push_back(std::make_unique<output::SinkThread>(std::move(sink), when_full));
+    sinks_.push_back(std::make_unique<output::SinkThread>(std::move(sink), when_full, gate()));
   };
   if (folder_) {
     const capture::SourceInfo& info = session_.source->info();
@@ -160,24 +164,26 @@ Result<bool> Runner::frame() {
   composite.world_from_target = session_.world_from_target(*composite.capture);
   watch_camera(composite.world_from_target);
 
-  const HostTime begin = clock_.now();
-  MIXRIG_TRY(compose(composite, wanted & render::kComposite));
-  composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
-  report_.frame_ms.add(composite.frame_ms);
-  const render::StageTimes& times = compositor_->stage_times();
-  for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
+  MIXRIG_TRY(compose_timed(composite, wanted & render::kComposite));
   composite.foreground_pct = foreground_pct(composite.images.matte);
   report_.foreground_pct.add(composite.foreground_pct);
 
   // Inspection images cost time that a live frame does not spend: a second, untimed pass.
-  if (inspected) MIXRIG_TRY(compose(composite, wanted));
+  if (inspected) MIXRIG_TRY(compose(composite, wanted, composite.images));
   if (judges()) MIXRIG_TRY(judge(composite, *item->truth));
   MIXRIG_TRY(deliver(last_));
   return true;
 }
 
-Result<void> Runner::compose(output::Composite& composite, render::OutputMask wanted) {
-  return compose(composite, wanted, composite.images);
+Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
+  const WorkGate::Pause pause(gate());
+  const HostTime begin = clock_.now();
+  MIXRIG_TRY(compose(composite, wanted, composite.images));
+  composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
+  report_.frame_ms.add(composite.frame_ms);
+  const render::StageTimes& times = compositor_->stage_times();
+  for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
+  return {};
 }
 
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
@@ -209,7 +215,7 @@ Result<void> Runner::add_last_to_sheet() {
   std::shared_ptr<output::Composite> composite = inspected_.take();
   composite->capture = last_->capture;
   composite->world_from_target = last_->world_from_target;
-  MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted));
+  MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
 }
 

@@ -95,6 +95,19 @@ TEST(CaptureReader, ALiveSourceNeverWaitsAndDropsTheOldest) {
   EXPECT_EQ(reader.dropped(), 18U);
 }
 
+TEST(CaptureReader, ReadsNothingWhileItsGateIsPaused) {
+  NumberedSource source(100);
+  WorkGate gate;
+  CaptureReader reader(source, 1, 100, false, &gate);
+  for (int number = 1; number <= 20; ++number) {
+    EXPECT_EQ((*reader.next())->capture->number, number);
+    const WorkGate::Pause pause(&gate);
+    const int reads = source.reads;
+    std::this_thread::yield();
+    EXPECT_EQ(source.reads, reads);
+  }
+}
+
 TEST(CaptureReader, CanBeDroppedWhileItWaits) {
   NumberedSource source(100);
   { CaptureReader reader(source, 1, 100, false); }
