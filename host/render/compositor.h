@@ -55,12 +55,21 @@ struct Light {
   std::vector<Lamp> lamps;
 };
 
-/// The room without people in the view; borrowed. Empty images where nothing was learned yet.
+/// The room without people in the view; borrowed. Empty images where nothing was learned yet. A
+/// colour with a negative red is unknown.
 struct BackgroundView {
   ImageView<const float> depth_m;  ///< 0 unknown
   ImageView<const float> depth_sigma_m;
   ImageView<const Rgbf> color;  ///< linear
   ImageView<const float> color_sigma;
+};
+
+/// The room without people as seen from one place; borrowed. It is drawn again for each pose of
+/// the camera, as a mesh that is cut at depth steps.
+struct BackgroundModel {
+  geometry::Pinhole camera;  ///< of the images, any size and field of view
+  geometry::Pose world_from_camera;
+  BackgroundView images;  ///< size of `camera`; depth and its spread are z in its axes
 };
 
 struct KeyParams {
@@ -80,9 +89,10 @@ struct CompositorSetup {
   geometry::Pinhole view;        ///< what is composited: ideal, any size
   geometry::CameraModel tof;
   geometry::Pose target_from_tof;
-  bool depth_is_distance = false;  ///< along the ray, not along z
-  geometry::DepthNoise noise;      ///< of one ToF value
-  BackgroundView background;
+  bool depth_is_distance = false;                   ///< along the ray, not along z
+  geometry::DepthNoise noise;                       ///< of one ToF value
+  BackgroundView background;                        ///< of a camera that stands still
+  std::optional<BackgroundModel> background_model;  ///< instead, of a camera that moves
   std::vector<VirtualObject> objects;
   Light light;
   KeyParams key;
@@ -100,6 +110,7 @@ enum class Stage {
   kPlate,
   kCorrect,
   kWarp,
+  kBackground,
   kVirtual,
   kShadow,
   kKey,

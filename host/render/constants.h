@@ -39,6 +39,10 @@ inline constexpr float kLeastCornerPart = 0.5F;
 /// Most indices of a cell: four quarters of two triangles.
 inline constexpr int kCellIndices = 24;
 
+// --- background, where it is drawn for each pose
+/// A learned colour is not of the drawn surface if their depths differ by more than this part.
+inline constexpr float kHiddenPart = 0.05F;
+
 // --- virtual
 /// Samples along each axis of a pixel, 2 x 2: coverage in quarters.
 inline constexpr int kVirtualSamples = 2;

@@ -22,20 +22,29 @@ bool is_usable(const glm::vec3& c) {
 }  // namespace
 
 ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& background) {
-  if (background.color.empty()) return;
   const Size view = tables.view_size, plate = tables.plate_size;
   for (int j = 0; j < kGridY; ++j)
     for (int i = 0; i < kGridX; ++i) {
       const int x = (2 * i + 1) * view.width / (2 * kGridX);
       const int y = (2 * j + 1) * view.height / (2 * kGridY);
-      const Rgbf b = background.color.row(y)[x];
-      const glm::vec3 learned(b.r, b.g, b.b);
       const glm::vec2 at = tables.plate_is_view ? glm::vec2(x, y) : tables.plate_px.row(y)[x];
-      if (!is_usable(learned) || !(at.x >= 0 && at.y >= 0)) continue;
-      const Sample sample{static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F), learned};
-      if (sample.x < plate.width && sample.y < plate.height) samples_.push_back(sample);
+      if (!(at.x >= 0 && at.y >= 0)) continue;
+      const Place place{x, y, static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F)};
+      if (place.plate_x < plate.width && place.plate_y < plate.height) grid_.push_back(place);
     }
-  ratios_.reserve(samples_.size());
+  samples_.reserve(grid_.size());
+  ratios_.reserve(grid_.size());
+  learn(background);
+}
+
+void ExposureMeter::learn(const BackgroundView& background) {
+  samples_.clear();
+  if (background.color.empty()) return;
+  for (const Place& place : grid_) {
+    const Rgbf b = background.color.row(place.view_y)[place.view_x];
+    const glm::vec3 learned(b.r, b.g, b.b);
+    if (is_usable(learned)) samples_.push_back({place.plate_x, place.plate_y, learned});
+  }
 }
 
 glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {

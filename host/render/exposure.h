@@ -2,6 +2,7 @@
 // How much brighter the camera is set than when the background was learned.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -17,8 +18,15 @@ namespace mixrig::render {
 /// by both back ends. Not thread-safe.
 class ExposureMeter {
  public:
+  /// Where the background is compared with the plate.
+  struct Place {
+    int view_x = 0, view_y = 0, plate_x = 0, plate_y = 0;
+  };
   /// Reads `tables.plate_px` now, so call it before that is given away.
   ExposureMeter(const Tables& tables, const BackgroundView& background);
+  std::span<const Place> places() const { return grid_; }
+  /// Takes another background of the same size. Allocates nothing.
+  void learn(const BackgroundView& background);
   /// Gain per channel, plate = gain * learned in linear light, within 1/8 and 8: the densest third
   /// of the samples' ratios, so that people may fill up to two thirds of the picture. 1 where too
   /// few pixels are usable. Allocates nothing.
@@ -33,6 +41,7 @@ class ExposureMeter {
     float log_luminance = 0;
     glm::vec3 plate{0}, learned{0};
   };
+  std::vector<Place> grid_;
   std::vector<Sample> samples_;
   std::vector<Ratio> ratios_;
 };

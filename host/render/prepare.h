@@ -79,6 +79,7 @@ class FramePreparer {
   /// Brings `params` to this pose. Allocates on the first call only.
   void update(const geometry::Pose& world_from_target);
   const FrameParams& params() const { return params_; }
+  const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
 
  private:
   struct MapFit {  ///< world-fixed frame of a lamp's map

@@ -38,6 +38,17 @@ Result<void> check_background(const BackgroundView& background, Size view) {
   return {};
 }
 
+Result<void> check_background_model(const CompositorSetup& setup) {
+  if (!setup.background_model) return {};
+  const BackgroundModel& model = *setup.background_model;
+  if (!setup.background.depth_m.empty())
+    return bad("there are two backgrounds, a still one and a model: give one of them");
+  if (model.images.depth_m.empty()) return bad("the background model has no depth: learn it again");
+  if (!(model.camera.fx_px > 0) || !(model.camera.fy_px > 0) || !finite(model.world_from_camera))
+    return bad("the background model has a camera or pose that is not finite: learn it again");
+  return check_background(model.images, model.camera.size_px);
+}
+
 Result<void> check_mesh(const MeshView& mesh, const std::string& where) {
   const std::size_t n = mesh.positions_m.size();
   if (mesh.normals.size() != n) return bad(where + " does not have one normal a vertex");
@@ -86,7 +97,8 @@ Result<void> check_light(const Light& light) {
 
 std::string_view name(Stage stage) {
   constexpr std::array<std::string_view, static_cast<std::size_t>(Stage::kCount)> kNames = {
-      "upload", "plate", "correct", "warp", "virtual", "shadow", "key", "light", "mix", "readback"};
+      "upload", "plate", "correct", "warp", "background", "virtual",
+      "shadow", "key",   "light",   "mix",  "readback"};
   return kNames[static_cast<std::size_t>(stage)];
 }
 
@@ -105,6 +117,7 @@ Result<void> validate(const CompositorSetup& setup) {
       !(glm::all(glm::lessThan(setup.capture_box->min_m, setup.capture_box->max_m))))
     return bad("capture volume is empty: its min must be below its max");
   MIXRIG_TRY(check_background(setup.background, setup.view.size_px));
+  MIXRIG_TRY(check_background_model(setup));
   MIXRIG_TRY(check_objects(setup.objects));
   return check_light(setup.light);
 }

@@ -13,10 +13,16 @@ namespace {
 
 constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{1920, 1080};
 
-/// range(0): threads; range(1): whether the camera moves, so that nothing is kept between frames.
+/// range(0): threads; range(1): 1 where the camera moves, so that nothing is kept between frames, 2
+/// where the background is drawn for each pose too.
 void compose(benchmark::State& state, Size view, Size tof) {
   const RoomSetup room({.view = view, .tof = tof, .lens_k1 = -0.05});
-  auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)));
+  render::CompositorSetup setup = room.setup;
+  if (state.range(1) == 2) {
+    setup.background_model = render::BackgroundModel{setup.view, {}, setup.background};
+    setup.background = {};
+  }
+  auto compositor = render::make_cpu_compositor(setup, static_cast<int>(state.range(0)));
   if (!compositor) {
     state.SkipWithError(compositor.error().context.c_str());
     return;
@@ -35,7 +41,7 @@ void compose(benchmark::State& state, Size view, Size tof) {
 }
 
 void arguments(benchmark::internal::Benchmark* bench) {
-  bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->ArgNames({"threads", "moving"});
+  bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->Args({2, 2})->ArgNames({"threads", "moving"});
   bench->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 

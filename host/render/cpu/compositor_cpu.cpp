@@ -8,6 +8,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/cpu_level.h"
 #include "hal/base/parallel.h"
+#include "host/render/cpu/background.h"
 #include "host/render/cpu/correct.h"
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
@@ -55,6 +56,8 @@ class CpuCompositor final : public Compositor {
   std::string renderer() const override;
 
  private:
+  void draw_background(StopWatch& watch);
+  MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
   void store_warped_depth(Image<float>& depth_m) const;
   void store_light(Image<float>& light) const;
@@ -64,6 +67,7 @@ class CpuCompositor final : public Compositor {
   Crew crew_;
   Tables tables_;
   FramePreparer preparer_;
+  std::unique_ptr<MovingBackground> moving_background_;  ///< setup_.background shows its images
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
@@ -97,6 +101,13 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)),
       shadow_maps_(setup_.light.lamps.size()) {
+  if (setup_.background_model) {
+    moving_background_ = std::make_unique<MovingBackground>(crew_, setup_);
+    setup_.background = moving_background_->view();
+    tables_.has_background = true;
+    tables_.key_limit_w.reset(tables_.view_size);
+    tables_.background_normal.reset(tables_.view_size);
+  }
   tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
@@ -116,6 +127,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   // The key writes the matte, wanted or not.
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   preparer_.update(input.world_from_target);
+  watch.lap(Stage::kUpload);
+  draw_background(watch);
   const glm::vec3 gain = meter_.gain(input.plate);
   const FrameParams& frame = preparer_.params();
   watch.lap(Stage::kUpload);
@@ -131,8 +144,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
 
   draw_objects(watch);
   if (needed.key)
-    key(crew_, {tables_, frame.key, setup_.background, plate_, gain}, key_scratch_, view_w_,
-        output.matte);
+    key(crew_, {tables_, frame.key, setup_.background, plate_, gain, colors_of_key()}, key_scratch_,
+        view_w_, output.matte);
   watch.lap(Stage::kKey);
   const bool shadows = has_shadows(frame);
   if (shadows && needed.light)
@@ -156,6 +169,22 @@ Result<void> CpuCompositor::collect(FrameOutput& output) {
   deliver(slot->output, output);
   times_ = slot->times;
   return {};
+}
+
+MovingBackground* CpuCompositor::colors_of_key() const {
+  const bool any = moving_background_ && moving_background_->has_color() && setup_.key.color;
+  return any ? moving_background_.get() : nullptr;
+}
+
+/// Only where the camera moves; while the pose stays, so does the background.
+void CpuCompositor::draw_background(StopWatch& watch) {
+  if (!moving_background_ || !preparer_.params().pose_changed) return;
+  moving_background_->draw(crew_, preparer_.world_from_camera(), tables_);
+  if (moving_background_->has_color())
+    for (const ExposureMeter::Place& place : meter_.places())
+      moving_background_->draw_color(place.view_x, place.view_y, 1);
+  meter_.learn(setup_.background);
+  watch.lap(Stage::kBackground);
 }
 
 /// Virtual layer, shadow maps and the background's light: while the pose stays, they stay.

@@ -177,6 +177,7 @@ Near foreground_around(const KeyScratch& scratch, int bx, int by, int radius) {
 float color_vote(const KeyInput& input, const Near& near, int x, int y) {
   const glm::vec3 p = linear(input.plate.row(y)[x]);
   const Rgbf learned = input.background.color.row(y)[x];
+  if (learned.r < 0) return 0;  // unknown
   const glm::vec3 b = glm::min(input.gain * glm::vec3(learned.r, learned.g, learned.b), 1.0F);
   const float floor = floor_sigma(b);
   const float spread = input.background.color_sigma.empty()
@@ -278,6 +279,16 @@ void decide_block(const KeyInput& input, const KeyScratch& scratch, int bx, int 
     }
 }
 
+/// Colours of the blocks that votes look at: those to decide and their neighbours.
+void draw_color(const KeyScratch& scratch, int bx, int by, Size size, MovingBackground& moving) {
+  bool any = false;
+  around(scratch, bx, by, 1, [&](const Block& b) { any |= is_decided(b); });
+  if (!any) return;
+  const int x0 = block_begin(bx), width = block_end(bx, size.width) - x0;
+  for (int y = block_begin(by); y < block_end(by, size.height); ++y)
+    moving.draw_color(x0, y, width);
+}
+
 void fill_block(int bx, int by, std::uint8_t value, Image<std::uint8_t>& matte) {
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
     std::fill(matte.row(y) + block_begin(bx), matte.row(y) + block_end(bx, matte.width()), value);
@@ -323,6 +334,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
     });
   };
   each_block([&](int bx, int by, Block& block) {
+    if (input.moving) draw_color(scratch, bx, by, size, *input.moving);
     if (block.sampled) sample_block(input, view_w, scratch.state, bx, by, block);
   });
   each_block([&](int bx, int by, const Block& block) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/render/cpu/background.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/prepare.h"
 
@@ -41,7 +42,8 @@ struct KeyInput {
   const KeyPassParams& params;
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
-  glm::vec3 gain{1};  ///< of the plate over the learned background
+  glm::vec3 gain{1};                   ///< of the plate over the learned background
+  MovingBackground* moving = nullptr;  ///< draws the colours of `background` that are needed
 };
 
 /// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the

@@ -128,7 +128,8 @@ Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, f
     std::optional<glm::vec3> learned;
     if (!input.background.color.empty()) {
       const Rgbf b = input.background.color.row(y)[x];
-      learned = glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
+      if (b.r >= 0)
+        learned = glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
     }
     if (output.wanted & kColor) output.color.row(y)[x] = encode(mixed_color(parts, learned));
     if (visible_layer(parts) != Layer::kVirtual) continue;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass background: the background model as the camera sees it from its pose.
+#pragma once
+
+#include "hal/base/parallel.h"
+#include "host/render/background_model.h"
+#include "host/render/cpu/correct.h"
+#include "host/render/cpu/srgb.h"
+#include "host/render/cpu/warp.h"
+
+namespace mixrig::render::cpu {
+
+/// The background at the last pose, images of the view's size. What the model never saw, or saw
+/// hidden behind another surface, is unknown: depth 0, colour negative, no limit.
+class MovingBackground {
+ public:
+  /// Reads the model's images now and borrows nothing.
+  MovingBackground(Crew& crew, const CompositorSetup& setup);
+  /// Draws the depth, and what the key and the light pass take from `tables`: key_limit_w and
+  /// background_normal. Colours are those of earlier draws until draw_color().
+  void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
+  bool has_color() const { return !model_color_.empty(); }
+  /// Draws the colour of `width` <= kMostColumns pixels of a row. Few pixels need it: those that
+  /// depth cannot decide. Any thread, different pixels. Precondition: has_color().
+  void draw_color(int x0, int y, int width);
+  static constexpr int kMostColumns = 128;
+  /// Valid for the life of this; changed by the draws.
+  BackgroundView view() const { return {depth_m_, {}, color_, color_sigma_}; }
+
+ private:
+  struct Run;
+  void find_in_model(int x0, int y, int width, Run& run) const;
+  void look_up(int x0, int y, const Run& run, PackedNormal* normals);
+  void limit_row(int y, float* limit_w) const;
+
+  KeyParams key_;
+  NoiseParams noise_;
+  int radius_px_;
+  geometry::Pose world_from_model_;
+  ModelTables model_;
+  /// Lookup tables: model camera's size and a border of one pixel that knows nothing.
+  Image<Rgbx16> model_color_;         ///< x: the spread, 65535 where unknown; empty without colour
+  Image<float> model_w_;              ///< inverse depth, 0 unknown
+  Image<float> model_sigma_m_;        ///< spread of the depth
+  Image<PackedNormal> model_normal_;  ///< model axes
+  Tables grid_tables_;                ///< those of pass warp, for the model's grid
+  TofGrid grid_;
+  WarpScratch scratch_;
+  glm::mat3 model_from_camera_{1};
+  glm::vec3 camera_in_model_m_{0};
+  Image<float> w_;           ///< with kViewMargin
+  Image<float> row_most_w_;  ///< largest w_ within the radius, along the row
+  Image<float> depth_sigma_m_;
+  Image<float> depth_m_;
+  Image<Rgbf> color_;
+  Image<float> color_sigma_;
+};
+
+}  // namespace mixrig::render::cpu

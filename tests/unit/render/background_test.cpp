@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// The background model drawn at other poses, against a scene that is ray-cast there.
+#include "host/render/cpu/background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hal/base/srgb.h"
+#include "host/render/cpu/compositor_cpu.h"
+#include "tests/support/analytic_scene.h"
+#include "tests/support/count_allocations.h"
+#include "tests/unit/render/helpers.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr Size kView{320, 256}, kTof{128, 106};
+constexpr double kView_f_px = 260, kTof_f_px = 104;
+
+Camera camera_at(const Eigen::Vector3d& position_m) { return {kView, kView_f_px, position_m}; }
+
+/// A model of the room without people from the origin, and a compositor's setup with it.
+struct Modelled {
+  explicit Modelled(AnalyticScene room = {}) : scene(room) {
+    scene.person = false;
+    setup = plain_setup(kView, kView_f_px, kTof, kTof_f_px);
+    Image<std::uint8_t> person;
+    render_truth(scene, camera_at({0, 0, 0}), depth_m, person);
+    const Image<Rgb8> plate = render_plate(scene, camera_at({0, 0, 0}), 1);
+    color.reset(kView);
+    for (int y = 0; y < kView.height; ++y)
+      for (int x = 0; x < kView.width; ++x) {
+        const Rgb8 p = plate.at(x, y);
+        const auto& linear = linear_of_srgb_bytes();
+        color.at(x, y) = {linear[p.r], linear[p.g], linear[p.b]};
+      }
+    color_sigma.reset(kView, 0.01F);
+    setup.background_model =
+        render::BackgroundModel{setup.view, {}, {depth_m, {}, color, color_sigma}};
+  }
+  AnalyticScene scene;
+  render::CompositorSetup setup;
+  Image<float> depth_m, color_sigma;
+  Image<Rgbf> color;
+};
+
+/// The model drawn at a pose.
+struct Drawn {
+  Drawn(const Modelled& m, const geometry::Pose& world_from_camera, int threads = 2)
+      : crew(threads), tables(render::make_tables(m.setup)), background(crew, m.setup) {
+    tables.key_limit_w.reset(kView);
+    tables.background_normal.reset(kView);
+    background.draw(crew, world_from_camera, tables);
+    constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
+    for (int y = 0; y < kView.height; ++y)
+      for (int x = 0; x < kView.width; x += kColumns)
+        background.draw_color(x, y, std::min(kColumns, kView.width - x));
+  }
+  Crew crew;
+  render::Tables tables;
+  render::cpu::MovingBackground background;
+};
+
+geometry::Pose moved(const Eigen::Vector3d& to_m) { return {Eigen::Quaterniond::Identity(), to_m}; }
+
+struct Depths {
+  int known = 0, near = 0, all = 0;  ///< within 2 % of the truth
+  double color_error = 0;            ///< mean absolute difference of the known colours, linear
+  int colored = 0;
+};
+
+Depths compare(const Modelled& m, const Drawn& drawn, const Eigen::Vector3d& at_m) {
+  Image<float> truth_m;
+  Image<std::uint8_t> person;
+  render_truth(m.scene, camera_at(at_m), truth_m, person);
+  const Image<Rgb8> plate = render_plate(m.scene, camera_at(at_m), 2);
+  const auto view = drawn.background.view();
+  Depths d;
+  for (int y = 0; y < kView.height; ++y)
+    for (int x = 0; x < kView.width; ++x) {
+      const float z = view.depth_m.row(y)[x], truth = truth_m.at(x, y);
+      if (!(truth > 0)) continue;
+      ++d.all;
+      if (!(z > 0)) continue;
+      ++d.known;
+      d.near += std::abs(z - truth) < 0.02F * truth;
+      const Rgbf c = view.color.row(y)[x];
+      if (c.r < 0) continue;
+      const Rgb8 p = plate.at(x, y);
+      const auto& linear = linear_of_srgb_bytes();
+      d.color_error += std::abs(c.g - linear[p.g]);
+      ++d.colored;
+    }
+  EXPECT_GT(d.colored, 0.8 * d.known);
+  d.color_error /= std::max(1, d.colored);
+  return d;
+}
+
+TEST(Background, AtItsOwnPoseIsTheModel) {
+  const Modelled m;
+  const Drawn drawn(m, {});
+  const Depths d = compare(m, drawn, {0, 0, 0});
+  EXPECT_GT(d.known, 0.985 * d.all) << "all but the outermost ring of pixels";
+  EXPECT_GT(d.near, 0.985 * d.known);
+  EXPECT_LT(d.color_error, 0.01);
+}
+
+TEST(Background, FromAnotherPlaceAgreesWithTheRayCastScene) {
+  const Modelled m;
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.3, 0, 0), Eigen::Vector3d(-0.2, 0.1, 0.25)}) {
+    const Drawn drawn(m, moved(at));
+    const Depths d = compare(m, drawn, at);
+    EXPECT_GT(d.known, 0.85 * d.all) << at.transpose();
+    EXPECT_GT(d.near, 0.97 * d.known) << at.transpose();
+    EXPECT_LT(d.color_error, 0.02) << at.transpose();
+  }
+}
+
+TEST(Background, WhatTheModelNeverSawIsUnknown) {
+  const Modelled m;
+  // Half of the field of view to the right: the left half is covered.
+  const geometry::Pose turned{
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::atan(160 / kView_f_px), Eigen::Vector3d::UnitY())),
+      {0, 0, 0}};
+  const Drawn drawn(m, turned);
+  const auto view = drawn.background.view();
+  int known_left = 0, known_right = 0;
+  for (int y = 100; y < 156; ++y)
+    for (int x = 0; x < kView.width; ++x)
+      (x < 150 ? known_left : known_right) +=
+          view.depth_m.row(y)[x] > 0 && x != 150 && !(x > 150 && x < 170);
+  EXPECT_GT(known_left, 0.95 * 150 * 56);
+  EXPECT_EQ(known_right, 0);
+  EXPECT_LT(view.color.row(128)[300].r, 0);
+  EXPECT_TRUE(std::isinf(drawn.tables.key_limit_w.at(300, 128)));
+}
+
+/// What a nearer surface hid from the model has no depth and no colour of that surface.
+TEST(Background, NoSurfaceSpansADepthStep) {
+  AnalyticScene room;
+  room.box = false;
+  room.pole_radius_m = 0.25;
+  const Modelled m(room);
+  const Eigen::Vector3d at(0.6, 0, 0);
+  const Drawn drawn(m, moved(at));
+  Image<float> truth_m;
+  Image<std::uint8_t> person;
+  render_truth(m.scene, camera_at(at), truth_m, person);
+  int between = 0;
+  for (int y = 40; y < 200; ++y)
+    for (int x = 0; x < kView.width; ++x) {
+      const float z = drawn.background.view().depth_m.row(y)[x];
+      between += z > 3.2F && z < 4.2F && truth_m.at(x, y) > 4.4F;
+    }
+  EXPECT_LT(between, 160 * 3) << "pixels between pole and wall";
+}
+
+TEST(Background, LimitAndNormalsAreThoseOfAStillBackgroundAtTheSamePose) {
+  const Modelled m;
+  const Drawn drawn(m, {});
+  render::CompositorSetup still = m.setup;
+  still.background_model.reset();
+  still.background = {m.depth_m, {}, m.color, m.color_sigma};
+  const render::Tables tables = render::make_tables(still);
+  std::vector<float> limit_error;
+  int other_normals = 0;
+  for (int y = 8; y < kView.height - 8; ++y)
+    for (int x = 8; x < kView.width - 8; ++x) {
+      limit_error.push_back(
+          std::abs(drawn.tables.key_limit_w.at(x, y) / tables.key_limit_w.at(x, y) - 1));
+      const auto a = drawn.tables.background_normal.at(x, y), b = tables.background_normal.at(x, y);
+      other_normals += std::abs(a.x - b.x) + std::abs(a.y - b.y) + std::abs(a.z - b.z) > 6;
+    }
+  std::sort(limit_error.begin(), limit_error.end());
+  EXPECT_LT(limit_error[limit_error.size() * 95 / 100], 0.01F);
+  EXPECT_LT(other_normals, static_cast<int>(limit_error.size() / 100));
+}
+
+TEST(Background, NormalsTurnWithTheCamera) {
+  const Modelled m;
+  const geometry::Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                              {0, 0, 0}};
+  const Drawn drawn(m, turned);
+  // The back wall faces -z of the world.
+  const Eigen::Vector3d expected = turned.rotation.inverse() * -Eigen::Vector3d::UnitZ();
+  const auto n = drawn.tables.background_normal.at(100, 110);
+  EXPECT_NEAR(n.x, 127 * expected.x(), 5);
+  EXPECT_NEAR(n.y, 127 * expected.y(), 5);
+  EXPECT_NEAR(n.z, 127 * expected.z(), 5);
+}
+
+TEST(Background, ThreadsDoNotChangeIt) {
+  const Modelled m;
+  const Drawn one(m, moved({0.1, 0, 0}), 1), three(m, moved({0.1, 0, 0}), 3);
+  for (int y = 0; y < kView.height; ++y)
+    for (int x = 0; x < kView.width; ++x)
+      ASSERT_EQ(one.background.view().depth_m.row(y)[x], three.background.view().depth_m.row(y)[x]);
+}
+
+/// Share of the pixels whose person the key finds, and of those that it takes for one by mistake.
+struct Key {
+  double found = 0, wrong = 0;
+};
+Key keyed(render::CompositorSetup setup, AnalyticScene scene, const Eigen::Vector3d& at_m) {
+  scene.person = true;
+  const Camera target = camera_at(at_m), tof{kTof, kTof_f_px, at_m};
+  Image<float> truth_m;
+  Image<std::uint8_t> person;
+  render_truth(scene, target, truth_m, person);
+  auto compositor = render::make_cpu_compositor(setup, 2);
+  EXPECT_TRUE(compositor);
+  render::FrameOutput out;
+  EXPECT_TRUE(
+      (*compositor)
+          ->compose({render_plate(scene, target, 3), render_tof(scene, tof, 4, 0.006), moved(at_m)},
+                    out));
+  double hit = 0, either = 0, wrong = 0;
+  for (int y = 0; y < kView.height; ++y)
+    for (int x = 0; x < kView.width; ++x) {
+      const bool is = person.at(x, y) > 0, said = out.matte.at(x, y) >= 128;
+      hit += is && said, either += is || said, wrong += said && !is;
+    }
+  return {hit / either, wrong / static_cast<double>(kView.area())};
+}
+
+TEST(Background, AMovedCameraKeysAsWellAsAStillOne) {
+  const Modelled m;
+  render::CompositorSetup still = m.setup;
+  still.background_model.reset();
+  still.background = {m.depth_m, {}, m.color, m.color_sigma};
+  const Key at_rest = keyed(still, m.scene, {0, 0, 0});
+  const Eigen::Vector3d aside(0.15, 0.05, 0.1);
+  const Key followed = keyed(m.setup, m.scene, aside);
+  const Key frozen = keyed(still, m.scene, aside);
+  EXPECT_GT(followed.found, at_rest.found - 0.03);
+  EXPECT_LT(frozen.found, 0.8) << "the test can tell a followed background from a frozen one";
+}
+
+TEST(Background, DrawingAllocatesNothing) {
+  const Modelled m;
+  Drawn drawn(m, {});
+  const long before = allocations;
+  drawn.background.draw(drawn.crew, moved({0.05, 0, 0}), drawn.tables);
+  drawn.background.draw_color(100, 100, 100);
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(Background, ASetupWithTwoBackgroundsIsRefused) {
+  Modelled m;
+  m.setup.background = {m.depth_m, {}, m.color, m.color_sigma};
+  const auto compositor = render::make_cpu_compositor(m.setup, 1);
+  ASSERT_FALSE(compositor);
+  EXPECT_NE(compositor.error().context.find("two backgrounds"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mixrig::test
