@@ -43,5 +43,7 @@ class Trajectory {
 /// Reads TUM lines (t x y z qx qy qz qw) or CSV of the same columns; '#' starts a comment, a first
 /// line of words is a header. Errors: kNotFound; kFormat with file:line for a line that is neither.
 Result<Trajectory> read_trajectory(const std::filesystem::path& path);
+/// The same lines in the order of the file, unchecked: values may be NaN. Errors as above.
+Result<std::vector<TimedPose>> read_samples(const std::filesystem::path& path);
 
 }  // namespace mixrig::trajectory

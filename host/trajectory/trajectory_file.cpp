@@ -37,8 +37,7 @@ bool is_skipped(std::string_view line) {
   return first == std::string_view::npos || line[first] == '#';
 }
 
-/// A header of column names: it starts with a letter. ("nan" and "inf" are not accepted as
-/// numbers.)
+/// A header of column names: it starts with a letter.
 bool is_header(std::string_view line) {
   const auto first = line.find_first_not_of(" \t\"");
   return first != std::string_view::npos &&
@@ -47,7 +46,7 @@ bool is_header(std::string_view line) {
 
 }  // namespace
 
-Result<Trajectory> read_trajectory(const std::filesystem::path& path) {
+Result<std::vector<TimedPose>> read_samples(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code))
     return Error{ErrorCode::kNotFound, path.string() + ": no such trajectory file"};
@@ -64,6 +63,11 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& path) {
     samples.push_back(*sample);
   }
   if (file.bad()) return Error{ErrorCode::kIo, path.string() + ": reading failed"};
+  return samples;
+}
+
+Result<Trajectory> read_trajectory(const std::filesystem::path& path) {
+  MIXRIG_ASSIGN(std::vector<TimedPose> samples, read_samples(path));
   return Trajectory(std::move(samples));
 }
 
