@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host/render/cpu/irradiance.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -11,39 +15,8 @@ namespace {
 constexpr int kGrain = 16;
 constexpr std::uint16_t kLit = 65535;
 
-/// Irradiance by an unhidden lamp, as CONVENTIONS.md has it.
-glm::vec3 irradiance(const LampParams& lamp, const glm::vec3& position_m, const glm::vec3& normal) {
-  const glm::vec3 to_lamp = lamp.position_m - position_m;
-  const float distance2 = std::max(glm::dot(to_lamp, to_lamp), kLeastDistance2);
-  const glm::vec3 direction = to_lamp / std::sqrt(distance2);
-  const float receiver = std::max(0.0F, glm::dot(normal, direction));
-  const float emitter =
-      lamp.direction == glm::vec3(0) ? 1.0F : std::max(0.0F, -glm::dot(lamp.direction, direction));
-  return lamp.intensity * (receiver * emitter / distance2);
-}
-
-/// Light with the virtual objects over light without, luminance.
-float light_ratio(const LightInput& input, const glm::vec3& position_m, const glm::vec3& normal) {
-  constexpr std::size_t kMost = 16;  // lamps whose shadows are looked up once
-  std::array<float, kMost> seen{};
-  const auto seen_of = [&](std::size_t i) {
-    return visibility(input.frame.lamps[i], input.maps[i], position_m, normal);
-  };
-  bool shadowed = false;
-  for (std::size_t i = 0; i < input.maps.size(); ++i) {
-    const float share = seen_of(i);
-    if (i < kMost) seen[i] = share;
-    shadowed |= share < 1;
-  }
-  if (!shadowed) return 1;
-  float with = luminance(input.frame.light.ambient), without = with;
-  for (std::size_t i = 0; i < input.maps.size(); ++i) {
-    const float light = luminance(irradiance(input.frame.lamps[i], position_m, normal));
-    with += light * (i < kMost ? seen[i] : seen_of(i));
-    without += light;
-  }
-  return without > 0 ? with / without : 1;
-}
+/// Background of one tile is tested together for shadows. A register divides its width.
+constexpr int kTileWidth = 16, kTileHeight = 8;
 
 std::uint16_t to_fixed(float share) {
   return static_cast<std::uint16_t>(kLinearOne * std::clamp(share, 0.0F, 1.0F) + 0.5F);
@@ -92,15 +65,32 @@ glm::vec3 person_normal(const PinholeParams& view, const Image<float>& tile_w, i
   return -glm::normalize(glm::vec3(a, b, w_at(x, y) - a * ray.x - b * ray.y));
 }
 
-void light_tile(const LightInput& input, int x, int y, LightLayer& light) {
+/// Light of a row of people's tiles.
+void light_tiles(const LightInput& input, int y, LightLayer& light) {
   const PinholeParams& view = input.tables.warp.view;
-  const float w = light.tile_w.row(y)[x];
-  if (!(w > 0)) return;
-  const glm::vec2 px(tile_center(x), tile_center(y));
-  const glm::vec3 ray((px - view.center_px) / view.focal_px, 1);
   const int reach = normal_reach_tiles(input.tables.tof_footprint_px);
-  const glm::vec3 normal = person_normal(view, light.tile_w, x, y, reach, ray);
-  light.tile_light.row(y)[x] = light_ratio(input, ray / w, normal);
+  const int columns = light.tile_w.width();
+  const float* tile_w = light.tile_w.row(y);
+  SurfaceLanes at;
+  std::array<int, kLanes> tiles;
+  int count = 0;
+  const auto find = [&] {
+    NumberLanes ratio;
+    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
+    light_ratio(input.frame, input.maps, kAllLamps, at, ratio);
+    for (int i = 0; i < count; ++i)
+      light.tile_light.row(y)[tiles[static_cast<std::size_t>(i)]] = ratio[i];
+    count = 0;
+  };
+  for (int x = 0; x < columns; ++x) {
+    if (!(tile_w[x] > 0)) continue;
+    const glm::vec2 px(tile_center(x), tile_center(y));
+    const glm::vec3 ray((px - view.center_px) / view.focal_px, 1);
+    at.set(count, ray / tile_w[x], person_normal(view, light.tile_w, x, y, reach, ray));
+    tiles[static_cast<std::size_t>(count)] = x;
+    if (++count == kLanes) find();
+  }
+  if (count > 0) find();
 }
 
 /// Bilinear over the tiles that hold people; 1 where none does.
@@ -120,6 +110,92 @@ float tile_light_at(const LightLayer& light, int x, int y) {
   return weights > 0 ? sum / weights : 1;
 }
 
+/// Shades the covered pixels of a row, a register of them at a time.
+void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
+  SurfaceLanes at;
+  std::array<int, kLanes> columns;
+  int count = 0;
+  const auto shade = [&] {
+    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
+    VectorLanes light;
+    shading(input.frame, input.maps, at, light);
+    for (int i = 0; i < count; ++i) {
+      Rgbx16& c = layer.color.row(y)[columns[static_cast<std::size_t>(i)]];
+      const glm::vec3 shaded =
+          glm::vec3(c.r, c.g, c.b) * glm::vec3(light.x[i], light.y[i], light.z[i]) + 0.5F;
+      const glm::vec3 clipped = glm::min(shaded, glm::vec3(kLinearOne));
+      c = {static_cast<std::uint16_t>(clipped.r), static_cast<std::uint16_t>(clipped.g),
+           static_cast<std::uint16_t>(clipped.b), 0};
+    }
+    count = 0;
+  };
+  for (int x = x0; x < x1; ++x) {
+    if (layer.coverage.row(y)[x] == 0) continue;
+    const glm::vec3 ray = ray_of(input.tables.warp.view, x, y);
+    at.set(count, ray / layer.w.row(y)[x], unpack(layer.normal.row(y)[x], ray));
+    columns[static_cast<std::size_t>(count)] = x;
+    if (++count == kLanes) shade();
+  }
+  if (count > 0) shade();
+}
+
+/// Least and largest known depth of a rectangle; 0, 0 where none is.
+std::pair<float, float> depth_range_m(ImageView<const float> depth_m, const Rect& rect) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  float least = kMost, largest = 0;
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    const float* row = depth_m.row(y);
+#pragma omp simd reduction(min : least) reduction(max : largest)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      least = std::min(least, row[x] > 0 ? row[x] : kMost);
+      largest = std::max(largest, row[x]);
+    }
+  }
+  return {largest > 0 ? least : 0, largest};
+}
+
+/// Lamps that may be hidden from anything that the rectangle's pixels show.
+LampSet lamps_in_doubt(const LightInput& input, const Rect& rect, float near_m, float far_m) {
+  const PinholeParams& view = input.tables.warp.view;
+  Corners corners_m;
+  for (std::size_t i = 0; i < 8; ++i)
+    corners_m[i] = ray_of(view, i & 1 ? rect.x1 - 1 : rect.x0, i & 2 ? rect.y1 - 1 : rect.y0) *
+                   (i & 4 ? far_m : near_m);
+  LampSet set = 0;
+  for (std::size_t k = 0; k < std::min(input.maps.size(), kLampBits); ++k)
+    set |= LampSet{may_be_shadowed(input.frame.lamps[k], input.maps[k], corners_m)} << k;
+  return set;
+}
+
+/// A row of a tile; precondition: at least one pixel.
+void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out) {
+  const float* depth_m = input.background.depth_m.row(y);
+  const PackedNormal* normals = input.tables.background_normal.row(y);
+  for (int x = x0; x < x1; x += kLanes) {
+    SurfaceLanes at;
+    for (int i = 0; i < kLanes; ++i) {
+      const int column = std::min(x + i, x1 - 1);
+      const glm::vec3 ray = ray_of(input.tables.warp.view, column, y);
+      at.set(i, ray * std::max(depth_m[column], 0.0F), unpack(normals[column], ray));
+    }
+    NumberLanes ratio;
+    light_ratio(input.frame, input.maps, maybe, at, ratio);
+    for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
+      out[x + i] = depth_m[x + i] > 0 ? to_fixed(ratio[i]) : kLit;
+  }
+}
+
+void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
+  for (int y = rect.y0; y < rect.y1; ++y)
+    std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
+  const auto [near_m, far_m] = depth_range_m(input.background.depth_m, rect);
+  if (!(far_m > 0)) return;
+  const LampSet maybe = lamps_in_doubt(input, rect, near_m, far_m);
+  if (maybe == 0 && input.maps.size() <= kLampBits) return;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    light_row(input, maybe, y, rect.x0, rect.x1, light.row(y));
+}
+
 }  // namespace
 
 LightLayer::LightLayer(Size view_size) : background(view_size, kLit), visible(view_size, kLit) {
@@ -134,44 +210,19 @@ bool has_shadows(const FrameParams& frame) {
 }
 
 void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
-  const PinholeParams& view = input.tables.warp.view;
-  crew.rows(light.background.height(), kGrain, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < light.background.width(); ++x) {
-        const float z = input.tables.has_background ? input.background.depth_m.row(y)[x] : 0;
-        std::uint16_t& out = light.background.row(y)[x];
-        out = kLit;
-        if (!(z > 0)) continue;
-        const glm::vec3 ray = ray_of(view, x, y);
-        const glm::vec3 normal = unpack(input.tables.background_normal.row(y)[x], ray);
-        out = to_fixed(light_ratio(input, ray * z, normal));
-      }
+  Image<std::uint16_t>& out = light.background;
+  if (!input.tables.has_background) return out.fill(kLit);
+  crew.rows(out.height(), kTileHeight, [&](int begin, int end) {
+    for (int x = 0; x < out.width(); x += kTileWidth)
+      light_tile(input, {x, begin, std::min(x + kTileWidth, out.width()), end}, out);
   });
 }
 
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
-  const PinholeParams& view = input.tables.warp.view;
   const Rect& rect = layer.rect;
   crew.rows(rect.y1 - rect.y0, kGrain, [&](int begin, int end) {
     for (int y = rect.y0 + begin; y < rect.y0 + end; ++y)
-      for (int x = rect.x0; x < rect.x1; ++x) {
-        if (layer.coverage.row(y)[x] == 0) continue;
-        const glm::vec3 ray = ray_of(view, x, y);
-        const glm::vec3 position_m = ray / layer.w.row(y)[x];
-        const glm::vec3 normal = unpack(layer.normal.row(y)[x], ray);
-        glm::vec3 light = input.frame.light.ambient;
-        for (std::size_t i = 0; i < input.maps.size(); ++i) {
-          const LampParams& lamp = input.frame.lamps[i];
-          light += irradiance(lamp, position_m, normal) *
-                   visibility(lamp, input.maps[i], position_m, normal);
-        }
-        Rgbx16& c = layer.color.row(y)[x];
-        const glm::vec3 shaded =
-            glm::vec3(c.r, c.g, c.b) * light * input.frame.light.exposure + 0.5F;
-        const glm::vec3 clipped = glm::min(shaded, glm::vec3(kLinearOne));
-        c = {static_cast<std::uint16_t>(clipped.r), static_cast<std::uint16_t>(clipped.g),
-             static_cast<std::uint16_t>(clipped.b), 0};
-      }
+      shade_row(input, y, rect.x0, rect.x1, layer);
   });
 }
 
@@ -183,8 +234,7 @@ void light_people(Crew& crew, const LightInput& input, const Image<float>& view_
       for (int x = 0; x < columns; ++x) light.tile_w.row(y)[x] = mean_w(view_w, matte, x, y);
   });
   crew.rows(rows, 4, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < columns; ++x) light_tile(input, x, y, light);
+    for (int y = begin; y < end; ++y) light_tiles(input, y, light);
   });
   crew.rows(matte.height(), kGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {

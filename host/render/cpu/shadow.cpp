@@ -2,14 +2,14 @@
 #include "host/render/cpu/shadow.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 
 namespace mixrig::render::cpu {
 namespace {
 
 void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid& grid, int y0,
-                  int y1, ShadowMap& map) {
+                  int y1, Image<float>& map_w) {
   for (const Draw& draw : params.draws) {
     if (!draw.casts_shadow) continue;
     const glm::mat4& lamp_from_object =
@@ -23,65 +23,42 @@ void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid&
       const auto triangle = set_up(at(0), at(1), at(2), grid, Facing::kBoth);
       if (!triangle) continue;
       for_each_sample(*triangle, y0, y1, [&](int x, int y, float w, const glm::vec3&) {
-        map.row(y)[x] = std::max(map.row(y)[x], w);
+        map_w.row(y)[x] = std::max(map_w.row(y)[x], w);
       });
     }
   }
 }
 
-/// A disc of taps, coordinate by coordinate: loops over it become gathers.
-template <int kTaps>
-struct Disc {
-  Disc() {
-    for (int i = 0; i < kTaps; ++i) {
-      const glm::vec2 tap = vogel_tap(i, kTaps);
-      x[i] = tap.x, y[i] = tap.y;
+/// Largest value of each cell.
+void reduce(const Image<float>& w, Image<float>& cells) {
+  for (int y = 0; y < w.height(); ++y) {
+    float* out = cells.row(y / kCellTexels);
+    for (int x = 0; x < w.width(); ++x)
+      out[x / kCellTexels] = std::max(out[x / kCellTexels], w.row(y)[x]);
+  }
+}
+
+/// From windows of `side` cells to windows of twice as many.
+void widen(const Image<float>& from, int side, Image<float>& to) {
+  const int last_x = from.width() - 1, last_y = from.height() - 1;
+  for (int y = 0; y <= last_y; ++y) {
+    const float *upper = from.row(y), *lower = from.row(std::min(y + side, last_y));
+    for (int x = 0; x <= last_x; ++x) {
+      const int right = std::min(x + side, last_x);
+      to.row(y)[x] = std::max(std::max(upper[x], upper[right]), std::max(lower[x], lower[right]));
     }
   }
-  alignas(64) float x[kTaps], y[kTaps];
-};
-
-/// Nearest texels of a disc around `center`. The border of a map is empty, as is
-/// everything outside.
-template <int kTaps>
-void read_disc(const ShadowMap& map, const Disc<kTaps>& disc, glm::vec2 center, float radius,
-               float* values) {
-  const float last = static_cast<float>(map.width() - 1);
-  const float* texels = map.row(0);
-  const int stride = static_cast<int>(map.stride());
-#pragma omp simd
-  for (int i = 0; i < kTaps; ++i) {
-    const float x = std::min(std::max(center.x + radius * disc.x[i], 0.0F), last);
-    const float y = std::min(std::max(center.y + radius * disc.y[i], 0.0F), last);
-    values[i] = texels[static_cast<int>(y + 0.5F) * stride + static_cast<int>(x + 0.5F)];
-  }
 }
 
-/// Mean lamp depth of what lies before `w` within `radius` texels; 0 for nothing.
-float blocker_depth_m(const ShadowMap& map, glm::vec2 center, float radius, float w) {
-  static const Disc<kBlockerTapCount> kDisc;
-  alignas(64) std::array<float, kBlockerTapCount> values;
-  read_disc(map, kDisc, center, radius, values.data());
-  float sum = 0, count = 0;
-#pragma omp simd reduction(+ : sum, count)
-  for (int i = 0; i < kBlockerTapCount; ++i) {
-    const bool before = values[static_cast<std::size_t>(i)] > w;
-    sum += before ? 1 / values[static_cast<std::size_t>(i)] : 0;
-    count += before ? 1.0F : 0.0F;
-  }
-  return count > 0 ? sum / count : 0;
-}
-
-/// Share of the taps within `radius` texels that nothing hides.
-float lit_share(const ShadowMap& map, glm::vec2 center, float radius, float w) {
-  static const Disc<kShadowTapCount> kDisc;
-  alignas(64) std::array<float, kShadowTapCount> values;
-  read_disc(map, kDisc, center, radius, values.data());
-  float lit = 0;
-#pragma omp simd reduction(+ : lit)
-  for (int i = 0; i < kShadowTapCount; ++i)
-    lit += values[static_cast<std::size_t>(i)] > w ? 0.0F : 1.0F;
-  return lit / static_cast<float>(kShadowTapCount);
+void find_largest(ShadowMap& map) {
+  const auto cells = [](int texels) { return (texels + kCellTexels - 1) / kCellTexels; };
+  const Size size{cells(map.w.width()), cells(map.w.height())};
+  const int longer = std::max(size.width, size.height);
+  map.largest.resize(static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(longer))));
+  for (Image<float>& level : map.largest) level.reset(size);
+  reduce(map.w, map.largest[0]);
+  for (std::size_t k = 1; k < map.largest.size(); ++k)
+    widen(map.largest[k - 1], 1 << (k - 1), map.largest[k]);
 }
 
 }  // namespace
@@ -91,32 +68,32 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
   for (std::size_t i = 0; i < params.lamps.size(); ++i) {
     const LampParams& lamp = params.lamps[i];
     const int size = lamp.map_size_texel;
-    maps[i].reset({size, size});
+    maps[i].w.reset({size, size});
+    if (size == 0) continue;
     const SampleGrid grid{
         glm::dvec2(lamp.map_focal_texel), glm::dvec2(lamp.map_center_texel), {0, 0, size, size}};
     crew.rows(size, kGrain,
-              [&](int begin, int end) { draw_casters(params, i, grid, begin, end, maps[i]); });
+              [&](int begin, int end) { draw_casters(params, i, grid, begin, end, maps[i].w); });
   }
+  crew.rows(static_cast<int>(maps.size()), 1, [&](int begin, int) {
+    ShadowMap& map = maps[static_cast<std::size_t>(begin)];
+    if (!map.empty()) find_largest(map);
+  });
 }
 
-float visibility(const LampParams& lamp, const ShadowMap& map, const glm::vec3& position_m,
-                 const glm::vec3& normal) {
-  if (map.empty()) return 1;
-  const glm::vec3 unmoved = transform(lamp.lamp_from_camera, position_m);
-  if (!(unmoved.z > lamp.casters_near_m)) return 1;
-  // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
-  const float lift_m = kLiftTexels * unmoved.z / lamp.map_focal_texel;
-  const glm::vec3 p = transform(lamp.lamp_from_camera, position_m + lift_m * normal);
-  if (!(p.z > lamp.casters_near_m)) return 1;
-  const glm::vec2 center = glm::vec2(p) * (lamp.map_focal_texel / p.z) + lamp.map_center_texel;
-  const float w = 1 / p.z;
-  const float reach = lamp.map_focal_texel * lamp.radius_m;
-  const float search = reach * (1 / lamp.casters_near_m - w);
-  const float last = static_cast<float>(lamp.map_size_texel - 1) + search;
-  if (!(center.x > -search && center.y > -search && center.x < last && center.y < last)) return 1;
-  const float blocker_m = blocker_depth_m(map, center, std::max(search, kLeastRadiusTexel), w);
-  if (!(blocker_m > 0)) return 1;
-  return lit_share(map, center, std::max(reach * (1 / blocker_m - w), kLeastRadiusTexel), w);
+float largest_w(const ShadowMap& map, float x0, float y0, float x1, float y1) {
+  const float last = static_cast<float>(map.w.width() - 1);
+  if (!(x1 >= 0 && y1 >= 0 && x0 <= last && y0 <= last)) return 0;
+  const auto cell = [&](float texel) {
+    return static_cast<int>(std::min(std::max(texel, 0.0F), last)) / kCellTexels;
+  };
+  const int left = cell(x0), top = cell(y0), right = cell(x1), bottom = cell(y1);
+  const unsigned side = static_cast<unsigned>(std::max(right - left, bottom - top) + 1);
+  const int level = std::bit_width(side) - 1, window = 1 << level;
+  const Image<float>& largest = map.largest[static_cast<std::size_t>(level)];
+  const int left2 = std::max(right - window + 1, 0), top2 = std::max(bottom - window + 1, 0);
+  return std::max(std::max(largest.row(top)[left], largest.row(top)[left2]),
+                  std::max(largest.row(top2)[left], largest.row(top2)[left2]));
 }
 
 }  // namespace mixrig::render::cpu

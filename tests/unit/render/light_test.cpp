@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/cpu/light.h"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
+#include "host/render/cpu/visibility.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
 namespace {
 
-using render::cpu::visibility;
+using render::cpu::kLanes;
 
 /// A lamp above a horizontal square caster. World and camera are one: y points down.
 struct Lit {
@@ -28,7 +31,22 @@ struct Lit {
   }
   /// What a point on a floor 2 m down sees of the lamp.
   float seen(float x_m, float z_m, float y_m = 2) const {
-    return visibility(preparer.params().lamps[0], maps[0], {x_m, y_m, z_m}, {0, -1, 0});
+    return seen_by(0, {x_m, y_m, z_m}, {0, -1, 0});
+  }
+  /// The point in lane `lane`, other points everywhere in the room in the others.
+  float seen_by(int lane, glm::vec3 position_m, glm::vec3 normal) const {
+    render::cpu::VectorLanes positions_m, all_normals;
+    std::minstd_rand random(1);
+    std::uniform_real_distribution<float> away(-3, 3);
+    for (int i = 0; i < kLanes; ++i) {
+      const glm::vec3 other(away(random), away(random), away(random));
+      const glm::vec3 p = i == lane ? position_m : other;
+      positions_m.x[i] = p.x, positions_m.y[i] = p.y, positions_m.z[i] = p.z;
+      all_normals.x[i] = normal.x, all_normals.y[i] = normal.y, all_normals.z[i] = normal.z;
+    }
+    render::cpu::NumberLanes seen;
+    render::cpu::visibility(preparer.params().lamps[0], maps[0], positions_m, all_normals, seen);
+    return seen[lane];
   }
 
   std::vector<glm::vec3> positions, normals;
@@ -95,6 +113,91 @@ TEST(Shadow, lamp_inside_its_caster_gives_finite_light) {
     const float seen = lit.seen(x, 2);
     EXPECT_TRUE(seen >= 0 && seen <= 1);
   }
+}
+
+TEST(Shadow, a_point_is_lit_alike_in_every_lane) {
+  render::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.size_m = {0.4, 0.4};
+  const Lit lit(lamp);
+  for (const float x : {0.0F, 0.9F, 1.0F, 1.1F, 1.6F})
+    for (int lane = 1; lane < kLanes; ++lane)
+      EXPECT_EQ(lit.seen_by(lane, {x, 2, 2}, {0, -1, 0}), lit.seen(x, 2)) << x << "," << lane;
+}
+
+/// A box of view space: pixels [u, u + width] of a camera with f = 1, depths [near_m, far_m].
+render::cpu::Corners corners(glm::vec2 ray, float width, float near_m, float far_m) {
+  render::cpu::Corners out;
+  for (std::size_t i = 0; i < 8; ++i)
+    out[i] = glm::vec3(ray.x + (i & 1 ? width : 0), ray.y + (i & 2 ? width : 0), 1) *
+             (i & 4 ? far_m : near_m);
+  return out;
+}
+
+TEST(Shadow, what_is_surely_lit_sees_all_of_the_lamp) {
+  std::minstd_rand random(7);
+  const auto between = [&](float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random);
+  };
+  int lit_boxes = 0, shadowed_points = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    render::Lamp lamp = point_lamp({between(-1, 1), between(-0.5F, 0.5F), between(1, 3)});
+    const float side_m = between(0, 1);
+    lamp.size_m = {side_m, side_m};
+    const Lit lit(lamp, between(0.8F, 1.2F), between(0.1F, 0.8F));
+    const render::LampParams& params = lit.preparer.params().lamps[0];
+    for (int k = 0; k < 200; ++k) {
+      const glm::vec2 ray(between(-1.5F, 1.5F), between(-1, 1.5F));
+      const float width = between(0, 0.1F), near_m = between(0.5F, 3);
+      const float far_m = near_m * between(1, 1.3F);
+      const bool sure = !may_be_shadowed(params, lit.maps[0], corners(ray, width, near_m, far_m));
+      lit_boxes += sure;
+      for (int j = 0; j < 8; ++j) {
+        const glm::vec3 on(ray.x + between(0, width), ray.y + between(0, width), 1);
+        const glm::vec3 normal(between(-1, 1), between(-1, 1), between(-1, 1));
+        const float seen =
+            lit.seen_by(j % kLanes, on * between(near_m, far_m), glm::normalize(normal));
+        shadowed_points += seen < 1;
+        ASSERT_TRUE(!sure || seen == 1) << "trial " << trial << ", box " << k << ": " << seen;
+      }
+    }
+  }
+  EXPECT_GT(lit_boxes, 3000);
+  EXPECT_GT(shadowed_points, 3000);
+}
+
+TEST(Shadow, boxes_away_from_the_shadow_are_surely_lit) {
+  const Lit lit(point_lamp({0, 0, 2}));  // shadow of +-1 m on the floor
+  const render::LampParams& lamp = lit.preparer.params().lamps[0];
+  const auto may_be = [&](float x_m, float y_m, float z_m) {
+    return may_be_shadowed(lamp, lit.maps[0],
+                           corners(glm::vec2(x_m, y_m) / z_m, 0.02F, z_m, 1.01F * z_m));
+  };
+  EXPECT_TRUE(may_be(0, 2, 2));
+  EXPECT_TRUE(may_be(0.9F, 2, 2));
+  EXPECT_FALSE(may_be(1.25F, 2, 2));
+  EXPECT_FALSE(may_be(-1.3F, 2, 2));
+  EXPECT_FALSE(may_be(0, 0.8F, 2)) << "between lamp and caster";
+}
+
+TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle) {
+  render::Lamp lamp = point_lamp({0.3, 0, 1.9});
+  const Lit lit(lamp, 1, 0.3F);
+  const render::cpu::ShadowMap& map = lit.maps[0];
+  const int size = map.w.width();
+  std::minstd_rand random(3);
+  std::uniform_real_distribution<float> anywhere(-8, static_cast<float>(size) + 8);
+  for (int k = 0; k < 2000; ++k) {
+    const auto [x0, x1] = std::minmax({anywhere(random), anywhere(random)});
+    const auto [y0, y1] = std::minmax({anywhere(random), anywhere(random)});
+    float expected = 0;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const auto u = static_cast<float>(x), v = static_cast<float>(y);
+        if (u >= x0 && u <= x1 && v >= y0 && v <= y1) expected = std::max(expected, map.w.at(x, y));
+      }
+    ASSERT_GE(render::cpu::largest_w(map, x0, y0, x1, y1), expected) << k;
+  }
+  EXPECT_EQ(render::cpu::largest_w(map, -9, -9, -1, 500), 0);
 }
 
 /// A floor 2 m below the camera seen by pixel rows below the horizon.

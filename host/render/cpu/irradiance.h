@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light of all lamps on surfaces, past what casts shadows, a register of points at a time.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/render/cpu/visibility.h"
+
+namespace mixrig::render::cpu {
+
+/// Lamps that may be hidden, by bit; those without a bit of their own always may.
+using LampSet = std::uint64_t;
+inline constexpr std::size_t kLampBits = 64;
+inline constexpr LampSet kAllLamps = ~LampSet{0};
+
+/// Points of surfaces with unit normals, camera axes; finite.
+struct SurfaceLanes {
+  VectorLanes position_m, normal;
+  void set(int i, const glm::vec3& p, const glm::vec3& n) {
+    position_m.x[i] = p.x, position_m.y[i] = p.y, position_m.z[i] = p.z;
+    normal.x[i] = n.x, normal.y[i] = n.y, normal.z[i] = n.z;
+  }
+};
+
+/// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp.
+void light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                 const SurfaceLanes& at, NumberLanes& ratio);
+
+/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue.
+void shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, const SurfaceLanes& at,
+             VectorLanes& light);
+
+}  // namespace mixrig::render::cpu
