@@ -64,7 +64,16 @@ Optics target_optics(RigPreset rig, Size size_px) {
                    -0.003 * size_px.height);
 }
 
-FisheyeInfo fisheye_camera() { return {{480, 480}, 185 * kDeg, mounted(0.07, 0.08, 0.4)}; }
+FisheyeInfo fisheye_camera() {
+  constexpr Size kSize{1280, 1024};
+  FisheyeOptics o;
+  o.size_px = kSize;
+  o.field_rad = 185 * kDeg;
+  o.f_px = 0.5 * kSize.height / (0.5 * o.field_rad);
+  o.cx_px = 0.5 * (kSize.width - 1), o.cy_px = 0.5 * (kSize.height - 1);
+  o.k1 = -0.012, o.k2 = 0.0015;
+  return {o, mounted(0.07, 0.08, 0.4)};
+}
 
 Optics without_distortion(Optics optics) {
   optics.distortion = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rigs: lenses, mounting and sensors of the presets.
+// The presets of the rigs: lenses, mounting and sensors as designed.
 #pragma once
 
 #include "host/studio/studio.h"

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/fisheye.h"
 #include "host/studio/sensors/picture.h"
 #include "host/studio/sensors/tof_camera.h"
@@ -30,6 +31,8 @@ Result<void> check(const StudioOptions& o) {
   };
   if (o.frames < 2 || o.frames > 100000)
     return wrong(fmt::format("frames must be 2 to 100000, not {}", o.frames));
+  if (!(o.tolerance >= 0 && o.tolerance <= 2))
+    return wrong(fmt::format("tolerance must be 0 to 2, not {}", o.tolerance));
   for (const int side : {o.size_px.width, o.size_px.height})
     if (side < 32 || side > 4096)
       return wrong(fmt::format("size must be 32 to 4096 pixels per side, not {}x{}",
@@ -39,19 +42,21 @@ Result<void> check(const StudioOptions& o) {
   return {};
 }
 
-StudioInfo make_info(const StudioOptions& options, const Layout& layout, const TofSensor& sensor) {
+StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
   info.rate_hz = kRate_hz;
   info.frames = options.frames;
   info.empty_frames = std::min(kEmptyFrames, options.frames / 2);
-  info.target = target_optics(options.rig, options.size_px);
+  info.target = rig.target;
   info.view = without_distortion(info.target);
-  info.tof = {sensor.optics, sensor.target_from_tof, sensor.unit_m, sensor.noise};
-  info.fisheye = fisheye_camera();
+  info.tof = {rig.tof.optics, rig.tof.target_from_tof, rig.tof.unit_m, rig.tof.noise};
+  info.fisheye = {rig.fisheye, rig.target_from_fisheye};
   info.light = layout.light;
   info.object = build_object(layout.world_from_object);
   info.camera_moves = layout.camera_moves;
+  info.world_from_rest = rest_pose(layout);
+  if (options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
   return info;
 }
 
@@ -78,7 +83,8 @@ struct Studio::State {
   State(const StudioOptions& o, const TraceDevice& device)
       : options(o),
         layout(make_layout(o)),
-        info(make_info(o, layout, tof_sensor(o.rig))),
+        rig(rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance)),
+        info(make_info(o, layout, rig)),
         materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
         lamps(info.light),
         motion(o.scenario, o.seed, layout.stage, info.empty_frames / kRate_hz),
@@ -90,7 +96,7 @@ struct Studio::State {
         taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)},
         plate_rays(info.target),
         view_rays(info.view),
-        tof(tof_sensor(o.rig), o.seed, o.raw_depth) {
+        tof(rig.tof, o.seed, o.raw_depth) {
     Mesh mesh = build_room(layout.room);
     Mesh things = furniture_of(mesh);
     room.set(mesh);
@@ -112,6 +118,7 @@ struct Studio::State {
 
   StudioOptions options;
   Layout layout;
+  Rig rig;
   StudioInfo info;
   Materials materials;
   LampSet lamps;
@@ -279,8 +286,9 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.draw_color(frame);
   s.tof.render(s.taps, s.materials, number, s.crew, frame.tof_distance_m, frame.tof_amplitude);
   if (s.options.fisheye)
-    draw_fisheye(s.info.fisheye, place.world_from_target * s.info.fisheye.target_from_fisheye,
-                 s.room, s.casters, s.materials, s.lamps, s.info.light, s.crew, frame.fisheye);
+    draw_fisheye(s.info.fisheye.optics,
+                 place.world_from_target * s.info.fisheye.target_from_fisheye, s.room, s.casters,
+                 s.materials, s.lamps, s.info.light, s.crew, frame.fisheye);
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);

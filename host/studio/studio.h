@@ -14,6 +14,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/geometry/pose.h"
+#include "host/studio/pan_tilt_unit.h"
 
 namespace mixrig::studio {
 
@@ -36,6 +37,7 @@ struct StudioOptions {
   int frames = 60;           ///< length of the take, 2..100000
   Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
   int threads = 0;           ///< 0: one per core
+  double tolerance = 0;      ///< of lenses and mounting by seed, 0..2: 0 as the preset says
   bool raw_depth = false;    ///< leave the ToF camera's systematic error in
   bool fisheye = false;      ///< render Frame::fisheye
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
@@ -62,11 +64,16 @@ struct TofInfo {
   DepthNoise noise;
 };
 
-/// The equidistant fisheye camera: angle to the optical axis = radius / focal length. The image
-/// circle touches the picture's shorter side.
-struct FisheyeInfo {
+/// A fisheye lens: radius_px = f_px (angle + k1 angle^3 + k2 angle^5), where angle is that to the
+/// optical axis.
+struct FisheyeOptics {
   Size size_px;
-  double field_rad = 0;
+  double f_px = 0, cx_px = 0, cy_px = 0, k1 = 0, k2 = 0;
+  double field_rad = 0;  ///< full field of view of the image circle
+};
+
+struct FisheyeInfo {
+  FisheyeOptics optics;
   geometry::Pose target_from_fisheye;
 };
 
@@ -112,6 +119,8 @@ struct StudioInfo {
   Light light;
   VirtualObject object;
   bool camera_moves = false;
+  geometry::Pose world_from_rest;       ///< of the target camera; pan: at angles zero
+  std::optional<PanTiltUnit> pan_tilt;  ///< of scenario pan
 };
 
 /// The measurements of all sensors at one time.
@@ -121,9 +130,10 @@ struct Frame {
   Image<Rgb8> color;
   Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
-  Image<Rgb8> fisheye;          ///< equidistant, 185 degrees; empty unless StudioOptions::fisheye
+  Image<Rgb8> fisheye;          ///< 185 degrees; empty unless StudioOptions::fisheye
   geometry::Pose world_from_target;
-  double pan_rad = 0, tilt_rad = 0;  ///< of the pan-tilt unit, multiple of its step
+  /// Scenario pan: the encoders' angles at mid-exposure, multiples of the unit's step.
+  double pan_rad = 0, tilt_rad = 0;
 };
 
 /// Ground truth of a frame, in the ideal view.

@@ -44,7 +44,7 @@ Writer camera_table(const char* name, const char* model, Size size, const char* 
 }
 
 std::string manifest(const studio::BoardInfo& info) {
-  const studio::BoardRig& rig = info.rig;
+  const studio::Rig& rig = info.rig;
   Writer root, pan_tilt;
   root.set("format", 1).set("name", info.name).set("views", info.options.views);
   root.set("board", board_table(info.options.board));
@@ -78,7 +78,7 @@ json to_json(const studio::TurnAxis& axis) {
 }
 
 json truth_of(const studio::BoardInfo& info) {
-  const studio::BoardRig& rig = info.rig;
+  const studio::Rig& rig = info.rig;
   const studio::FisheyeOptics& f = rig.fisheye;
   json curve = json::array();
   for (int i = 0; i <= std::lround((kTruthTo_m - kTruthFrom_m) / kTruthStep_m); ++i) {

@@ -2,6 +2,7 @@
 // mixrig studio: renders a take with truth in the virtual studio.
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "host/studio_io/board_set.h"
 #include "host/studio_io/studio_take.h"
@@ -17,7 +18,8 @@ struct Arguments {
   int seed = 1, frames = 60, threads = 0, views = 20;
   bool raw_depth = false, pan_tilt = false;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
-  double depth_error_mm = 15, amplitude_error_mm = 0, pixel_error_mm = 0;
+  double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
+  std::optional<double> depth_error_mm;
 };
 
 constexpr const char* kBoardScenario = "board";
@@ -32,6 +34,7 @@ Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   options.frames = arguments.frames;
   options.threads = arguments.threads;
   options.raw_depth = arguments.raw_depth;
+  options.tolerance = arguments.tolerance;
   return options;
 }
 
@@ -53,7 +56,9 @@ Result<studio::BoardOptions> board_options_of(const Arguments& arguments) {
   options.board.bend_m = arguments.bend_mm / 1000;
   options.blur_px = arguments.blur_px;
   options.noise = arguments.noise;
-  options.depth_error_m = arguments.depth_error_mm / 1000;
+  options.tolerance = arguments.tolerance;
+  options.raw_depth = arguments.raw_depth;
+  if (arguments.depth_error_mm) options.depth_error_m = *arguments.depth_error_mm / 1000;
   options.amplitude_error_m = arguments.amplitude_error_mm / 1000;
   options.pixel_error_m = arguments.pixel_error_mm / 1000;
   return options;
@@ -105,7 +110,10 @@ void add_board_options(CLI::App& command, Arguments& arguments) {
   option("--bend", arguments.bend_mm, "Height of the board's middle above its edges, mm");
   option("--blur", arguments.blur_px, "Sigma of every lens, px");
   option("--noise", arguments.noise, "Noise of every sensor, as a factor of its own");
-  option("--depth-error", arguments.depth_error_mm, "Largest systematic depth error, mm");
+  command
+      .add_option("--depth-error", arguments.depth_error_mm,
+                  "Largest systematic depth error, mm; that of the takes if not given")
+      ->group(group);
   option("--amplitude-error", arguments.amplitude_error_mm, "Depth error where light is weak, mm");
   option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");
   command.add_flag("--ptu", arguments.pan_tilt, "The board stands still, the pan-tilt unit turns")
@@ -122,7 +130,9 @@ void add_studio_command(CLI::App& app, Context& context) {
   command->add_option("--scenario", arguments->scenario,
                       "still walk talk pan handheld pendulum edges far dark board");
   command->add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
-  command->add_option("--seed", arguments->seed, "Person, clothes, path and noise");
+  command->add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
+  command->add_option("--tolerance", arguments->tolerance,
+                      "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");
   command->add_option("--frames", arguments->frames,
                       "Length; the first 25 (at most half) are empty");
   command->add_option("--size", arguments->size, "Target camera, WxH");

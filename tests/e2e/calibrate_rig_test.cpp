@@ -44,7 +44,8 @@ class CalibrateRig : public CommandTest {
 
 TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) {
   ASSERT_EQ(mixrig("studio " + path("set") +
-                   " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"),
+                   " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"
+                   " --tolerance 1 --depth-error 15"),
             0);
   const std::string out = path("calibration.toml");
   ASSERT_EQ(mixrig("calibrate rig " + path("set") + " --out " + out + " --json " + path("r.json")),

@@ -101,10 +101,6 @@ geometry::Pose in_view_pose(const BoardInfo& info, int number, RandomDraw& draw,
                     draw.between(12, 45) * range * kDeg, draw.between(0, 2 * std::numbers::pi));
 }
 
-double whole_steps(double angle_rad, double step_rad) {
-  return step_rad * std::round(angle_rad / step_rad);
-}
-
 BoardPlace pan_tilt_place(const BoardInfo& info, int number) {
   const PanTiltUnit& unit = info.rig.pan_tilt;
   const double distance = std::max(1.7, 1.5 * nearest_distance_m(info));
@@ -114,8 +110,8 @@ BoardPlace pan_tilt_place(const BoardInfo& info, int number) {
     RandomDraw draw(info.options.seed, number, attempt);
     const double reach = number == 1 ? 0 : 30 * std::pow(0.995, attempt);
     BoardPlace place;
-    place.pan_rad = whole_steps(draw.between(-reach, reach) * kDeg, unit.step_rad);
-    place.tilt_rad = whole_steps(draw.between(-0.7 * reach, 0.7 * reach) * kDeg, unit.step_rad);
+    place.pan_rad = whole_steps(unit, draw.between(-reach, reach) * kDeg);
+    place.tilt_rad = whole_steps(unit, draw.between(-0.7 * reach, 0.7 * reach) * kDeg);
     const double slack =
         std::sqrt(3.0) *
         unit.repeatability_rad;  // half width of a uniform distribution with that sigma

@@ -43,7 +43,8 @@ Result<void> check(const BoardOptions& o) {
   MIXRIG_TRY(check_range("board bend", o.board.bend_m, -0.02, 0.02));
   MIXRIG_TRY(check_range("blur", o.blur_px, 0, 10));
   MIXRIG_TRY(check_range("noise", o.noise, 0, 100));
-  MIXRIG_TRY(check_range("depth error", o.depth_error_m, 0, 0.1));
+  MIXRIG_TRY(check_range("tolerance", o.tolerance, 0, 2));
+  MIXRIG_TRY(check_range("depth error", o.depth_error_m.value_or(0), 0, 0.1));
   MIXRIG_TRY(check_range("amplitude error", o.amplitude_error_m, -0.1, 0.1));
   MIXRIG_TRY(check_range("pixel error", o.pixel_error_m, -0.1, 0.1));
   const bool markers = o.board.kind == BoardKind::kCharuco;
@@ -62,7 +63,12 @@ BoardInfo make_info(const BoardOptions& o) {
   BoardInfo info;
   info.name = fmt::format("board {}, {}", o.seed, name(o.rig));
   info.options = o;
-  info.rig = make_board_rig(o.rig, o.seed, o.size_px, o.depth_error_m);
+  info.rig = rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance);
+  TofSensor& tof = info.rig.tof;
+  if (o.depth_error_m)
+    set_depth_error(tof, *o.depth_error_m);
+  else if (!o.raw_depth)
+    tof.wiggle_rad *= tof.wiggle_left;
   return info;
 }
 

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/studio/board/board_pattern.h"
-#include "host/studio/board/board_rig.h"
+#include "host/studio/rig_of_seed.h"
 
 namespace mixrig::studio {
 
@@ -18,10 +19,13 @@ struct BoardOptions {
   Size size_px{1280, 1024};  ///< target camera, 64..4096 a side
   int threads = 0;           ///< 0: one per core
   BoardPlan board;
-  bool pan_tilt = false;         ///< the board is fixed and the unit turns
-  double blur_px = 0.6;          ///< sigma of every lens, 0..10
-  double noise = 1;              ///< factor on the noise of every sensor, 0..100
-  double depth_error_m = 0.015;  ///< largest systematic depth error, 0..0.1
+  bool pan_tilt = false;   ///< the board is fixed and the unit turns
+  double blur_px = 0.6;    ///< sigma of every lens, 0..10
+  double noise = 1;        ///< factor on the noise of every sensor, 0..100
+  double tolerance = 0;    ///< of lenses and mounting by seed, as StudioOptions::tolerance
+  bool raw_depth = false;  ///< leave the ToF camera's systematic error in
+  /// Largest systematic depth error, 0..0.1; without it that of the rig's takes.
+  std::optional<double> depth_error_m;
   double amplitude_error_m = 0;  ///< of depth where the signal is a tenth of the brightest, +-0.1
   double pixel_error_m = 0;      ///< of depth in the corners of the picture, +-0.1
 };
@@ -30,7 +34,7 @@ struct BoardOptions {
 struct BoardInfo {
   std::string name;  ///< "board 3, kinect2"
   BoardOptions options;
-  BoardRig rig;
+  Rig rig;  ///< rig.tof.wiggle_rad as it is in the views
 };
 
 /// The measurements of all sensors while nothing moves.

@@ -13,7 +13,7 @@ constexpr float kExposure = 0.6F;
 
 }  // namespace
 
-void draw_fisheye(const FisheyeInfo& camera, const geometry::Pose& world_from_fisheye,
+void draw_fisheye(const FisheyeOptics& camera, const geometry::Pose& world_from_fisheye,
                   const TraceScene& room, const ShadowCasters& casters, const Materials& materials,
                   const LampSet& lamps, const Light& light, Crew& crew, Image<Rgb8>& picture) {
   picture.reset(camera.size_px);
@@ -40,9 +40,9 @@ void draw_fisheye(const FisheyeInfo& camera, const geometry::Pose& world_from_fi
   crew.rows(camera.size_px.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < camera.size_px.width; ++x) {
-        Vec3 ray;
-        if (!fisheye_ray(camera.size_px, camera.field_rad, x, y, ray)) continue;
-        picture.at(x, y) = srgb_from_linear(Vec3(exposure * shade(turn * ray)));
+        Eigen::Vector3d ray;
+        if (!fisheye_ray(camera, x, y, ray)) continue;
+        picture.at(x, y) = srgb_from_linear(Vec3(exposure * shade(turn * ray.cast<float>())));
       }
   });
 }

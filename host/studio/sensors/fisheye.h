@@ -7,7 +7,7 @@
 namespace mixrig::studio {
 
 /// Renders the fisheye camera's picture, sRGB, black outside the image circle.
-void draw_fisheye(const FisheyeInfo& camera, const geometry::Pose& world_from_fisheye,
+void draw_fisheye(const FisheyeOptics& camera, const geometry::Pose& world_from_fisheye,
                   const TraceScene& room, const ShadowCasters& casters, const Materials& materials,
                   const LampSet& lamps, const Light& light, Crew& crew, Image<Rgb8>& picture);
 

@@ -49,14 +49,24 @@ Eigen::Vector2f RayGrid::at(float u_px, float v_px) const {
   return (1 - t) * ((1 - s) * row[0] + s * row[1]) + t * ((1 - s) * below[0] + s * below[1]);
 }
 
-bool fisheye_ray(Size size_px, double field_rad, double u_px, double v_px, Eigen::Vector3f& ray) {
-  const double radius_px = 0.5 * std::min(size_px.width, size_px.height);
-  const double x = u_px - 0.5 * (size_px.width - 1), y = v_px - 0.5 * (size_px.height - 1);
-  const double r_px = std::hypot(x, y);
-  if (r_px > radius_px) return false;
-  const double angle = r_px / radius_px * 0.5 * field_rad;
-  const double scale = r_px > 0 ? std::sin(angle) / r_px : 0;
-  ray = Eigen::Vector3d(x * scale, y * scale, std::cos(angle)).cast<float>();
+namespace {
+
+double radius_of(const FisheyeOptics& o, double angle) {
+  return o.f_px * angle * (1 + angle * angle * (o.k1 + angle * angle * o.k2));
+}
+
+}  // namespace
+
+bool fisheye_ray(const FisheyeOptics& o, double u_px, double v_px, Eigen::Vector3d& ray) {
+  const double x = u_px - o.cx_px, y = v_px - o.cy_px, r = std::hypot(x, y);
+  if (r > radius_of(o, 0.5 * o.field_rad)) return false;
+  double angle = r / o.f_px;
+  for (int i = 0; i < 8; ++i) {
+    const double a2 = angle * angle, slope = o.f_px * (1 + a2 * (3 * o.k1 + 5 * a2 * o.k2));
+    angle -= (radius_of(o, angle) - r) / slope;
+  }
+  const double scale = r > 0 ? std::sin(angle) / r : 0;
+  ray = {x * scale, y * scale, std::cos(angle)};
   return true;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The studio's own lenses: Brown-Conrady and equidistant fisheye, from pixels to rays.
+// The studio's own lenses: Brown-Conrady and fisheye, from pixels to rays.
 #pragma once
 
 #include <vector>
@@ -33,8 +33,7 @@ class RayGrid {
   std::vector<Eigen::Vector2f> corners_;
 };
 
-/// Unit ray of an equidistant fisheye pixel: angle to the axis = radius / focal length. The image
-/// circle (angle `field_rad` / 2) touches the shorter side. False outside the circle.
-bool fisheye_ray(Size size_px, double field_rad, double u_px, double v_px, Eigen::Vector3f& ray);
+/// Unit ray of a fisheye pixel, by Newton's method; false outside the image circle.
+bool fisheye_ray(const FisheyeOptics& optics, double u_px, double v_px, Eigen::Vector3d& ray);
 
 }  // namespace mixrig::studio

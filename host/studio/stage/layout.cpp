@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/noise.h"
 
 namespace mixrig::studio {
@@ -21,15 +22,19 @@ Light make_light(bool dim) {
   return light;
 }
 
-double steps(double angle_rad) { return kPanStep_rad * std::round(angle_rad / kPanStep_rad); }
-
-/// Pan and tilt about the unit's axes, which intersect 6 cm below and 5 cm behind the camera.
-CameraPlace pan_tilt(const geometry::Pose& rest, double pan_rad, double tilt_rad) {
-  const Eigen::Vector3d axis_in_camera(0, 0.06, -0.05);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-pan_rad, Eigen::Vector3d::UnitY()) *
-                                Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
-  const geometry::Pose rest_from_turned{turn, axis_in_camera - turn * axis_in_camera};
-  return {rest * rest_from_turned, pan_rad, tilt_rad};
+/// The head sweeps to both sides, at up to 30 degrees a second, and nods. The encoders report the
+/// nearest step; they do not see the play of the axes, whose sigma is the repeatability.
+CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double time_s,
+                  unsigned seed) {
+  constexpr double kWanderSigma = 0.352;  // of wander(): uniform values, interpolated twice
+  const double pan = 0.21 * std::sin(2 * kPi * time_s / 2.52);
+  const double tilt = 0.04 * (1 - std::cos(2 * kPi * time_s / 4.0));
+  const auto play = [&](unsigned salt) {
+    const float t = 5 * static_cast<float>(time_s);
+    return unit.repeatability_rad / kWanderSigma * wander(t, seed + salt);
+  };
+  return {rest * rest_from_turned(unit, pan + play(301), tilt + play(302)), whole_steps(unit, pan),
+          whole_steps(unit, tilt)};
 }
 
 geometry::Pose shaken(const geometry::Pose& rest, float t, unsigned seed) {
@@ -80,22 +85,23 @@ Layout make_layout(const StudioOptions& options) {
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
   layout.world_from_object = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
                               {stage.object.x(), stage.object.y(), 0}};
+  layout.pan_tilt =
+      rig_of_seed(options.rig, options.seed, options.size_px, options.tolerance).pan_tilt;
   layout.light = make_light(scenario == Scenario::kDark);
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kHandheld ||
                         scenario == Scenario::kPendulum;
   return layout;
 }
 
+geometry::Pose rest_pose(const Layout& layout) {
+  return geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
+}
+
 CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s) {
-  const geometry::Pose rest =
-      geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
+  const geometry::Pose rest = rest_pose(layout);
   switch (options.scenario) {
-    case Scenario::kPan: {
-      // A slow sweep to both sides, in whole steps of the unit.
-      const double pan = 0.21 * std::sin(2 * kPi * time_s / 6.0);
-      const double tilt = 0.04 * (1 - std::cos(2 * kPi * time_s / 4.0));
-      return pan_tilt(rest, steps(pan), steps(tilt));
-    }
+    case Scenario::kPan:
+      return swept(rest, layout.pan_tilt, time_s, options.seed);
     case Scenario::kHandheld:
       return {shaken(rest, static_cast<float>(time_s), options.seed)};
     case Scenario::kPendulum:

@@ -2,6 +2,7 @@
 // Positions of furniture, person, object and camera in each scenario, and the camera's motion.
 #pragma once
 
+#include "host/studio/pan_tilt_unit.h"
 #include "host/studio/stage/posture.h"
 #include "host/studio/stage/room.h"
 #include "host/studio/studio.h"
@@ -13,19 +14,20 @@ struct Layout {
   Stage stage;
   geometry::Pose world_from_object;
   Eigen::Vector3d eye_m, look_at_m;
+  PanTiltUnit pan_tilt;
   Light light;
   bool camera_moves = false;
 };
 
-/// One step of the pan-tilt unit, 0.0514 degrees.
-inline constexpr double kPanStep_rad = 0.0514 * 3.14159265358979323846 / 180;
-
 struct CameraPlace {
   geometry::Pose world_from_target;
-  double pan_rad = 0, tilt_rad = 0;
+  double pan_rad = 0, tilt_rad = 0;  ///< as the encoders report, multiple of the step
 };
 
 Layout make_layout(const StudioOptions& options);
+/// World pose of the target camera at rest; in scenario pan, at angles zero.
+geometry::Pose rest_pose(const Layout& layout);
+/// Where the camera is `time_s` after the first frame; continuous, also between frames.
 CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s);
 
 }  // namespace mixrig::studio

@@ -3,7 +3,6 @@
 #include "host/studio/sensors/lens.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -51,14 +50,18 @@ TEST(Lens, ray_grid_inverts_the_projection) {
   }
 }
 
-TEST(Lens, fisheye_angle_grows_with_the_radius) {
-  const double field = 185 * std::numbers::pi / 180;
-  Eigen::Vector3f ray;
-  ASSERT_TRUE(fisheye_ray({201, 201}, field, 100, 100, ray));
-  EXPECT_NEAR(ray.z(), 1, 1e-6);
-  ASSERT_TRUE(fisheye_ray({201, 201}, field, 100 + 50.25, 100, ray));  // half the circle's radius
-  EXPECT_NEAR(std::atan2(ray.x(), ray.z()), field / 4, 1e-5);
-  EXPECT_FALSE(fisheye_ray({201, 201}, field, 0, 0, ray));
+// angle 0.5: 100 (0.5 - 0.02 0.125 + 0.001 0.03125) = 49.753125 px; angle 1.6, over 90 degrees:
+// 100 (1.6 - 0.02 4.096 + 0.001 10.48576) = 152.856576 px, by hand.
+TEST(Lens, fisheye_ray_is_at_the_angle_of_its_radius) {
+  const FisheyeOptics lens{{401, 301}, 100, 200, 150, -0.02, 0.001, 3.3};
+  Eigen::Vector3d ray;
+  ASSERT_TRUE(fisheye_ray(lens, 200, 150, ray));
+  EXPECT_NEAR(ray.z(), 1, 1e-12);
+  ASSERT_TRUE(fisheye_ray(lens, 200, 150 + 49.753125, ray));
+  EXPECT_NEAR(std::atan2(ray.y(), ray.z()), 0.5, 1e-9);
+  ASSERT_TRUE(fisheye_ray(lens, 200 - 152.856576, 150, ray));
+  EXPECT_NEAR(std::atan2(-ray.x(), ray.z()), 1.6, 1e-9);
+  EXPECT_FALSE(fisheye_ray(lens, 0, 0, ray));
 }
 
 }  // namespace

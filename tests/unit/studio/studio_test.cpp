@@ -142,20 +142,6 @@ TEST(Studio, tof_distances_agree_with_the_truth_of_the_view) {
   }
 }
 
-TEST(Studio, pan_stops_at_whole_steps_of_the_unit) {
-  auto studio = Studio::create(small(Scenario::kPan));
-  ASSERT_TRUE(studio);
-  Frame frame;
-  constexpr double kStep_rad = 0.0514 * 3.14159265358979 / 180;
-  double widest = 0;
-  for (const int number : {1, 5, 9, 12}) {
-    studio->render(number, frame);
-    EXPECT_NEAR(frame.pan_rad / kStep_rad, std::round(frame.pan_rad / kStep_rad), 1e-6);
-    widest = std::max(widest, std::abs(frame.pan_rad));
-  }
-  EXPECT_GT(widest, 10 * kStep_rad);
-}
-
 TEST(Studio, fisheye_shows_saturated_lamps_in_a_circle) {
   StudioOptions options = small();
   options.fisheye = true;

@@ -1,31 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig with manufacturing tolerances.
-#include "host/studio/board/board_rig.h"
+// The rig of a seed.
+#include "host/studio/rig_of_seed.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "host/studio/sensors/noise.h"
-#include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kLight_m_s = 299792458.0;
-constexpr Size kFisheye_px{1280, 1024};
 
-/// Deviations from the preset: uniform values in [-1, 1].
+/// Deviations from the preset: uniform values in [-size, size]. The values of a seed differ by
+/// `size` alone.
 class Tolerance {
  public:
-  explicit Tolerance(unsigned seed) : seed_(seed) {}
-  double operator()() { return 2.0 * uniform(hash_key(seed_, 0xB0A2D, ++count_)) - 1; }
+  Tolerance(unsigned seed, double size) : size_(size), seed_(seed) {}
+  double operator()() { return size_ * (2.0 * uniform(hash_key(seed_, 0xB0A2D, ++count_)) - 1); }
+  void set_size(double size) { size_ = size; }
   Eigen::Vector3d vector() {
     const double x = (*this)(), y = (*this)(), z = (*this)();
     return {x, y, z};
   }
 
  private:
+  double size_;
   std::uint64_t seed_, count_ = 0;
 };
 
@@ -40,20 +41,17 @@ Optics varied(Optics optics, Tolerance& t) {
 
 geometry::Pose varied(const geometry::Pose& pose, Tolerance& t) {
   const Eigen::Vector3d w = 0.6 * kDeg * t.vector();
-  const Eigen::AngleAxisd turn(w.norm(), w.normalized());
+  const Eigen::AngleAxisd turn(w.norm(), w.stableNormalized());
   const Eigen::Vector3d shift = 0.004 * t.vector();
   return {Eigen::Quaterniond(turn) * pose.rotation, pose.translation_m + shift};
 }
 
-FisheyeOptics fisheye_of(Tolerance& t) {
-  FisheyeOptics o;
-  o.size_px = kFisheye_px;
-  o.field_rad = 185 * kDeg;
-  o.f_px = 0.5 * kFisheye_px.height / (0.5 * o.field_rad) * (1 + 0.01 * t());
-  o.cx_px = 0.5 * (kFisheye_px.width - 1) + 6 * t();
-  o.cy_px = 0.5 * (kFisheye_px.height - 1) + 6 * t();
-  o.k1 = -0.012 + 0.004 * t(), o.k2 = 0.0015 + 0.0005 * t();
-  return o;
+FisheyeOptics varied(FisheyeOptics optics, Tolerance& t) {
+  optics.f_px *= 1 + 0.01 * t();
+  optics.cx_px += 6 * t();
+  optics.cy_px += 6 * t();
+  optics.k1 += 0.004 * t(), optics.k2 += 0.0005 * t();
+  return optics;
 }
 
 /// The axes are up to 3 mm apart and not exactly perpendicular.
@@ -74,52 +72,34 @@ PanTiltUnit pan_tilt_of(Tolerance& t) {
   return unit;
 }
 
-geometry::Pose turn_about(const TurnAxis& axis, double reported_rad) {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(axis.scale * reported_rad, axis.direction));
-  return {turn, axis.point_m - turn * axis.point_m};
-}
-
-double radius_of(const FisheyeOptics& o, double angle) {
-  return o.f_px * angle * (1 + angle * angle * (o.k1 + angle * angle * o.k2));
+double phase_per_m(const TofSensor& sensor) {
+  return 4 * std::numbers::pi * sensor.fine_hz / kLight_m_s;
 }
 
 }  // namespace
 
-bool fisheye_ray(const FisheyeOptics& o, double u_px, double v_px, Eigen::Vector3d& ray) {
-  const double x = u_px - o.cx_px, y = v_px - o.cy_px, r = std::hypot(x, y);
-  if (r > radius_of(o, 0.5 * o.field_rad)) return false;
-  double angle = r / o.f_px;
-  for (int i = 0; i < 8; ++i) {
-    const double a2 = angle * angle, slope = o.f_px * (1 + a2 * (3 * o.k1 + 5 * a2 * o.k2));
-    angle -= (radius_of(o, angle) - r) / slope;
-  }
-  const double scale = r > 0 ? std::sin(angle) / r : 0;
-  ray = {x * scale, y * scale, std::cos(angle)};
-  return true;
-}
-
-BoardRig make_board_rig(RigPreset preset, unsigned seed, Size target_px, double depth_error_m) {
-  Tolerance t(seed);
-  BoardRig rig;
+Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double tolerance) {
+  Tolerance t(seed, tolerance);
+  Rig rig;
   rig.target = varied(target_optics(preset, target_px), t);
   rig.tof = tof_sensor(preset);
   rig.tof.optics = varied(rig.tof.optics, t);
   rig.tof.target_from_tof = varied(rig.tof.target_from_tof, t);
-  rig.tof.wiggle_rad =
-      static_cast<float>(depth_error_m * 4 * std::numbers::pi * rig.tof.fine_hz / kLight_m_s);
-  rig.fisheye = fisheye_of(t);
-  rig.target_from_fisheye = varied(fisheye_camera().target_from_fisheye, t);
+  const FisheyeInfo fisheye = fisheye_camera();
+  rig.fisheye = varied(fisheye.optics, t);
+  rig.target_from_fisheye = varied(fisheye.target_from_fisheye, t);
+  t.set_size(1);
   rig.pan_tilt = pan_tilt_of(t);
   return rig;
 }
 
-geometry::Pose rest_from_turned(const PanTiltUnit& unit, double pan_rad, double tilt_rad) {
-  return turn_about(unit.pan, pan_rad) * turn_about(unit.tilt, tilt_rad);
+double depth_error_m(const TofSensor& sensor, double distance_m) {
+  const double per_m = phase_per_m(sensor);
+  return sensor.wiggle_rad * std::sin(4 * per_m * distance_m + 0.7F) / per_m;
 }
 
-double depth_error_m(const TofSensor& sensor, double distance_m) {
-  const double per_m = 4 * std::numbers::pi * sensor.fine_hz / kLight_m_s;
-  return sensor.wiggle_rad * std::sin(4 * per_m * distance_m + 0.7F) / per_m;
+void set_depth_error(TofSensor& sensor, double most_m) {
+  sensor.wiggle_rad = static_cast<float>(most_m * phase_per_m(sensor));
 }
 
 }  // namespace mixrig::studio

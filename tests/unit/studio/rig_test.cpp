@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// One seed, one rig; the head's motion against its axes.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "host/studio/board/board_studio.h"
+#include "host/studio/rig_of_seed.h"
+#include "host/studio/stage/layout.h"
+
+namespace mixrig::studio {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180;
+
+bool same(const Optics& a, const Optics& b) {
+  return a.size_px == b.size_px && a.fx_px == b.fx_px && a.fy_px == b.fy_px && a.cx_px == b.cx_px &&
+         a.cy_px == b.cy_px && a.distortion == b.distortion;
+}
+bool same(const geometry::Pose& a, const geometry::Pose& b) {
+  return a.translation_m == b.translation_m && a.rotation.coeffs() == b.rotation.coeffs();
+}
+bool same(const TurnAxis& a, const TurnAxis& b) {
+  return a.direction == b.direction && a.point_m == b.point_m && a.scale == b.scale;
+}
+
+StudioOptions pan_take(unsigned seed, double tolerance) {
+  StudioOptions options;
+  options.scenario = Scenario::kPan;
+  options.seed = seed;
+  options.size_px = {160, 128};
+  options.tolerance = tolerance;
+  options.threads = 1;
+  return options;
+}
+StudioInfo take_of(unsigned seed, double tolerance) {
+  auto studio = Studio::create(pan_take(seed, tolerance));
+  EXPECT_TRUE(studio);
+  return studio->info();
+}
+BoardInfo boards_of(unsigned seed, double tolerance) {
+  BoardOptions options;
+  options.seed = seed;
+  options.size_px = {160, 128};
+  options.tolerance = tolerance;
+  options.threads = 1;
+  auto studio = BoardStudio::create(options);
+  EXPECT_TRUE(studio);
+  return studio->info();
+}
+
+TEST(Rig, takes_and_boards_of_a_seed_show_the_same_rig) {
+  for (const double tolerance : {0.0, 1.0}) {
+    const StudioInfo take = take_of(12, tolerance);
+    const BoardInfo boards = boards_of(12, tolerance);
+    EXPECT_TRUE(same(take.target, boards.rig.target));
+    EXPECT_TRUE(same(take.tof.optics, boards.rig.tof.optics));
+    EXPECT_TRUE(same(take.tof.target_from_tof, boards.rig.tof.target_from_tof));
+    EXPECT_TRUE(same(take.fisheye.target_from_fisheye, boards.rig.target_from_fisheye));
+    EXPECT_EQ(take.fisheye.optics.f_px, boards.rig.fisheye.f_px);
+    EXPECT_EQ(take.fisheye.optics.k1, boards.rig.fisheye.k1);
+    ASSERT_TRUE(take.pan_tilt);
+    EXPECT_TRUE(same(take.pan_tilt->pan, boards.rig.pan_tilt.pan));
+    EXPECT_TRUE(same(take.pan_tilt->tilt, boards.rig.pan_tilt.tilt));
+  }
+}
+
+TEST(Rig, tolerance_zero_is_the_preset_and_seeds_differ_with_tolerance_one) {
+  const Optics preset = target_optics(RigPreset::kKinect2, {160, 128});
+  EXPECT_TRUE(same(take_of(12, 0).target, preset));
+  const StudioInfo a = take_of(12, 1), b = take_of(13, 1);
+  EXPECT_NE(a.target.fx_px, b.target.fx_px);
+  for (const StudioInfo& info : {a, b}) {
+    EXPECT_NE(info.target.fx_px, preset.fx_px);
+    EXPECT_NEAR(info.target.fx_px, preset.fx_px, 0.01 * preset.fx_px);
+    const geometry::Pose mounted = tof_sensor(RigPreset::kKinect2).target_from_tof;
+    EXPECT_LT((info.tof.target_from_tof.translation_m - mounted.translation_m).norm(), 0.007);
+    EXPECT_LT(info.tof.target_from_tof.rotation.angularDistance(mounted.rotation), 1.1 * kDeg);
+    EXPECT_FALSE(same(info.tof.target_from_tof, mounted));
+  }
+}
+
+TEST(Rig, boards_have_the_depth_error_of_the_takes) {
+  const TofSensor preset = tof_sensor(RigPreset::kKinect2);
+  BoardOptions options;
+  options.size_px = {160, 128}, options.threads = 1;
+  EXPECT_FLOAT_EQ(BoardStudio::create(options)->info().rig.tof.wiggle_rad,
+                  preset.wiggle_left * preset.wiggle_rad);
+  options.raw_depth = true;
+  EXPECT_FLOAT_EQ(BoardStudio::create(options)->info().rig.tof.wiggle_rad, preset.wiggle_rad);
+  // 80 MHz: a phase of 2 pi is 1.873703 m.
+  options.depth_error_m = 0.015;
+  EXPECT_NEAR(BoardStudio::create(options)->info().rig.tof.wiggle_rad,
+              0.015 * 2 * std::numbers::pi / 1.873703, 1e-6);
+}
+
+TEST(Rig, tolerance_out_of_range_is_refused) {
+  for (const double tolerance : {-0.1, 2.1, std::nan("")}) {
+    EXPECT_EQ(Studio::create(pan_take(1, tolerance)).error().code, ErrorCode::kUsage);
+    BoardOptions options;
+    options.tolerance = tolerance;
+    EXPECT_EQ(BoardStudio::create(options).error().code, ErrorCode::kUsage);
+  }
+}
+
+Eigen::Isometry3d turned(const TurnAxis& axis, double reported_rad) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.translate(axis.point_m).rotate(Eigen::AngleAxisd(axis.scale * reported_rad, axis.direction));
+  return turn.translate(-axis.point_m);
+}
+
+TEST(Head, turns_about_its_axes_by_the_angles_that_the_encoders_report) {
+  const StudioOptions options = pan_take(12, 0);
+  const Layout layout = make_layout(options);
+  const PanTiltUnit& unit = layout.pan_tilt;
+  // Not through the camera, and not through each other.
+  EXPECT_GT(unit.pan.point_m.norm(), 0.05);
+  EXPECT_GT((unit.pan.point_m - unit.tilt.point_m).norm(), 1e-4);
+  double widest = 0, largest_off = 0;
+  for (double t = 0; t < 10; t += 0.013) {
+    const CameraPlace place = camera_at(layout, options, t);
+    EXPECT_NEAR(std::remainder(place.pan_rad, kPanStep_rad), 0, 1e-12);
+    EXPECT_NEAR(std::remainder(place.tilt_rad, kPanStep_rad), 0, 1e-12);
+    const Eigen::Isometry3d chain =
+        turned(unit.pan, place.pan_rad) * turned(unit.tilt, place.tilt_rad);
+    const geometry::Pose rest_from_target =
+        geometry::inverse(rest_pose(layout)) * place.world_from_target;
+    const Eigen::Quaterniond expected(chain.rotation());
+    const double off = rest_from_target.rotation.angularDistance(expected);
+    EXPECT_LT(off, std::sqrt(2.0) * (0.5 * kPanStep_rad + 4 * unit.repeatability_rad)) << t;
+    EXPECT_LT((rest_from_target.translation_m - chain.translation()).norm(), 0.1 * off + 1e-6) << t;
+    widest = std::max(widest, std::abs(place.pan_rad));
+    largest_off = std::max(largest_off, off);
+  }
+  EXPECT_NEAR(widest, 0.21, kPanStep_rad);
+  EXPECT_GT(largest_off, 0.5 * kPanStep_rad) << "the encoders quantise";
+}
+
+TEST(Head, turns_at_up_to_30_degrees_a_second) {
+  const StudioOptions options = pan_take(12, 0);
+  const Layout layout = make_layout(options);
+  double fastest = 0;
+  for (double t = 0; t < 10; t += 0.01) {
+    const Eigen::Quaterniond a = camera_at(layout, options, t).world_from_target.rotation;
+    const Eigen::Quaterniond b = camera_at(layout, options, t + 0.01).world_from_target.rotation;
+    fastest = std::max(fastest, a.angularDistance(b) / 0.01);
+  }
+  EXPECT_NEAR(fastest / kDeg, 30, 0.7);
+}
+
+}  // namespace
+}  // namespace mixrig::studio
