@@ -18,11 +18,19 @@ namespace {
 
 using image_io::Channel;
 
+constexpr float kUnknownColor = -1;
+
 std::string manifest_text(const StaticBackground& background) {
   const geometry::Pinhole& v = background.view;
   config::Writer root;
   root.set("format", 1).set("frames", background.frames).set("size_px", v.size_px);
   root.set("view", std::array<double, 4>{v.fx_px, v.fy_px, v.cx_px, v.cy_px});
+  if (const auto& pose = background.world_from_view) {
+    config::Writer table;
+    table.set("position_m", std::span<const double>(pose->translation_m.data(), 3));
+    table.set("rotation_xyzw", std::span<const double>(pose->rotation.coeffs().data(), 4));
+    root.set("pose", std::move(table));
+  }
   if (!background.floor) return root.text();
   // In camera axes: points p with normal . p + offset_m = 0.
   config::Writer floor;
@@ -62,9 +70,9 @@ Result<void> write_layers(const StaticBackground& background, const fs::path& fo
   return image_io::write_exr(folder / "color.exr", color);
 }
 
-/// The channel of that name, in the view's size and of finite values of 0 or more.
+/// The channel of that name, in the view's size and of finite values of `least` or more.
 Result<Image<float>> take_channel(std::vector<Channel>& channels, const std::string& name,
-                                  Size size, const fs::path& path) {
+                                  Size size, const fs::path& path, float least = 0) {
   const auto found = std::find_if(channels.begin(), channels.end(),
                                   [&](const Channel& c) { return c.name == name; });
   if (found == channels.end())
@@ -77,7 +85,7 @@ Result<Image<float>> take_channel(std::vector<Channel>& channels, const std::str
             "' has another size than size_px in background.toml: scan the background again"};
   for (int y = 0; y < size.height; ++y) {
     float* row = found->pixels.row(y);
-    if (std::any_of(row, row + size.width, [](float v) { return !std::isfinite(v) || v < 0; }))
+    if (std::any_of(row, row + size.width, [least](float v) { return !std::isfinite(v) || v < least; }))
       return Error{ErrorCode::kData,
                    "'" + path.string() +
                        "' holds a negative or not finite value: scan the background again"};
@@ -97,6 +105,16 @@ Result<StaticBackground> read_manifest(const fs::path& path) {
       {static_cast<int>(size[0]), static_cast<int>(size[1])}, view[0], view[1], view[2], view[3]};
   if (const auto valid = geometry::validate({background.view, {}}); !valid)
     root.fail("view", valid.error());
+  const config::Table pose = root.table("pose");
+  const auto position_m = pose.numbers("position_m", 3, 3, {-1e6, 1e6});
+  const auto q = pose.numbers("rotation_xyzw", 4, 4, {-1.01, 1.01});
+  if (pose.present()) {
+    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+    if (std::abs(rotation.norm() - 1.0) > 1e-3)
+      pose.fail("rotation_xyzw", "its length is not 1: scan the background again");
+    background.world_from_view = geometry::Pose{
+        rotation.normalized(), Eigen::Vector3d(position_m[0], position_m[1], position_m[2])};
+  }
   const config::Table floor = root.table("floor");
   const auto n = floor.numbers("normal", 3, 3, {-1.01, 1.01});
   const double offset_m = floor.number("offset_m", {-1e4, 1e4});
@@ -135,9 +153,9 @@ Result<StaticBackground> load_static_background(const fs::path& folder) {
   MIXRIG_ASSIGN(background.depth_m, take_channel(depth, "Z", size, depth_path));
   MIXRIG_ASSIGN(background.depth_sigma_m, take_channel(depth, "sigma", size, depth_path));
   MIXRIG_ASSIGN(auto color, image_io::read_exr(color_path));
-  MIXRIG_ASSIGN(const auto r, take_channel(color, "R", size, color_path));
-  MIXRIG_ASSIGN(const auto g, take_channel(color, "G", size, color_path));
-  MIXRIG_ASSIGN(const auto b, take_channel(color, "B", size, color_path));
+  MIXRIG_ASSIGN(const auto r, take_channel(color, "R", size, color_path, kUnknownColor));
+  MIXRIG_ASSIGN(const auto g, take_channel(color, "G", size, color_path, kUnknownColor));
+  MIXRIG_ASSIGN(const auto b, take_channel(color, "B", size, color_path, kUnknownColor));
   MIXRIG_ASSIGN(background.color_sigma, take_channel(color, "sigma", size, color_path));
   background.color.reset(size);
   for (int y = 0; y < size.height; ++y)

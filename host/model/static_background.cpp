@@ -54,8 +54,9 @@ void drop_odd(std::vector<Image<T>>& images) {
 
 }  // namespace
 
-StaticBackgroundBuilder::StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames)
-    : view_(view), max_frames_(std::max(max_frames, kFewestFrames)) {}
+StaticBackgroundBuilder::StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames,
+                                                 Views views)
+    : view_(view), max_frames_(std::max(max_frames, kFewestFrames)), views_(views) {}
 
 Result<void> StaticBackgroundBuilder::add(ImageView<const float> depth_m,
                                           ImageView<const Rgb8> color) {
@@ -90,12 +91,14 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
   out.depth_sigma_m.reset(view_.size_px);
   out.color.reset(view_.size_px);
   out.color_sigma.reset(view_.size_px);
+  const bool moving = views_ == Views::kDifferent;
   const auto learn_depth = [&](int x, int y, std::vector<float>& values) {
     values.clear();
     for (const auto& frame : depth_)
       if (const std::uint16_t steps = frame.row(y)[x]; steps != 0)
         values.push_back(kStep_m * steps);
-    if (3 * static_cast<int>(values.size()) < frames) return;
+    const int count = static_cast<int>(values.size());
+    if (moving ? count < kFewestFrames : 3 * count < frames) return;
     const Spread z = robust_spread(values);
     out.depth_m.row(y)[x] = z.center;
     out.depth_sigma_m.row(y)[x] = std::max(z.sigma, kLeastDepthSigma_m);
@@ -104,7 +107,9 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
   const auto learn_channel = [&](int x, int y, std::uint8_t Rgb8::*channel,
                                  std::vector<float>& values) {
     values.clear();
-    for (const auto& frame : color_) values.push_back(linear[frame.row(y)[x].*channel]);
+    for (std::size_t i = 0; i < color_.size(); ++i)
+      if (!moving || depth_[i].row(y)[x] != 0)
+        values.push_back(linear[color_[i].row(y)[x].*channel]);
     return robust_spread(values);
   };
   Crew crew;
@@ -113,6 +118,10 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < view_.size_px.width; ++x) {
         learn_depth(x, y, values);
+        if (moving && !(out.depth_m.row(y)[x] > 0)) {
+          out.color.row(y)[x] = {-1, -1, -1};
+          continue;
+        }
         const Spread r = learn_channel(x, y, &Rgb8::r, values),
                      g = learn_channel(x, y, &Rgb8::g, values),
                      b = learn_channel(x, y, &Rgb8::b, values);

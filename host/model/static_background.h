@@ -11,6 +11,7 @@
 #include "hal/base/result.h"
 #include "host/geometry/camera_model.h"
 #include "host/geometry/plane.h"
+#include "host/geometry/pose.h"
 
 namespace mixrig::model {
 
@@ -19,10 +20,17 @@ struct StaticBackground {
   geometry::Pinhole view;
   Image<float> depth_m;        ///< robust centre of z, 0 = never measured
   Image<float> depth_sigma_m;  ///< robust spread of one measurement
-  Image<Rgbf> color;           ///< linear, robust centre
+  Image<Rgbf> color;           ///< linear, robust centre; red -1 where unknown
   Image<float> color_sigma;    ///< linear, robust spread of one channel (mean over channels)
   std::optional<geometry::Plane> floor;  ///< camera axes, normal towards the camera
   int frames = 0;
+  std::optional<geometry::Pose> world_from_view;  ///< where it was learned, if that is known
+};
+
+/// Where the frames to learn from were taken.
+enum class Views {
+  kSame,       ///< one pose: a pixel is unknown where fewer than a third of the frames measured it
+  kDifferent,  ///< drawn in one view: where fewer than three did, its colour too
 };
 
 /// Collects empty frames; a person who covers a pixel in a minority of them does not
@@ -31,7 +39,8 @@ struct StaticBackground {
 class StaticBackgroundBuilder {
  public:
   /// Keeps at most `max_frames`, spread over those added (memory: about 5 bytes a pixel and frame).
-  explicit StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames = 32);
+  explicit StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames = 32,
+                                   Views views = Views::kSame);
   /// Depth warped into the view (z in metres, 0 unknown) and the plate in the view (sRGB).
   /// Errors: kData for a wrong size.
   Result<void> add(ImageView<const float> depth_m, ImageView<const Rgb8> color);
@@ -43,6 +52,7 @@ class StaticBackgroundBuilder {
  private:
   geometry::Pinhole view_;
   int max_frames_;
+  Views views_;
   int seen_ = 0;
   std::vector<Image<std::uint16_t>> depth_;  ///< units of 0.25 mm
   std::vector<Image<Rgb8>> color_;
