@@ -7,6 +7,7 @@
 
 #include "hal/base/result.h"
 #include "host/capture/capture.h"
+#include "host/capture/pose_source.h"
 #include "host/capture/truth.h"
 #include "host/geometry/pose.h"
 #include "host/render/compositor.h"
@@ -18,6 +19,8 @@ struct Composite {
   capture::CapturePtr capture;
   std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
   geometry::Pose world_from_target;             ///< that was used
+  capture::CameraPose pose;                     ///< of the source; where it is lost, why
+  bool objects_shown = true;                    ///< false: hidden, since the pose is lost
   render::FrameOutput images;                   ///< those of images.wanted are valid
   float frame_ms = 0;                           ///< time to composite it
   double foreground_pct = 0;                    ///< share of pixels with a matte of at least half

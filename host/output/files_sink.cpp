@@ -46,7 +46,7 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
                                                      const OutputOptions& options) {
   std::unique_ptr<FilesSink> sink(new FilesSink(folder, options));
   sink->table_.open(folder / "frames.csv");
-  sink->table_ << "frame,tick,time_s,frame_ms,foreground_pct\n";
+  sink->table_ << "frame,tick,time_s,frame_ms,foreground_pct,pose,pose_age_ms\n";
   if (options.format == OutputFormat::kNone) return sink;
   MIXRIG_ASSIGN(sink->composite_,
                 take::TakeWriter::create(folder / "composite", info_of(source, view),
@@ -82,8 +82,9 @@ Result<void> FilesSink::write(const CompositePtr& composite) {
 
 Result<void> FilesSink::write_row(const Composite& composite) {
   const capture::Capture& capture = *composite.capture;
-  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f}\n", capture.number, capture.tick,
-                        capture.time_s, composite.frame_ms, composite.foreground_pct);
+  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f},{},{:.3f}\n", capture.number, capture.tick,
+                        capture.time_s, composite.frame_ms, composite.foreground_pct,
+                        capture::name(composite.pose.loss), 1e3 * composite.pose.age_s);
   if (table_) return {};
   return Error{ErrorCode::kIo, "cannot write '" + (folder_ / "frames.csv").string() +
                                    "': check the disk's free space"};

@@ -70,7 +70,32 @@ struct Light {
   std::vector<Lamp> lamps;
 };
 
-enum class PoseSource { kTake, kFloor, kIdentity };
+enum class PoseSource { kTake, kFloor, kIdentity, kFixed, kRecorded, kPanTilt, kMocap };
+/// The word of scene.toml: "pan_tilt".
+const char* name(PoseSource source);
+
+/// What virtual objects do in a frame without a pose.
+enum class WhenLost { kFreeze, kHide };
+
+/// A motion capture that streams while the scene runs.
+struct MocapSettings {
+  std::string server;                   ///< "HOST[:PORT][,GROUP[:PORT]]"
+  std::filesystem::path constellation;  ///< of the camera's body; empty: Motive's own bodies
+  int body = 0;                         ///< number of the body; 0: the only one
+  bool y_up = true;                     ///< the stream's world; the scene's has z up
+  double delay_s = 0;                   ///< from the exposure of a frame to its earliest arrival
+};
+
+/// Where the camera's pose comes from. Each value belongs to one PoseSource.
+struct CameraPoses {
+  std::filesystem::path trajectory;  ///< kRecorded: a file; empty: the take's own poses
+  double time_offset_s = 0;          ///< kRecorded: time of the take = time of the file + this
+  geometry::Pose world_from_target;  ///< kFixed
+  geometry::Pose world_from_base;    ///< kPanTilt: the foot of the head
+  MocapSettings mocap;               ///< kMocap
+  double max_age_s = 0.1;            ///< an older pose is lost
+  WhenLost when_lost = WhenLost::kFreeze;
+};
 
 /// A box in world axes; real points outside it are cropped (Cortes Reina
 /// 2015, section 3.1 "Cropping").
@@ -93,6 +118,7 @@ struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
   PoseSource pose_source = PoseSource::kTake;
+  CameraPoses camera;
   std::optional<CaptureVolume> capture_volume;
   Background background;
   std::vector<Object> objects;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/config/table.h"
+#include "host/scene/read_camera.h"
 
 namespace mixrig::scene {
 namespace {
@@ -92,17 +93,6 @@ Light read_light(const Table& table) {
   return light;
 }
 
-void read_camera(const Table& table, Scene& scene) {
-  scene.pose_source =
-      static_cast<PoseSource>(table.one_of("pose", {"take", "floor", "identity"}, 0));
-  const Table box = table.table("capture_volume");
-  const Eigen::Vector3d min_m = vector(box, "min_m"), max_m = vector(box, "max_m");
-  if (!box.present()) return;
-  if (!(min_m.array() < max_m.array()).all())
-    box.fail("min_m", "must lie below max_m on every axis: swap them");
-  scene.capture_volume = CaptureVolume{min_m, max_m};
-}
-
 Background read_background(const Table& table, const std::filesystem::path& folder) {
   Background background;
   if (table.has("learn")) {
@@ -136,7 +126,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   Scene scene;
   scene.path = path;
   if (root.has("calibration")) scene.calibration = config::path_at(root, "calibration", folder);
-  read_camera(root.table("camera"), scene);
+  read_camera(root.table("camera"), folder, scene);
   scene.background = read_background(root.table("background"), folder);
   for (const Table& object : root.tables("object"))
     scene.objects.push_back(read_object(object, scene.objects.size() + 1, folder, load_models));

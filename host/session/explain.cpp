@@ -78,17 +78,18 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
   };
 }
 
-/// The origin of the camera's pose.
-std::string pose_origin_text(const Session& session, const capture::Capture& first) {
-  switch (session.scene.pose_source) {
-    case scene::PoseSource::kFloor:
-      return "fixed on the floor of the learned background";
-    case scene::PoseSource::kIdentity:
-      return "fixed at the origin of the world";
-    case scene::PoseSource::kTake:
-      break;
-  }
-  return "given by the source (" + std::string(capture::name(first.pose_origin)) + ")";
+/// Which pose source is used, and what happens where it has none.
+std::string pose_text(const Session& session, const capture::Capture& first) {
+  const scene::CameraPoses& wanted = session.scene.camera;
+  std::string text = session.poses->describe();
+  if (session.scene.pose_source == scene::PoseSource::kTake)
+    return text + " (" + std::string(capture::name(first.pose_origin)) + ")";
+  if (!session.poses->moves()) return text;
+  return text + fmt::format(
+                    "; lost where there is none or it is older than {:.0f} ms: virtual "
+                    "objects are {}",
+                    1e3 * wanted.max_age_s,
+                    wanted.when_lost == scene::WhenLost::kHide ? "hidden" : "frozen");
 }
 
 /// Median time of `frames` composites of one capture; every pose differs by `step_m` from the last.
@@ -189,9 +190,9 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   out.frame_p50_ms = report.frame_ms.quantile(0.5);
   out.rss_mb = report.rss_mb;
   out.calibration = session.calibration.where + ": " + session.calibration.why;
-  out.camera = pose_origin_text(session, first);
+  out.camera = pose_text(session, first);
   MIXRIG_ASSIGN(out.still_p50_ms, repeat(session, first, frames, 0, clock));
-  if (session.scene.pose_source == scene::PoseSource::kTake) {
+  if (session.poses->moves()) {
     constexpr double kStep_m = 0.001;
     MIXRIG_ASSIGN(out.moving_p50_ms, repeat(session, first, frames, kStep_m, clock));
   }

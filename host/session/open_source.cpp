@@ -30,13 +30,16 @@ std::vector<live::Recording> open_recordings(const live::RigConfig& rig) {
   return recordings;
 }
 
-live::RigConfig used_by(const scene::Scene&, live::RigConfig rig) {
-  // No pose source of a scene uses the fisheye or the head.
+live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
+  // No pose source of a scene uses the fisheye. One that does not follow the head watches it: a
+  // head that turns then ends the run.
+  const bool head = scene.pose_source != scene::PoseSource::kRecorded &&
+                    scene.pose_source != scene::PoseSource::kMocap;
   for (std::size_t i = 1; i < rig.cameras.size(); ++i)
     log_info("session", "camera \"" + rig.cameras[i].name + "\" is not used by the scene");
   if (rig.cameras.size() > 1) rig.cameras.erase(rig.cameras.begin() + 1, rig.cameras.end());
-  if (!rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
-  rig.pan_tilt_uri.clear();
+  if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
+  if (!head) rig.pan_tilt_uri.clear();
   const auto fired = [&](const live::CameraConfig& camera) { return camera.trigger_line >= 0; };
   const bool any_fired = std::any_of(rig.cameras.begin(), rig.cameras.end(), fired) ||
                          (rig.depth && fired(*rig.depth));
@@ -53,6 +56,10 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
                                                          Clock& clock) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
+  if (scene.pose_source == scene::PoseSource::kPanTilt && rig.pan_tilt_uri.empty())
+    return Error{ErrorCode::kFormat, scene.path.string() + ": camera.pose: \"pan_tilt\", but " +
+                                         rig_toml.string() +
+                                         " has no head: add [pan_tilt] with its uri"};
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock);

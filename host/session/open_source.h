@@ -25,8 +25,9 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
 /// holds the error.
 std::vector<live::Recording> open_recordings(const live::RigConfig& rig);
 
-/// The part of a rig that a scene uses: the first camera, the depth camera, and the trigger if it
-/// fires one of them. Other cameras and the head are not opened.
+/// The part of a rig that a scene uses: the first camera, the depth camera, the head unless the
+/// pose comes from elsewhere (a fixed pose watches it), and the trigger if it fires one of the
+/// cameras. Other cameras are not opened.
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 
 /// Opens the devices of rig.toml that the scene uses. `stop` and `clock` must outlive the source.

@@ -13,6 +13,7 @@
 #include "host/capture/capture_reader.h"
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
+#include "host/session/camera_pose.h"
 #include "host/session/judge.h"
 
 namespace mixrig::session {
@@ -68,6 +69,8 @@ class Runner {
   /// False when the source has ended.
   Result<bool> frame();
   Result<RunReport> finish(std::string ended);
+  /// Why frame() gave false.
+  const std::string& ended() const { return ended_; }
 
  private:
   using Sinks = std::vector<std::unique_ptr<output::SinkThread>>;
@@ -77,6 +80,7 @@ class Runner {
   WorkGate* gate() { return live() ? nullptr : &gate_; }
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
   Result<void> open_sinks(FrameRange range);
+  Result<void> prepare_frame_poses();
   render::OutputMask wanted_by_sinks(int number) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
@@ -85,11 +89,17 @@ class Runner {
   Result<void> deliver(const output::CompositePtr& composite);
   Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
-
+  void set_pose(output::Composite& composite);
+  Result<render::Compositor*> compositor_for(const output::Composite& composite);
   Session& session_;
   RunOptions options_;
   const Clock& clock_;
   std::unique_ptr<render::Compositor> compositor_;
+  render::CompositorSetup empty_setup_;  ///< without objects, for frames that hide them
+  std::unique_ptr<render::Compositor> without_objects_;
+  render::Compositor* used_ = nullptr;  ///< of both, the one of the last frame
+  std::optional<pose::FramePoses> poses_;
+  HeadWatch head_;
   std::optional<PartialPath> folder_;
   WorkGate gate_;
   std::unique_ptr<capture::CaptureReader> reader_;
@@ -102,7 +112,8 @@ class Runner {
   Judge judge_;
   render::FrameOutput judged_;
   std::optional<geometry::Pose> first_pose_;
-  bool warned_ = false;
+  bool warned_ = false, warned_lost_ = false;
+  std::string ended_ = "end of the source";
   RunReport report_;
 };
 
@@ -112,13 +123,29 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   }
   MIXRIG_TRY(open_sinks(range));
   MIXRIG_TRY(prepare_background(session_, progress));
+  MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
   report_.backend = backend_of(*compositor_);
   report_.renderer = compositor_->renderer();
   report_.size = session_.setup.view.size_px;
+  MIXRIG_TRY(prepare_frame_poses());
   // A live source may drop captures: it is read until enough were composited.
   reader_ = std::make_unique<capture::CaptureReader>(
       *session_.source, range.first, live() ? capture::kEndless : range.second, judges(), gate());
+  return {};
+}
+
+Result<void> Runner::prepare_frame_poses() {
+  const pose::FramePoseOptions options = frame_pose_options(session_.scene);
+  poses_.emplace(*session_.poses, options);
+  report_.pose.source = session_.poses->name();
+  report_.pose.when_lost = options.when_lost;
+  empty_setup_ = session_.setup;
+  empty_setup_.objects.clear();
+  const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
+  if (hides && !session_.setup.objects.empty()) {
+    MIXRIG_ASSIGN(without_objects_, make_compositor(empty_setup_, session_.backend));
+  }
   return {};
 }
 
@@ -153,6 +180,11 @@ render::OutputMask Runner::wanted_by_sinks(int number) const {
 Result<bool> Runner::frame() {
   MIXRIG_ASSIGN(auto item, reader_->next());
   if (!item) return false;
+  if (auto fault = head_.fault(session_, *item->capture)) {
+    if (!live()) return Error{ErrorCode::kData, *std::move(fault)};
+    ended_ = *std::move(fault);
+    return false;
+  }
   const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
   const bool inspected = (wanted & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
@@ -161,7 +193,7 @@ Result<bool> Runner::frame() {
   composite.capture = std::move(item->capture);
   const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
-  composite.world_from_target = session_.world_from_target(*composite.capture);
+  set_pose(composite);
   watch_camera(composite.world_from_target);
 
   MIXRIG_TRY(compose_timed(composite, wanted & render::kComposite));
@@ -175,21 +207,49 @@ Result<bool> Runner::frame() {
   return true;
 }
 
+void Runner::set_pose(output::Composite& composite) {
+  const pose::FramePose known = poses_->next(*composite.capture);
+  composite.pose = known.camera;
+  composite.world_from_target = known.camera.world_from_target;
+  composite.objects_shown = known.objects_shown;
+  if (known.camera.ok()) {
+    report_.pose.age_ms.add(1e3 * known.camera.age_s);
+    return;
+  }
+  if (std::exchange(warned_lost_, true)) return;
+  log_warning("session", fmt::format("frame {}: the camera's pose is lost ({}): virtual objects "
+                                     "are {}; frames.csv and the report say where",
+                                     composite.capture->number, capture::name(known.camera.loss),
+                                     known.objects_shown ? "frozen" : "hidden"));
+}
+
+/// Frames before the first pose need a compositor without objects, whatever the scene says: it is
+/// made when the first one comes.
+Result<render::Compositor*> Runner::compositor_for(const output::Composite& composite) {
+  if (composite.objects_shown || empty_setup_.objects.size() == session_.setup.objects.size())
+    return compositor_.get();
+  if (!without_objects_) {
+    MIXRIG_ASSIGN(without_objects_, make_compositor(empty_setup_, session_.backend));
+  }
+  return without_objects_.get();
+}
+
 Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
   const WorkGate::Pause pause(gate());
   const HostTime begin = clock_.now();
   MIXRIG_TRY(compose(composite, wanted, composite.images));
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
   report_.frame_ms.add(composite.frame_ms);
-  const render::StageTimes& times = compositor_->stage_times();
+  const render::StageTimes& times = used_->stage_times();
   for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
   return {};
 }
 
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
+  MIXRIG_ASSIGN(used_, compositor_for(composite));
   images.wanted = wanted;
-  return compositor_->compose(
+  return used_->compose(
       {composite.capture->plate, composite.capture->depth_m, composite.world_from_target}, images);
 }
 
@@ -215,6 +275,7 @@ Result<void> Runner::add_last_to_sheet() {
   std::shared_ptr<output::Composite> composite = inspected_.take();
   composite->capture = last_->capture;
   composite->world_from_target = last_->world_from_target;
+  composite->objects_shown = last_->objects_shown;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
 }
@@ -238,6 +299,9 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (report_.live) report_.live->dropped_sets += dropped;
   if (judges()) report_.error = judge_.errors();
   if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
+  report_.pose.frames = poses_->counts();
+  report_.pose.faults = session_.poses->faults();
+  without_objects_.reset();
   compositor_.reset();  // its buffers are not needed beside the sheet's
   judged_ = {};
   composites_ = {};
@@ -263,7 +327,7 @@ Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
   const auto stopped = [&] { return stop != nullptr && *stop; };
   for (int number = range.first; !stopped(); ++number) {
     MIXRIG_ASSIGN(const bool there, runner.frame());
-    if (!there && !stopped()) return runner.finish("end of the source");
+    if (!there && !stopped()) return runner.finish(runner.ended());
     if (!there) break;
     if (progress && range.second != capture::kEndless)
       progress("frames", number - range.first + 1, range.second - range.first + 1);

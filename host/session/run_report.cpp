@@ -55,6 +55,52 @@ std::string sink_lines(const std::vector<output::SinkReport>& sinks) {
   return lines;
 }
 
+/// The reasons that occurred, by name.
+nlohmann::json lost_by_reason(const pose::FramePoseCounts& counts) {
+  nlohmann::json out = nlohmann::json::object();
+  for (std::size_t i = 1; i < counts.frames.size(); ++i)
+    if (counts.frames[i] > 0)
+      out[std::string(capture::name(static_cast<capture::PoseLoss>(i)))] = counts.frames[i];
+  return out;
+}
+
+nlohmann::json to_json(const capture::PoseFaults& faults) {
+  return {{"not_finite", faults.not_finite},     {"jumps", faults.jumps},
+          {"clock_steps", faults.clock_steps},   {"refused", faults.refused},
+          {"packets_lost", faults.packets_lost}, {"packets_late", faults.packets_late},
+          {"packets_bad", faults.packets_bad}};
+}
+
+nlohmann::json to_json(const PoseReport& report) {
+  return {
+      {"source", report.source},
+      {"frames", report.frames.frames[0]},
+      {"lost", report.frames.lost()},
+      {"lost_by", lost_by_reason(report.frames)},
+      {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
+      {"jumps", report.frames.jumps},
+      {"stream", to_json(report.faults)},
+      {"age_ms", {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}}}};
+}
+
+/// Nothing where every frame has a sound pose.
+std::string pose_line(const PoseReport& report) {
+  const capture::PoseFaults& f = report.faults;
+  std::string line;
+  if (report.frames.lost() > 0) {
+    for (const auto& [why, count] : lost_by_reason(report.frames).items())
+      line += fmt::format("{}{} {}", line.empty() ? "" : ", ", why, count.get<std::uint64_t>());
+    line = fmt::format("  pose lost in {} frames ({}): virtual objects {}\n", report.frames.lost(),
+                       line, report.when_lost == pose::WhenLost::kHide ? "hidden" : "frozen");
+  }
+  if (report.frames.jumps + f.jumps + f.not_finite + f.clock_steps > 0)
+    line += fmt::format(
+        "  poses: {} jumps between frames; in their stream {} jumps, {} not "
+        "finite, {} steps of the clock, left out\n",
+        report.frames.jumps, f.jumps, f.not_finite, f.clock_steps);
+  return line;
+}
+
 }  // namespace
 
 double fps(const RunReport& report) {
@@ -85,6 +131,7 @@ nlohmann::json to_json(const RunReport& report) {
     out["live"] = report::to_json(*report.live);
     out["live"]["left_out"] = report.live->left_out;
   }
+  out["pose"] = to_json(report.pose);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(
@@ -122,6 +169,7 @@ std::string to_table(const RunReport& report) {
   out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
   if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
   if (report.live) out += live_line(*report.live);
+  out += pose_line(report.pose);
   out += sink_lines(report.sinks);
   if (!report.error) return out;
   out += "  error against truth\n";

@@ -14,9 +14,19 @@
 #include "host/measure/errors.h"
 #include "host/measure/quantile_sketch.h"
 #include "host/output/sink_thread.h"
+#include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
 
 namespace mixrig::session {
+
+/// Poses of the frames.
+struct PoseReport {
+  std::string source;  ///< as PoseSource::name
+  pose::WhenLost when_lost = pose::WhenLost::kFreeze;
+  pose::FramePoseCounts frames;
+  capture::PoseFaults faults;      ///< of the source's stream
+  measure::QuantileSketch age_ms;  ///< frames with a pose
+};
 
 struct RunReport {
   std::string backend;   ///< "cpu" or "gles"
@@ -27,6 +37,7 @@ struct RunReport {
   measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
   std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
   std::optional<capture::SourceReport> live;  ///< of live devices
+  PoseReport pose;
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;

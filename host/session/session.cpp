@@ -5,7 +5,7 @@
 
 #include "host/capture/calibrated_source.h"
 #include "host/capture/capture_reader.h"
-#include "host/session/world_frame.h"
+#include "host/session/camera_pose.h"
 
 namespace mixrig::session {
 namespace {
@@ -188,18 +188,6 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
   return builder.finish();
 }
 
-geometry::Pose Session::world_from_target(const capture::Capture& capture) const {
-  switch (scene.pose_source) {
-    case scene::PoseSource::kTake:
-      return capture.world_from_target;
-    case scene::PoseSource::kFloor:
-      return world_from_camera_on_floor(*background->floor);
-    case scene::PoseSource::kIdentity:
-      break;
-  }
-  return {};
-}
-
 FrameRange Session::default_frames() const {
   const int learned =
       scene.background.learn && !scene.background.model ? scene.background.learn->second : 0;
@@ -221,6 +209,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   }
   add_objects(*session);
   add_light_and_key(session->scene, session->setup);
+  MIXRIG_TRY(check_poses(*session));
   return session;
 }
 

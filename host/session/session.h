@@ -15,6 +15,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "host/calibration_file/choice.h"
+#include "host/capture/pose_source.h"
 #include "host/model/static_background.h"
 #include "host/render/compositor.h"
 #include "host/scene/scene.h"
@@ -55,11 +56,13 @@ struct Session {
   std::unique_ptr<capture::CaptureSource> source;
   calibration_file::CalibrationChoice calibration;  ///< which one is used, and why
   std::optional<model::StaticBackground> background;
+  std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
   std::vector<MeshArrays> meshes;
   render::CompositorSetup setup;
   BackendChoice backend;
 
-  /// Pose of the target camera at a frame: from the take, on the learned floor, or the identity.
+  /// Pose of the target camera at a frame, by `poses`; the identity where it is lost, and before
+  /// prepare_poses() that of the capture.
   geometry::Pose world_from_target(const capture::Capture& capture) const;
   /// Frames to composite if the user gives none: those after the learned ones.
   FrameRange default_frames() const;

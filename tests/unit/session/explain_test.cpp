@@ -54,6 +54,7 @@ TEST_F(ExplainTest, ACameraThatMayMoveHasACostOfAMovingFrame) {
   EXPECT_NE(to_text(moving).find("moving"), std::string::npos);
 
   session_.scene.pose_source = scene::PoseSource::kIdentity;
+  session_.poses.reset();
   const Explanation fixed = explained();
   EXPECT_FALSE(fixed.moving_p50_ms) << "a camera at the origin does not move";
   EXPECT_TRUE(to_json(fixed)["moving_p50_ms"].is_null());

@@ -19,16 +19,24 @@ live::RigConfig whole_rig() {
   return rig;
 }
 
-TEST(UsedBy, LeavesOutTheFisheyeAndTheHead) {
+TEST(UsedBy, LeavesOutTheFisheye) {
   live::RigConfig rig = whole_rig();
   rig.depth->trigger_line = 1;
   const live::RigConfig used = used_by({}, rig);
   ASSERT_EQ(used.cameras.size(), 1U);
   EXPECT_EQ(used.cameras[0].name, "target");
   EXPECT_TRUE(used.depth);
-  EXPECT_EQ(used.pan_tilt_uri, "");
+  EXPECT_EQ(used.pan_tilt_uri, rig.pan_tilt_uri) << "a fixed pose watches it";
   EXPECT_EQ(used.trigger_uri, rig.trigger_uri) << "it fires the depth camera";
   EXPECT_EQ(used.edges_uri, rig.edges_uri);
+}
+
+TEST(UsedBy, LeavesOutAHeadThatThePoseDoesNotDependOn) {
+  for (const auto source : {scene::PoseSource::kRecorded, scene::PoseSource::kMocap}) {
+    scene::Scene scene;
+    scene.pose_source = source;
+    EXPECT_EQ(used_by(scene, whole_rig()).pan_tilt_uri, "");
+  }
 }
 
 TEST(UsedBy, LeavesOutATriggerThatFiresOnlyOtherCameras) {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/read_camera.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "host/calibration_file/tables.h"
+
+namespace mixrig::scene {
+namespace {
+
+using config::Table;
+
+constexpr std::array<const char*, 7> kPoses{"take",     "floor",    "identity",  "fixed",
+                                            "recorded", "pan_tilt", "mocap:HOST"};
+constexpr const char* kMocapPrefix = "mocap:";
+constexpr double kMs = 1e-3;
+
+/// A key of [camera] that belongs to one pose source.
+struct OwnKey {
+  const char* key;
+  PoseSource of;
+};
+constexpr std::array<OwnKey, 8> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
+                                          {"time_offset_s", PoseSource::kRecorded},
+                                          {"world_from_target", PoseSource::kFixed},
+                                          {"world_from_base", PoseSource::kPanTilt},
+                                          {"constellation", PoseSource::kMocap},
+                                          {"body", PoseSource::kMocap},
+                                          {"up", PoseSource::kMocap},
+                                          {"delay_ms", PoseSource::kMocap}}};
+
+Eigen::Vector3d corner(const Table& box, const char* key) {
+  const auto v = box.numbers(key, 3, 3, {-1e4, 1e4});
+  return {v[0], v[1], v[2]};
+}
+
+PoseSource read_source(const Table& table, MocapSettings& mocap) {
+  const std::string text = table.text_or("pose", "take");
+  if (!text.starts_with(kMocapPrefix))
+    return static_cast<PoseSource>(table.one_of("pose", {kPoses.begin(), kPoses.end()}, 0));
+  mocap.server = text.substr(std::string(kMocapPrefix).size());
+  if (mocap.server.empty() || mocap.server == "HOST")
+    table.fail("pose", "names no server: write \"mocap:\" and its name or address");
+  return PoseSource::kMocap;
+}
+
+/// Keys of another pose source: the scene would name two.
+void refuse_others(const Table& table, PoseSource source) {
+  for (const OwnKey& own : kOwnKeys)
+    if (own.of != source && table.has(own.key))
+      table.fail(own.key, std::string("belongs to pose = \"") + name(own.of) +
+                              "\", but pose is \"" + name(source) +
+                              "\": two pose sources, remove one");
+}
+
+void read_own_keys(const Table& table, const std::filesystem::path& folder, PoseSource source,
+                   CameraPoses& camera) {
+  // Every key is read, so that each is known.
+  if (table.has("trajectory")) camera.trajectory = config::path_at(table, "trajectory", folder);
+  camera.time_offset_s = table.number_or("time_offset_s", 0, {-1e12, 1e12});
+  const Table fixed = table.table("world_from_target"), base = table.table("world_from_base");
+  camera.world_from_target = calibration_file::parse_pose(fixed);
+  camera.world_from_base = calibration_file::parse_pose(base);
+  MocapSettings& mocap = camera.mocap;
+  if (table.has("constellation"))
+    mocap.constellation = config::path_at(table, "constellation", folder);
+  mocap.body = table.integer_or("body", 0, {0, 1e9});
+  mocap.y_up = table.one_of("up", {"y", "z"}, 0) == 0;
+  mocap.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
+  if (!mocap.constellation.empty() && table.has("body"))
+    table.fail("body", "given beside constellation: remove one of them");
+  if (source == PoseSource::kFixed && !fixed.present())
+    table.fail("world_from_target",
+               "missing: pose = \"fixed\" needs { rotation_xyzw = [...], translation_m = [...] }");
+  if (source == PoseSource::kRecorded && table.has("time_offset_s") && !table.has("trajectory"))
+    table.fail("time_offset_s",
+               "needs a trajectory: the take's own poses are on the take's own clock");
+}
+
+}  // namespace
+
+const char* name(PoseSource source) {
+  return source == PoseSource::kMocap ? "mocap" : kPoses[static_cast<std::size_t>(source)];
+}
+
+void read_camera(const Table& table, const std::filesystem::path& folder, Scene& scene) {
+  CameraPoses& camera = scene.camera;
+  scene.pose_source = read_source(table, camera.mocap);
+  refuse_others(table, scene.pose_source);
+  read_own_keys(table, folder, scene.pose_source, camera);
+  camera.max_age_s = kMs * table.number_or("max_age_ms", camera.max_age_s / kMs, {0, 1e6});
+  camera.when_lost = static_cast<WhenLost>(table.one_of("when_lost", {"freeze", "hide"}, 0));
+  const Table box = table.table("capture_volume");
+  const Eigen::Vector3d min_m = corner(box, "min_m"), max_m = corner(box, "max_m");
+  if (!box.present()) return;
+  if (!(min_m.array() < max_m.array()).all())
+    box.fail("min_m", "must lie below max_m on every axis: swap them");
+  scene.capture_volume = CaptureVolume{min_m, max_m};
+}
+
+}  // namespace mixrig::scene
