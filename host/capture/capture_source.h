@@ -29,6 +29,7 @@ struct SourceInfo : RigCameras {
   std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras
   bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
   bool has_poses = false;
+  bool moves = false;  ///< its poses differ
   bool has_truth = false;
 };
 

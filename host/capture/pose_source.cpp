@@ -9,4 +9,10 @@ std::string_view name(PoseLoss loss) {
   return kNames[static_cast<std::size_t>(loss)];
 }
 
+bool moved(const geometry::Pose& a, const geometry::Pose& b) {
+  constexpr double kStill_m = 0.01, kStill_rad = 0.004;
+  return (a.translation_m - b.translation_m).norm() > kStill_m ||
+         a.rotation.angularDistance(b.rotation) > kStill_rad;
+}
+
 }  // namespace mixrig::capture

@@ -59,6 +59,9 @@ struct PoseFaults {
   std::uint64_t packets_lost = 0, packets_late = 0, packets_bad = 0;  ///< of a network stream
 };
 
+/// Whether a camera at two poses sees two views: they are more than 10 mm or 0.004 rad apart.
+bool moved(const geometry::Pose& a, const geometry::Pose& b);
+
 /// Calls come from one thread at a time, in the order of the captures.
 class PoseSource {
  public:

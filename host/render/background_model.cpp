@@ -46,7 +46,7 @@ void make_grid(const BackgroundModel& model, ModelTables& t) {
 
 }  // namespace
 
-ModelTables make_model_tables(const CompositorSetup& setup) {
+ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
   const BackgroundModel& model = *setup.background_model;
   const geometry::Pinhole& camera = model.camera;
   ModelTables t;
@@ -57,7 +57,8 @@ ModelTables make_model_tables(const CompositorSetup& setup) {
   t.noise = {kMedianSigma * t.noise.floor_m, kMedianSigma * t.noise.linear,
              kMedianSigma * t.noise.quadratic_per_m};
   t.camera = {glm::vec2(camera.fx_px, camera.fy_px), glm::vec2(camera.cx_px, camera.cy_px)};
-  t.normal = normals(model.images.depth_m, camera, 2 * static_cast<int>(std::ceil(tof_step_px)));
+  if (with_normals)
+    t.normal = normals(model.images.depth_m, camera, 2 * static_cast<int>(std::ceil(tof_step_px)));
   t.footprint_px = static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / camera.fx_px));
   return t;
 }

@@ -22,8 +22,8 @@ struct ModelTables {
   float footprint_px = 1;      ///< view pixels that a step of the grid spans, at least 1
 };
 
-/// The grid has as many samples as the ToF camera could tell apart. Precondition: validate(setup)
+/// Without normals `normal` is empty. The grid has as many samples as the ToF camera could tell apart. Precondition: validate(setup)
 /// holds and setup.background_model is there.
-ModelTables make_model_tables(const CompositorSetup& setup);
+ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals);
 
 }  // namespace mixrig::render

@@ -100,7 +100,7 @@ Poses floor_pose(const Session& session) {
 Poses make_poses(const Session& session) {
   switch (session.scene.pose_source) {
     case scene::PoseSource::kTake:
-      return pose::make_own_poses(false);
+      return pose::make_own_poses(false, session.source->info().moves);
     case scene::PoseSource::kFloor:
       return floor_pose(session);
     case scene::PoseSource::kIdentity:

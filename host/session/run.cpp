@@ -45,12 +45,6 @@ double foreground_pct(const Image<std::uint8_t>& matte) {
   return 100.0 * static_cast<double>(count) / static_cast<double>(matte.size().area());
 }
 
-bool moved(const geometry::Pose& a, const geometry::Pose& b) {
-  constexpr double kStill_m = 0.01, kStill_rad = 0.004;
-  return (a.translation_m - b.translation_m).norm() > kStill_m ||
-         a.rotation.angularDistance(b.rotation) > kStill_rad;
-}
-
 /// Spread over the range; at growing distances where its end is not known.
 std::vector<int> sheet_frames(FrameRange range, int rows) {
   if (range.second != capture::kEndless) return output::spread(range.first, range.second, rows);
@@ -282,7 +276,9 @@ Result<void> Runner::add_last_to_sheet() {
 
 void Runner::watch_camera(const geometry::Pose& world_from_target) {
   if (!first_pose_) first_pose_ = world_from_target;
-  if (warned_ || !session_.background || !moved(*first_pose_, world_from_target)) return;
+  if (warned_ || !session_.background || session_.setup.background_model ||
+      !capture::moved(*first_pose_, world_from_target))
+    return;
   warned_ = true;
   log_warning("session",
               "the camera moves, the background is of a static camera: people are keyed "

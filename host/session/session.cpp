@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "host/capture/calibrated_source.h"
-#include "host/capture/capture_reader.h"
 #include "host/session/camera_pose.h"
+#include "host/session/learn.h"
 
 namespace mixrig::session {
 namespace {
@@ -67,15 +67,6 @@ void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup
     setup.capture_box = {to_glm(scene.capture_volume->min_m), to_glm(scene.capture_volume->max_m)};
 }
 
-Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange range) {
-  const auto [first, last] = range;
-  if (first >= 1 && first <= last && last <= info.frames) return {};
-  return Error{ErrorCode::kFormat, "frames " + std::to_string(first) + "-" + std::to_string(last) +
-                                       " are not in the take, which has 1-" +
-                                       std::to_string(info.frames) +
-                                       ": give frames of the empty room"};
-}
-
 /// Adds the scene's file and key to an error.
 Error at_key(const Session& session, const char* key, Error error) {
   error.context = session.scene.path.string() + ": " + key + ": " + error.context;
@@ -115,14 +106,20 @@ Result<std::optional<model::StaticBackground>> background_of(Session& session,
   std::optional<model::StaticBackground> background;
   if (wanted.model) {
     MIXRIG_ASSIGN(background, model::load_static_background(*wanted.model));
-    if (!(background->view == session.setup.view))
+    const bool moves = session.poses && session.poses->moves();
+    if (moves && !background->world_from_view)
+      return Error{ErrorCode::kData,
+                   "background " + wanted.model->string() +
+                       " does not say from where it was learned, and the camera moves: scan it "
+                       "again from a take with poses"};
+    if (!moves && !(background->view == session.setup.view))
       return Error{ErrorCode::kData, "background " + wanted.model->string() +
                                          " was learned in the view " + text(background->view) +
                                          ", this take's is " + text(session.setup.view) +
                                          ": scan it again with this rig and size"};
   } else if (wanted.learn) {
-    auto learned =
-        learn_background(*session.source, session.setup, *wanted.learn, session.backend, progress);
+    auto learned = learn_background(*session.source, session.setup, *wanted.learn, session.backend,
+                                    progress, session.poses.get());
     if (!learned) return at_key(session, "background.learn", std::move(learned).error());
     background = *std::move(learned);
   }
@@ -156,38 +153,6 @@ Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
   return setup;
 }
 
-Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
-                                                 const render::CompositorSetup& setup,
-                                                 FrameRange range, BackendChoice backend,
-                                                 const ProgressFn& progress) {
-  MIXRIG_TRY(check_empty_frames(source.info(), range));
-  const auto [first, last] = range;
-  render::CompositorSetup empty = setup;
-  empty.objects.clear();
-  empty.light.lamps.clear();
-  empty.background = {};
-  empty.capture_box.reset();
-  MIXRIG_ASSIGN(auto compositor, make_compositor(empty, backend));
-  model::StaticBackgroundBuilder builder(setup.view);
-  // A live source may drop captures: it is read until enough were learned.
-  const bool live = source.info().frames == capture::kEndless;
-  capture::CaptureReader reader(source, first, live ? capture::kEndless : last, false);
-  render::FrameOutput output;
-  output.wanted = render::kColor | render::kWarpedDepth;
-  for (int number = first; number <= last; ++number) {
-    MIXRIG_ASSIGN(const auto item, reader.next());
-    if (!item)
-      return Error{ErrorCode::kData, "the source ended or was stopped after " +
-                                         std::to_string(number - first) + " of " +
-                                         std::to_string(last - first + 1) +
-                                         " frames of the empty room: nothing was learned"};
-    MIXRIG_TRY(compositor->compose({item->capture->plate, item->capture->depth_m, {}}, output));
-    MIXRIG_TRY(builder.add(output.warped_depth_m, output.color));
-    if (progress) progress("background", number - first + 1, last - first + 1);
-  }
-  return builder.finish();
-}
-
 FrameRange Session::default_frames() const {
   const int learned =
       scene.background.learn && !scene.background.model ? scene.background.learn->second : 0;
@@ -217,7 +182,12 @@ Result<void> prepare_background(Session& session, const ProgressFn& progress) {
   MIXRIG_ASSIGN(session.background, background_of(session, progress));
   if (session.background) {
     const model::StaticBackground& b = *session.background;
-    session.setup.background = {b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};
+    const render::BackgroundView images{b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};
+    const bool moves = session.poses && session.poses->moves() && b.world_from_view;
+    if (moves)
+      session.setup.background_model = render::BackgroundModel{b.view, *b.world_from_view, images};
+    else
+      session.setup.background = images;
   }
   if (session.scene.pose_source == scene::PoseSource::kFloor &&
       !(session.background && session.background->floor))

@@ -85,11 +85,4 @@ Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
 /// The same field of view on another grid of pixels.
 geometry::Pinhole resized(const geometry::Pinhole& view, Size size);
 
-/// Warps frames `range` of a source into the view of `setup` and learns the empty room from them.
-/// Errors: kFormat for frames that the source lacks, those of reading, composing and learning.
-Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
-                                                 const render::CompositorSetup& setup,
-                                                 FrameRange range, BackendChoice backend,
-                                                 const ProgressFn& progress);
-
 }  // namespace mixrig::session

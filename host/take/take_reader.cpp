@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
+#include "host/capture/pose_source.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
 #include "host/take/frame_tables.h"
@@ -261,6 +262,10 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
     return Error{
         ErrorCode::kData,
         "take '" + path.string() + "' has no frame with colour, depth and pose: check its streams"};
+  const geometry::Pose& first = state->frames.front().world_from_target;
+  info.moves = std::any_of(
+      state->frames.begin(), state->frames.end(),
+      [&](const FrameIndex& f) { return capture::moved(first, f.world_from_target); });
   const int longest = std::max(info.color.count, info.depth.count);
   if (longest > info.frames)
     log_warning("take", path.string() + ": " + std::to_string(longest - info.frames) +

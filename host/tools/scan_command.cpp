@@ -8,7 +8,8 @@
 
 #include "hal/base/order_statistics.h"
 #include "host/capture/calibrated_source.h"
-#include "host/session/session.h"
+#include "host/pose/fixed_poses.h"
+#include "host/session/learn.h"
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -79,9 +80,10 @@ Result<nlohmann::json> scan(const Arguments& arguments) {
                                             : std::filesystem::path(arguments.session.calibration);
   MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
   MIXRIG_ASSIGN(const auto setup, session::setup_of(source->info(), size));
+  const auto poses = pose::make_own_poses(true, source->info().moves);
   MIXRIG_ASSIGN(const model::StaticBackground background,
                 session::learn_background(*source, setup, range, backend_choice(arguments.session),
-                                          progress_bar()));
+                                          progress_bar(), poses.get()));
   MIXRIG_TRY(model::save(background, arguments.out));
   print(background);
   return report_of(background);

@@ -103,13 +103,13 @@ struct MovingBackground::Run {
   std::size_t count = 0;
 };
 
-MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup)
+MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals)
     : key_(setup.key),
       noise_(noise_params(setup.noise)),
       radius_px_(
           static_cast<int>(std::ceil(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px)))),
       world_from_model_(setup.background_model->world_from_camera),
-      model_(make_model_tables(setup)),
+      model_(make_model_tables(setup, normals == Normals::kMake)),
       grid_tables_(grid_tables(setup, model_)),
       grid_(grid_tables_.tof_size),
       scratch_(grid_tables_.tof_size),
@@ -127,8 +127,9 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup)
   model_sigma_m_ = padded(size, 0.0F, [&](int x, int y) {
     return images.depth_sigma_m.empty() ? 0 : images.depth_sigma_m.row(y)[x];
   });
-  model_normal_ =
-      padded(size, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
+  if (normals == Normals::kMake)
+    model_normal_ =
+        padded(size, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
   model_.depth_m = {};
   model_.normal = {};
   if (images.color.empty()) return;
@@ -150,7 +151,8 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < width; x += static_cast<int>(kRun)) {
         find_in_model(x, y, width - x, run);
-        look_up(x, y, run, tables.background_normal.row(y) + x);
+        look_up(x, y, run);
+        if (!model_normal_.empty()) look_up_normals(run, tables.background_normal.row(y) + x);
       }
       most_within(w_.row(y), width, radius_px_, row_most_w_.row(y));
     }
@@ -193,13 +195,16 @@ void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
   }
 }
 
-void MovingBackground::look_up(int x0, int y, const Run& run, PackedNormal* normals) {
+void MovingBackground::look_up(int x0, int y, const Run& run) {
   const float* w = w_.row(y) + x0;
   float* depth_m = depth_m_.row(y) + x0;
   float* sigma_m = depth_sigma_m_.row(y) + x0;
   for (std::size_t i = 0; i < run.count; ++i) depth_m[i] = w[i] > 0 ? 1 / w[i] : 0;
   const float* model_sigma_m = model_sigma_m_.row(0);
   for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
+}
+
+void MovingBackground::look_up_normals(const Run& run, PackedNormal* normals) const {
   alignas(64) std::array<PackedNormal, kRun> from;
   const PackedNormal* model_normal = model_normal_.row(0);
   for (std::size_t i = 0; i < run.count; ++i) from[i] = model_normal[run.at[i]];

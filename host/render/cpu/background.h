@@ -10,12 +10,15 @@
 
 namespace mixrig::render::cpu {
 
+/// Whether the normals are needed: only light on the background does.
+enum class Normals { kMake, kSkip };
+
 /// The background at the last pose, images of the view's size. What the model never saw, or saw
 /// hidden behind another surface, is unknown: depth 0, colour negative, no limit.
 class MovingBackground {
  public:
   /// Reads the model's images now and borrows nothing.
-  MovingBackground(Crew& crew, const CompositorSetup& setup);
+  MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals = Normals::kMake);
   /// Draws the depth, and what the key and the light pass take from `tables`: key_limit_w and
   /// background_normal. Colours are those of earlier draws until draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
@@ -30,7 +33,8 @@ class MovingBackground {
  private:
   struct Run;
   void find_in_model(int x0, int y, int width, Run& run) const;
-  void look_up(int x0, int y, const Run& run, PackedNormal* normals);
+  void look_up(int x0, int y, const Run& run);
+  void look_up_normals(const Run& run, PackedNormal* normals) const;
   void limit_row(int y, float* limit_w) const;
 
   KeyParams key_;

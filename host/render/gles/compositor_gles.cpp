@@ -284,6 +284,10 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup) {
   MIXRIG_TRY(validate(setup));
+  if (setup.background_model)
+    return Error{ErrorCode::kUnsupported,
+                 "the gles back end cannot draw the background of a camera that moves: use "
+                 "--backend cpu"};
   MIXRIG_ASSIGN(EglContext context, EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
   MIXRIG_TRY(compositor->create_passes());

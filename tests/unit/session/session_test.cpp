@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/session/learn.h"
 #include "tests/support/box_source.h"
 
 namespace mixrig::session {

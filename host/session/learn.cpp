@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/learn.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "hal/base/srgb.h"
+#include "host/capture/capture_reader.h"
+#include "host/render/cpu/background.h"
+
+namespace mixrig::session {
+namespace {
+
+/// Half of the field of view of a wide view has at most this tangent.
+constexpr double kMostTan = 2.2;
+constexpr int kMostSide_px = 8192;
+/// Metres: no surface is nearer; bounds what a shift of the camera uncovers at the borders.
+constexpr double kNearSurface_m = 1.5;
+
+/// Frames in the view of `setup`, without objects, key or light.
+class FrameViews {
+ public:
+  static Result<FrameViews> make(const render::CompositorSetup& setup, BackendChoice backend) {
+    render::CompositorSetup empty = setup;
+    empty.objects.clear();
+    empty.light.lamps.clear();
+    empty.background = {};
+    empty.background_model.reset();
+    empty.capture_box.reset();
+    FrameViews views;
+    MIXRIG_ASSIGN(views.compositor_, make_compositor(empty, backend));
+    views.output_.wanted = render::kColor | render::kWarpedDepth;
+    return views;
+  }
+  Result<const render::FrameOutput*> of(const capture::Capture& capture) {
+    MIXRIG_TRY(compositor_->compose({capture.plate, capture.depth_m, {}}, output_));
+    return &output_;
+  }
+
+ private:
+  std::unique_ptr<render::Compositor> compositor_;
+  render::FrameOutput output_;
+};
+
+/// The frames of a range in order; how many were read stands in the error where the source ends.
+class Frames {
+ public:
+  Frames(capture::CaptureSource& source, FrameRange range)
+      : range_(range),
+        // A live source may drop captures: it is read until enough were learned.
+        reader_(source, range.first,
+                source.info().frames == capture::kEndless ? capture::kEndless : range.second,
+                false),
+        number_(range.first) {}
+  /// Null after the last.
+  Result<capture::CapturePtr> next() {
+    if (number_ > range_.second) return capture::CapturePtr();
+    MIXRIG_ASSIGN(auto item, reader_.next());
+    if (!item)
+      return Error{ErrorCode::kData,
+                   fmt::format("the source ended or was stopped after {} of {} frames of the empty "
+                               "room: nothing was learned",
+                               number_ - range_.first, range_.second - range_.first + 1)};
+    ++number_;
+    return std::move(item->capture);
+  }
+  int done() const { return number_ - range_.first; }
+  int total() const { return range_.second - range_.first + 1; }
+
+ private:
+  const FrameRange range_;
+  capture::CaptureReader reader_;
+  int number_;
+};
+
+/// One frame in the wide view.
+class WideFrame {
+ public:
+  WideFrame(const render::CompositorSetup& setup, const WideView& wide)
+      : setup_(setup), wide_(wide), color_(wide.camera.size_px) {
+    setup_.view = wide.camera;
+    setup_.target = {wide.camera, {}};
+    setup_.background = {};
+    tables_.view_size = wide.camera.size_px;
+    tables_.key_limit_w.reset(wide.camera.size_px);
+  }
+  /// Draws what the camera saw from a pose; `depth_m` and `color` have the size of `view`.
+  void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
+            const render::FrameOutput& seen) {
+    linear_.reset(seen.color.size());
+    const auto& linear = linear_of_srgb_bytes();
+    for (int y = 0; y < linear_.height(); ++y)
+      std::transform(seen.color.row(y), seen.color.row(y) + linear_.width(), linear_.row(y),
+                     [&](const Rgb8& p) {
+                       return Rgbf{linear[p.r], linear[p.g], linear[p.b]};
+                     });
+    setup_.background_model =
+        render::BackgroundModel{view, world_from_view, {seen.warped_depth_m, {}, linear_, {}}};
+    render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::Normals::kSkip);
+    drawn.draw(crew_, wide_.world_from_camera, tables_);
+    take_over(drawn);
+  }
+  const Image<float>& depth_m() const { return depth_m_; }
+  const Image<Rgb8>& color() const { return color_; }
+
+ private:
+  /// Depth counts only where the colour is known too.
+  void take_over(render::cpu::MovingBackground& drawn) {
+    constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
+    depth_m_.reset(color_.size());
+    crew_.rows(color_.height(), 16, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        for (int x = 0; x < color_.width(); x += kColumns)
+          drawn.draw_color(x, y, std::min(kColumns, color_.width() - x));
+        const render::BackgroundView view = drawn.view();
+        for (int x = 0; x < color_.width(); ++x) {
+          const Rgbf c = view.color.row(y)[x];
+          depth_m_.row(y)[x] = c.r < 0 ? 0 : view.depth_m.row(y)[x];
+          color_.row(y)[x] = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
+                              srgb_byte_from_linear(c.b)};
+        }
+      }
+    });
+  }
+
+  render::CompositorSetup setup_;
+  const WideView wide_;
+  Crew crew_;
+  render::Tables tables_;
+  Image<Rgbf> linear_;
+  Image<float> depth_m_;
+  Image<Rgb8> color_;
+};
+
+/// The same frames again, each drawn in one wide view.
+Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
+                                             const render::CompositorSetup& setup, FrameRange range,
+                                             BackendChoice backend, const ProgressFn& progress,
+                                             capture::PoseSource& poses,
+                                             std::span<const geometry::Pose> known) {
+  MIXRIG_ASSIGN(const WideView wide, view_of_all(setup.view, known));
+  MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
+  WideFrame drawn(setup, wide);
+  model::StaticBackgroundBuilder builder(wide.camera, 32, model::Views::kDifferent);
+  Frames frames(source, range);
+  for (;;) {
+    MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
+    if (!capture) break;
+    const capture::CameraPose pose = poses.pose_of(*capture);
+    if (!pose.ok()) continue;
+    MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
+    drawn.draw(setup.view, pose.world_from_target, *seen);
+    MIXRIG_TRY(builder.add(drawn.depth_m(), drawn.color()));
+    if (progress) progress("background, as the camera moves", frames.done(), frames.total());
+  }
+  MIXRIG_ASSIGN(model::StaticBackground background, builder.finish());
+  background.world_from_view = wide.world_from_camera;
+  return background;
+}
+
+}  // namespace
+
+Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange range) {
+  const auto [first, last] = range;
+  if (first >= 1 && first <= last && last <= info.frames) return {};
+  return Error{ErrorCode::kFormat,
+               fmt::format("frames {}-{} are not in the take, which has 1-{}: give frames of the "
+                           "empty room",
+                           first, last, info.frames)};
+}
+
+Result<WideView> view_of_all(const geometry::Pinhole& view, std::span<const geometry::Pose> poses) {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), ahead = position_m, down = position_m;
+  for (const geometry::Pose& pose : poses) {
+    position_m += pose.translation_m / static_cast<double>(poses.size());
+    ahead += pose.rotation * Eigen::Vector3d::UnitZ();
+    down += pose.rotation * Eigen::Vector3d::UnitY();
+  }
+  const Error too_wide{ErrorCode::kData,
+                       "the camera turns too far for one view while the empty room is learned: "
+                       "learn from frames that turn less"};
+  if (!(ahead.norm() > 1e-3 && down.cross(ahead).norm() > 1e-3)) return too_wide;
+  WideView wide;
+  wide.world_from_camera = geometry::look_at(position_m, position_m + ahead, -down);
+  double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  const int w = view.size_px.width, h = view.size_px.height;
+  for (const geometry::Pose& pose : poses) {
+    const geometry::Pose wide_from = geometry::inverse(wide.world_from_camera) * pose;
+    for (int i = 0; i < 9; ++i) {
+      const double u = (i % 3) * 0.5 * w - 0.5, v = (i / 3) * 0.5 * h - 0.5;
+      const Eigen::Vector2d ray = view.unproject({u, v});
+      for (const double z_m : {kNearSurface_m, 1e3}) {
+        const Eigen::Vector3d p = wide_from * (Eigen::Vector3d(ray.x(), ray.y(), 1) * z_m);
+        if (!(p.z() > 0)) return too_wide;
+        x0 = std::min(x0, p.x() / p.z()), x1 = std::max(x1, p.x() / p.z());
+        y0 = std::min(y0, p.y() / p.z()), y1 = std::max(y1, p.y() / p.z());
+      }
+    }
+  }
+  if (std::max({-x0, x1, -y0, y1}) > kMostTan) return too_wide;
+  const auto pixels = [](double low, double high, double f_px) {
+    return std::clamp(static_cast<int>(std::ceil((high - low) * f_px)) + 1, 1, kMostSide_px);
+  };
+  wide.camera = {{pixels(x0, x1, view.fx_px), pixels(y0, y1, view.fy_px)},
+                 view.fx_px,
+                 view.fy_px,
+                 -x0 * view.fx_px,
+                 -y0 * view.fy_px};
+  return wide;
+}
+
+Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
+                                                 const render::CompositorSetup& setup,
+                                                 FrameRange range, BackendChoice backend,
+                                                 const ProgressFn& progress,
+                                                 capture::PoseSource* poses) {
+  MIXRIG_TRY(check_empty_frames(source.info(), range));
+  MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
+  model::StaticBackgroundBuilder builder(setup.view);
+  std::vector<geometry::Pose> known;
+  bool moves = false;
+  {
+    Frames frames(source, range);
+    for (;;) {
+      MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
+      if (!capture) break;
+      if (poses != nullptr) {
+        const capture::CameraPose pose = poses->pose_of(*capture);
+        if (pose.ok()) known.push_back(pose.world_from_target);
+        moves |= pose.ok() && capture::moved(known.front(), known.back());
+      }
+      if (!moves) {
+        MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
+        MIXRIG_TRY(builder.add(seen->warped_depth_m, seen->color));
+      }
+      if (progress) progress("background", frames.done(), frames.total());
+    }
+  }
+  if (!moves) {
+    MIXRIG_ASSIGN(model::StaticBackground background, builder.finish());
+    if (!known.empty()) background.world_from_view = known.front();
+    return background;
+  }
+  if (source.info().frames == capture::kEndless)
+    return Error{ErrorCode::kData,
+                 "the camera moved while the empty room was learned: keep it still until the "
+                 "frames to composite, or use a scanned background"};
+  return learn_moving(source, setup, range, backend, progress, *poses, known);
+}
+
+}  // namespace mixrig::session
