@@ -88,15 +88,16 @@ std::string pose_line(const PoseReport& report) {
   const capture::PoseFaults& f = report.faults;
   std::string line;
   if (report.frames.lost() > 0) {
-    for (const auto& [why, count] : lost_by_reason(report.frames).items())
+    const nlohmann::json reasons = lost_by_reason(report.frames);
+    for (const auto& [why, count] : reasons.items())
       line += fmt::format("{}{} {}", line.empty() ? "" : ", ", why, count.get<std::uint64_t>());
     line = fmt::format("  pose lost in {} frames ({}): virtual objects {}\n", report.frames.lost(),
                        line, report.when_lost == pose::WhenLost::kHide ? "hidden" : "frozen");
   }
   if (report.frames.jumps + f.jumps + f.not_finite + f.clock_steps > 0)
     line += fmt::format(
-        "  poses: {} jumps between frames; in their stream {} jumps, {} not "
-        "finite, {} steps of the clock, left out\n",
+        "  poses: jumps: {} between frames, {} in their stream; left out there: {} not finite; "
+        "steps of their clock: {}\n",
         report.frames.jumps, f.jumps, f.not_finite, f.clock_steps);
   return line;
 }

@@ -73,6 +73,79 @@ TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {
   EXPECT_FALSE(scene->capture_volume.has_value());
 }
 
+Result<Scene> scene_of(const std::string& camera) {
+  return parse_scene("[camera]\n" + camera, "s/scene.toml", false);
+}
+
+TEST(Scene, NamesWhereThePoseComesFrom) {
+  const auto fixed = scene_of(
+      "pose = \"fixed\"\nworld_from_target = { rotation_xyzw = [0, 0, 1, 0], translation_m = [1, "
+      "2, 3] }\n");
+  ASSERT_TRUE(fixed) << fixed.error().context;
+  EXPECT_EQ(fixed->pose_source, PoseSource::kFixed);
+  EXPECT_EQ(fixed->camera.world_from_target * Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 2, 3));
+
+  const auto recorded = scene_of(
+      "pose = \"recorded\"\ntrajectory = \"mocap.txt\"\ntime_offset_s = -3.5\nmax_age_ms = "
+      "50\nwhen_lost = \"hide\"\n");
+  ASSERT_TRUE(recorded) << recorded.error().context;
+  EXPECT_EQ(recorded->pose_source, PoseSource::kRecorded);
+  EXPECT_EQ(recorded->camera.trajectory, "s/mocap.txt");
+  EXPECT_EQ(recorded->camera.time_offset_s, -3.5);
+  EXPECT_DOUBLE_EQ(recorded->camera.max_age_s, 0.05);
+  EXPECT_EQ(recorded->camera.when_lost, WhenLost::kHide);
+
+  const auto head = scene_of(
+      "pose = \"pan_tilt\"\nworld_from_base = { rotation_xyzw = [0, 0, 0, 1], translation_m = [0, "
+      "0, 1.2] }\n");
+  ASSERT_TRUE(head) << head.error().context;
+  EXPECT_EQ(head->pose_source, PoseSource::kPanTilt);
+  EXPECT_EQ(head->camera.world_from_base.translation_m.z(), 1.2);
+  EXPECT_EQ(head->camera.when_lost, WhenLost::kFreeze);
+
+  const auto mocap = scene_of(
+      "pose = \"mocap:motive-pc:1510,239.255.42.99\"\nconstellation = \"camera.toml\"\nup = "
+      "\"z\"\ndelay_ms = 30\n");
+  ASSERT_TRUE(mocap) << mocap.error().context;
+  EXPECT_EQ(mocap->pose_source, PoseSource::kMocap);
+  EXPECT_EQ(mocap->camera.mocap.server, "motive-pc:1510,239.255.42.99");
+  EXPECT_EQ(mocap->camera.mocap.constellation, "s/camera.toml");
+  EXPECT_FALSE(mocap->camera.mocap.y_up);
+  EXPECT_DOUBLE_EQ(mocap->camera.mocap.delay_s, 0.03);
+}
+
+TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
+  struct Row {
+    const char *camera, *says;
+  };
+  const Row rows[] = {
+      {"pose = \"pan_tilt\"\ntrajectory = \"a.txt\"\n",
+       "s/scene.toml:3: key \"camera.trajectory\": belongs to pose = \"recorded\", but pose is "
+       "\"pan_tilt\": two pose sources, remove one"},
+      {"trajectory = \"a.txt\"\n", "belongs to pose = \"recorded\", but pose is \"take\""},
+      {"pose = \"recorded\"\nworld_from_target = { rotation_xyzw = [0, 0, 0, 1], translation_m = "
+       "[0, 0, 0] }\n",
+       "belongs to pose = \"fixed\""},
+      {"pose = \"recorded\"\ndelay_ms = 3\n", "belongs to pose = \"mocap\""},
+      {"pose = \"fixed\"\n", "key \"camera.world_from_target\": missing"},
+      {"pose = \"recorded\"\ntime_offset_s = 1.0\n", "needs a trajectory"},
+      {"pose = \"recorded\"\ntrajectory = \"a\"\ntime_offset_s = nan\n", "camera.time_offset_s"},
+      {"pose = \"mocap:\"\n", "names no server"},
+      {"pose = \"mocap:a\"\nbody = 2\nconstellation = \"a.toml\"\n", "given beside constellation"},
+      {"pose = \"mocap:a\"\ndelay_ms = -1\n", "camera.delay_ms"},
+      {"pose = \"pantilt\"\n", "\"pantilt\" is not known: use one of"},
+      {"max_age_mss = 3\n", "not known: did you mean \"max_age_ms\"?"},
+      {"max_age_ms = -3\n", "camera.max_age_ms"},
+      {"when_lost = \"stop\"\n", "use one of \"freeze\", \"hide\""},
+  };
+  for (const Row& row : rows) {
+    const auto scene = scene_of(row.camera);
+    ASSERT_FALSE(scene) << row.camera;
+    EXPECT_NE(scene.error().context.find(row.says), std::string::npos) << scene.error().context;
+    EXPECT_EQ(scene.error().context.find('\n'), std::string::npos);
+  }
+}
+
 TEST(Scene, ReportsEachWrongValueWithLineAndKey) {
   struct Row {
     const char *from, *to, *says;
