@@ -9,17 +9,13 @@
 #include "host/estimation/markers/constellation.h"
 
 namespace mixrig::mocap {
-namespace {
 
 using geometry::Pose;
 
-/// Rotation from the recording's world to one with z up.
 Pose z_up_from(Up up) {
   if (up == Up::kZ) return {};
   return {Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())), {0, 0, 0}};
 }
-
-}  // namespace
 
 MocapTrack track_markers(const std::vector<stream::NatNetFrame>& frames,
                          const Constellation& constellation, const TrackOptions& options) {

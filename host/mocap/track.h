@@ -15,6 +15,9 @@ namespace mixrig::mocap {
 
 enum class Up { kY, kZ };  ///< which axis of the recording points up
 
+/// Rotation from such a world to one with z up.
+geometry::Pose z_up_from(Up up);
+
 struct TrackOptions {
   Up up = Up::kY;                   ///< the result has z up
   int body_id = 0;                  ///< 0: the only body; ignored for constellations

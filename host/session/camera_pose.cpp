@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host/calibration_file/calibration.h"
+#include "host/estimation/verdict.h"
 #include "host/pose/fixed_poses.h"
+#include "host/pose/mocap_poses.h"
 #include "host/pose/pan_tilt_poses.h"
 #include "host/pose/recorded_poses.h"
 #include "host/session/world_frame.h"
@@ -97,7 +100,53 @@ Poses floor_pose(const Session& session) {
                                "fixed on the floor of the learned background");
 }
 
-Poses make_poses(const Session& session) {
+/// The inverse of a pose and of its covariance.
+std::pair<geometry::Pose, std::optional<capture::PoseCovariance>> inverse_of(
+    const calibration_file::CalibratedPose& known) {
+  const geometry::Pose back = geometry::inverse(known.target_from);
+  if (known.covariance.rows() != 6) return {back, std::nullopt};
+  const Eigen::Matrix3d r = back.rotation.toRotationMatrix();
+  capture::PoseCovariance j = capture::PoseCovariance::Zero();
+  j.topLeftCorner<3, 3>() = j.bottomRightCorner<3, 3>() = -r;
+  j.bottomLeftCorner<3, 3>() = -r * estimation::skew(known.target_from.translation_m);
+  return {back, j * capture::PoseCovariance(known.covariance) * j.transpose()};
+}
+
+Result<pose::MocapOptions> mocap_options(const Session& session) {
+  if (!is_live(session))
+    return at_camera(session, "pose", ErrorCode::kUsage,
+                     "a live motion capture cannot belong to a recording: record its trajectory "
+                     "(mixrig track --mocap) and use pose = \"recorded\"");
+  const scene::MocapSettings& wanted = session.scene.camera.mocap;
+  pose::MocapOptions options;
+  options.body_id = wanted.body;
+  options.up = wanted.y_up ? mocap::Up::kY : mocap::Up::kZ;
+  options.delay_s = wanted.delay_s;
+  options.most_ahead_s = session.scene.camera.max_age_s;
+  if (!wanted.constellation.empty()) {
+    MIXRIG_ASSIGN(options.constellation, mocap::read_constellation(wanted.constellation));
+  }
+  calibration_file::Calibration known;
+  if (!session.calibration.file.empty()) {
+    MIXRIG_ASSIGN(known, calibration_file::read_calibration(session.calibration.file));
+  }
+  const calibration_file::CalibratedPose* body = known.pose("body");
+  if (body == nullptr)
+    return at_camera(session, "pose", ErrorCode::kFormat,
+                     fmt::format("\"mocap\", but {} has no pose of the tracked body: make it by "
+                                 "mixrig calibrate external --calibration, and name its "
+                                 "calibration.toml by `calibration` or --calibration",
+                                 session.calibration.where));
+  std::tie(options.body_from_target, options.body_covariance) = inverse_of(*body);
+  return options;
+}
+
+Poses mocap_poses(const Session& session, const Clock& clock) {
+  MIXRIG_ASSIGN(pose::MocapOptions options, mocap_options(session));
+  return pose::open_mocap_poses(session.scene.camera.mocap.server, std::move(options), clock);
+}
+
+Poses make_poses(const Session& session, const Clock* clock) {
   switch (session.scene.pose_source) {
     case scene::PoseSource::kTake:
       return pose::make_own_poses(false, session.source->info().moves);
@@ -116,21 +165,25 @@ Poses make_poses(const Session& session) {
     case scene::PoseSource::kMocap:
       break;
   }
-  return at_camera(session, "pose", ErrorCode::kUnsupported, "motion capture is not built in");
+  return mocap_poses(session, *clock);
 }
 
 }  // namespace
 
 Result<void> check_poses(Session& session) {
   const scene::PoseSource wanted = session.scene.pose_source;
-  if (wanted == scene::PoseSource::kFloor || wanted == scene::PoseSource::kMocap) return {};
-  MIXRIG_ASSIGN(session.poses, make_poses(session));
+  if (wanted == scene::PoseSource::kFloor) return {};
+  if (wanted == scene::PoseSource::kMocap) {
+    if (auto fine = mocap_options(session); !fine) return std::move(fine).error();
+    return {};
+  }
+  MIXRIG_ASSIGN(session.poses, make_poses(session, nullptr));
   return {};
 }
 
-Result<void> prepare_poses(Session& session, const Clock&) {
+Result<void> prepare_poses(Session& session, const Clock& clock) {
   if (session.poses) return {};
-  MIXRIG_ASSIGN(session.poses, make_poses(session));
+  MIXRIG_ASSIGN(session.poses, make_poses(session, &clock));
   return {};
 }
 

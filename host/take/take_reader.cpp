@@ -60,6 +60,7 @@ struct TakeReader::State {
   Result<void> index_lists(const Lists& lists);
   Result<std::vector<StampedPose>> read_poses();
   Result<void> read_tables();
+  void take_times_from_ticks();
   void describe(int number, capture::Capture& capture) const;
   Result<void> read_steps(PictureStream& stream, int index, double unit, int unknown,
                           Image<float>& out);
@@ -127,6 +128,18 @@ Result<void> TakeReader::State::read_tables() {
     MIXRIG_ASSIGN(pan_tilt, parse_pan_tilt(text, path.string()));
   }
   return {};
+}
+
+/// A recording without stamped poses knows when its frames were taken: a rate would only count
+/// them.
+void TakeReader::State::take_times_from_ticks() {
+  if (!manifest.pose_file.empty() || is_list(info().color)) return;
+  const auto first = ticks.find(1);
+  if (first == ticks.end()) return;
+  for (const auto& [number, tick] : ticks)
+    if (number >= 1 && number <= static_cast<int>(frames.size()))
+      frames[static_cast<std::size_t>(number - 1)].time_s =
+          seconds(tick.mid_exposure - first->second.mid_exposure);
 }
 
 /// All of a capture but its images.
@@ -251,6 +264,7 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   MIXRIG_ASSIGN(state->manifest, open_manifest(path));
   MIXRIG_TRY(state->open_streams());
   MIXRIG_TRY(state->read_tables());
+  state->take_times_from_ticks();
   TakeInfo& info = state->info();
   info.rate_hz = info.color.rate_hz;
   info.file = path;

@@ -14,8 +14,10 @@
 #include "host/session/explain.h"
 #include "host/session/run.h"
 #include "tests/gl/quad_mesh.h"
+#include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/session/posed_source.h"
+#include "tests/unit/stream/natnet_server.h"
 
 namespace mixrig::session {
 namespace {
@@ -317,6 +319,62 @@ TEST_F(CameraPoseTest, AHeadThatRestsOrIsFollowedByPosesOfTheTakeIsFine) {
   session_.scene.pose_source = PoseSource::kTake;
   session_.poses.reset();
   EXPECT_TRUE(run_it());
+}
+
+/// calibration.toml whose body is such that the stream's body puts the camera at x = 0.1 m.
+calibration_file::Calibration with_body() {
+  // frame_with_body(): at (x, 0.5, 0.25), half a turn about z, in a world with y up.
+  const geometry::Pose z_up{
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX())),
+      {0, 0, 0}};
+  const geometry::Pose world_from_body{Eigen::Quaterniond(0, 0, 0, 1), {0.7, 0.5, 0.25}};
+  const geometry::Pose target_from_world{Eigen::Quaterniond::Identity(), {-0.1, 0, 0}};
+  calibration_file::Calibration calibration;
+  calibration.poses.push_back({"body", target_from_world * z_up * world_from_body, {}, 0, 0, {}});
+  return calibration;
+}
+
+TEST_F(CameraPoseTest, AMotionCaptureOverTheNetworkMovesTheObject) {
+  std::vector<std::vector<std::byte>> packets;
+  for (int i = 0; i < 200; ++i)
+    packets.push_back(stream::frame_with_body(i, 0.7F, 2e-4 * i, false).packet(7));
+  stream::NatNetServer server(packets);
+  use(std::make_unique<PosedSource>(
+      10,
+      [this](Capture& capture) {
+        // The first frame is composited without a pose if it comes before the first packet.
+        EXPECT_TRUE(test::comes_true([&] {
+          capture.mid_exposure = clock_.now();
+          return capture.number == 1 || session_.poses->pose_of(capture).ok();
+        }));
+      },
+      true));
+  session_.scene.pose_source = PoseSource::kMocap;
+  session_.scene.camera.mocap.server = "127.0.0.1:" + std::to_string(server.port());
+  session_.scene.camera.max_age_s = 600;  // however slowly this test runs
+  session_.calibration.file = folder_ / "calibration.toml";
+  ASSERT_TRUE(calibration_file::write_calibration(session_.calibration.file, with_body()));
+  const auto report = run_it();
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->pose.source, "mocap");
+  EXPECT_GE(report->pose.frames.frames[0], 1U);
+  for (const auto& [number, shown] : shown_) {
+    if (shown.pose.ok()) {
+      EXPECT_NEAR(shown.centre_px, PosedSource::kCentre_px - PosedSource::kFocal_px * 0.1, 0.51);
+    }
+  }
+}
+
+TEST_F(CameraPoseTest, AMotionCaptureNeedsLiveDevicesAndTheBodysPose) {
+  session_.scene.pose_source = PoseSource::kMocap;
+  session_.scene.camera.mocap.server = "127.0.0.1";
+  use(std::make_unique<PosedSource>(5, nullptr));
+  expect_error(ErrorCode::kUsage, "a live motion capture cannot belong to a recording");
+  use(std::make_unique<PosedSource>(5, nullptr, true));
+  session_.calibration.where = "what the devices report";
+  expect_error(ErrorCode::kFormat,
+               "what the devices report has no pose of the tracked body: make it by mixrig "
+               "calibrate external");
 }
 
 TEST_F(CameraPoseTest, ExplainNamesTheSourceAndWhatALostPoseDoes) {
