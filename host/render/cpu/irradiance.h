@@ -24,11 +24,11 @@ struct SurfaceLanes {
 };
 
 /// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp.
-void light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                 const SurfaceLanes& at, NumberLanes& ratio);
+FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                       const SurfaceLanes& at);
 
 /// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue.
-void shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, const SurfaceLanes& at,
-             VectorLanes& light);
+VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                    const SurfaceLanes& at);
 
 }  // namespace mixrig::render::cpu

@@ -75,9 +75,8 @@ void light_tiles(const LightInput& input, int y, LightLayer& light) {
   std::array<int, kLanes> tiles;
   int count = 0;
   const auto find = [&] {
-    NumberLanes ratio;
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    light_ratio(input.frame, input.maps, kAllLamps, at, ratio);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, kAllLamps, at);
     for (int i = 0; i < count; ++i)
       light.tile_light.row(y)[tiles[static_cast<std::size_t>(i)]] = ratio[i];
     count = 0;
@@ -117,8 +116,7 @@ void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& lay
   int count = 0;
   const auto shade = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    VectorLanes light;
-    shading(input.frame, input.maps, at, light);
+    const VectorLanes light = shading(input.frame, input.maps, at);
     for (int i = 0; i < count; ++i) {
       Rgbx16& c = layer.color.row(y)[columns[static_cast<std::size_t>(i)]];
       const glm::vec3 shaded =
@@ -178,8 +176,7 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
       const glm::vec3 ray = ray_of(input.tables.warp.view, column, y);
       at.set(i, ray * std::max(depth_m[column], 0.0F), unpack(normals[column], ray));
     }
-    NumberLanes ratio;
-    light_ratio(input.frame, input.maps, maybe, at, ratio);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
       out[x + i] = depth_m[x + i] > 0 ? to_fixed(ratio[i]) : kLit;
   }

@@ -5,9 +5,11 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <glm/glm.hpp>
 
+#include "host/render/cpu/simd.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render::cpu {
@@ -36,21 +38,37 @@ enum class Facing { kFront, kBoth };
 std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
                                const SampleGrid& grid, Facing facing);
 
-/// Calls fill(x, y, w, shares) for the samples in rows [y0, y1). A border that two triangles share
-/// belongs to both, with a small overlap against cracks; the caller keeps the nearest surface.
+/// 0, 1, 2, ... of the lanes.
+template <int... kLane>
+constexpr FloatLanes count_up(std::integer_sequence<int, kLane...>) {
+  return FloatLanes{static_cast<float>(kLane)...};
+}
+inline constexpr FloatLanes kLaneNumber = count_up(std::make_integer_sequence<int, kLanes>());
+
+/// Calls fill(x, y, w, inside) for runs of kLanes samples from (x, y) on, in rows [y0, y1), which
+/// hold all samples of the triangle; `inside` tells which do. Runs start at `last_x` at most, and a
+/// sample can come twice. A border that two triangles share belongs to both, with a small overlap
+/// against cracks; the caller keeps the nearest surface.
 template <typename Fill>
-void for_each_sample(const Triangle& t, int y0, int y1, Fill&& fill) {
+void for_each_run(const Triangle& t, int y0, int y1, int last_x, Fill&& fill) {
+  const float width = static_cast<float>(t.box.x1 - t.box.x0);
   for (int y = std::max(y0, t.box.y0); y < std::min(y1, t.box.y1); ++y) {
     const float dy = static_cast<float>(y - t.box.y0);
-    for (int x = t.box.x0; x < t.box.x1; ++x) {
-      const float dx = static_cast<float>(x - t.box.x0);
-      const auto at = [&](const Affine& s) { return s.a * dx + (s.b * dy + s.c); };
-      const glm::vec3 shares(at(t.share[0]), at(t.share[1]), at(t.share[2]));
-      const float w = shares.x + shares.y + shares.z;
-      const float border = -1e-5F * w;
-      if (shares.x >= border && shares.y >= border && shares.z >= border && w > 0 &&
-          w < static_cast<float>(1 / kNearestM))
-        fill(x, y, w, shares);
+    const float first0 = t.share[0].b * dy + t.share[0].c;
+    const float first1 = t.share[1].b * dy + t.share[1].c;
+    const float first2 = t.share[2].b * dy + t.share[2].c;
+    for (int x = t.box.x0; x < t.box.x1; x += kLanes) {
+      const int at = std::min(x, last_x);
+      const FloatLanes dx = kLaneNumber + static_cast<float>(at - t.box.x0);
+      const FloatLanes share0 = dx * t.share[0].a + first0;
+      const FloatLanes share1 = dx * t.share[1].a + first1;
+      const FloatLanes share2 = dx * t.share[2].a + first2;
+      const FloatLanes w = share0 + share1 + share2;
+      const FloatLanes border = w * -1e-5F;
+      const IntLanes inside = (share0 >= border) & (share1 >= border) & (share2 >= border) &
+                              (w > 0) & (w < static_cast<float>(1 / kNearestM)) & (dx >= 0) &
+                              (dx < width);
+      fill(at, y, w, inside);
     }
   }
 }

@@ -4,8 +4,13 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
 
 namespace mixrig::render::cpu {
 
@@ -51,6 +56,35 @@ inline FloatLanes abs(FloatLanes f) {
   return std::bit_cast<FloatLanes>(std::bit_cast<IntLanes>(f) & 0x7FFFFFFF);
 }
 inline FloatLanes to_float(IntLanes i) { return __builtin_convertvector(i, FloatLanes); }
+inline FloatLanes sqrt(FloatLanes f) {
+  for (int i = 0; i < kLanes; ++i) f[i] = std::sqrt(f[i]);
+  return f;
+}
+inline float sum(FloatLanes f) {
+  float total = 0;
+  for (int i = 0; i < kLanes; ++i) total += f[i];
+  return total;
+}
+/// Whether any lane of a comparison is true.
+inline bool any(IntLanes mask) {
+  std::int32_t bits = 0;
+  for (int i = 0; i < kLanes; ++i) bits |= mask[i];
+  return bits != 0;
+}
+/// from[index] of each lane.
+inline FloatLanes gather(const float* from, IntLanes index) {
+#if defined(__AVX512F__)
+  return std::bit_cast<FloatLanes>(
+      _mm512_i32gather_ps(std::bit_cast<__m512i>(index), from, sizeof(float)));
+#elif defined(__AVX2__)
+  return std::bit_cast<FloatLanes>(
+      _mm256_i32gather_ps(from, std::bit_cast<__m256i>(index), sizeof(float)));
+#else
+  FloatLanes out;
+  for (int i = 0; i < kLanes; ++i) out[i] = from[index[i]];
+  return out;
+#endif
+}
 /// Towards zero; the value must fit.
 inline IntLanes truncate(FloatLanes f) { return __builtin_convertvector(f, IntLanes); }
 

@@ -4,49 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/render/cpu/virtual_surface.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBandRows = 16;
-
-/// Bilinear, repeating, in linear light.
-glm::vec3 texel(ImageView<const Rgb8> texture, glm::vec2 uv) {
-  const auto& linear = srgb_to_linear();
-  const auto wrap = [](float value, int size) {
-    const float at = (value - std::floor(value)) * static_cast<float>(size) - 0.5F;
-    const int first = static_cast<int>(std::floor(at));
-    return std::tuple((first + size) % size, (first + 1) % size, at - static_cast<float>(first));
-  };
-  if (!(std::abs(uv.x) < 1e6F && std::abs(uv.y) < 1e6F)) return glm::vec3(1);
-  const auto [x0, x1, fx] = wrap(uv.x, texture.size.width);
-  const auto [y0, y1, fy] = wrap(uv.y, texture.size.height);
-  const auto at = [&](int x, int y) {
-    const Rgb8 p = texture.row(y)[x];
-    return glm::vec3(linear[p.r], linear[p.g], linear[p.b]);
-  };
-  const glm::vec3 top = glm::mix(at(x0, y0), at(x1, y0), fx);
-  return glm::mix(top, glm::mix(at(x0, y1), at(x1, y1), fx), fy) / kLinearOne;
-}
-
-struct Surface {
-  glm::vec3 albedo, normal;
-};
-
-/// Albedo and camera-axes normal of an item at perspective-correct weights.
-Surface surface_at(const Draw& draw, const VirtualScratch::Item& item, glm::vec3 weights,
-                   glm::vec3 ray) {
-  const MeshView& mesh = *draw.mesh;
-  const auto mix = [&](const auto& values) {
-    const std::uint32_t* i = &mesh.indices[item.first_index];
-    return values[i[0]] * weights.x + values[i[1]] * weights.y + values[i[2]] * weights.z;
-  };
-  glm::vec3 normal = glm::normalize(draw.params.camera_from_object_normal * mix(mesh.normals));
-  if (mesh.double_sided && glm::dot(normal, ray) > 0) normal = -normal;
-  const bool textured = !mesh.texture.empty() && !mesh.uv.empty();
-  const glm::vec3 albedo =
-      draw.params.base_color * (textured ? texel(mesh.texture, mix(mesh.uv)) : glm::vec3(1));
-  return {albedo, normal};
-}
 
 SampleGrid sample_grid(const PinholeParams& view, const Rect& rect) {
   // Sample i of an axis lies at pixel (i - 0.5) / 2.
@@ -83,48 +46,6 @@ void set_up_items(Crew& crew, const FrameParams& params, VirtualScratch& scratch
   });
 }
 
-/// Mean of the covered samples of a pixel.
-void resolve_pixel(const FrameParams& params, const VirtualScratch& scratch, int x, int y,
-                   const float* w_rows, const std::uint32_t* item_rows, std::ptrdiff_t stride,
-                   VirtualLayer& layer) {
-  int covered = 0;
-  float nearest_w = 0;
-  glm::vec3 albedo(0), normal(0);
-  for (int j = 0; j < kVirtualSamples; ++j)
-    for (int i = 0; i < kVirtualSamples; ++i) {
-      const float w = w_rows[j * stride + i];
-      if (!(w > 0)) continue;
-      const auto& item = scratch.items[item_rows[j * stride + i]];
-      const Draw& draw = params.draws[item.draw];
-      const float dx = static_cast<float>(kVirtualSamples * x + i - item.triangle.box.x0);
-      const float dy = static_cast<float>(kVirtualSamples * y + j - item.triangle.box.y0);
-      glm::vec3 weights;
-      for (int k = 0; k < 3; ++k) {
-        const Affine& s = item.triangle.share[static_cast<std::size_t>(k)];
-        weights[k] = (s.a * dx + (s.b * dy + s.c)) / w;
-      }
-      const glm::vec2 px(static_cast<float>(x) + 0.5F * static_cast<float>(i) - 0.25F,
-                         static_cast<float>(y) + 0.5F * static_cast<float>(j) - 0.25F);
-      const glm::vec3 ray((px - draw.params.view.center_px) / draw.params.view.focal_px, 1);
-      const Surface surface = surface_at(draw, item, weights, ray);
-      albedo += surface.albedo;
-      normal += surface.normal;
-      nearest_w = std::max(nearest_w, w);
-      ++covered;
-    }
-  constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
-  layer.coverage.row(y)[x] =
-      static_cast<std::uint8_t>((255 * covered + kPixelSamples / 2) / kPixelSamples);
-  layer.w.row(y)[x] = nearest_w;
-  if (covered == 0) return;
-  const glm::vec3 c = glm::min(albedo / float(kPixelSamples), glm::vec3(1)) * kLinearOne + 0.5F;
-  layer.color.row(y)[x] = {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
-                           static_cast<std::uint16_t>(c.b), 0};
-  const glm::vec3 n = glm::round(127.0F * glm::normalize(normal + glm::vec3(0, 0, -1e-6F)));
-  layer.normal.row(y)[x] = {static_cast<std::int8_t>(n.x), static_cast<std::int8_t>(n.y),
-                            static_cast<std::int8_t>(n.z), 0};
-}
-
 /// Samples of view rows [y0, y1), then their means.
 void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, int y0, int y1,
                VirtualLayer& layer) {
@@ -134,19 +55,20 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
   for (int y = y0 * kVirtualSamples; y < y1 * kVirtualSamples; ++y)
     std::fill_n(scratch.sample_w.row(row_of(y)), scratch.sample_w.width(), 0.0F);
   for (std::size_t i = 0; i < scratch.items.size(); ++i)
-    for_each_sample(scratch.items[i].triangle, y0 * kVirtualSamples, y1 * kVirtualSamples,
-                    [&](int x, int y, float w, const glm::vec3&) {
-                      float& nearest = scratch.sample_w.row(row_of(y))[x];
-                      if (!(w > nearest)) return;
-                      nearest = w;
-                      scratch.sample_item.row(row_of(y))[x] = static_cast<std::uint32_t>(i);
-                    });
+    for_each_run(scratch.items[i].triangle, y0 * kVirtualSamples, y1 * kVirtualSamples,
+                 scratch.sample_w.width() - kLanes,
+                 [&](int x, int y, FloatLanes w, IntLanes inside) {
+                   float* const nearest = scratch.sample_w.row(row_of(y)) + x;
+                   std::uint32_t* const item = scratch.sample_item.row(row_of(y)) + x;
+                   const FloatLanes old = load<FloatLanes>(nearest);
+                   const IntLanes nearer = inside & (w > old);
+                   store(nearest, nearer ? w : old);
+                   const IntLanes number = IntLanes{} + static_cast<std::int32_t>(i);
+                   store(item, nearer ? number : load<IntLanes>(item));
+                 });
   for (int y = y0; y < y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x)
-      resolve_pixel(params, scratch, x, y,
-                    scratch.sample_w.row(row_of(kVirtualSamples * y)) + kVirtualSamples * x,
-                    scratch.sample_item.row(row_of(kVirtualSamples * y)) + kVirtualSamples * x,
-                    scratch.sample_w.stride(), layer);
+      resolve(params, scratch, x, y, row_of(kVirtualSamples * y), layer);
 }
 
 }  // namespace
@@ -159,7 +81,8 @@ VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int th
       items.push_back({{}, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i)});
   }
   if (items.empty()) return;
-  const Size samples{kVirtualSamples * view_size.width, kVirtualSamples * kBandRows * threads};
+  const Size samples{std::max(kVirtualSamples * view_size.width, kLanes),
+                     kVirtualSamples * kBandRows * threads};
   sample_w.reset(samples);
   sample_item.reset(samples);
 }

@@ -8,111 +8,100 @@
 namespace mixrig::render::cpu {
 namespace {
 
+constexpr float kMost = std::numeric_limits<float>::max();
+
 /// A filter of `radius_texel` around a place in a map, for each point.
 struct FilterLanes {
-  NumberLanes x_texel, y_texel, radius_texel;
-  NumberLanes w;  ///< of the point in lamp axes, 1/m; infinite where it sees all of the lamp
+  FloatLanes x_texel, y_texel, radius_texel;
+  FloatLanes w;  ///< of the point in lamp axes, 1/m; kMost where it sees all of the lamp
 };
 
-/// Nearest texel of tap (x, y) of each filter. The border of a map is empty, as is everything
-/// outside.
-void read_tap(const Image<float>& map_w, const FilterLanes& filter, glm::vec2 tap, float* values) {
-  const float last = static_cast<float>(map_w.width() - 1);
-  const float* texels = map_w.row(0);
-  const int stride = static_cast<int>(map_w.stride());
-#pragma omp simd
-  for (int i = 0; i < kLanes; ++i) {
-    const float x_texel = filter.x_texel[i] + filter.radius_texel[i] * tap.x;
-    const float y_texel = filter.y_texel[i] + filter.radius_texel[i] * tap.y;
-    const float x = std::min(std::max(x_texel, 0.0F), last);
-    const float y = std::min(std::max(y_texel, 0.0F), last);
-    values[i] = texels[static_cast<int>(y + 0.5F) * stride + static_cast<int>(x + 0.5F)];
+/// Reads the taps of filters.
+class TapReader {
+ public:
+  explicit TapReader(const Image<float>& map_w)
+      : texels_(map_w.row(0)),
+        stride_(static_cast<std::int32_t>(map_w.stride())),
+        last_(FloatLanes{} + static_cast<float>(map_w.width() - 1)) {}
+  /// Nearest texel of tap (x, y) of each filter. The border of a map is empty, as is everything
+  /// outside.
+  FloatLanes read(const FilterLanes& filter, glm::vec2 tap) const {
+    const FloatLanes x = filter.x_texel + filter.radius_texel * tap.x;
+    const FloatLanes y = filter.y_texel + filter.radius_texel * tap.y;
+    return gather(texels_, texel(y) * stride_ + texel(x));
   }
+
+ private:
+  IntLanes texel(FloatLanes at) const { return truncate(min(max(at, FloatLanes{}), last_) + 0.5F); }
+
+  const float* texels_;
+  std::int32_t stride_;
+  FloatLanes last_;
+};
+
+/// Coordinate `axis` of each point in the lamp's axes.
+FloatLanes in_lamp(const glm::mat4& m, int axis, FloatLanes x, FloatLanes y, FloatLanes z) {
+  return x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis];
 }
 
-/// Points into the lamp's map, with the radius in which casters can be. Whether any is in reach.
-bool place(const LampParams& lamp, const VectorLanes& position_m, const VectorLanes& normal,
-           FilterLanes& search) {
-  const glm::mat4 m = lamp.lamp_from_camera;
-  const float focal = lamp.map_focal_texel, center = lamp.map_center_texel;
-  const float near_m = lamp.casters_near_m, near_w = 1 / near_m, reach = focal * lamp.radius_m;
-  const float end = static_cast<float>(lamp.map_size_texel - 1);
-  const float lift = kLiftTexels / focal;
-  int in_reach = 0;
-#pragma omp simd reduction(+ : in_reach)
-  for (int i = 0; i < kLanes; ++i) {
-    const float px = position_m.x[i], py = position_m.y[i], pz = position_m.z[i];
-    const float unmoved_z = m[0].z * px + m[1].z * py + m[2].z * pz + m[3].z;
-    // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
-    const float lift_m = lift * unmoved_z;
-    const float x = px + lift_m * normal.x[i], y = py + lift_m * normal.y[i],
-                z = pz + lift_m * normal.z[i];
-    const float lamp_x = m[0].x * x + m[1].x * y + m[2].x * z + m[3].x;
-    const float lamp_y = m[0].y * x + m[1].y * y + m[2].y * z + m[3].y;
-    const float lamp_z = m[0].z * x + m[1].z * y + m[2].z * z + m[3].z;
-    const bool behind = (unmoved_z > near_m) & (lamp_z > near_m);
-    const float w = 1 / (behind ? lamp_z : near_m);
-    const float u = lamp_x * focal * w + center, v = lamp_y * focal * w + center;
-    const float radius = reach * (near_w - w), last = end + radius;
-    const bool inside = behind & (u > -radius) & (v > -radius) & (u < last) & (v < last);
-    search.x_texel[i] = inside ? u : 0.0F;
-    search.y_texel[i] = inside ? v : 0.0F;
-    search.radius_texel[i] = inside ? std::max(radius, kLeastRadiusTexel) : 0.0F;
-    search.w[i] = inside ? w : std::numeric_limits<float>::infinity();
-    in_reach += inside;
-  }
-  return in_reach > 0;
+/// Points into the lamp's map, with the radius in which casters can be.
+FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLanes& normal) {
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
+  const FloatLanes unmoved_z = in_lamp(m, 2, p.x, p.y, p.z);
+  // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
+  const FloatLanes lift_m = unmoved_z * (kLiftTexels / focal);
+  const FloatLanes x = p.x + lift_m * normal.x, y = p.y + lift_m * normal.y,
+                   z = p.z + lift_m * normal.z;
+  const FloatLanes lamp_z = in_lamp(m, 2, x, y, z);
+  const IntLanes behind = (unmoved_z > near_m) & (lamp_z > near_m);
+  const FloatLanes w = 1 / (behind ? lamp_z : FloatLanes{} + near_m);
+  const FloatLanes u = in_lamp(m, 0, x, y, z) * w * focal + lamp.map_center_texel;
+  const FloatLanes v = in_lamp(m, 1, x, y, z) * w * focal + lamp.map_center_texel;
+  const FloatLanes radius = (1 / near_m - w) * (focal * lamp.radius_m);
+  const FloatLanes last = radius + static_cast<float>(lamp.map_size_texel - 1);
+  const IntLanes inside = behind & (u > -radius) & (v > -radius) & (u < last) & (v < last);
+  return {inside ? u : FloatLanes{}, inside ? v : FloatLanes{},
+          inside ? max(radius, FloatLanes{} + kLeastRadiusTexel) : FloatLanes{},
+          inside ? w : FloatLanes{} + kMost};
 }
 
-/// The filter as wide as the penumbra of what lies before each point. Whether anything does.
-bool find_blockers(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
+/// Makes the filters as wide as the penumbra of what lies before each point.
+void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes& filter) {
   static const auto kTaps = vogel_disc<kBlockerTapCount>();
-  NumberLanes sum{}, count{}, values;
+  FloatLanes sum_m{}, count{};
   for (const glm::vec2 tap : kTaps) {
-    read_tap(map.w, filter, tap, values.at);
-#pragma omp simd
-    for (int i = 0; i < kLanes; ++i) {
-      const bool before = values[i] > filter.w[i];
-      sum[i] += before ? 1 / values[i] : 0.0F;
-      count[i] += before ? 1.0F : 0.0F;
-    }
+    const FloatLanes w = reader.read(filter, tap);
+    const IntLanes before = w > filter.w;
+    sum_m += before ? 1 / w : FloatLanes{};
+    count -= to_float(before);  // true is -1
   }
-  const float reach = lamp.map_focal_texel * lamp.radius_m;
-  int found = 0;
-#pragma omp simd reduction(+ : found)
-  for (int i = 0; i < kLanes; ++i) {
-    const bool any = count[i] > 0;
-    const float radius = reach * (count[i] / (any ? sum[i] : 1.0F) - filter.w[i]);
-    filter.radius_texel[i] = any ? std::max(radius, kLeastRadiusTexel) : 0.0F;
-    filter.w[i] = any ? filter.w[i] : std::numeric_limits<float>::infinity();
-    found += any;
-  }
-  return found > 0;
+  const IntLanes found = count > 0;
+  const FloatLanes blocker_w = count / (found ? sum_m : FloatLanes{} + 1.0F);
+  const FloatLanes radius = (blocker_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m);
+  filter.radius_texel = max(found ? radius : FloatLanes{}, FloatLanes{} + kLeastRadiusTexel);
+  filter.w = found ? filter.w : FloatLanes{} + kMost;
 }
 
 }  // namespace
 
-void visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
-                const VectorLanes& normal, NumberLanes& seen) {
+FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
+                      const VectorLanes& normal) {
   static const auto kTaps = vogel_disc<kShadowTapCount>();
-  std::fill_n(seen.at, kLanes, 1.0F);
-  FilterLanes filter;
-  if (map.empty() || !place(lamp, position_m, normal, filter) || !find_blockers(lamp, map, filter))
-    return;
-  NumberLanes hidden{}, values;
-  for (const glm::vec2 tap : kTaps) {
-    read_tap(map.w, filter, tap, values.at);
-#pragma omp simd
-    for (int i = 0; i < kLanes; ++i) hidden[i] += values[i] > filter.w[i] ? 1.0F : 0.0F;
-  }
-#pragma omp simd
-  for (int i = 0; i < kLanes; ++i)
-    seen[i] = (static_cast<float>(kShadowTapCount) - hidden[i]) / kShadowTapCount;
+  const FloatLanes all = FloatLanes{} + 1.0F;
+  if (map.empty()) return all;
+  FilterLanes filter = place(lamp, position_m, normal);
+  if (!any(filter.w < kMost)) return all;
+  const TapReader reader(map.w);
+  find_blockers(lamp, reader, filter);
+  if (!any(filter.w < kMost)) return all;
+  FloatLanes lit{};
+  for (const glm::vec2 tap : kTaps) lit -= to_float(reader.read(filter, tap) <= filter.w);
+  return lit / static_cast<float>(kShadowTapCount);
 }
 
 bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners_m) {
   if (map.empty()) return false;
-  constexpr float kMost = std::numeric_limits<float>::max();
   float x0 = kMost, y0 = kMost, x1 = -kMost, y1 = -kMost, z0 = kMost, z1 = -kMost;
   for (const glm::vec3& corner_m : corners_m) {
     const glm::vec3 p = transform(lamp.lamp_from_camera, corner_m);

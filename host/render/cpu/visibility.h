@@ -10,21 +10,15 @@
 
 namespace mixrig::render::cpu {
 
-/// A number of each of kLanes points.
-struct alignas(4 * kLanes) NumberLanes {
-  float& operator[](int i) { return at[i]; }
-  float operator[](int i) const { return at[i]; }
-  float at[kLanes];
-};
-/// A vector of each.
+/// A vector of each of kLanes points.
 struct VectorLanes {
-  NumberLanes x, y, z;
+  FloatLanes x, y, z;
 };
 
 /// Share of the lamp that each point sees, 0..1. `position_m`, `normal` (unit): camera axes,
 /// finite.
-void visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
-                const VectorLanes& normal, NumberLanes& seen);
+FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
+                      const VectorLanes& normal);
 
 /// A convex part of the space before the camera, by its corners in camera axes.
 using Corners = std::array<glm::vec3, 8>;

@@ -44,9 +44,8 @@ struct Lit {
       positions_m.x[i] = p.x, positions_m.y[i] = p.y, positions_m.z[i] = p.z;
       all_normals.x[i] = normal.x, all_normals.y[i] = normal.y, all_normals.z[i] = normal.z;
     }
-    render::cpu::NumberLanes seen;
-    render::cpu::visibility(preparer.params().lamps[0], maps[0], positions_m, all_normals, seen);
-    return seen[lane];
+    return render::cpu::visibility(preparer.params().lamps[0], maps[0], positions_m,
+                                   all_normals)[lane];
   }
 
   std::vector<glm::vec3> positions, normals;
