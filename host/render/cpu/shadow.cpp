@@ -66,7 +66,6 @@ void find_largest(ShadowMap& map) {
 }  // namespace
 
 void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowMap>& maps) {
-  constexpr int kGrain = 64;
   for (std::size_t i = 0; i < params.lamps.size(); ++i) {
     const LampParams& lamp = params.lamps[i];
     const int size = lamp.map_size_texel;
@@ -74,7 +73,8 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
     if (size == 0) continue;
     const SampleGrid grid{
         glm::dvec2(lamp.map_focal_texel), glm::dvec2(lamp.map_center_texel), {0, 0, size, size}};
-    crew.rows(size, kGrain,
+    // Every band sets all triangles up: one band a thread.
+    crew.rows(size, (size + crew.threads() - 1) / crew.threads(),
               [&](int begin, int end) { draw_casters(params, i, grid, begin, end, maps[i].w); });
   }
   crew.rows(static_cast<int>(maps.size()), 1, [&](int begin, int) {
