@@ -30,8 +30,9 @@ void compose_in(benchmark::State& state, Size view, Size tof) {
   }
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
-  // Images grow and shadow maps are drawn with the first frame.
-  if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
+  // Images of both frames in flight grow, and shadow maps are drawn, before the time is taken.
+  for (int i = 0; i < 2; ++i)
+    if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
   render::StageTimes sum{};
   for (auto _ : state) {
     if (state.range(1)) frame.world_from_target.translation_m.x() += 1e-4;
@@ -52,7 +53,7 @@ void statue(benchmark::State& state, Size view, Size tof) {
 
 void arguments(benchmark::internal::Benchmark* bench) {
   bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->Args({2, 2})->ArgNames({"threads", "moving"});
-  bench->Unit(benchmark::kMillisecond)->UseRealTime();
+  bench->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 }
 
 BENCHMARK_CAPTURE(compose, kinect2_1280x1024, kXga, kKinect2)->Apply(arguments);

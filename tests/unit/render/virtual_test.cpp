@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/cpu/virtual.h"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/unit/render/helpers.h"
 
@@ -14,12 +16,12 @@ constexpr Size kView{32, 32};
 struct Drawn {
   Drawn(std::vector<glm::vec3> positions_m, std::vector<std::uint32_t> indices,
         bool double_sided = false, std::vector<glm::vec2> uv = {},
-        ImageView<const Rgb8> texture = {})
+        ImageView<const Rgb8> texture = {}, Size view = kView)
       : positions(std::move(positions_m)),
         normals(positions.size(), glm::vec3(0, 0, -1)),
         texture_uv(std::move(uv)),
         triangles(std::move(indices)),
-        setup(plain_setup(kView, 32, {4, 4}, 4)) {
+        setup(plain_setup(view, 32, {4, 4}, 4)) {
     render::VirtualObject object;
     object.meshes.push_back(
         {positions, normals, texture_uv, triangles, glm::vec3(0.5F), texture, double_sided});
@@ -28,11 +30,11 @@ struct Drawn {
     preparer.update({});
     rect = preparer.params().virtual_rect;
     Crew crew(2);
-    render::cpu::VirtualScratch scratch(preparer.params(), kView, crew.threads());
-    layer.coverage.reset(kView);
-    layer.w.reset(kView);
-    layer.normal.reset(kView);
-    layer.color.reset(kView);
+    render::cpu::VirtualScratch scratch(preparer.params(), view, crew.threads());
+    layer.coverage.reset(view);
+    layer.w.reset(view);
+    layer.normal.reset(view);
+    layer.color.reset(view);
     render::cpu::draw_virtual(crew, preparer.params(), scratch, layer);
   }
   /// Pixels' worth of coverage.
@@ -116,6 +118,90 @@ TEST(Virtual, texture_is_perspective_correct_and_repeats) {
   const auto expected = [](double u) { return 1 - std::abs(2 * (u - std::floor(u)) - 1.5); };
   for (const int x : {10, 11, 12, 13, 18, 19, 20, 21})
     EXPECT_NEAR(at(x), expected((x - 7.5) / 8), 0.01) << x;
+}
+
+/// What one sample shows of a mesh, by cutting its ray with every triangle.
+struct Cut {
+  double z_m = 0;            ///< 0: nothing
+  bool near_border = false;  ///< of any triangle: rounding may decide
+  glm::dvec3 weights{0};
+  std::size_t first_index = 0;  ///< of the triangle
+};
+Cut cut(const Drawn& d, glm::dvec3 ray) {
+  Cut out;
+  for (std::size_t i = 0; i + 2 < d.triangles.size(); i += 3) {
+    const glm::dvec3 a(d.positions[d.triangles[i]]), b(d.positions[d.triangles[i + 1]]),
+        c(d.positions[d.triangles[i + 2]]);
+    const glm::dvec3 n = glm::cross(b - a, c - a);
+    const double z_m = glm::dot(n, a) / glm::dot(n, ray);
+    const glm::dvec3 p = ray * z_m;
+    const glm::dvec3 weights =
+        glm::dvec3(glm::dot(n, glm::cross(c - b, p - b)), glm::dot(n, glm::cross(a - c, p - c)),
+                   glm::dot(n, glm::cross(b - a, p - a))) /
+        glm::dot(n, n);
+    const double least = std::min(std::min(weights.x, weights.y), weights.z);
+    out.near_border |= std::abs(least) < 1e-3;
+    if (!(least > 0 && z_m > 0.01) || (out.z_m > 0 && z_m >= out.z_m)) continue;
+    out.z_m = z_m, out.weights = weights, out.first_index = i;
+  }
+  return out;
+}
+
+TEST(Virtual, many_small_triangles_agree_with_rays) {
+  std::minstd_rand random(11);
+  const auto between = [&](float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random);
+  };
+  for (const Size view : {Size{3, 40}, Size{7, 5}, Size{33, 31}, Size{64, 20}}) {
+    std::vector<glm::vec3> corners;
+    std::vector<glm::vec2> uv;
+    std::vector<std::uint32_t> indices;
+    for (int i = 0; i < 120; ++i) {
+      const glm::vec3 center(between(-1.2F, 1.2F), between(-1.2F, 1.2F), between(1, 4));
+      for (int k = 0; k < 3; ++k) {
+        indices.push_back(static_cast<std::uint32_t>(corners.size()));
+        corners.push_back(center +
+                          0.3F * glm::vec3(between(-1, 1), between(-1, 1), between(-1, 1)));
+        uv.emplace_back(between(-2, 2), between(-2, 2));
+      }
+    }
+    // A dark texel around u = 0.25 and a light one around 0.75, repeated.
+    const auto texture = make_image<Rgb8>({2, 1}, [](int x, int) {
+      return x ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
+    });
+    const Drawn d(corners, indices, true, uv, texture, view);
+    int judged = 0, mixed = 0;
+    for (int y = 0; y < view.height; ++y)
+      for (int x = 0; x < view.width; ++x) {
+        int covered = 0;
+        double nearest_w = 0, light = 0;
+        bool sure = true;
+        std::size_t first = 0;
+        for (int i = 0; i < 4; ++i) {
+          const Cut hit = cut(d, {(x + 0.5 * (i & 1) - 0.25 - 0.5 * (view.width - 1)) / 32,
+                                  (y + 0.5 * (i >> 1) - 0.25 - 0.5 * (view.height - 1)) / 32, 1});
+          sure &= !hit.near_border;
+          if (!(hit.z_m > 0)) continue;
+          mixed += covered > 0 && hit.first_index != first;
+          first = hit.first_index;
+          ++covered;
+          nearest_w = std::max(nearest_w, 1 / hit.z_m);
+          double u = 0;
+          for (int k = 0; k < 3; ++k)
+            u += hit.weights[k] * d.texture_uv[d.triangles[first + static_cast<std::size_t>(k)]].x;
+          const double from_dark = u - 0.25 - std::floor(u - 0.25);
+          light += 0.5 * (1 - std::abs(2 * from_dark - 1));
+        }
+        if (!sure) continue;
+        ++judged;
+        ASSERT_EQ(d.layer.coverage.at(x, y), (255 * covered + 2) / 4) << x << "," << y;
+        ASSERT_NEAR(d.layer.w.at(x, y), nearest_w, 1e-3) << x << "," << y;
+        if (covered == 0) continue;
+        EXPECT_NEAR(d.layer.color.at(x, y).g / 65535.0, light / 4, 0.01) << x << "," << y;
+      }
+    EXPECT_GT(judged, static_cast<int>(view.area()) / 2);
+    EXPECT_GT(mixed, view.width > 10 ? 10 : 0);
+  }
 }
 
 TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(Drawn({}, {}).area(), 0); }
