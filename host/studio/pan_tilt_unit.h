@@ -25,6 +25,10 @@ struct PanTiltUnit {
   double repeatability_rad = 0;  ///< sigma of the angle error that the encoder does not measure
 };
 
+struct HeadAngles {
+  double pan_rad = 0, tilt_rad = 0;
+};
+
 /// Pose of the turned target camera in the axes that it has at pan = tilt = 0. Angles as the
 /// encoders report them, but not quantised.
 geometry::Pose rest_from_turned(const PanTiltUnit& unit, double pan_rad, double tilt_rad);

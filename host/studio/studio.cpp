@@ -20,7 +20,6 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr double kRate_hz = 25;
 constexpr int kEmptyFrames = 25;
 constexpr int kBand = 4;
 constexpr float kFullWell_e = 12000, kReadNoise_e = 8;  ///< colour sensor at exposure 1
@@ -45,7 +44,6 @@ Result<void> check(const StudioOptions& o) {
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
-  info.rate_hz = kRate_hz;
   info.frames = options.frames;
   info.empty_frames = std::min(kEmptyFrames, options.frames / 2);
   info.target = rig.target;
@@ -57,24 +55,8 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.camera_moves = layout.camera_moves;
   info.world_from_rest = rest_pose(layout);
   if (options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
+  if (layout.camera_moves) info.mocap = mocap_of_seed(options.seed);
   return info;
-}
-
-/// The room without walls, floor, ceiling and lamps: these are the convex hull of the room, so they
-/// shade nothing.
-Mesh furniture_of(const Mesh& room) {
-  Mesh furniture = room;
-  furniture.indices.clear(), furniture.materials.clear();
-  for (std::size_t t = 0; t < room.materials.size(); ++t) {
-    const Kind kind = room.materials[t].kind;
-    if (kind == Kind::kFloor || kind == Kind::kWall || kind == Kind::kCeiling ||
-        kind == Kind::kLamp)
-      continue;
-    furniture.materials.push_back(room.materials[t]);
-    furniture.indices.insert(furniture.indices.end(), room.indices.begin() + 3 * t,
-                             room.indices.begin() + 3 * t + 3);
-  }
-  return furniture;
 }
 
 }  // namespace
@@ -87,7 +69,7 @@ struct Studio::State {
         info(make_info(o, layout, rig)),
         materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
         lamps(info.light),
-        motion(o.scenario, o.seed, layout.stage, info.empty_frames / kRate_hz),
+        motion(o.scenario, o.seed, layout.stage, info.empty_frames / kFrameRate_hz),
         crew(o.threads),
         room(device),
         furniture(device),
@@ -276,10 +258,10 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;
   frame.number = number;
-  frame.time_s = (number - 1) / kRate_hz;
+  frame.time_s = (number - 1) / kFrameRate_hz;
   const CameraPlace place = camera_at(s.layout, s.options, frame.time_s);
   frame.world_from_target = place.world_from_target;
-  frame.pan_rad = place.pan_rad, frame.tilt_rad = place.tilt_rad;
+  frame.head = place.head;
   s.place_person(number, frame.time_s);
   s.trace_static(place, truth != nullptr);
   s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);

@@ -14,6 +14,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/geometry/pose.h"
+#include "host/studio/mocap.h"
 #include "host/studio/pan_tilt_unit.h"
 
 namespace mixrig::studio {
@@ -29,6 +30,9 @@ std::string_view name(RigPreset rig);
 /// Errors: kUsage; the line lists the names that exist.
 Result<Scenario> parse_scenario(std::string_view text);
 Result<RigPreset> parse_rig(std::string_view text);
+
+/// Frames of every camera of a take.
+inline constexpr double kFrameRate_hz = 25;
 
 struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
@@ -109,7 +113,7 @@ struct VirtualObject {
 /// Properties of the whole take.
 struct StudioInfo {
   std::string name;  ///< "walk 7, kinect2"
-  double rate_hz = 25;
+  double rate_hz = kFrameRate_hz;
   int frames = 0;
   int empty_frames = 0;  ///< frames 1..empty_frames show no person
   Optics target;
@@ -121,6 +125,7 @@ struct StudioInfo {
   bool camera_moves = false;
   geometry::Pose world_from_rest;       ///< of the target camera; pan: at angles zero
   std::optional<PanTiltUnit> pan_tilt;  ///< of scenario pan
+  std::optional<MocapSystem> mocap;     ///< where the camera moves
 };
 
 /// The measurements of all sensors at one time.
@@ -132,8 +137,7 @@ struct Frame {
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
   Image<Rgb8> fisheye;          ///< 185 degrees; empty unless StudioOptions::fisheye
   geometry::Pose world_from_target;
-  /// Scenario pan: the encoders' angles at mid-exposure, multiples of the unit's step.
-  double pan_rad = 0, tilt_rad = 0;
+  std::optional<HeadAngles> head;  ///< scenario pan: encoders at mid-exposure, in whole steps
 };
 
 /// Ground truth of a frame, in the ideal view.

@@ -7,11 +7,11 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
+#include "host/studio_io/truth_json.h"
 
 namespace mixrig::studio_io {
 namespace {
@@ -59,24 +59,6 @@ std::string manifest(const studio::BoardInfo& info) {
   return root.text();
 }
 
-json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-json to_json(const geometry::Pose& pose) {
-  const Eigen::Vector4d q = pose.rotation.coeffs();
-  return {{"rotation_xyzw", {q[0], q[1], q[2], q[3]}},
-          {"translation_m", to_json(pose.translation_m)}};
-}
-
-json to_json(const studio::Optics& o) {
-  return {{"fx", o.fx_px}, {"fy", o.fy_px}, {"cx", o.cx_px}, {"cy", o.cy_px}, {"k", o.distortion}};
-}
-
-json to_json(const studio::TurnAxis& axis) {
-  return {{"direction", to_json(axis.direction)},
-          {"point_m", to_json(axis.point_m)},
-          {"scale", axis.scale}};
-}
-
 json truth_of(const studio::BoardInfo& info) {
   const studio::Rig& rig = info.rig;
   const studio::FisheyeOptics& f = rig.fisheye;
@@ -92,10 +74,7 @@ json truth_of(const studio::BoardInfo& info) {
       {"target_from_tof", to_json(rig.tof.target_from_tof)},
       {"target_from_fisheye", to_json(rig.target_from_fisheye)},
       {"depth_error", {{"distance_and_error_m", curve}}},
-      {"pan_tilt",
-       {{"pan", to_json(rig.pan_tilt.pan)},
-        {"tilt", to_json(rig.pan_tilt.tilt)},
-        {"repeatability_rad", rig.pan_tilt.repeatability_rad}}},
+      {"pan_tilt", to_json(rig.pan_tilt)},
       {"target_from_board", json::array()}};
 }
 

@@ -9,6 +9,7 @@
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
 #include "host/studio_io/glb_writer.h"
+#include "host/studio_io/moving_rig.h"
 
 namespace mixrig::studio_io {
 namespace {
@@ -96,9 +97,16 @@ void swap_into(studio::Frame& from, capture::Capture& to) {
   to.mid_exposure = HostTime(Duration(std::llround(from.time_s * 1e9)));
   to.world_from_target = from.world_from_target;
   to.pose_origin = capture::PoseOrigin::kRecorded;
+  to.tick = 0;
+  to.pan_tilt.reset();
   to.status = {};
   to.set_status(Stream::kPlate, StreamStatus::kFresh);
   to.set_status(Stream::kDepth, StreamStatus::kFresh);
+  if (from.head) {
+    to.tick = tick_of(from.number);
+    to.pan_tilt = device::PanTiltAngles{from.head->pan_rad, from.head->tilt_rad};
+    to.set_status(Stream::kPanTilt, StreamStatus::kFresh);
+  }
   std::swap(from.color, to.plate);
   std::swap(from.tof_distance_m, to.depth_m);
   std::swap(from.tof_amplitude, to.amplitude);
@@ -128,21 +136,24 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
                                              const std::function<void(int)>& progress) {
   MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
   const studio::StudioInfo& info = studio.info();
-  MIXRIG_ASSIGN(take::TakeWriter writer,
-                take::TakeWriter::create(folder, studio_take_info(info), format));
+  const take::TakeInfo take = studio_take_info(info);
+  MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, take, format));
   MIXRIG_TRY(write_scene(info, writer.staging()));
   studio::Frame frame;
   studio::Truth truth;
   capture::Capture take_frame;
   capture::Truth take_truth;
+  std::vector<studio::HeadAngles> head;
   for (int number = 1; number <= info.frames; ++number) {
     studio.render(number, frame, &truth);
+    if (frame.head) head.push_back(*frame.head);
     swap_into(frame, take_frame);
     swap_into(truth, take_truth);
     MIXRIG_TRY(writer.write(take_frame));
     MIXRIG_TRY(writer.write_truth(take_truth));
     progress(number);
   }
+  MIXRIG_TRY(write_moving_rig(options, info, take, head, writer.staging()));
   MIXRIG_TRY(writer.finish());
   return info;
 }

@@ -33,8 +33,8 @@ CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double ti
     const float t = 5 * static_cast<float>(time_s);
     return unit.repeatability_rad / kWanderSigma * wander(t, seed + salt);
   };
-  return {rest * rest_from_turned(unit, pan + play(301), tilt + play(302)), whole_steps(unit, pan),
-          whole_steps(unit, tilt)};
+  return {rest * rest_from_turned(unit, pan + play(301), tilt + play(302)),
+          HeadAngles{whole_steps(unit, pan), whole_steps(unit, tilt)}};
 }
 
 geometry::Pose shaken(const geometry::Pose& rest, float t, unsigned seed) {

@@ -21,7 +21,7 @@ struct Layout {
 
 struct CameraPlace {
   geometry::Pose world_from_target;
-  double pan_rad = 0, tilt_rad = 0;  ///< as the encoders report, multiple of the step
+  std::optional<HeadAngles> head = std::nullopt;  ///< of the encoders, in scenario pan
 };
 
 Layout make_layout(const StudioOptions& options);

@@ -188,4 +188,19 @@ std::vector<Panel> ceiling_lamps(float level) {
   return lamps;
 }
 
+Mesh furniture_of(const Mesh& room) {
+  Mesh furniture = room;
+  furniture.indices.clear(), furniture.materials.clear();
+  for (std::size_t t = 0; t < room.materials.size(); ++t) {
+    const Kind kind = room.materials[t].kind;
+    if (kind == Kind::kFloor || kind == Kind::kWall || kind == Kind::kCeiling ||
+        kind == Kind::kLamp)
+      continue;
+    furniture.materials.push_back(room.materials[t]);
+    furniture.indices.insert(furniture.indices.end(), room.indices.begin() + 3 * t,
+                             room.indices.begin() + 3 * t + 3);
+  }
+  return furniture;
+}
+
 }  // namespace mixrig::studio

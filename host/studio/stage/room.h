@@ -23,4 +23,8 @@ Mesh build_room(const RoomPlan& plan);
 /// Four ceiling panels; `level` scales their intensity.
 std::vector<Panel> ceiling_lamps(float level);
 
+/// The room without walls, floor, ceiling and lamps: these are the convex hull of the room, so they
+/// shade nothing.
+Mesh furniture_of(const Mesh& room);
+
 }  // namespace mixrig::studio

@@ -120,17 +120,18 @@ TEST(Head, turns_about_its_axes_by_the_angles_that_the_encoders_report) {
   double widest = 0, largest_off = 0;
   for (double t = 0; t < 10; t += 0.013) {
     const CameraPlace place = camera_at(layout, options, t);
-    EXPECT_NEAR(std::remainder(place.pan_rad, kPanStep_rad), 0, 1e-12);
-    EXPECT_NEAR(std::remainder(place.tilt_rad, kPanStep_rad), 0, 1e-12);
-    const Eigen::Isometry3d chain =
-        turned(unit.pan, place.pan_rad) * turned(unit.tilt, place.tilt_rad);
+    ASSERT_TRUE(place.head);
+    const auto [pan, tilt] = *place.head;
+    EXPECT_NEAR(std::remainder(pan, kPanStep_rad), 0, 1e-12);
+    EXPECT_NEAR(std::remainder(tilt, kPanStep_rad), 0, 1e-12);
+    const Eigen::Isometry3d chain = turned(unit.pan, pan) * turned(unit.tilt, tilt);
     const geometry::Pose rest_from_target =
         geometry::inverse(rest_pose(layout)) * place.world_from_target;
     const Eigen::Quaterniond expected(chain.rotation());
     const double off = rest_from_target.rotation.angularDistance(expected);
     EXPECT_LT(off, std::sqrt(2.0) * (0.5 * kPanStep_rad + 4 * unit.repeatability_rad)) << t;
     EXPECT_LT((rest_from_target.translation_m - chain.translation()).norm(), 0.1 * off + 1e-6) << t;
-    widest = std::max(widest, std::abs(place.pan_rad));
+    widest = std::max(widest, std::abs(pan));
     largest_off = std::max(largest_off, off);
   }
   EXPECT_NEAR(widest, 0.21, kPanStep_rad);

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/studio_io/moving_rig.h"
+
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "hal/base/partial_path.h"
+#include "host/studio_io/truth_json.h"
+
+namespace mixrig::studio_io {
+namespace {
+
+constexpr double kMaster_hz = 100;
+
+/// Base axes of the unit in the target camera's at rest: z is the pan axis, x the tilt axis's part
+/// across it, the origin the pan axis's point nearest to the tilt axis.
+geometry::Pose rest_from_base(const studio::PanTiltUnit& unit) {
+  const Eigen::Vector3d z = unit.pan.direction;
+  const Eigen::Vector3d x = (unit.tilt.direction - unit.tilt.direction.dot(z) * z).normalized();
+  Eigen::Matrix3d axes;
+  axes << x, z.cross(x), z;
+  return {Eigen::Quaterniond(axes).normalized(), unit.pan.point_m};
+}
+
+calibration_file::PanTilt true_unit(const studio::PanTiltUnit& unit) {
+  calibration_file::PanTilt known;
+  known.head_from_target = geometry::inverse(rest_from_base(unit));
+  const auto axis = [&](const studio::TurnAxis& a) {
+    calibration_file::PanTilt::Axis in_base;
+    in_base.direction = (known.head_from_target.rotation * a.direction).normalized();
+    in_base.point_m = known.head_from_target * a.point_m;
+    in_base.scale = a.scale;
+    return in_base;
+  };
+  known.pan = axis(unit.pan), known.tilt = axis(unit.tilt);
+  known.repeatability_rad = unit.repeatability_rad;
+  return known;
+}
+
+Result<void> write_head(const std::vector<studio::HeadAngles>& head,
+                        const std::filesystem::path& folder) {
+  std::string angles = "frame,pan_rad,tilt_rad\n";
+  std::string ticks = "frame,stream,tick,counter,mid_exposure_ns,residual_us\n";
+  int number = 0;
+  for (const auto& [pan_rad, tilt_rad] : head) {
+    ++number;
+    fmt::format_to(std::back_inserter(angles), "{},{:.9f},{:.9f}\n", number, pan_rad, tilt_rad);
+    const auto mid_exposure_ns = std::llround((number - 1) / studio::kFrameRate_hz * 1e9);
+    for (const char* stream : {"color", "depth"})
+      fmt::format_to(std::back_inserter(ticks), "{},{},{},{},{},0.0\n", number, stream,
+                     tick_of(number), number, mid_exposure_ns);
+  }
+  MIXRIG_TRY(write_file(folder / "pan_tilt.csv", angles));
+  return write_file(folder / "ticks.csv", ticks);
+}
+
+Result<void> write_mocap(const std::vector<studio::MocapSample>& samples,
+                         const std::filesystem::path& path) {
+  std::string text = "# t x y z qx qy qz qw of world_from_body, t on the clock of the system\n";
+  for (const studio::MocapSample& sample : samples) {
+    const Eigen::Vector3d& t = sample.world_from_body.translation_m;
+    const Eigen::Vector4d q = sample.world_from_body.rotation.coeffs();
+    fmt::format_to(std::back_inserter(text), "{:.6f} {:.7f} {:.7f} {:.7f}", sample.stamp_s, t.x(),
+                   t.y(), t.z());
+    fmt::format_to(std::back_inserter(text), " {:.8f} {:.8f} {:.8f} {:.8f}\n", q[0], q[1], q[2],
+                   q[3]);
+  }
+  return write_file(path, text);
+}
+
+std::string rig_truth(const studio::StudioInfo& info) {
+  nlohmann::json truth{{"world_from_rest", to_json(info.world_from_rest)},
+                       {"mocap", to_json(*info.mocap)}};
+  if (info.pan_tilt) {
+    truth["pan_tilt"] = to_json(*info.pan_tilt);
+    truth["world_from_base"] = to_json(info.world_from_rest * rest_from_base(*info.pan_tilt));
+  }
+  return truth.dump(1) + "\n";
+}
+
+}  // namespace
+
+std::uint64_t tick_of(int number) {
+  return static_cast<std::uint64_t>(std::lround(number * kMaster_hz / studio::kFrameRate_hz));
+}
+
+calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
+                                               const take::TakeInfo& take) {
+  calibration_file::Calibration known;
+  known.cameras = {{"target", take.target, {}, 0, 0, 0, {}}, {"tof", take.tof, {}, 0, 0, 0, {}}};
+  known.poses.push_back({"tof", take.target_from_tof, {}, 0, 0, {}});
+  if (info.mocap)
+    known.poses.push_back({"body", geometry::inverse(info.mocap->body_from_target), {}, 0, 0, {}});
+  if (info.pan_tilt) known.pan_tilt = true_unit(*info.pan_tilt);
+  return known;
+}
+
+Result<void> write_moving_rig(const studio::StudioOptions& options, const studio::StudioInfo& info,
+                              const take::TakeInfo& take,
+                              const std::vector<studio::HeadAngles>& head,
+                              const std::filesystem::path& folder) {
+  if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
+  if (!info.mocap) return {};
+  MIXRIG_TRY(write_mocap(record_mocap(options, *info.mocap), folder / "mocap.txt"));
+  MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
+  return calibration_file::write_calibration(folder / "truth/calibration.toml",
+                                             true_calibration(info, take));
+}
+
+}  // namespace mixrig::studio_io

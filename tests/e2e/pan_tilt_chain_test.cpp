@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boards of a rig through mixrig calibrate rig and ptu, and the poses that this calibration gives
+// for a panning take of the same rig: against the true poses, with the angles of mid-exposure, of
+// the frame before, and of the frame's arrival.
+#include <cmath>
+#include <cstdio>
+
+#include "host/calibration_file/calibration.h"
+#include "host/take/take.h"
+#include "tests/e2e/command.h"
+#include "tests/support/axes_chain.h"
+
+namespace mixrig::test {
+namespace {
+
+constexpr double kDeg = M_PI / 180;
+constexpr int kFrames = 126;          // two periods of the sweep
+constexpr double kArrival_s = 0.030;  // of a frame after its mid-exposure
+constexpr double kFast_rad_s = 25 * kDeg;
+
+struct Moment {
+  double time_s = 0, speed_rad_s = 0;
+  Eigen::Isometry3d world_from_target;
+  device::PanTiltAngles head;
+};
+
+struct Rms {
+  double angle_rad = 0, distance_m = 0;
+  int frames = 0;
+};
+
+class PanTiltChain : public CommandTest {
+ protected:
+  std::vector<Moment> read_take(const std::string& name) const {
+    auto reader = take::TakeReader::open(path(name));
+    EXPECT_TRUE(reader) << reader.error().context;
+    std::vector<Moment> moments;
+    capture::Capture capture;
+    for (int number = 1; reader && number <= reader->info().frames; ++number) {
+      EXPECT_TRUE(reader->read(number, capture));
+      EXPECT_TRUE(capture.pan_tilt);
+      moments.push_back(
+          {capture.time_s, 0, isometry(capture.world_from_target), *capture.pan_tilt});
+    }
+    for (std::size_t i = 1; i + 1 < moments.size(); ++i)
+      moments[i].speed_rad_s =
+          angle_between(moments[i - 1].world_from_target, moments[i + 1].world_from_target) /
+          (moments[i + 1].time_s - moments[i - 1].time_s);
+    return moments;
+  }
+  Eigen::Isometry3d truth(const std::string& name, const char* key) const {
+    const auto pose = report(name + "/truth/rig.json").at(key);
+    const auto q = pose.at("rotation_xyzw").get<std::vector<double>>();
+    const auto t = pose.at("translation_m").get<std::vector<double>>();
+    return isometry({Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]}});
+  }
+};
+
+/// Angles `late_s` after a frame, between the frames' rows.
+device::PanTiltAngles angles_at(const std::vector<Moment>& take, std::size_t i, double late_s) {
+  const Moment &a = take[late_s < 0 ? i - 1 : i], &b = take[late_s < 0 ? i : i + 1];
+  const double part = (take[i].time_s + late_s - a.time_s) / (b.time_s - a.time_s);
+  return {std::lerp(a.head.pan_rad, b.head.pan_rad, part),
+          std::lerp(a.head.tilt_rad, b.head.tilt_rad, part)};
+}
+
+/// Error of the chain's poses over the frames that turn at `least_rad_s` and faster.
+Rms error_of(const std::vector<Moment>& take, const calibration_file::PanTilt& unit,
+             const Eigen::Isometry3d& world_from_base, double late_s, double least_rad_s) {
+  Rms rms;
+  for (std::size_t i = 1; i + 1 < take.size(); ++i) {
+    if (take[i].speed_rad_s < least_rad_s) continue;
+    const auto [pan_rad, tilt_rad] = angles_at(take, i, late_s);
+    const Eigen::Isometry3d pose = world_from_base * base_from_target(unit, pan_rad, tilt_rad);
+    const Eigen::Isometry3d& known = take[i].world_from_target;
+    rms.angle_rad += std::pow(angle_between(pose, known), 2);
+    rms.distance_m += (pose.translation() - known.translation()).squaredNorm();
+    ++rms.frames;
+  }
+  return {std::sqrt(rms.angle_rad / rms.frames), std::sqrt(rms.distance_m / rms.frames),
+          rms.frames};
+}
+
+void print(const char* what, const Rms& rms) {
+  std::printf("%-34s %.4f deg %7.3f mm, %d frames\n", what, rms.angle_rad / kDeg,
+              1000 * rms.distance_m, rms.frames);
+}
+
+TEST_F(PanTiltChain, AnEstimatedChainGivesThePoseAtMidExposureOfATurningHead) {
+  const std::string rig = " --rig kinect2 --seed 33 --tolerance 1 ", out = path("c.toml");
+  const std::string size = "--size 640x512";
+  ASSERT_EQ(mixrig("studio " + path("views") + " --scenario board" + rig + size), 0);
+  ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --out " + out), 0);
+  ASSERT_EQ(mixrig("studio " + path("turn") + " --scenario board --ptu" + rig + size), 0);
+  ASSERT_EQ(mixrig("calibrate ptu " + path("turn") + " --calibration " + out + " --out " + out), 0);
+  ASSERT_EQ(mixrig("studio " + path("pan") + " --scenario pan" + rig + "--size 64x48 --frames " +
+                   std::to_string(kFrames)),
+            0);
+  const auto estimated = calibration_file::read_calibration(out);
+  const auto known = calibration_file::read_calibration(path("pan/truth/calibration.toml"));
+  ASSERT_TRUE(estimated && estimated->pan_tilt && known && known->pan_tilt);
+  const std::vector<Moment> take = read_take("pan");
+  ASSERT_EQ(take.size(), static_cast<std::size_t>(kFrames));
+  // The world is known by the target camera's pose at angles zero, as it is on a set.
+  const auto anchored = [&](const calibration_file::PanTilt& unit) {
+    return truth("pan", "world_from_rest") * base_from_target(unit, 0, 0).inverse();
+  };
+  const auto judge = [&](const calibration_file::PanTilt& unit, double late_s, double least) {
+    return error_of(take, unit, anchored(unit), late_s, least);
+  };
+  const Rms all = judge(*estimated->pan_tilt, 0, 0),
+            fast = judge(*estimated->pan_tilt, 0, kFast_rad_s),
+            by_index = judge(*estimated->pan_tilt, -0.04, kFast_rad_s),
+            at_arrival = judge(*estimated->pan_tilt, kArrival_s, kFast_rad_s);
+  print("true calibration, all frames", judge(*known->pan_tilt, 0, 0));
+  print("estimated, all frames", all);
+  print("estimated, over 25 deg/s", fast);
+  print("its base taken as the true one",
+        error_of(take, *estimated->pan_tilt, truth("pan", "world_from_base"), 0, kFast_rad_s));
+  print("row of the frame before", by_index);
+  print("at arrival, 30 ms late", at_arrival);
+
+  ASSERT_GT(fast.frames, 40);
+  EXPECT_LT(fast.angle_rad, 0.03 * kDeg);
+  EXPECT_LT(fast.distance_m, 0.003);
+  EXPECT_LT(all.angle_rad, 0.03 * kDeg);
+  // 28 deg/s for 40 and for 30 ms.
+  EXPECT_NEAR(by_index.angle_rad / kDeg, 28 * 0.040, 0.1);
+  EXPECT_NEAR(at_arrival.angle_rad / kDeg, 28 * kArrival_s, 0.1);
+}
+
+}  // namespace
+}  // namespace mixrig::test
