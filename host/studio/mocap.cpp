@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kMargin_s = 0.5;  ///< recorded before and after the take
-constexpr std::uint64_t kSystemKey = 0x30CA9, kSampleKey = 0x30CA5;
+constexpr std::uint64_t kSystemKey = 0x30CA9, kSampleKey = 0x30CA5, kMarkerKey = 0x30CA3;
 
 Eigen::Quaterniond turn_of(const Eigen::Vector3d& rotation_vector) {
   return Eigen::Quaterniond(
@@ -33,6 +33,22 @@ geometry::Pose observe(const geometry::Pose& world_from_body, const MocapSystem&
   return {world_from_body.rotation * turn_of(turn), world_from_body.translation_m + shift};
 }
 
+/// The markers that are not hidden; the first one changes from sample to sample.
+std::vector<Eigen::Vector3d> observe_markers(const geometry::Pose& world_from_body,
+                                             const MocapSystem& system, std::uint64_t key,
+                                             const NormalTable& normal) {
+  std::vector<Eigen::Vector3d> seen;
+  const std::size_t count = system.markers_m.size(), first = hash_key(key, kMarkerKey) % count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t own = hash_key(key, kMarkerKey, i + 1);
+    if (uniform(hash_key(own, 0)) < system.hidden_share) continue;
+    const double x = normal(hash_key(own, 1)), y = normal(hash_key(own, 2));
+    seen.push_back(world_from_body * system.markers_m[(first + i) % count] +
+                   system.marker_sigma_m * Eigen::Vector3d(x, y, normal(hash_key(own, 3))));
+  }
+  return seen;
+}
+
 }  // namespace
 
 MocapSystem mocap_of_seed(unsigned seed) {
@@ -50,6 +66,8 @@ MocapSystem mocap_of_seed(unsigned seed) {
   const geometry::Pose target_from_body{turn_of(turn),
                                         Eigen::Vector3d(0.02, -0.09, -0.04) + 0.017 * vector()};
   system.body_from_target = geometry::inverse(target_from_body);
+  system.markers_m = {
+      {0, 0, 0}, {0.19, 0, 0.01}, {0.05, -0.15, 0}, {-0.11, -0.05, 0.06}, {0.03, -0.07, 0.12}};
   return system;
 }
 
@@ -70,7 +88,8 @@ std::vector<MocapSample> record_mocap(const StudioOptions& options, const MocapS
         camera_at(layout, options, time_s).world_from_target * target_from_body;
     const double given_out_s = time_s + system.delay_s;
     samples.push_back({system.clock_offset_s + (1 + system.clock_drift) * given_out_s,
-                       observe(body, system, key, normal)});
+                       observe(body, system, key, normal),
+                       observe_markers(body, system, key, normal)});
   }
   return samples;
 }

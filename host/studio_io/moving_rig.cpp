@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/partial_path.h"
+#include "host/config/writer.h"
 #include "host/studio_io/truth_json.h"
 
 namespace mixrig::studio_io {
@@ -70,6 +71,30 @@ Result<void> write_mocap(const std::vector<studio::MocapSample>& samples,
   return write_file(path, text);
 }
 
+Result<void> write_markers(const std::vector<studio::MocapSample>& samples,
+                           const std::filesystem::path& path) {
+  std::string text = "frame,t_s,x_m,y_m,z_m\n";
+  int frame = 0;
+  for (const studio::MocapSample& sample : samples) {
+    ++frame;
+    for (const Eigen::Vector3d& m : sample.markers_m)
+      fmt::format_to(std::back_inserter(text), "{},{:.6f},{:.7f},{:.7f},{:.7f}\n", frame,
+                     sample.stamp_s, m.x(), m.y(), m.z());
+  }
+  return write_file(path, text);
+}
+
+std::string constellation_text(const studio::MocapSystem& system) {
+  config::Writer root;
+  root.set("name", "camera").set("sigma_m", system.marker_sigma_m);
+  for (const Eigen::Vector3d& m : system.markers_m) {
+    config::Writer marker;
+    marker.set("position_m", std::vector<double>{m.x(), m.y(), m.z()});
+    root.add("marker", std::move(marker));
+  }
+  return root.text();
+}
+
 std::string rig_truth(const studio::StudioInfo& info) {
   nlohmann::json truth{{"world_from_rest", to_json(info.world_from_rest)},
                        {"mocap", to_json(*info.mocap)}};
@@ -103,7 +128,10 @@ Result<void> write_moving_rig(const studio::StudioOptions& options, const studio
                               const std::filesystem::path& folder) {
   if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
   if (!info.mocap) return {};
-  MIXRIG_TRY(write_mocap(record_mocap(options, *info.mocap), folder / "mocap.txt"));
+  const std::vector<studio::MocapSample> samples = record_mocap(options, *info.mocap);
+  MIXRIG_TRY(write_mocap(samples, folder / "mocap.txt"));
+  MIXRIG_TRY(write_markers(samples, folder / "mocap_markers.csv"));
+  MIXRIG_TRY(write_file(folder / "constellation.toml", constellation_text(*info.mocap)));
   MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
   return calibration_file::write_calibration(folder / "truth/calibration.toml",
                                              true_calibration(info, take));

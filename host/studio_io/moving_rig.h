@@ -22,8 +22,8 @@ calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
                                                const take::TakeInfo& take);
 
 /// Writes pan_tilt.csv and ticks.csv for the frames whose angles are given, if there are any;
-/// mocap.txt, truth/rig.json and truth/calibration.toml where the camera moves. `folder` must hold
-/// a folder "truth". Errors: kIo.
+/// mocap.txt, mocap_markers.csv, constellation.toml, truth/rig.json and truth/calibration.toml
+/// where the camera moves. `folder` must hold a folder "truth". Errors: kIo.
 Result<void> write_moving_rig(const studio::StudioOptions& options, const studio::StudioInfo& info,
                               const take::TakeInfo& take,
                               const std::vector<studio::HeadAngles>& head,

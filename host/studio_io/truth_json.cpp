@@ -41,6 +41,8 @@ json to_json(const studio::MocapSystem& system) {
           {"position_sigma_m", system.position_sigma_m},
           {"rotation_sigma_rad", system.rotation_sigma_rad},
           {"lost_share", system.lost_share},
+          {"marker_sigma_m", system.marker_sigma_m},
+          {"hidden_share", system.hidden_share},
           {"body_from_target", to_json(system.body_from_target)}};
 }
 

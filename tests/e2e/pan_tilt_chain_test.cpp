@@ -87,9 +87,9 @@ void print(const char* what, const Rms& rms) {
 }
 
 TEST_F(PanTiltChain, AnEstimatedChainGivesThePoseAtMidExposureOfATurningHead) {
-  const std::string rig = " --rig kinect2 --seed 33 --tolerance 1 ", out = path("c.toml");
+  const std::string rig = " --rig sr3000 --seed 33 --tolerance 1 ", out = path("c.toml");
   const std::string size = "--size 640x512";
-  ASSERT_EQ(mixrig("studio " + path("views") + " --scenario board" + rig + size), 0);
+  ASSERT_EQ(mixrig("studio " + path("views") + " --scenario board --views 15" + rig + size), 0);
   ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --out " + out), 0);
   ASSERT_EQ(mixrig("studio " + path("turn") + " --scenario board --ptu" + rig + size), 0);
   ASSERT_EQ(mixrig("calibrate ptu " + path("turn") + " --calibration " + out + " --out " + out), 0);

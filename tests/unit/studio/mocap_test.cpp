@@ -84,6 +84,31 @@ TEST(Mocap, samples_are_120_a_second_of_its_own_clock_and_some_are_lost) {
   EXPECT_GE(record_mocap(options, system).size(), samples.size() + static_cast<std::size_t>(lost));
 }
 
+TEST(Mocap, markers_lie_on_the_body_and_few_are_hidden) {
+  const StudioOptions options = handheld();
+  const Layout layout = make_layout(options);
+  const MocapSystem system = mocap_of_seed(options.seed);
+  const geometry::Pose target_from_body = geometry::inverse(system.body_from_target);
+  double off2_m = 0;
+  std::size_t seen = 0, all = 0;
+  for (const MocapSample& sample : record_mocap(options, system)) {
+    const geometry::Pose body =
+        camera_at(layout, options, shown_s(system, sample.stamp_s)).world_from_target *
+        target_from_body;
+    for (const Eigen::Vector3d& marker : sample.markers_m) {
+      double nearest = 1;
+      for (const Eigen::Vector3d& place : system.markers_m)
+        nearest = std::min(nearest, (body * place - marker).norm());
+      off2_m += nearest * nearest;
+    }
+    seen += sample.markers_m.size(), all += system.markers_m.size();
+  }
+  // 12000 markers: a standard deviation has a sigma of 0.4 %, their number one of 11.
+  EXPECT_NEAR(std::sqrt(off2_m / (3.0 * static_cast<double>(seen))), system.marker_sigma_m,
+              0.02 * system.marker_sigma_m);
+  EXPECT_NEAR(static_cast<double>(all - seen), 0.01 * static_cast<double>(all), 50);
+}
+
 TEST(Mocap, the_same_seed_gives_the_same_stream_and_another_seed_another_one) {
   const auto stream = [](unsigned seed) {
     return record_mocap(handheld(seed), mocap_of_seed(seed));

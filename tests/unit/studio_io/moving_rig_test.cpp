@@ -142,7 +142,7 @@ TEST_F(MovingRig, HandheldHasAMotionCaptureStreamThatItsTruthExplains) {
 TEST_F(MovingRig, AStillTakeHasNoneOfTheseFiles) {
   make(studio::Scenario::kStill);
   for (const char* file :
-       {"pan_tilt.csv", "ticks.csv", "mocap.txt", "truth/rig.json", "truth/calibration.toml"})
+       {"pan_tilt.csv", "ticks.csv", "mocap.txt", "constellation.toml", "truth/rig.json", "truth/calibration.toml"})
     EXPECT_FALSE(fs::exists(take() / file)) << file;
 }
 
