@@ -57,12 +57,15 @@ Result<void> write_head(const std::vector<studio::HeadAngles>& head,
   return write_file(folder / "ticks.csv", ticks);
 }
 
-Result<void> write_mocap(const std::vector<studio::MocapSample>& samples,
-                         const std::filesystem::path& path) {
-  std::string text = "# t x y z qx qy qz qw of world_from_body, t on the clock of the system\n";
+/// Poses of the tracked body times `body_from_frame`.
+Result<void> write_mocap(const std::vector<studio::MocapSample>& samples, const char* frame,
+                         const geometry::Pose& body_from_frame, const std::filesystem::path& path) {
+  std::string text =
+      fmt::format("# t x y z qx qy qz qw of world_from_{}, t on the clock of the system\n", frame);
   for (const studio::MocapSample& sample : samples) {
-    const Eigen::Vector3d& t = sample.world_from_body.translation_m;
-    const Eigen::Vector4d q = sample.world_from_body.rotation.coeffs();
+    const geometry::Pose pose = sample.world_from_body * body_from_frame;
+    const Eigen::Vector3d& t = pose.translation_m;
+    const Eigen::Vector4d q = pose.rotation.coeffs();
     fmt::format_to(std::back_inserter(text), "{:.6f} {:.7f} {:.7f} {:.7f}", sample.stamp_s, t.x(),
                    t.y(), t.z());
     fmt::format_to(std::back_inserter(text), " {:.8f} {:.8f} {:.8f} {:.8f}\n", q[0], q[1], q[2],
@@ -100,7 +103,7 @@ std::string rig_truth(const studio::StudioInfo& info) {
                        {"mocap", to_json(*info.mocap)}};
   if (info.pan_tilt) {
     truth["pan_tilt"] = to_json(*info.pan_tilt);
-    truth["world_from_base"] = to_json(info.world_from_rest * rest_from_base(*info.pan_tilt));
+    truth["world_from_base"] = to_json(world_from_base(info));
   }
   return truth.dump(1) + "\n";
 }
@@ -109,6 +112,16 @@ std::string rig_truth(const studio::StudioInfo& info) {
 
 std::uint64_t tick_of(int number) {
   return static_cast<std::uint64_t>(std::lround(number * kMaster_hz / studio::kFrameRate_hz));
+}
+
+geometry::Pose world_from_base(const studio::StudioInfo& info) {
+  return info.world_from_rest * rest_from_base(*info.pan_tilt);
+}
+
+double mocap_time_offset_s(const studio::StudioInfo& info) {
+  const double middle_s = 0.5 * (info.frames - 1) / info.rate_hz;
+  return middle_s - (info.mocap->clock_offset_s +
+                     (1 + info.mocap->clock_drift) * (middle_s + info.mocap->delay_s));
 }
 
 calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
@@ -129,7 +142,9 @@ Result<void> write_moving_rig(const studio::StudioOptions& options, const studio
   if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
   if (!info.mocap) return {};
   const std::vector<studio::MocapSample> samples = record_mocap(options, *info.mocap);
-  MIXRIG_TRY(write_mocap(samples, folder / "mocap.txt"));
+  MIXRIG_TRY(write_mocap(samples, "body", {}, folder / "mocap.txt"));
+  MIXRIG_TRY(
+      write_mocap(samples, "target", info.mocap->body_from_target, folder / "mocap_target.txt"));
   MIXRIG_TRY(write_markers(samples, folder / "mocap_markers.csv"));
   MIXRIG_TRY(write_file(folder / "constellation.toml", constellation_text(*info.mocap)));
   MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));

@@ -27,12 +27,20 @@ geometry::CameraModel camera_of(const studio::Optics& o) {
 
 /// Of scene.toml: enough for half a micrometre at 5 m.
 constexpr int kSceneDigits = 7;
+constexpr int kTimeDigits = 9;  ///< microseconds at 100 s
 
 template <typename Vector>
 std::vector<double> rounded_values(const Vector& v) {
   std::vector<double> values;
   for (int i = 0; i < v.size(); ++i) values.push_back(config::rounded(v[i], kSceneDigits));
   return values;
+}
+
+Writer pose_table(const geometry::Pose& pose) {
+  Writer table;
+  table.set("rotation_xyzw", rounded_values(Eigen::Vector4d(pose.rotation.coeffs())));
+  table.set("translation_m", rounded_values(pose.translation_m));
+  return table;
 }
 
 Writer object_table(const studio::VirtualObject& object) {
@@ -54,9 +62,11 @@ Writer lamp_table(const studio::Panel& lamp) {
   return table;
 }
 
-std::string scene_text(const studio::StudioInfo& info) {
-  Writer root, camera, background, light, key;
-  camera.set("pose", "take");
+/// `camera` says where the pose comes from; `calibration` may be empty.
+std::string scene_text(const studio::StudioInfo& info, Writer camera,
+                       const std::string& calibration = {}) {
+  Writer root, background, light, key;
+  if (!calibration.empty()) root.set("calibration", calibration);
   background.set("learn", std::array<int, 2>{1, info.empty_frames});
   light.set("ambient", rounded_values(info.light.ambient));
   light.set("exposure", config::rounded(info.light.exposure, 6));
@@ -127,7 +137,20 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
     return system_error(ErrorCode::kIo, "cannot create " + (folder / "models").string(),
                         failed.value());
   MIXRIG_TRY(write_glb(info.object, folder / "models" / (info.object.name + ".glb")));
-  return write_file(folder / "scene.toml", scene_text(info));
+  Writer own;
+  own.set("pose", "take");
+  MIXRIG_TRY(write_file(folder / "scene.toml", scene_text(info, std::move(own))));
+  if (info.pan_tilt) {
+    Writer camera;
+    camera.set("pose", "pan_tilt").set("world_from_base", pose_table(world_from_base(info)));
+    MIXRIG_TRY(write_file(folder / "scene_pan_tilt.toml",
+                          scene_text(info, std::move(camera), "truth/calibration.toml")));
+  }
+  if (!info.mocap) return {};
+  Writer camera;
+  camera.set("pose", "recorded").set("trajectory", "mocap_target.txt");
+  camera.set("time_offset_s", config::rounded(mocap_time_offset_s(info), kTimeDigits));
+  return write_file(folder / "scene_mocap.toml", scene_text(info, std::move(camera)));
 }
 
 Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,

@@ -139,10 +139,43 @@ TEST_F(MovingRig, HandheldHasAMotionCaptureStreamThatItsTruthExplains) {
   }
 }
 
+/// Number after `key = ` in a file; NaN where it is not there.
+double number_of(const fs::path& path, const std::string& key) {
+  const std::string text = test::read_bytes(path);
+  const std::size_t at = text.find(key + " = ");
+  return at == std::string::npos ? NAN : std::stod(text.substr(at + key.size() + 3));
+}
+
+TEST_F(MovingRig, ScenesNameThePosesThatTheTakeHas) {
+  make(studio::Scenario::kPan);
+  EXPECT_NE(test::read_bytes(take() / "scene.toml").find("pose = \"take\""), std::string::npos);
+  const std::string head = test::read_bytes(take() / "scene_pan_tilt.toml");
+  EXPECT_NE(head.find("pose = \"pan_tilt\""), std::string::npos);
+  EXPECT_NE(head.find("calibration = \"truth/calibration.toml\""), std::string::npos);
+  EXPECT_NE(head.find("world_from_base"), std::string::npos);
+  const fs::path scene = take() / "scene_mocap.toml";
+  EXPECT_NE(test::read_bytes(scene).find("pose = \"recorded\""), std::string::npos);
+  const double offset_s = number_of(scene, "time_offset_s");
+  const auto stream = trajectory::read_trajectory(take() / "mocap_target.txt");
+  ASSERT_TRUE(stream) << stream.error().context;
+  auto reader = take::TakeReader::open(take());
+  capture::Capture capture;
+  for (int number = 1; number <= 4; ++number) {
+    ASSERT_TRUE(reader->read(number, capture));
+    // A millisecond at 30 deg/s is 0.03 deg.
+    const auto pose = stream->at(capture.time_s - offset_s);
+    ASSERT_TRUE(pose);
+    EXPECT_LT(pose->rotation.angularDistance(capture.world_from_target.rotation),
+              4 * 0.02 * M_PI / 180);
+    EXPECT_LT((pose->translation_m - capture.world_from_target.translation_m).norm(), 0.001);
+  }
+}
+
 TEST_F(MovingRig, AStillTakeHasNoneOfTheseFiles) {
   make(studio::Scenario::kStill);
   for (const char* file :
-       {"pan_tilt.csv", "ticks.csv", "mocap.txt", "constellation.toml", "truth/rig.json", "truth/calibration.toml"})
+       {"pan_tilt.csv", "ticks.csv", "mocap.txt", "constellation.toml", "scene_pan_tilt.toml",
+        "scene_mocap.toml", "truth/rig.json", "truth/calibration.toml"})
     EXPECT_FALSE(fs::exists(take() / file)) << file;
 }
 
