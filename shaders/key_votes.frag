@@ -3,7 +3,8 @@
 // Pass key, by colour: log odds of foreground. The target holds each block's pixels with a border
 // of one, since a block's neighbours compare with other people.
 //   plate         linear light, view
-//   learned       background colour, linear, and its spread (0 where not learned)
+//   learned       background colour, linear, red negative where unknown, and its spread (0 where
+//                 not learned)
 //   band, person  blocks, of key_band.frag
 //   vote          within color_vote_cap; only blocks where votes decide are drawn
 #include "common/precision.glsl"
@@ -25,7 +26,10 @@ void main() {
   int flags = int(near.x);
   ivec2 at = block * block_px + tile - block * (block_px + 2) - 1;
   at = clamp(at, ivec2(0), textureSize(plate, 0) - 1);
-  vec3 p = texelFetch(plate, at, 0).rgb, b = min(gain * texelFetch(learned, at, 0).rgb, 1.0);
+  vec3 known = texelFetch(learned, at, 0).rgb;
+  vote = 0.0;
+  if (known.r < 0.0) return;  // unknown
+  vec3 p = texelFetch(plate, at, 0).rgb, b = min(gain * known, 1.0);
   float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
   float variance = spread * spread + floor_variance(b);
   // A shadow darkens the background without changing its hue.

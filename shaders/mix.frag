@@ -48,7 +48,8 @@ void main() {
   // A surface that the object touches does not hide it; unknown depth never does.
   if (behind > 0.0 && z > behind + contact_slack_m) return;
   bool person_before = a > 0.0 && measured > 0.0 && measured < z;
-  vec3 empty = has_color ? min(gain * texelFetch(learned, at, 0).rgb, 1.0) * light : real;
+  vec3 known_color = has_color ? texelFetch(learned, at, 0).rgb : vec3(-1);
+  vec3 empty = known_color.r >= 0.0 ? min(gain * known_color, 1.0) * light : real;
   // A wrong matte takes no more background out of a pixel than is in it.
   vec3 most = real / max(empty, 1e-10);
   float empty_share = min(1.0 - a, min(most.r, min(most.g, most.b)));

@@ -47,6 +47,13 @@ void ExposureMeter::learn(const BackgroundView& background) {
   }
 }
 
+void ExposureMeter::learn(std::span<const glm::vec4> colors) {
+  samples_.clear();
+  for (std::size_t i = 0; i < std::min(colors.size(), grid_.size()); ++i)
+    if (is_usable(glm::vec3(colors[i])))
+      samples_.push_back({grid_[i].plate_x, grid_[i].plate_y, glm::vec3(colors[i])});
+}
+
 glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
   const auto& linear = linear_of_srgb_bytes();
   ratios_.clear();

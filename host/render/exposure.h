@@ -27,6 +27,8 @@ class ExposureMeter {
   std::span<const Place> places() const { return grid_; }
   /// Takes another background of the same size. Allocates nothing.
   void learn(const BackgroundView& background);
+  /// The same from the colours of places() in order.
+  void learn(std::span<const glm::vec4> colors);
   /// Gain per channel, plate = gain * learned in linear light, within 1/8 and 8: the densest third
   /// of the samples' ratios, so that people may fill up to two thirds of the picture. 1 where too
   /// few pixels are usable. Allocates nothing.

@@ -154,9 +154,11 @@ Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
 }
 
 FrameRange Session::default_frames() const {
-  const int learned =
-      scene.background.learn && !scene.background.model ? scene.background.learn->second : 0;
-  return {learned + 1, source->info().frames};
+  const int frames = source->info().frames;
+  if (!scene.background.learn || scene.background.model) return {1, frames};
+  const auto [first, last] = *scene.background.learn;
+  if (last >= frames && first > 1) return {1, first - 1};
+  return {last + 1, frames};
 }
 
 Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {

@@ -64,7 +64,8 @@ struct Session {
   /// Pose of the target camera at a frame, by `poses`; the identity where it is lost, and before
   /// prepare_poses() that of the capture.
   geometry::Pose world_from_target(const capture::Capture& capture) const;
-  /// Frames to composite if the user gives none: those after the learned ones.
+  /// Frames to composite if the user gives none: those after the learned ones, or those before
+  /// where the take ends with the learned ones.
   FrameRange default_frames() const;
 };
 

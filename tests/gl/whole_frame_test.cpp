@@ -90,8 +90,34 @@ float time_of(const Pair& pair, render::Stage stage) {
   return pair.gles->stage_times()[static_cast<std::size_t>(stage)];
 }
 
+/// The room's still background as a model that is drawn for each pose.
+TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.background_model = render::BackgroundModel{room.setup.view, {}, room.setup.background};
+  room.setup.background = {};
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  expect_agreement(pair, frame);
+  // The picture of the room stays: what is compared is what both make of it.
+  frame.world_from_target.translation_m = {0.02, 0.01, 0};
+  expect_agreement(pair, frame);
+  frame.world_from_target.rotation =
+      Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY()) * frame.world_from_target.rotation;
+  expect_agreement(pair, frame);
+}
+
+TEST(WholeFrame, agrees_with_a_background_model_without_color) {
+  RoomSetup room({.background_color = false});
+  room.setup.background_model = render::BackgroundModel{room.setup.view, {}, room.setup.background};
+  room.setup.background = {};
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  frame.world_from_target.translation_m = {0.02, 0.01, 0};
+  expect_agreement(pair, frame);
+}
+
 TEST(WholeFrame, agrees_with_person_object_and_shadows) {
-  const RoomSetup room({});
+  const RoomSetup room(RoomSetup::Options{});
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
@@ -108,7 +134,7 @@ TEST(WholeFrame, agrees_without_objects) { expect_agreement({.objects = false});
 TEST(WholeFrame, agrees_without_lamps) { expect_agreement({.lamps = false}); }
 
 TEST(WholeFrame, agrees_with_distances_and_a_capture_box) {
-  RoomSetup room({});
+  RoomSetup room(RoomSetup::Options{});
   room.setup.depth_is_distance = true;
   for (int y = 0; y < room.depth.height(); ++y)
     for (int x = 0; x < room.depth.width(); ++x) {
@@ -121,7 +147,7 @@ TEST(WholeFrame, agrees_with_distances_and_a_capture_box) {
 }
 
 TEST(WholeFrame, agrees_when_the_camera_brightens_by_itself) {
-  RoomSetup room({});
+  RoomSetup room(RoomSetup::Options{});
   for (int y = 0; y < room.plate.height(); ++y)
     for (int x = 0; x < room.plate.width(); ++x)
       room.plate.at(x, y).r = static_cast<std::uint8_t>(room.plate.at(x, y).r * 0.9);
@@ -130,7 +156,7 @@ TEST(WholeFrame, agrees_when_the_camera_brightens_by_itself) {
 }
 
 TEST(WholeFrame, follows_the_camera_and_comes_back) {
-  const RoomSetup room({});
+  const RoomSetup room(RoomSetup::Options{});
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
   const Image<Rgb8> first = pair.gles_frame.color;
@@ -143,7 +169,7 @@ TEST(WholeFrame, follows_the_camera_and_comes_back) {
 }
 
 TEST(WholeFrame, object_out_of_sight_leaves_nothing_behind) {
-  const RoomSetup room({});
+  const RoomSetup room(RoomSetup::Options{});
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
   render::FrameInput away = room.frame();
@@ -170,7 +196,7 @@ TEST(WholeFrame, draws_only_what_the_scene_needs) {
 }
 
 TEST(WholeFrame, bad_pictures_are_one_line_and_change_nothing) {
-  RoomSetup room({});
+  RoomSetup room(RoomSetup::Options{});
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
   const Image<Rgb8> before = pair.gles_frame.color;
@@ -187,7 +213,7 @@ TEST(WholeFrame, bad_pictures_are_one_line_and_change_nothing) {
 }
 
 TEST(WholeFrame, more_lamps_than_a_uniform_block_holds_is_an_error) {
-  RoomSetup room({});
+  RoomSetup room(RoomSetup::Options{});
   room.setup.light.lamps.resize(33, room.setup.light.lamps[0]);
   const auto made = render::make_gles_compositor(room.setup);
   ASSERT_FALSE(made);

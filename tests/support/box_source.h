@@ -11,13 +11,14 @@ namespace mixrig::test {
 class BoxSource final : public capture::CaptureSource {
  public:
   static constexpr int kLeft = 20, kTop = 12, kSide = 24;
-  explicit BoxSource(int empty, int frames) : empty_(empty) {
+  explicit BoxSource(int empty, int frames, bool moves = false) : empty_(empty) {
     info_.name = "box";
     info_.target.pinhole = {{64, 48}, 60, 60, 31.5, 23.5};
     info_.tof = info_.target;
     info_.noise = {0.002, 0, 0};
     info_.frames = frames;
     info_.has_truth = true;
+    info_.moves = moves;
   }
   const capture::SourceInfo& info() const override { return info_; }
   int fails_at = 0;  ///< frame that cannot be read

@@ -8,6 +8,7 @@
 
 #include "host/render/exposure.h"
 #include "host/render/frame_io.h"
+#include "host/render/gles/background_pass.h"
 #include "host/render/gles/correct_pass.h"
 #include "host/render/gles/egl_context.h"
 #include "host/render/gles/gl_mesh.h"
@@ -49,11 +50,21 @@ class GlesCompositor final : public Compositor {
   };
 
   Result<void> draw(const FrameInput& input, Frame& frame);
+  void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   void draw_light(bool people, StageTimer& timer);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
   static Result<void> fetch(const Frame& frame, FrameOutput& output);
+  const Texture& background_m() const {
+    return background_pass_ ? background_pass_->depth_m() : background_m_;
+  }
+  const Texture& learned() const {
+    return background_pass_ ? background_pass_->learned() : learned_;
+  }
+  const Texture& learned_sigma() const {
+    return background_pass_ ? background_pass_->learned_sigma() : learned_sigma_;
+  }
   bool has_objects() const { return !meshes_.empty(); }
   bool has_light_map() const { return has_shadows_ && tables_.has_background; }
 
@@ -69,6 +80,7 @@ class GlesCompositor final : public Compositor {
   PlatePass plate_;
   CorrectPass correct_;
   WarpPass warp_;
+  std::optional<BackgroundPass> background_pass_;  ///< of a camera that moves
   VirtualPass virtual_;
   ShadowPass shadow_;
   KeyPass key_;
@@ -98,7 +110,12 @@ Result<void> GlesCompositor::create_passes() {
   MIXRIG_ASSIGN(plate_, PlatePass::create(tables_));
   MIXRIG_ASSIGN(correct_, CorrectPass::create(tables_));
   MIXRIG_ASSIGN(warp_, WarpPass::create(tables_));
-  if (tables_.has_background) {
+  if (setup_.background_model) {
+    MIXRIG_ASSIGN(background_pass_, BackgroundPass::create(tables_, setup_, meter_.places()));
+    tables_.has_background = true;
+    MIXRIG_ASSIGN(
+        key_, KeyPass::create(tables_, setup_.background_model->images, preparer_.params().key));
+  } else if (tables_.has_background) {
     background_m_ = make_texture(background.depth_m, GL_R32F);
     if (!background.color.empty()) learned_ = make_texture(background.color, GL_RGB16F);
     if (!background.color_sigma.empty())
@@ -149,7 +166,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   {
     const StageScope stage(timer, Stage::kUpload, true);
     preparer_.update(input.world_from_target);
-    gain_ = meter_.gain(input.plate);
+    if (!background_pass_) gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
   }
@@ -157,6 +174,8 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     const StageScope stage(timer, Stage::kPlate);
     plate_.draw();
   }
+  draw_background(timer);
+  if (background_pass_) gain_ = meter_.gain(input.plate);
   {
     const StageScope stage(timer, Stage::kCorrect);
     correct_.draw();
@@ -169,12 +188,21 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   if (tables_.has_background && needed.key) {
     const StageScope stage(timer, Stage::kKey);
     key_.draw(preparer_.params().key,
-              {warp_.w(), plate_.in_view(), learned_, learned_sigma_, gain_});
+              {warp_.w(), plate_.in_view(), learned(), learned_sigma(), gain_,
+               background_pass_ ? &background_pass_->limit_w() : nullptr});
   }
   draw_light(needed.light, timer);
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const StageScope stage(timer, Stage::kMix);
   return draw_mix(frame.wanted);
+}
+
+/// Only where the camera moves; while the pose stays, so does the background.
+void GlesCompositor::draw_background(StageTimer& timer) {
+  if (!background_pass_ || !preparer_.params().pose_changed) return;
+  const StageScope stage(timer, Stage::kBackground);
+  background_pass_->draw(preparer_.world_from_camera());
+  meter_.learn(background_pass_->colors_of_places());
 }
 
 /// While the pose stays, virtual samples and shadow maps stay.
@@ -199,7 +227,9 @@ void GlesCompositor::draw_light(bool people, StageTimer& timer) {
   if (preparer_.params().pose_changed) {
     light_.set_lamps(preparer_.params());
     light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
-    if (has_light_map()) light_.draw_background(background_m_, shadow_.maps());
+    if (has_light_map())
+      light_.draw_background(background_m(), shadow_.maps(),
+                             background_pass_ ? &background_pass_->normal() : nullptr);
   }
   if (has_light_map() && people)
     light_.draw_people(key_.blocks(), key_.matte(), key_.visible_w(), shadow_.maps());
@@ -211,8 +241,8 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   input.plate = &plate_.in_view();
   input.visible_w = keyed ? &key_.visible_w() : &warp_.w();
   input.matte = keyed ? &key_.matte() : nullptr;
-  input.background_m = keyed ? &background_m_ : nullptr;
-  input.learned = &learned_;
+  input.background_m = keyed ? &background_m() : nullptr;
+  input.learned = &learned();
   input.light = has_light_map() ? &light_.light() : nullptr;
   input.virtual_color = has_objects() ? &light_.virtual_color() : nullptr;
   input.virtual_w = has_objects() ? &light_.virtual_w() : nullptr;
@@ -284,10 +314,6 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup) {
   MIXRIG_TRY(validate(setup));
-  if (setup.background_model)
-    return Error{ErrorCode::kUnsupported,
-                 "the gles back end cannot draw the background of a camera that moves: use "
-                 "--backend cpu"};
   MIXRIG_ASSIGN(EglContext context, EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
   MIXRIG_TRY(compositor->create_passes());

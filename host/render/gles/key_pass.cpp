@@ -12,7 +12,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& back
                     (view.height + kBlockPx - 1) / kBlockPx};
   const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
   pass.use_color_ = params.color && !background.color.empty();
-  pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
+  if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
   pass.state_image_ = make_texture(view, GL_R8);
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
                          &pass.band_, &pass.person_})
@@ -59,7 +59,7 @@ void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, b
 void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   state_.program.use();
   set_uniform(world_from_camera_, params.world_from_camera);
-  run(state_, {&input.w, &limit_w_});
+  run(state_, {&input.w, input.limit_w ? input.limit_w : &limit_w_});
   run(blocks_, {&state_image_, &input.w, &input.plate});
   run(speckles_, {&counts_, &colors_});
   run(find_band_, {&kept_counts_, &kept_colors_});

@@ -12,7 +12,8 @@ struct KeyInput {
   const Texture& plate;    ///< linear light in the view when sampled
   const Texture& learned;  ///< the background's colour and its spread, where learned
   const Texture& learned_sigma;
-  glm::vec3 gain{1};  ///< ExposureMeter
+  glm::vec3 gain{1};                 ///< ExposureMeter
+  const Texture* limit_w = nullptr;  ///< of this frame; null: that of the take
 };
 
 /// Flags of a block, as in key_band.frag.

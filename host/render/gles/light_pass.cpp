@@ -57,7 +57,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                              kMostLamps, setup.light.lamps.size())};
   LightPass pass;
   const Size view = tables.view_size;
-  if (tables.has_background)
+  if (!tables.background_normal.empty())
     pass.normal_ = make_texture(tables.background_normal.view(), GL_RGBA8_SNORM);
   pass.background_light_ = make_texture(view, GL_R16F);
   pass.light_ = make_texture(view, GL_R16F);
@@ -101,9 +101,10 @@ void LightPass::bind_lamps(GLuint shadow_maps) const {
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_maps);
 }
 
-void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps) const {
+void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps,
+                                const Texture* normal) const {
   bind_lamps(shadow_maps);
-  run(background_, {&background_m, &normal_});
+  run(background_, {&background_m, normal ? normal : &normal_});
 }
 
 void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samples,

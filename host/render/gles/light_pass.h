@@ -15,7 +15,9 @@ class LightPass {
   /// Lamps and maps (ShadowPass) of this pose.
   void set_lamps(const FrameParams& params);
   /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
-  void draw_background(const Texture& background_m, GLuint shadow_maps) const;
+  /// `normal`: of this frame; null: that of the take.
+  void draw_background(const Texture& background_m, GLuint shadow_maps,
+                       const Texture* normal = nullptr) const;
   /// Shaded virtual colour from the samples of VirtualPass, after a change of pose.
   void shade_virtual(const FrameParams& params, const VirtualPass& samples,
                      GLuint shadow_maps) const;

@@ -27,7 +27,9 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   pass.segmented_ = make_texture(tables.view_size, GL_R32F);
   MIXRIG_ASSIGN(pass.step_, make_step("mix.frag", {&pass.color_, &pass.mixed_, &pass.segmented_}));
   pass.step_.program.set("has_background", tables.has_background);
-  pass.step_.program.set("has_color", !setup.background.color.empty());
+  pass.step_.program.set(
+      "has_color", !setup.background.color.empty() ||
+                       (setup.background_model && !setup.background_model->images.color.empty()));
   pass.step_.program.set("has_objects", !setup.objects.empty());
   pass.gain_ = pass.step_.program.location("gain");
   pass.has_light_ = pass.step_.program.location("has_light");

@@ -10,6 +10,8 @@ namespace mixrig::render::gles {
 class WarpPass {
  public:
   static Result<WarpPass> create(const Tables& tables);
+  /// In place of Tables::warp, from the next draw() on.
+  void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// `vertices`, `tof_ray`: of CorrectPass.
   void draw(const Texture& vertices, const Texture& tof_ray) const;
   /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.

@@ -47,6 +47,7 @@ TEST_F(ExplainTest, ACaptureVolumeNeedsABackground) {
 }
 
 TEST_F(ExplainTest, ACameraThatMayMoveHasACostOfAMovingFrame) {
+  session_.source = std::make_unique<test::BoxSource>(5, 12, true);
   const Explanation moving = explained();
   ASSERT_TRUE(moving.moving_p50_ms);
   EXPECT_GT(*moving.moving_p50_ms, 0.0);

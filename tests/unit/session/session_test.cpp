@@ -66,6 +66,10 @@ TEST(Session, CompositesWhatComesAfterTheLearnedFrames) {
   EXPECT_EQ(session.default_frames(), (FrameRange{1, 60}));
   session.scene.background.learn = {1, 25};
   EXPECT_EQ(session.default_frames(), (FrameRange{26, 60}));
+  session.scene.background.learn = {55, 60};
+  EXPECT_EQ(session.default_frames(), (FrameRange{1, 54})) << "learned from its last frames";
+  session.scene.background.learn = {1, 60};
+  EXPECT_EQ(session.default_frames(), (FrameRange{61, 60})) << "none is left";
 }
 
 }  // namespace

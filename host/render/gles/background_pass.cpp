@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/background_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixrig::render::gles {
+namespace {
+
+glm::mat4 to_glm(const Eigen::Matrix4d& m) {
+  glm::mat4 out;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(m(row, column));
+  return out;
+}
+
+/// Tables of correct and warp for the model's grid.
+Tables grid_tables(const Tables& tables, const ModelTables& model) {
+  Tables t;
+  t.tof_size = model.ray.size();
+  t.view_size = tables.view_size;
+  t.tof_ray = model.ray;
+  t.correct.noise = model.noise;
+  t.warp.view = tables.warp.view;
+  return t;
+}
+
+Image<float> inverse(ImageView<const float> depth_m) {
+  Image<float> out(depth_m.size);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      const float z = depth_m.row(y)[x];
+      out.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
+    }
+  return out;
+}
+
+}  // namespace
+
+Result<BackgroundPass> BackgroundPass::create(const Tables& tables, const CompositorSetup& setup,
+                                              std::span<const ExposureMeter::Place> places) {
+  BackgroundPass pass;
+  const ModelTables model = make_model_tables(setup, !setup.objects.empty());
+  const Tables grid = grid_tables(tables, model);
+  pass.world_from_model_ = setup.background_model->world_from_camera;
+  MIXRIG_ASSIGN(pass.correct_, CorrectPass::create(grid));
+  MIXRIG_ASSIGN(pass.warp_, WarpPass::create(grid));
+  pass.correct_.upload_depth(model.depth_m);
+  pass.correct_.draw();
+  pass.depth_m_ = make_texture(tables.view_size, GL_R32F);
+  pass.spread_m_ = make_texture(tables.view_size, GL_R32F);
+  pass.normal_ = make_texture(tables.view_size, GL_RGBA16F);
+  pass.row_w_ = make_texture(tables.view_size, GL_R32F);
+  pass.limit_w_ = make_texture(tables.view_size, GL_R32F);
+  MIXRIG_TRY(pass.create_model(setup, model));
+  MIXRIG_TRY(pass.create_limit(setup));
+  pass.set_view(pass.look_up_, tables, model, pass.look_up_at_);
+  if (!pass.has_color_) return pass;
+  pass.set_view(pass.color_, tables, model, pass.color_at_);
+  Image<glm::vec2> at({static_cast<int>(places.size()), 1});
+  for (std::size_t i = 0; i < places.size(); ++i)
+    at.row(0)[i] = glm::vec2(places[i].view_x, places[i].view_y);
+  pass.places_ = make_texture(at.view(), GL_RG32F);
+  pass.place_color_ = make_texture(at.size(), GL_RGBA32F);
+  pass.place_colors_.resize(places.size());
+  MIXRIG_ASSIGN(pass.at_places_, make_step("background_places.frag", {&pass.place_color_}));
+  return pass;
+}
+
+Result<void> BackgroundPass::create_model(const CompositorSetup& setup, const ModelTables& model) {
+  const BackgroundView& images = setup.background_model->images;
+  const Size size = images.depth_m.size;
+  const Image<float> zeros(size, 0.0F);
+  model_w_ = make_texture(inverse(images.depth_m).view(), GL_R32F);
+  model_sigma_m_ = images.depth_sigma_m.empty() ? make_texture(zeros.view(), GL_R32F)
+                                                : make_texture(images.depth_sigma_m, GL_R32F);
+  const Image<PackedNormal> unknown(size, PackedNormal{});
+  model_normal_ =
+      make_texture(model.normal.empty() ? unknown.view() : model.normal.view(), GL_RGBA8_SNORM);
+  MIXRIG_ASSIGN(look_up_, make_step("background.frag", {&depth_m_, &spread_m_, &normal_}));
+  has_color_ = !images.color.empty();
+  if (!has_color_) return {};
+  model_color_ = make_texture(images.color, GL_RGB16F, Sampling::kLinear);
+  model_spread_ = images.color_sigma.empty()
+                      ? make_texture(zeros.view(), GL_R16F, Sampling::kLinear)
+                      : make_texture(images.color_sigma, GL_R16F, Sampling::kLinear);
+  learned_ = make_texture(depth_m_.size, GL_RGBA16F);
+  learned_sigma_ = make_texture(depth_m_.size, GL_R16F);
+  MIXRIG_ASSIGN(color_, make_step("background_color.frag", {&learned_, &learned_sigma_}));
+  return {};
+}
+
+Result<void> BackgroundPass::create_limit(const CompositorSetup& setup) {
+  MIXRIG_ASSIGN(rows_, make_step("background_rows.frag", {&row_w_}));
+  MIXRIG_ASSIGN(limit_, make_step("background_limit.frag", {&limit_w_}));
+  const int radius =
+      static_cast<int>(std::ceil(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px)));
+  rows_.program.set("radius", radius);
+  limit_.program.set("radius", radius);
+  limit_.program.set("threshold_m", setup.key.threshold_m);
+  limit_.program.set("noise_factor", setup.key.noise_factor);
+  const NoiseParams noise = noise_params(setup.noise);
+  limit_.program.set("noise_floor_m", noise.floor_m);
+  limit_.program.set("noise_linear", noise.linear);
+  limit_.program.set("noise_quadratic_per_m", noise.quadratic_per_m);
+  return {};
+}
+
+void BackgroundPass::set_view(const Step& step, const Tables& tables, const ModelTables& model,
+                              Placing& placing) {
+  step.program.set("focal_px", tables.warp.view.focal_px);
+  step.program.set("center_px", tables.warp.view.center_px);
+  step.program.set("model_focal_px", model.camera.focal_px);
+  step.program.set("model_center_px", model.camera.center_px);
+  placing.model_from_camera = step.program.location("model_from_camera");
+}
+
+void BackgroundPass::draw(const geometry::Pose& world_from_camera) {
+  const geometry::Pose camera_from_model = geometry::inverse(world_from_camera) * world_from_model_;
+  const glm::mat4 model_from_camera = to_glm(geometry::inverse(camera_from_model).matrix());
+  warp_.set_pose(to_glm(camera_from_model.matrix()));
+  warp_.draw(correct_.vertices(), correct_.tof_ray());
+  look_up_.program.use();
+  set_uniform(look_up_at_.model_from_camera, model_from_camera);
+  run(look_up_, {&warp_.w(), &model_sigma_m_, &model_normal_});
+  run(rows_, {&warp_.w()});
+  run(limit_, {&row_w_, &depth_m_, &spread_m_});
+  if (!has_color_) return;
+  color_.program.use();
+  set_uniform(color_at_.model_from_camera, model_from_camera);
+  run(color_, {&warp_.w(), &model_w_, &model_color_, &model_spread_});
+  run(at_places_, {&places_, &learned_});
+}
+
+std::span<const glm::vec4> BackgroundPass::colors_of_places() {
+  if (!has_color_ || place_colors_.empty()) return {};
+  bind(at_places_.target);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadPixels(0, 0, static_cast<GLsizei>(place_colors_.size()), 1, GL_RGBA, GL_FLOAT,
+               place_colors_.data());
+  return place_colors_;
+}
+
+}  // namespace mixrig::render::gles

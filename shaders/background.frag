@@ -1,0 +1,30 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass background: what the model has of the surface that a pixel shows at this pose.
+//   w             1/m of the drawn model, sign aside, 0 unknown
+//   model_sigma_m spread of the model's depth
+//   model_normal  model camera's axes, 0 unknown
+//   depth_m       z in metres, 0 unknown; spread_m of the model's depth
+//   normal        camera axes, 0 unknown
+#include "common/precision.glsl"
+#include "common/view.glsl"
+#include "common/model.glsl"
+layout(binding = 0) uniform sampler2D w;
+layout(binding = 1) uniform sampler2D model_sigma_m;
+layout(binding = 2) uniform sampler2D model_normal;
+layout(location = 0) out float depth_m;
+layout(location = 1) out float spread_m;
+layout(location = 2) out vec4 normal;
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float measured = abs(texelFetch(w, at, 0).r);
+  depth_m = measured > 0.0 ? 1.0 / measured : 0.0;
+  spread_m = 0.0;
+  normal = vec4(0);
+  ModelPlace place = place_in_model(at, measured, textureSize(model_sigma_m, 0));
+  if (!place.inside) return;
+  spread_m = texelFetch(model_sigma_m, place.nearest, 0).r;
+  // The inverse of a rotation is its transpose.
+  normal = vec4(texelFetch(model_normal, place.nearest, 0).xyz * model_rotation(), 0);
+}
