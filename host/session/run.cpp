@@ -14,6 +14,7 @@
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
 #include "host/session/camera_pose.h"
+#include "host/session/hiding_compositor.h"
 #include "host/session/judge.h"
 
 namespace mixrig::session {
@@ -84,14 +85,11 @@ class Runner {
   Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
   void set_pose(output::Composite& composite);
-  Result<render::Compositor*> compositor_for(const output::Composite& composite);
+
   Session& session_;
   RunOptions options_;
   const Clock& clock_;
-  std::unique_ptr<render::Compositor> compositor_;
-  render::CompositorSetup empty_setup_;  ///< without objects, for frames that hide them
-  std::unique_ptr<render::Compositor> without_objects_;
-  render::Compositor* used_ = nullptr;  ///< of both, the one of the last frame
+  HidingCompositor compositor_;
   std::optional<pose::FramePoses> poses_;
   HeadWatch head_;
   std::optional<PartialPath> folder_;
@@ -118,11 +116,10 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   MIXRIG_TRY(open_sinks(range));
   MIXRIG_TRY(prepare_background(session_, progress));
   MIXRIG_TRY(prepare_poses(session_, clock_));
-  MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
-  report_.backend = backend_of(*compositor_);
-  report_.renderer = compositor_->renderer();
-  report_.size = session_.setup.view.size_px;
   MIXRIG_TRY(prepare_frame_poses());
+  report_.backend = backend_of(compositor_.whole());
+  report_.renderer = compositor_.whole().renderer();
+  report_.size = session_.setup.view.size_px;
   // A live source may drop captures: it is read until enough were composited.
   reader_ = std::make_unique<capture::CaptureReader>(
       *session_.source, range.first, live() ? capture::kEndless : range.second, judges(), gate());
@@ -134,13 +131,8 @@ Result<void> Runner::prepare_frame_poses() {
   poses_.emplace(*session_.poses, options);
   report_.pose.source = session_.poses->name();
   report_.pose.when_lost = options.when_lost;
-  empty_setup_ = session_.setup;
-  empty_setup_.objects.clear();
   const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
-  if (hides && !session_.setup.objects.empty()) {
-    MIXRIG_ASSIGN(without_objects_, make_compositor(empty_setup_, session_.backend));
-  }
-  return {};
+  return compositor_.open(session_.setup, session_.backend, hides);
 }
 
 Result<void> Runner::open_sinks(FrameRange range) {
@@ -217,34 +209,23 @@ void Runner::set_pose(output::Composite& composite) {
                                      known.objects_shown ? "frozen" : "hidden"));
 }
 
-/// Frames before the first pose need a compositor without objects, whatever the scene says: it is
-/// made when the first one comes.
-Result<render::Compositor*> Runner::compositor_for(const output::Composite& composite) {
-  if (composite.objects_shown || empty_setup_.objects.size() == session_.setup.objects.size())
-    return compositor_.get();
-  if (!without_objects_) {
-    MIXRIG_ASSIGN(without_objects_, make_compositor(empty_setup_, session_.backend));
-  }
-  return without_objects_.get();
-}
-
 Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
   const WorkGate::Pause pause(gate());
   const HostTime begin = clock_.now();
   MIXRIG_TRY(compose(composite, wanted, composite.images));
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
   report_.frame_ms.add(composite.frame_ms);
-  const render::StageTimes& times = used_->stage_times();
+  const render::StageTimes& times = compositor_.stage_times();
   for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
   return {};
 }
 
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
-  MIXRIG_ASSIGN(used_, compositor_for(composite));
   images.wanted = wanted;
-  return used_->compose(
-      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target}, images);
+  return compositor_.compose(
+      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target},
+      composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
@@ -297,8 +278,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
   report_.pose.frames = poses_->counts();
   report_.pose.faults = session_.poses->faults();
-  without_objects_.reset();
-  compositor_.reset();  // its buffers are not needed beside the sheet's
+  compositor_.close();  // its buffers are not needed beside the sheet's
   judged_ = {};
   composites_ = {};
   for (const auto& sink : sinks_) {

@@ -72,15 +72,17 @@ nlohmann::json to_json(const capture::PoseFaults& faults) {
 }
 
 nlohmann::json to_json(const PoseReport& report) {
-  return {
-      {"source", report.source},
-      {"frames", report.frames.frames[0]},
-      {"lost", report.frames.lost()},
-      {"lost_by", lost_by_reason(report.frames)},
-      {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
-      {"jumps", report.frames.jumps},
-      {"stream", to_json(report.faults)},
-      {"age_ms", {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}}}};
+  nlohmann::json age_ms;  // null where no frame has a pose
+  if (report.age_ms.count() > 0)
+    age_ms = {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}};
+  return {{"source", report.source},
+          {"frames", report.frames.frames[0]},
+          {"lost", report.frames.lost()},
+          {"lost_by", lost_by_reason(report.frames)},
+          {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
+          {"jumps", report.frames.jumps},
+          {"stream", to_json(report.faults)},
+          {"age_ms", age_ms}};
 }
 
 /// Nothing where every frame has a sound pose.
@@ -99,6 +101,11 @@ std::string pose_line(const PoseReport& report) {
         "  poses: jumps: {} between frames, {} in their stream; left out there: {} not finite; "
         "steps of their clock: {}\n",
         report.frames.jumps, f.jumps, f.not_finite, f.clock_steps);
+  if (f.packets_lost + f.packets_late + f.packets_bad + f.refused > 0)
+    line += fmt::format(
+        "  motion capture: packets: {} lost, {} late, {} bad; {} frames without the camera's "
+        "body\n",
+        f.packets_lost, f.packets_late, f.packets_bad, f.refused);
   return line;
 }
 

@@ -54,6 +54,29 @@ TEST(RunReport, WritesWhatCouldNotBeJudgedAsNull) {
   EXPECT_NE(to_table(report).find("order_wrong_pct             -"), std::string::npos);
 }
 
+TEST(RunReport, TellsWhereThePosesCameFromAndWhatWasLost) {
+  RunReport report = three_frames();
+  report.pose.source = "mocap";
+  report.pose.when_lost = pose::WhenLost::kHide;
+  report.pose.frames.frames[0] = 2;
+  report.pose.frames.frames[static_cast<std::size_t>(capture::PoseLoss::kTooOld)] = 1;
+  report.pose.faults.packets_lost = 7;
+  report.pose.faults.clock_steps = 1;
+  for (double age_ms : {1.0, 3.0}) report.pose.age_ms.add(age_ms);
+  const nlohmann::json pose = to_json(report)["pose"];
+  EXPECT_EQ(pose["source"], "mocap");
+  EXPECT_EQ(pose["frames"], 2);
+  EXPECT_EQ(pose["lost_by"], (nlohmann::json{{"too_old", 1}}));
+  EXPECT_EQ(pose["stream"]["packets_lost"], 7);
+  EXPECT_EQ(pose["age_ms"]["p50"], 2.0);
+  const std::string table = to_table(report);
+  for (const char* part : {"pose lost in 1 frames (too_old 1): virtual objects hidden",
+                           "steps of their clock: 1", "packets: 7 lost"})
+    EXPECT_NE(table.find(part), std::string::npos) << table;
+  EXPECT_TRUE(to_json(three_frames())["pose"]["age_ms"].is_null());
+  EXPECT_EQ(to_table(three_frames()).find("pose"), std::string::npos) << "nothing to say";
+}
+
 TEST(RunReport, PeakMemoryIsThatOfARealProcess) {
   EXPECT_GT(peak_rss_mb(), 1.0);
   EXPECT_LT(peak_rss_mb(), 1e5);

@@ -136,6 +136,37 @@ TEST(Take, CopiesItsCalibration) {
   EXPECT_EQ(text, "format = 1");
 }
 
+TEST(Take, FramesOfARecordingHaveTheTimesOfTheirTicksNotOfTheirNumbers) {
+  for (const bool has_poses : {false, true}) {
+    const test::TemporaryFolder folder;
+    TakeInfo info = made_info();
+    info.has_poses = has_poses;
+    auto writer = TakeWriter::create(folder / "take", info, StreamFormat::kPng);
+    ASSERT_TRUE(writer) << writer.error().context;
+    for (int number = 1; number <= 3; ++number) ASSERT_TRUE(writer->write(made_frame(number)));
+    // A frame was lost between the second and the third.
+    std::ofstream(writer->staging() / "ticks.csv")
+        << "frame,stream,tick,counter,mid_exposure_ns,residual_us\n"
+           "1,target,3,1,7000000000,0.0\n1,tof,3,1,7000300000,0.0\n"
+           "2,target,6,2,7033000000,0.0\n3,target,12,4,7099000000,0.0\n";
+    std::ofstream(writer->staging() / "pan_tilt.csv")
+        << "frame,pan_rad,tilt_rad\n1,0.1,0.2\n3,0.3,0.4\n";
+    ASSERT_TRUE(writer->finish());
+    auto reader = TakeReader::open(folder / "take");
+    ASSERT_TRUE(reader) << reader.error().context;
+    const double times_s[] = {0, 0.033, 0.099};
+    capture::Capture frame;
+    for (int number = 1; number <= 3; ++number) {
+      ASSERT_TRUE(reader->read(number, frame));
+      const double stamped_s = (number - 1) / 30.0;  // of its line in poses.txt
+      EXPECT_NEAR(frame.time_s, has_poses ? stamped_s : times_s[number - 1], 1e-9);
+      EXPECT_EQ(frame.pan_tilt.has_value(), number != 2);
+    }
+    EXPECT_EQ(frame.pan_tilt->pan_rad, 0.3);
+    EXPECT_EQ(frame.tick, 12U);
+  }
+}
+
 TEST(Take, ADroppedWriterLeavesNothingAndAForeignFolderIsRefused) {
   const test::TemporaryFolder folder;
   {
