@@ -72,6 +72,17 @@ constexpr double kLongest_s = 1e9;  ///< of a stream's clock: more does not fit 
 
 }  // namespace
 
+void set_body(MocapOptions& options, const calibration_file::CalibratedPose& body) {
+  options.body_from_target = geometry::inverse(body.target_from);
+  options.body_covariance.reset();
+  if (body.covariance.rows() != 6) return;
+  const Eigen::Matrix3d r = options.body_from_target.rotation.toRotationMatrix();
+  PoseCovariance j = PoseCovariance::Zero();
+  j.topLeftCorner<3, 3>() = j.bottomRightCorner<3, 3>() = -r;
+  j.bottomLeftCorner<3, 3>() = -r * estimation::skew(body.target_from.translation_m);
+  options.body_covariance = j * PoseCovariance(body.covariance) * j.transpose();
+}
+
 std::optional<TargetSeen> target_seen(const stream::NatNetFrame& frame,
                                       const MocapOptions& options) {
   const auto body = options.constellation ? by_markers(frame, *options.constellation)

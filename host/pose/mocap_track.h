@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hal/base/clock.h"
+#include "host/calibration_file/calibration.h"
 #include "host/capture/pose_source.h"
 #include "host/mocap/constellation_file.h"
 #include "host/mocap/track.h"
@@ -25,6 +26,9 @@ struct MocapOptions {
   double delay_s = 0;         ///< from the exposure of a frame to its earliest arrival
   double most_ahead_s = 0.1;  ///< the motion is continued this far after the newest frame
 };
+
+/// Sets the body's pose and its covariance from the entry `body` of a calibration.
+void set_body(MocapOptions& options, const calibration_file::CalibratedPose& body);
 
 /// The target camera in one frame of a motion capture.
 struct TargetSeen {

@@ -18,6 +18,9 @@ using capture::PoseLoss;
 using trajectory::TimedPose;
 using trajectory::Trajectory;
 
+/// Of times in files: a frame at the very end of a trajectory has a pose.
+constexpr double kRounding_s = 1e-6;
+
 /// The samples between jumps. A part too short to be told from a wrong sample is left out, unless
 /// there is no other.
 std::vector<Trajectory> parts_of(const std::vector<TimedPose>& samples, MotionCheck& check) {
@@ -108,9 +111,12 @@ std::string RecordedPoses::describe() const {
 }
 
 CameraPose RecordedPoses::pose_of(const capture::Capture& capture) {
-  const double t_s = capture.time_s - options_.time_offset_s;
-  const auto part = std::find_if(parts_.begin(), parts_.end(),
-                                 [=](const Trajectory& p) { return t_s <= p.end_s(); });
+  double t_s = capture.time_s - options_.time_offset_s;
+  const auto part = std::find_if(parts_.begin(), parts_.end(), [=](const Trajectory& p) {
+    return t_s <= p.end_s() + kRounding_s;
+  });
+  if (part != parts_.end() && t_s >= part->start_s() - kRounding_s)
+    t_s = std::clamp(t_s, part->start_s(), part->end_s());
   if (part == parts_.end() || !(t_s >= parts_.front().start_s()))
     return CameraPose::lost(PoseLoss::kOutside);
   if (t_s < part->start_s()) return CameraPose::lost(PoseLoss::kJump);

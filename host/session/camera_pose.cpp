@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host/calibration_file/calibration.h"
-#include "host/estimation/verdict.h"
 #include "host/pose/fixed_poses.h"
 #include "host/pose/mocap_poses.h"
 #include "host/pose/pan_tilt_poses.h"
@@ -100,18 +98,6 @@ Poses floor_pose(const Session& session) {
                                "fixed on the floor of the learned background");
 }
 
-/// The inverse of a pose and of its covariance.
-std::pair<geometry::Pose, std::optional<capture::PoseCovariance>> inverse_of(
-    const calibration_file::CalibratedPose& known) {
-  const geometry::Pose back = geometry::inverse(known.target_from);
-  if (known.covariance.rows() != 6) return {back, std::nullopt};
-  const Eigen::Matrix3d r = back.rotation.toRotationMatrix();
-  capture::PoseCovariance j = capture::PoseCovariance::Zero();
-  j.topLeftCorner<3, 3>() = j.bottomRightCorner<3, 3>() = -r;
-  j.bottomLeftCorner<3, 3>() = -r * estimation::skew(known.target_from.translation_m);
-  return {back, j * capture::PoseCovariance(known.covariance) * j.transpose()};
-}
-
 Result<pose::MocapOptions> mocap_options(const Session& session) {
   if (!is_live(session))
     return at_camera(session, "pose", ErrorCode::kUsage,
@@ -137,7 +123,7 @@ Result<pose::MocapOptions> mocap_options(const Session& session) {
                                  "mixrig calibrate external --calibration, and name its "
                                  "calibration.toml by `calibration` or --calibration",
                                  session.calibration.where));
-  std::tie(options.body_from_target, options.body_covariance) = inverse_of(*body);
+  pose::set_body(options, *body);
   return options;
 }
 

@@ -184,13 +184,27 @@ TEST(TargetSeen, FindsTheConstellationWithACovarianceThatHolds) {
   o.constellation = mocap::Constellation{
       "hat", kSigma_m, {{0, 0, 0}, {0.1, 0, 0}, {0, 0.17, 0}, {0.03, 0.05, 0.12}}};
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
-  o.body_from_target = {turn, {0.05, -0.2, 0.1}};
-  const geometry::Pose world_from_body = swing(0.7);
-  const geometry::Pose truth = world_from_body * o.body_from_target;
+  // The external calibration, off by 1 mrad and 1 mm more along some directions than others.
+  calibration_file::CalibratedPose body{"body", {turn, {0.05, -0.2, 0.4}}, {}, 0, 0, {}};
   std::mt19937 random(2);
+  std::normal_distribution<double> unit;
+  Eigen::Matrix<double, 6, 6> root;
+  for (double& element : root.reshaped()) element = 5e-4 * unit(random);
+  body.covariance = root * root.transpose();
+  const geometry::Pose world_from_body = swing(0.7);
+  const geometry::Pose truth = world_from_body * geometry::inverse(body.target_from);
   std::normal_distribution<double> noise(0, kSigma_m);
   double nees = 0;
   for (int i = 0; i < kFrames; ++i) {
+    calibration_file::CalibratedPose known = body;
+    Eigen::Matrix<double, 6, 1> z;
+    for (double& value : z) value = unit(random);
+    const Eigen::Matrix<double, 6, 1> off = root * z;
+    const Eigen::Vector3d w = off.head<3>();
+    known.target_from.rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(w.norm(), w.normalized())) * turn;
+    known.target_from.translation_m += off.tail<3>();
+    set_body(o, known);
     NatNetFrame frame;
     for (const auto& marker : o.constellation->markers_m)
       frame.markers.push_back(

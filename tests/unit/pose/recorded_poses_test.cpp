@@ -59,6 +59,8 @@ TEST(RecordedPoses, ThereIsNoneOutsideAndInGaps) {
   const auto poses = poses_of(samples);
   EXPECT_EQ(poses->pose_of(capture_at(0.49)).loss, PoseLoss::kOutside);
   EXPECT_TRUE(poses->pose_of(capture_at(0.5)).ok());
+  EXPECT_TRUE(poses->pose_of(capture_at(0.5 - 5e-7)).ok()) << "rounded in the file";
+  EXPECT_TRUE(poses->pose_of(capture_at(poses->span_s().second + 5e-7)).ok());
   EXPECT_TRUE(poses->pose_of(capture_at(1.99)).ok());
   for (double t_s : {2.01, 2.1, 2.19})
     EXPECT_EQ(poses->pose_of(capture_at(t_s)).loss, PoseLoss::kGap);
