@@ -66,28 +66,34 @@ Neighbours neighbours(F4 value, int size) {
   return {first < 0 ? first + size : first, second >= size ? second - size : second, at - low};
 }
 
+float total(F4 f) { return f[0] + f[1] + f[2] + f[3]; }
+
 /// Sum of the samples' texels: bilinear, repeating, in linear light. `counted`: 1 or 0 a sample.
 F4 texels(ImageView<const Rgb8> texture, F4 u, F4 v, F4 counted) {
   const std::array<float, 256>& table = linear();
   const I4 sane = (u < 1e6F) & (u > -1e6F) & (v < 1e6F) & (v > -1e6F);
+  const F4 inside = sane ? counted : F4{};
   const Neighbours x = neighbours(sane ? u : F4{}, texture.size.width);
   const Neighbours y = neighbours(sane ? v : F4{}, texture.size.height);
-  F4 sum{};
-  for (int i = 0; i < kPixelSamples; ++i) {
-    if (counted[i] == 0) continue;
-    if (!sane[i]) {
-      sum += 1.0F;
-      continue;
-    }
-    const auto at = [&](int column, int row) {
-      const Rgb8 p = texture.row(row)[column];
-      return F4{table[p.r], table[p.g], table[p.b], 0};
-    };
-    const F4 a = at(x.first[i], y.first[i]), b = at(x.second[i], y.first[i]);
-    const F4 c = at(x.first[i], y.second[i]), d = at(x.second[i], y.second[i]);
-    const F4 top = a + x.share[i] * (b - a), bottom = c + x.share[i] * (d - c);
-    sum += top + y.share[i] * (bottom - top);
-  }
+  const auto stride = static_cast<std::int32_t>(texture.stride);
+  const I4 first = y.first * stride, second = y.second * stride;
+  const std::array<I4, 4> at = {first + x.first, first + x.second, second + x.first,
+                                second + x.second};
+  const F4 low = inside * y.share, high = inside - low;
+  const std::array<F4, 4> part = {high - high * x.share, high * x.share, low - low * x.share,
+                                  low * x.share};
+  F4 sum = F4{} + total(counted - inside);
+  const auto add = [&](std::size_t corner, int i, float weight) {
+    const Rgb8 p = texture.data[at[corner][i]];
+    sum += F4{table[p.r], table[p.g], table[p.b], 0} * weight;
+  };
+  const I4 other = (at[0] != at[0][0]) | (at[3] != at[3][0]);
+  const bool all_between_the_same = (other[0] | other[1] | other[2] | other[3]) == 0;
+  for (std::size_t corner = 0; corner < 4; ++corner)
+    if (all_between_the_same)
+      add(corner, 0, total(part[corner]));
+    else
+      for (int i = 0; i < kPixelSamples; ++i) add(corner, i, part[corner][i]);
   return sum;
 }
 
