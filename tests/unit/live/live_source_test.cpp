@@ -124,12 +124,28 @@ TEST_F(LiveSourceTest, CamerasThatStaySilentAreAnErrorAfterFiveSeconds) {
   EXPECT_NE(there.error().context.find("mixrig diag"), std::string::npos);
 }
 
-TEST(LiveSourceOpen, ARigWithoutADepthCameraIsRefused) {
-  SystemClock clock;
-  std::atomic<bool> stop = false;
-  const auto source = make_live_source({}, {}, stop, clock);
-  ASSERT_FALSE(source);
-  EXPECT_EQ(source.error().code, ErrorCode::kUsage);
+TEST(LiveSourceOpen, NeedsACameraAndADepthCamera) {
+  ManualClock clock;
+  const std::atomic<bool> stop = false;
+  const auto open = [&](bool camera, bool depth) {
+    const auto fake = [&](device::PixelFormat format) {
+      return std::make_unique<fake::FakeCamera>(
+          clock, device::CameraInfo{.uri = "fake:", .size = {16, 12}, .format = format});
+    };
+    Devices devices;
+    RigConfig config;
+    config.cameras.emplace_back();
+    config.depth.emplace();
+    if (camera) devices.cameras.push_back(fake(device::PixelFormat::kRgb8));
+    if (depth) devices.depth = device::as_depth_camera(fake(device::PixelFormat::kDepth16), {});
+    const auto source = make_live_source(std::move(config), std::move(devices), stop, clock);
+    if (source) return std::string();
+    EXPECT_EQ(source.error().code, ErrorCode::kUsage);
+    return source.error().context;
+  };
+  EXPECT_EQ(open(true, true), "");
+  EXPECT_NE(open(true, false).find("[depth]"), std::string::npos);
+  EXPECT_NE(open(false, true).find("[[camera]]"), std::string::npos);
 }
 
 }  // namespace
