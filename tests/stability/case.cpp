@@ -11,6 +11,8 @@
 namespace mixrig::estimation_bench {
 namespace {
 
+constexpr int kMostTrials = 600;
+
 double quadratic(const Eigen::VectorXd& e, const Eigen::MatrixXd& covariance) {
   // Scaled to unit diagonal: covariances mix radians and (far from the origin) kilometres.
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
@@ -69,7 +71,12 @@ Row measure(const Case& c, const Effort& effort) {
   Sums sums;
   std::vector<double> micros;
   const std::uint64_t first_seed = seed_of(c);
-  for (int i = 0; i < effort.trials; ++i) {
+  const auto wanted = [&](int i) {
+    if (i < effort.trials) return true;
+    return c.expect == Expect::kAnswer && i < kMostTrials &&
+           sums.answers * sums.dof < effort.least_dof;
+  };
+  for (int i = 0; wanted(i); ++i) {
     Residuals residuals;
     const Trial t = c.trial(first_seed + i, residuals);
     micros.push_back(t.micros);

@@ -45,9 +45,11 @@ struct Effort {
   int trials = 200;
   int referenced = 3;            ///< trials that are solved in 50 digits too
   bool bound_everywhere = true;  ///< the bound of cases that need not be answered too
+  int least_dof = 0;  ///< more trials of a case that must be answered, until it has so many
 };
-/// For the unit test.
-inline constexpr Effort kShortEffort{24, 1, false};
+/// For the unit test: few trials, but as many of each case that must be answered as hold its error
+/// to 1.1 of the bound, sqrt(1 + 3.29 sqrt(2 / dof)).
+inline constexpr Effort kShortEffort{24, 1, false, 491};
 
 /// Results of a case; NaN where a figure does not exist.
 struct Row {
