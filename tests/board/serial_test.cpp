@@ -59,6 +59,7 @@ TEST(Ptu, TenThousandCommandsAreAnsweredCorrectlyWithLimitReportsInTheirReplies)
   ASSERT_TRUE(line.plug());
   auto head = g_opener.pan_tilt("flir-ptu:/dev/ttyACM0");
   ASSERT_TRUE(head) << to_line(head.error());
+  // Few, since each one inside a reply costs 60 ms of silence; hal_device_test asks with 0.2.
   peer.set_faults({.limit_report_share = 0.02});
   command(**head, 5000, [&] { return peer.position(g_clock.now()); });
   const auto health = (*head)->health();
