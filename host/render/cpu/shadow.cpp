@@ -52,17 +52,6 @@ void widen(const Image<float>& from, int side, Image<float>& to) {
   }
 }
 
-void find_largest(ShadowMap& map) {
-  const auto cells = [](int texels) { return (texels + kCellTexels - 1) / kCellTexels; };
-  const Size size{cells(map.w.width()), cells(map.w.height())};
-  const int longer = std::max(size.width, size.height);
-  map.largest.resize(static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(longer))));
-  for (Image<float>& level : map.largest) level.reset(size);
-  reduce(map.w, map.largest[0]);
-  for (std::size_t k = 1; k < map.largest.size(); ++k)
-    widen(map.largest[k - 1], 1 << (k - 1), map.largest[k]);
-}
-
 }  // namespace
 
 void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowMap>& maps) {
@@ -81,6 +70,17 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
     ShadowMap& map = maps[static_cast<std::size_t>(begin)];
     if (!map.empty()) find_largest(map);
   });
+}
+
+void find_largest(ShadowMap& map) {
+  const auto cells = [](int texels) { return (texels + kCellTexels - 1) / kCellTexels; };
+  const Size size{cells(map.w.width()), cells(map.w.height())};
+  const int longer = std::max(size.width, size.height);
+  map.largest.resize(static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(longer))));
+  for (Image<float>& level : map.largest) level.reset(size);
+  reduce(map.w, map.largest[0]);
+  for (std::size_t k = 1; k < map.largest.size(); ++k)
+    widen(map.largest[k - 1], 1 << (k - 1), map.largest[k]);
 }
 
 float largest_w(const ShadowMap& map, float x0, float y0, float x1, float y1) {

@@ -24,6 +24,9 @@ struct ShadowMap {
 /// Draws the casters into the map of every lamp whose map_size_texel is not 0.
 void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowMap>& maps);
 
+/// Fills `largest` from `w`; draw_shadow_maps has done it.
+void find_largest(ShadowMap& map);
+
 /// At least the largest w of the texels in [x0, x1] x [y0, y1], by four look-ups: never less, more
 /// where the rectangle is far from a square or ends within a cell. Texels outside hold 0.
 float largest_w(const ShadowMap& map, float x0, float y0, float x1, float y1);

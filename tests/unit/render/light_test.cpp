@@ -178,25 +178,36 @@ TEST(Shadow, boxes_away_from_the_shadow_are_surely_lit) {
   EXPECT_FALSE(may_be(0, 0.8F, 2)) << "between lamp and caster";
 }
 
-TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle) {
-  render::Lamp lamp = point_lamp({0.3, 0, 1.9});
-  const Lit lit(lamp, 1, 0.3F);
-  const render::cpu::ShadowMap& map = lit.maps[0];
-  const int size = map.w.width();
+TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle_and_little_else) {
   std::minstd_rand random(3);
-  std::uniform_real_distribution<float> anywhere(-8, static_cast<float>(size) + 8);
-  for (int k = 0; k < 2000; ++k) {
-    const auto [x0, x1] = std::minmax({anywhere(random), anywhere(random)});
-    const auto [y0, y1] = std::minmax({anywhere(random), anywhere(random)});
-    float expected = 0;
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x) {
-        const auto u = static_cast<float>(x), v = static_cast<float>(y);
-        if (u >= x0 && u <= x1 && v >= y0 && v <= y1) expected = std::max(expected, map.w.at(x, y));
-      }
-    ASSERT_GE(render::cpu::largest_w(map, x0, y0, x1, y1), expected) << k;
+  for (const int size : {64, 100, 256}) {
+    render::cpu::ShadowMap map;
+    map.w.reset({size, size});
+    std::uniform_int_distribution<int> texel(0, size - 1);
+    for (int i = 0; i < size / 8; ++i)
+      map.w.at(texel(random), texel(random)) = 0.1F + static_cast<float>(i);
+    render::cpu::find_largest(map);
+    std::uniform_real_distribution<float> anywhere(-8, static_cast<float>(size) + 8);
+    const auto largest = [&](glm::vec2 low, glm::vec2 high) {
+      float out = 0;
+      for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+          const glm::vec2 at(x, y);
+          if (glm::clamp(at, low, high) == at) out = std::max(out, map.w.at(x, y));
+        }
+      return out;
+    };
+    for (int k = 0; k < 1000; ++k) {
+      const glm::vec2 a(anywhere(random), anywhere(random)), b(anywhere(random), anywhere(random));
+      const glm::vec2 low = glm::min(a, b), high = glm::max(a, b);
+      const float found = render::cpu::largest_w(map, low.x, low.y, high.x, high.y);
+      ASSERT_GE(found, largest(low, high)) << size << "," << k;
+      // Windows of a square as long as the longer side, and whole cells.
+      const float side = std::max(high.x - low.x, high.y - low.y) + render::cpu::kCellTexels;
+      ASSERT_LE(found, largest(low - side, high + side)) << size << "," << k;
+    }
+    EXPECT_EQ(render::cpu::largest_w(map, -9, -9, -1, 500), 0);
   }
-  EXPECT_EQ(render::cpu::largest_w(map, -9, -9, -1, 500), 0);
 }
 
 /// A floor 2 m below the camera seen by pixel rows below the horizon.
