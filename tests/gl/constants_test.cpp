@@ -29,6 +29,7 @@ const std::map<std::string, double> kOurs = {
     {"least_known", kLeastKnown},
     {"least_corner_part", kLeastCornerPart},
     {"cell_indices", kCellIndices},
+    {"hidden_part", kHiddenPart},
     {"virtual_samples", kVirtualSamples},
     {"block_px", kBlockPx},
     {"speckle_tof_px", kSpeckleTofPx},
