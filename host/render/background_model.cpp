@@ -26,22 +26,50 @@ float cell_depth(ImageView<const float> depth_m, int x0, int y0, int step_px,
   return upper_median_in_place(std::span(known));
 }
 
+/// Depth one step beyond `z_m`, after `before_m`: planes go on; what is no plane stays at z_m.
+float continued_m(float z_m, float before_m) {
+  constexpr float kMostChange = 0.2F;
+  if (!(z_m > 0 && before_m > 0)) return z_m;
+  const float w = 1 / z_m, change = w - 1 / before_m;
+  return std::abs(change) < kMostChange * w ? 1 / (w + change) : z_m;
+}
+
+/// A ring of cells around the images, so that the surfaces reach their borders.
+void continue_ring(Image<float>& depth_m) {
+  const int right = depth_m.width() - 1, bottom = depth_m.height() - 1;
+  if (right < 4 || bottom < 4) return;
+  for (int y = 1; y < bottom; ++y) {
+    float* row = depth_m.row(y);
+    row[0] = continued_m(row[1], row[2]);
+    row[right] = continued_m(row[right - 1], row[right - 2]);
+  }
+  for (int x = 0; x <= right; ++x) {
+    depth_m.row(0)[x] = continued_m(depth_m.row(1)[x], depth_m.row(2)[x]);
+    depth_m.row(bottom)[x] = continued_m(depth_m.row(bottom - 1)[x], depth_m.row(bottom - 2)[x]);
+  }
+}
+
+/// Samples lie in the middle of their cells; the first and the last ones are the ring.
 void make_grid(const BackgroundModel& model, ModelTables& t) {
   const Size size = model.camera.size_px;
-  const Size grid{(size.width + t.step_px - 1) / t.step_px,
-                  (size.height + t.step_px - 1) / t.step_px};
+  const int step = t.step_px;
+  const Size cells{(size.width + step - 1) / step, (size.height + step - 1) / step};
+  const Size grid{cells.width + 2, cells.height + 2};
   t.ray.reset(grid);
-  t.depth_m.reset(grid);
+  t.depth_m.reset(grid, 0.0F);
   std::vector<float> known;
-  const double middle = 0.5 * (t.step_px - 1);
+  const double middle = 0.5 * (step - 1);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) {
       const Eigen::Vector2d ray =
-          model.camera.unproject({x * t.step_px + middle, y * t.step_px + middle});
+          model.camera.unproject({(x - 1) * step + middle, (y - 1) * step + middle});
       t.ray.row(y)[x] = glm::vec2(ray.x(), ray.y());
-      t.depth_m.row(y)[x] =
-          cell_depth(model.images.depth_m, x * t.step_px, y * t.step_px, t.step_px, known);
     }
+  for (int y = 0; y < cells.height; ++y)
+    for (int x = 0; x < cells.width; ++x)
+      t.depth_m.row(y + 1)[x + 1] =
+          cell_depth(model.images.depth_m, x * step, y * step, step, known);
+  continue_ring(t.depth_m);
 }
 
 }  // namespace
@@ -51,7 +79,7 @@ ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
   const geometry::Pinhole& camera = model.camera;
   ModelTables t;
   const double tof_step_px = camera.fx_px / setup.tof.pinhole.fx_px;
-  t.step_px = std::clamp(static_cast<int>(tof_step_px), 1, kMostStepPx);
+  t.step_px = std::clamp(static_cast<int>(std::lround(tof_step_px)), 1, kMostStepPx);
   make_grid(model, t);
   t.noise = noise_params(setup.noise);
   t.noise = {kMedianSigma * t.noise.floor_m, kMedianSigma * t.noise.linear,

@@ -279,14 +279,23 @@ void decide_block(const KeyInput& input, const KeyScratch& scratch, int bx, int 
     }
 }
 
-/// Colours of the blocks that votes look at: those to decide and their neighbours.
-void draw_color(const KeyScratch& scratch, int bx, int by, Size size, MovingBackground& moving) {
-  bool any = false;
-  around(scratch, bx, by, 1, [&](const Block& b) { any |= is_decided(b); });
-  if (!any) return;
-  const int x0 = block_begin(bx), width = block_end(bx, size.width) - x0;
-  for (int y = block_begin(by); y < block_end(by, size.height); ++y)
-    moving.draw_color(x0, y, width);
+/// Colours of a row of blocks where votes look at them: in blocks to decide and their neighbours.
+void draw_colors(const KeyScratch& scratch, int by, Size size, MovingBackground& moving) {
+  constexpr int kMostBlocks = MovingBackground::kMostColumns / kBlockPx;
+  const auto is_looked_at = [&](int bx) {
+    bool any = false;
+    around(scratch, bx, by, 1, [&](const Block& b) { any |= is_decided(b); });
+    return any;
+  };
+  for (int bx = 0; bx < scratch.blocks_size.width; ++bx) {
+    const int first = bx;
+    while (bx < scratch.blocks_size.width && bx - first < kMostBlocks && is_looked_at(bx)) ++bx;
+    if (bx == first) continue;
+    const int x0 = block_begin(first), width = block_end(bx - 1, size.width) - x0;
+    for (int y = block_begin(by); y < block_end(by, size.height); ++y)
+      moving.draw_color(x0, y, width);
+    --bx;  // the block that ended the run may begin another
+  }
 }
 
 void fill_block(int bx, int by, std::uint8_t value, Image<std::uint8_t>& matte) {
@@ -333,8 +342,11 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
         for (int bx = 0; bx < blocks.width; ++bx) visit(bx, by, scratch.at(bx, by));
     });
   };
+  if (input.moving)
+    crew.rows(blocks.height, kGrain, [&](int begin, int end) {
+      for (int by = begin; by < end; ++by) draw_colors(scratch, by, size, *input.moving);
+    });
   each_block([&](int bx, int by, Block& block) {
-    if (input.moving) draw_color(scratch, bx, by, size, *input.moving);
     if (block.sampled) sample_block(input, view_w, scratch.state, bx, by, block);
   });
   each_block([&](int bx, int by, const Block& block) {
