@@ -95,11 +95,15 @@ void rotate(const glm::mat3& r, std::span<const PackedNormal> from, PackedNormal
 
 }  // namespace
 
+// One index serves the tables of depth, spread and normals.
+static_assert(sizeof(float) == sizeof(PackedNormal));
+
 /// Where up to kRun pixels of a row of the view lie in the model camera.
 struct MovingBackground::Run {
   alignas(64) std::array<float, kRun> u_px, v_px;
-  alignas(64) std::array<float, kRun> z_m;        ///< in model axes
-  alignas(64) std::array<std::int32_t, kRun> at;  ///< nearest pixel of the padded tables; 0: none
+  alignas(64) std::array<float, kRun> z_m;  ///< in model axes
+  alignas(64)
+      std::array<std::int32_t, kRun> at;  ///< nearest pixel of the tables of 4-byte values; 0: none
   std::size_t count = 0;
 };
 
@@ -211,6 +215,12 @@ void MovingBackground::look_up_normals(const Run& run, PackedNormal* normals) co
   rotate(glm::transpose(model_from_camera_), std::span(from).first(run.count), normals);
 }
 
+/// Of the nearest pixel of the model. Rows of this table have another stride than the others'.
+bool MovingBackground::color_is_unknown(float u_px, float v_px) const {
+  const int x = static_cast<int>(u_px + 1.5F), y = static_cast<int>(v_px + 1.5F);
+  return model_color_.row(y)[x].x == kUnknownColor;
+}
+
 void MovingBackground::draw_color(int x0, int y, int width) {
   Run run;
   Rgbf* color = color_.row(y) + x0;
@@ -222,7 +232,7 @@ void MovingBackground::draw_color(int x0, int y, int width) {
     const float seen_w = model_w_.row(0)[at];
     // The model saw another surface before this one: that one's colour says nothing about it.
     const bool hidden = seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) > kHiddenPart;
-    if (at == 0 || hidden || model_color_.row(0)[at].x == kUnknownColor) {
+    if (at == 0 || hidden || color_is_unknown(run.u_px[i], run.v_px[i])) {
       color[i] = {-1, -1, -1};
       color_sigma[i] = 0;
       continue;

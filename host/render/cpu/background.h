@@ -34,6 +34,7 @@ class MovingBackground {
   struct Run;
   void find_in_model(int x0, int y, int width, Run& run) const;
   void look_up(int x0, int y, const Run& run);
+  bool color_is_unknown(float u_px, float v_px) const;
   void look_up_normals(const Run& run, PackedNormal* normals) const;
   void limit_row(int y, float* limit_w) const;
 
