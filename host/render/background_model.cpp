@@ -11,7 +11,7 @@ namespace mixrig::render {
 namespace {
 
 constexpr int kMostStepPx = 16;
-/// A sample's depth is the median of the model's pixels around it.
+/// Of one measurement's: a sample is the median of several model pixels.
 constexpr float kMedianSigma = 0.5F;
 
 /// Median of the known depths of a cell, if it knows at least half of them.
@@ -55,7 +55,8 @@ void make_grid(const BackgroundModel& model, ModelTables& t) {
   const int step = t.step_px;
   const Size cells{(size.width + step - 1) / step, (size.height + step - 1) / step};
   const Size grid{cells.width + 2, cells.height + 2};
-  t.ray.reset(grid);
+  t.grid.tof_size = grid;
+  t.grid.tof_ray.reset(grid);
   t.depth_m.reset(grid, 0.0F);
   std::vector<float> known;
   const double middle = 0.5 * (step - 1);
@@ -63,7 +64,7 @@ void make_grid(const BackgroundModel& model, ModelTables& t) {
     for (int x = 0; x < grid.width; ++x) {
       const Eigen::Vector2d ray =
           model.camera.unproject({(x - 1) * step + middle, (y - 1) * step + middle});
-      t.ray.row(y)[x] = glm::vec2(ray.x(), ray.y());
+      t.grid.tof_ray.row(y)[x] = glm::vec2(ray.x(), ray.y());
     }
   for (int y = 0; y < cells.height; ++y)
     for (int x = 0; x < cells.width; ++x)
@@ -81,14 +82,32 @@ ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
   const double tof_step_px = camera.fx_px / setup.tof.pinhole.fx_px;
   t.step_px = std::clamp(static_cast<int>(std::lround(tof_step_px)), 1, kMostStepPx);
   make_grid(model, t);
-  t.noise = noise_params(setup.noise);
-  t.noise = {kMedianSigma * t.noise.floor_m, kMedianSigma * t.noise.linear,
-             kMedianSigma * t.noise.quadratic_per_m};
+  const NoiseParams noise = noise_params(setup.noise);
+  t.grid.correct.noise = {kMedianSigma * noise.floor_m, kMedianSigma * noise.linear,
+                          kMedianSigma * noise.quadratic_per_m};
+  t.grid.view_size = setup.view.size_px;
+  t.grid.warp.view = {glm::vec2(setup.view.fx_px, setup.view.fy_px),
+                      glm::vec2(setup.view.cx_px, setup.view.cy_px)};
+  t.grid.tof_footprint_px =
+      static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / camera.fx_px));
+  t.limit_radius_px = limit_radius_px(tof_footprint_px(setup));
   t.camera = {glm::vec2(camera.fx_px, camera.fy_px), glm::vec2(camera.cx_px, camera.cy_px)};
+  t.w.reset(camera.size_px);
+  for (int y = 0; y < t.w.height(); ++y)
+    for (int x = 0; x < t.w.width(); ++x) {
+      const float z = model.images.depth_m.row(y)[x];
+      t.w.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
+    }
   if (with_normals)
     t.normal = normals(model.images.depth_m, camera, 2 * static_cast<int>(std::ceil(tof_step_px)));
-  t.footprint_px = static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / camera.fx_px));
   return t;
+}
+
+ModelPose model_pose(const geometry::Pose& world_from_model,
+                     const geometry::Pose& world_from_camera) {
+  const geometry::Pose camera_from_model = geometry::inverse(world_from_camera) * world_from_model;
+  return {glm::mat4(to_glm(camera_from_model.matrix())),
+          glm::mat4(to_glm(geometry::inverse(camera_from_model).matrix()))};
 }
 
 }  // namespace mixrig::render

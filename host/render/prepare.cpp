@@ -33,13 +33,6 @@ Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::
   return map;
 }
 
-glm::mat4 to_glm(const Eigen::Matrix4d& m) {
-  glm::mat4 out;
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(m(row, column));
-  return out;
-}
-
 /// Rows, then columns: the largest value within `radius`, which for inverse depth is the nearest.
 Image<float> largest_within(const Image<float>& image, int radius) {
   Image<float> rows(image.size()), out(image.size());
@@ -140,15 +133,14 @@ Tables make_tables(const CompositorSetup& setup) {
 
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);
-  t.warp.camera_from_tof = to_glm(setup.target_from_tof.matrix());
+  t.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
   t.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
   t.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
-  t.tof_footprint_px =
-      static_cast<float>(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px));
+  t.tof_footprint_px = tof_footprint_px(setup);
 
   t.has_background = !setup.background.depth_m.empty();
   if (!t.has_background) return t;
-  const int radius_px = static_cast<int>(std::ceil(t.tof_footprint_px));
+  const int radius_px = limit_radius_px(t.tof_footprint_px);
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
   t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
   return t;

@@ -106,6 +106,22 @@ inline int normal_reach_tiles(float tof_footprint_px) {
       1, static_cast<int>(std::lround(kNormalFootprints * tof_footprint_px / kLightTilePx)));
 }
 
+/// View pixels that a ToF pixel spans, at least 1.
+inline float tof_footprint_px(const CompositorSetup& setup) {
+  return static_cast<float>(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px));
+}
+/// View pixels around one in which the nearest background limits the key: one ToF footprint.
+inline int limit_radius_px(float tof_footprint_px) {
+  return static_cast<int>(std::ceil(tof_footprint_px));
+}
+
+inline glm::dmat4 to_glm(const Eigen::Matrix4d& m) {
+  glm::dmat4 out;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) out[column][row] = m(row, column);
+  return out;
+}
+
 /// Least matte byte that shows a person.
 inline constexpr auto kPersonByte = static_cast<std::uint8_t>(255 * kPersonMatte + 0.5F);
 

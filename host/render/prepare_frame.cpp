@@ -13,13 +13,6 @@ namespace {
 constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 constexpr int kSmallestMap = 64, kLargestMap = 1024;
 
-glm::dmat4 to_glm(const Eigen::Matrix4d& m) {
-  glm::dmat4 out;
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) out[column][row] = m(row, column);
-  return out;
-}
-
 glm::dmat4 world_from(const VirtualObject& object) {
   glm::dmat4 m = to_glm(object.world_from_object.matrix());
   for (int column = 0; column < 3; ++column) m[column] *= object.scale;

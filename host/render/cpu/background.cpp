@@ -17,25 +17,6 @@ constexpr std::uint16_t kUnknownColor = 65535;
 
 Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
-Tables grid_tables(const CompositorSetup& setup, const ModelTables& model) {
-  Tables t;
-  t.tof_size = model.ray.size();
-  t.view_size = setup.view.size_px;
-  t.tof_ray = model.ray;
-  t.correct.noise = model.noise;
-  t.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
-  t.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
-  t.tof_footprint_px = model.footprint_px;
-  return t;
-}
-
-glm::mat4 to_glm(const Eigen::Matrix4d& m) {
-  glm::mat4 out;
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(m(row, column));
-  return out;
-}
-
 /// Largest of `from` within `radius` along a row.
 void most_within(const float* from, int width, int radius, float* to) {
   const int last = width - 1;
@@ -110,31 +91,25 @@ struct MovingBackground::Run {
 MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals)
     : key_(setup.key),
       noise_(noise_params(setup.noise)),
-      radius_px_(
-          static_cast<int>(std::ceil(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px)))),
       world_from_model_(setup.background_model->world_from_camera),
       model_(make_model_tables(setup, normals == Normals::kMake)),
-      grid_tables_(grid_tables(setup, model_)),
-      grid_(grid_tables_.tof_size),
-      scratch_(grid_tables_.tof_size),
+      grid_(model_.grid.tof_size),
+      scratch_(model_.grid.tof_size),
       w_(with_margin(setup.view.size_px)),
       row_most_w_(setup.view.size_px),
       depth_sigma_m_(setup.view.size_px),
       depth_m_(setup.view.size_px) {
-  correct(crew, grid_tables_.correct, model_.ray, model_.depth_m, grid_);
+  correct(crew, model_.grid.correct, model_.grid.tof_ray, model_.depth_m, grid_);
   const BackgroundView& images = setup.background_model->images;
   const Size size = images.depth_m.size;
-  model_w_ = padded(size, 0.0F, [&](int x, int y) {
-    const float z = images.depth_m.row(y)[x];
-    return z > 0 && std::isfinite(z) ? 1 / z : 0;
-  });
+  model_w_ = padded(size, 0.0F, [&](int x, int y) { return model_.w.row(y)[x]; });
   model_sigma_m_ = padded(size, 0.0F, [&](int x, int y) {
     return images.depth_sigma_m.empty() ? 0 : images.depth_sigma_m.row(y)[x];
   });
   if (normals == Normals::kMake)
     model_normal_ =
         padded(size, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
-  model_.depth_m = {};
+  model_.depth_m = model_.w = {};
   model_.normal = {};
   if (images.color.empty()) return;
   model_color_ = packed_color(images);
@@ -143,12 +118,11 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Nor
 }
 
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
-  const geometry::Pose camera_from_model = geometry::inverse(world_from_camera) * world_from_model_;
-  const glm::mat4 model_from_camera = to_glm(geometry::inverse(camera_from_model).matrix());
-  model_from_camera_ = glm::mat3(model_from_camera);
-  camera_in_model_m_ = glm::vec3(model_from_camera[3]);
-  grid_tables_.warp.camera_from_tof = to_glm(camera_from_model.matrix());
-  warp(crew, grid_tables_, grid_, scratch_, w_);
+  const ModelPose pose = model_pose(world_from_model_, world_from_camera);
+  model_from_camera_ = glm::mat3(pose.model_from_camera);
+  camera_in_model_m_ = glm::vec3(pose.model_from_camera[3]);
+  model_.grid.warp.camera_from_tof = pose.camera_from_model;
+  warp(crew, model_.grid, grid_, scratch_, w_);
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kGrain, [&](int begin, int end) {
     Run run;
@@ -158,7 +132,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
         look_up(x, y, run);
         if (!model_normal_.empty()) look_up_normals(run, tables.background_normal.row(y) + x);
       }
-      most_within(w_.row(y), width, radius_px_, row_most_w_.row(y));
+      most_within(w_.row(y), width, model_.limit_radius_px, row_most_w_.row(y));
     }
   });
   crew.rows(height, kGrain, [&](int begin, int end) {
@@ -168,7 +142,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
 
 void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
   run.count = std::min(kRun, static_cast<std::size_t>(width));
-  const PinholeParams view = grid_tables_.warp.view, model = model_.camera;
+  const PinholeParams view = model_.grid.warp.view, model = model_.camera;
   const glm::mat3 r = model_from_camera_;
   const glm::vec3 t = camera_in_model_m_;
   const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
@@ -251,8 +225,10 @@ void MovingBackground::draw_color(int x0, int y, int width) {
 void MovingBackground::limit_row(int y, float* limit_w) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
   const int width = depth_m_.width(), height = depth_m_.height();
-  std::copy_n(row_most_w_.row(std::max(0, y - radius_px_)), width, limit_w);
-  for (int j = std::max(0, y - radius_px_) + 1; j <= std::min(height - 1, y + radius_px_); ++j) {
+  const int first = std::max(0, y - model_.limit_radius_px);
+  const int last = std::min(height - 1, y + model_.limit_radius_px);
+  std::copy_n(row_most_w_.row(first), width, limit_w);
+  for (int j = first + 1; j <= last; ++j) {
     const float* other = row_most_w_.row(j);
     for (int x = 0; x < width; ++x) limit_w[x] = limit_w[x] < other[x] ? other[x] : limit_w[x];
   }

@@ -40,7 +40,6 @@ class MovingBackground {
 
   KeyParams key_;
   NoiseParams noise_;
-  int radius_px_;
   geometry::Pose world_from_model_;
   ModelTables model_;
   /// Lookup tables: model camera's size and a border of one pixel that knows nothing.
@@ -48,7 +47,6 @@ class MovingBackground {
   Image<float> model_w_;              ///< inverse depth, 0 unknown
   Image<float> model_sigma_m_;        ///< spread of the depth
   Image<PackedNormal> model_normal_;  ///< model axes
-  Tables grid_tables_;                ///< those of pass warp, for the model's grid
   TofGrid grid_;
   WarpScratch scratch_;
   glm::mat3 model_from_camera_{1};

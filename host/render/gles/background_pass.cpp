@@ -5,46 +5,13 @@
 #include <cmath>
 
 namespace mixrig::render::gles {
-namespace {
-
-glm::mat4 to_glm(const Eigen::Matrix4d& m) {
-  glm::mat4 out;
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(m(row, column));
-  return out;
-}
-
-/// Tables of correct and warp for the model's grid.
-Tables grid_tables(const Tables& tables, const ModelTables& model) {
-  Tables t;
-  t.tof_size = model.ray.size();
-  t.view_size = tables.view_size;
-  t.tof_ray = model.ray;
-  t.correct.noise = model.noise;
-  t.warp.view = tables.warp.view;
-  return t;
-}
-
-Image<float> inverse(ImageView<const float> depth_m) {
-  Image<float> out(depth_m.size);
-  for (int y = 0; y < out.height(); ++y)
-    for (int x = 0; x < out.width(); ++x) {
-      const float z = depth_m.row(y)[x];
-      out.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
-    }
-  return out;
-}
-
-}  // namespace
-
 Result<BackgroundPass> BackgroundPass::create(const Tables& tables, const CompositorSetup& setup,
                                               std::span<const ExposureMeter::Place> places) {
   BackgroundPass pass;
   const ModelTables model = make_model_tables(setup, !setup.objects.empty());
-  const Tables grid = grid_tables(tables, model);
   pass.world_from_model_ = setup.background_model->world_from_camera;
-  MIXRIG_ASSIGN(pass.correct_, CorrectPass::create(grid));
-  MIXRIG_ASSIGN(pass.warp_, WarpPass::create(grid));
+  MIXRIG_ASSIGN(pass.correct_, CorrectPass::create(model.grid));
+  MIXRIG_ASSIGN(pass.warp_, WarpPass::create(model.grid));
   pass.correct_.upload_depth(model.depth_m);
   pass.correct_.draw();
   pass.depth_m_ = make_texture(tables.view_size, GL_R32F);
@@ -53,7 +20,7 @@ Result<BackgroundPass> BackgroundPass::create(const Tables& tables, const Compos
   pass.row_w_ = make_texture(tables.view_size, GL_R32F);
   pass.limit_w_ = make_texture(tables.view_size, GL_R32F);
   MIXRIG_TRY(pass.create_model(setup, model));
-  MIXRIG_TRY(pass.create_limit(setup));
+  MIXRIG_TRY(pass.create_limit(setup, model.limit_radius_px));
   pass.set_view(pass.look_up_, tables, model, pass.look_up_at_);
   if (!pass.has_color_) return pass;
   pass.set_view(pass.color_, tables, model, pass.color_at_);
@@ -71,7 +38,7 @@ Result<void> BackgroundPass::create_model(const CompositorSetup& setup, const Mo
   const BackgroundView& images = setup.background_model->images;
   const Size size = images.depth_m.size;
   const Image<float> zeros(size, 0.0F);
-  model_w_ = make_texture(inverse(images.depth_m).view(), GL_R32F);
+  model_w_ = make_texture(model.w.view(), GL_R32F);
   model_sigma_m_ = images.depth_sigma_m.empty() ? make_texture(zeros.view(), GL_R32F)
                                                 : make_texture(images.depth_sigma_m, GL_R32F);
   const Image<PackedNormal> unknown(size, PackedNormal{});
@@ -90,13 +57,11 @@ Result<void> BackgroundPass::create_model(const CompositorSetup& setup, const Mo
   return {};
 }
 
-Result<void> BackgroundPass::create_limit(const CompositorSetup& setup) {
+Result<void> BackgroundPass::create_limit(const CompositorSetup& setup, int radius_px) {
   MIXRIG_ASSIGN(rows_, make_step("background_rows.frag", {&row_w_}));
   MIXRIG_ASSIGN(limit_, make_step("background_limit.frag", {&limit_w_}));
-  const int radius =
-      static_cast<int>(std::ceil(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px)));
-  rows_.program.set("radius", radius);
-  limit_.program.set("radius", radius);
+  rows_.program.set("radius", radius_px);
+  limit_.program.set("radius", radius_px);
   limit_.program.set("threshold_m", setup.key.threshold_m);
   limit_.program.set("noise_factor", setup.key.noise_factor);
   const NoiseParams noise = noise_params(setup.noise);
@@ -116,18 +81,17 @@ void BackgroundPass::set_view(const Step& step, const Tables& tables, const Mode
 }
 
 void BackgroundPass::draw(const geometry::Pose& world_from_camera) {
-  const geometry::Pose camera_from_model = geometry::inverse(world_from_camera) * world_from_model_;
-  const glm::mat4 model_from_camera = to_glm(geometry::inverse(camera_from_model).matrix());
-  warp_.set_pose(to_glm(camera_from_model.matrix()));
+  const ModelPose pose = model_pose(world_from_model_, world_from_camera);
+  warp_.set_pose(pose.camera_from_model);
   warp_.draw(correct_.vertices(), correct_.tof_ray());
   look_up_.program.use();
-  set_uniform(look_up_at_.model_from_camera, model_from_camera);
+  set_uniform(look_up_at_.model_from_camera, pose.model_from_camera);
   run(look_up_, {&warp_.w(), &model_sigma_m_, &model_normal_});
   run(rows_, {&warp_.w()});
   run(limit_, {&row_w_, &depth_m_, &spread_m_});
   if (!has_color_) return;
   color_.program.use();
-  set_uniform(color_at_.model_from_camera, model_from_camera);
+  set_uniform(color_at_.model_from_camera, pose.model_from_camera);
   run(color_, {&warp_.w(), &model_w_, &model_color_, &model_spread_});
   run(at_places_, {&places_, &learned_});
 }

@@ -34,7 +34,7 @@ class BackgroundPass {
     GLint model_from_camera = -1;
   };
   Result<void> create_model(const CompositorSetup& setup, const ModelTables& model);
-  Result<void> create_limit(const CompositorSetup& setup);
+  Result<void> create_limit(const CompositorSetup& setup, int radius_px);
   void set_view(const Step& step, const Tables& tables, const ModelTables& model, Placing& placing);
 
   geometry::Pose world_from_model_;
