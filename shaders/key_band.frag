@@ -1,39 +1,51 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
 // Pass key, a pixel a block: where votes decide, and the person that they compare with.
-//   counts, colors  blocks without speckles (common/key.glsl)
+//   counts, colors, rooms  blocks without speckles (common/key.glsl)
 //   band    1 near foreground + 2 in the band + 4 votes decide + 8 has colour + 16 may show
 //           people; mean w of the foreground around, variance of its colour; matte where no
 //           vote decides
 //   person  mean colour of the foreground around, linear
+//   room    mean colour of the background around, linear, and its variance; 0 where not known
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
 #include "common/color.glsl"
 layout(binding = 0) uniform sampler2D counts;
 layout(binding = 1) uniform sampler2D colors;
+layout(binding = 2) uniform sampler2D rooms;
 layout(location = 0) out vec4 band;
 layout(location = 1) out vec4 person;
+layout(location = 2) out vec4 room;
 
 Block sum_around(ivec2 at, int radius) {
   ivec2 last = textureSize(counts, 0) - 1;
-  Block sum = Block(0.0, 0.0, 0.0, false, false, false, vec3(0), 0.0);
+  Block sum = empty_block;
   for (int y = max(0, at.y - radius); y <= min(last.y, at.y + radius); ++y)
     for (int x = max(0, at.x - radius); x <= min(last.x, at.x + radius); ++x) {
-      Block b = read_block(counts, colors, ivec2(x, y));
+      Block b = read_block(counts, colors, rooms, ivec2(x, y));
       sum.foreground += b.foreground;
       sum.inner += b.inner;
       sum.w_sum += b.w_sum;
       sum.color_sum += b.color_sum;
       sum.square_sum += b.square_sum;
       sum.others = sum.others || b.others;
+      sum.room += b.room;
+      sum.room_sum += b.room_sum;
+      sum.room_square_sum += b.room_square_sum;
     }
   return sum;
 }
 
+// Variance of `count` colours around their mean, with the least spread of a colour.
+float variance_of(vec3 mean, float square_sum, float count) {
+  float spread = (square_sum / max(count, 1.0) - dot(mean, mean)) / 3.0;
+  return max(0.0, spread) + floor_variance(mean);
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  Block own = read_block(counts, colors, at);
+  Block own = read_block(counts, colors, rooms, at);
   Block around = sum_around(at, near_blocks);
   bool near = around.foreground > 0.0;
   Block next = sum_around(at, band_blocks);
@@ -43,11 +55,14 @@ void main() {
   bool has_color = around.inner >= float(block_px);
   float w = around.foreground > 0.0 ? around.w_sum / around.foreground : 0.0;
   vec3 mean = has_color ? around.color_sum / around.inner : vec3(0);
-  float spread = (around.square_sum / max(around.inner, 1.0) - dot(mean, mean)) / 3.0;
-  float variance = max(0.0, spread + floor_variance(mean));
+  float variance = variance_of(mean, around.square_sum, around.inner);
   bool people = votes || own.foreground > 0.0;
   int flags = (near ? 1 : 0) + (in_band ? 2 : 0) + (votes ? 4 : 0) + (has_color ? 8 : 0) +
               (people ? 16 : 0);
   band = vec4(flags, w, variance, own.foreground > 0.0 ? 1.0 : 0.0);
   person = vec4(mean, 1.0);
+  vec3 room_mean = around.room_sum / max(around.room, 1.0);
+  bool has_room = around.room >= float(block_px);
+  room = has_room ? vec4(room_mean, variance_of(room_mean, around.room_square_sum, around.room))
+                  : vec4(0);
 }

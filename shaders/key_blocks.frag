@@ -12,17 +12,25 @@ layout(binding = 1) uniform sampler2D w;
 layout(binding = 2) uniform sampler2D plate;
 layout(location = 0) out vec4 counts;
 layout(location = 1) out vec4 colors;
+layout(location = 2) out vec4 rooms;
+uniform bool needs_room;
 
 void main() {
   ivec2 first = ivec2(gl_FragCoord.xy) * block_px;
   ivec2 last = min(first + block_px, textureSize(state, 0));
-  Block b = Block(0.0, 0.0, 0.0, false, false, false, vec3(0), 0.0);
+  Block b = empty_block;
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       ivec2 at = ivec2(x, y);
       int s = to_state(texelFetch(state, at, 0).r);
       b.others = b.others || s != foreground;
       b.doubt = b.doubt || s == doubt;
+      if (needs_room && s == background) {
+        vec3 color = texelFetch(plate, at, 0).rgb;
+        b.room += 1.0;
+        b.room_sum += color;
+        b.room_square_sum += dot(color, color);
+      }
       if (s != foreground) continue;
       float pixel_w = texelFetch(w, at, 0).r;
       b.foreground += 1.0;
@@ -35,4 +43,5 @@ void main() {
     }
   counts = counts_of(b);
   colors = vec4(b.color_sum, b.square_sum);
+  rooms = vec4(b.room_sum, b.room_square_sum);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass key, by depth: foreground before the limit, background at or behind it.
 //   w        1/m, sign aside; 0 unknown
-//   limit_w  1/m, infinite where the background has no depth
+//   limit_w  1/m, infinite where the background has no depth; not read where the volume alone keys
 //   state    render::PixelState / 255; edge means doubt
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -13,17 +13,31 @@ uniform bool crop;
 uniform mat4 world_from_camera;
 uniform vec3 crop_min_m, crop_max_m;
 uniform vec2 focal_px, center_px;
+uniform bool by_volume;
+uniform vec3 floor_w;  // 1/m: inverse depth of the floor is its product with a ray
+uniform float noise_factor, noise_floor_m, noise_linear, noise_quadratic_per_m;
 out float state;
 
+vec3 ray_of(ivec2 at) { return vec3((vec2(at) - center_px) / focal_px, 1.0); }
+
 bool outside_box(ivec2 at, float measured_w) {
-  vec3 ray = vec3((vec2(at) - center_px) / focal_px, 1.0);
+  vec3 ray = ray_of(at);
   vec3 world = (world_from_camera * vec4(ray / measured_w, 1.0)).xyz;
   return any(lessThan(world, crop_min_m)) || any(greaterThan(world, crop_max_m));
 }
 
+float volume_limit_w(vec3 ray) {
+  float w = dot(floor_w, ray);
+  if (w <= 1.0 / farthest_m) return 0.0;
+  float z = 1.0 / w;
+  float sigma_m = noise_floor_m + z * (noise_linear + z * noise_quadratic_per_m);
+  return 1.0 / max(z - noise_factor * sigma_m, nearest_m);
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  float measured = abs(texelFetch(w, at, 0).r), limit = texelFetch(limit_w, at, 0).r;
+  float measured = abs(texelFetch(w, at, 0).r);
+  float limit = by_volume ? volume_limit_w(ray_of(at)) : texelFetch(limit_w, at, 0).r;
   int s = unknown;
   if (measured > 0.0)
     s = limit < no_limit_w ? (measured > limit ? foreground : background) : doubt;

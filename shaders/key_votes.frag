@@ -5,7 +5,7 @@
 //   plate         linear light, view
 //   learned       background colour, linear, red negative where unknown, and its spread (0 where
 //                 not learned)
-//   band, person  blocks, of key_band.frag
+//   band, person, room  blocks, of key_band.frag
 //   vote          within color_vote_cap; only blocks where votes decide are drawn
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -16,7 +16,8 @@ layout(binding = 1) uniform sampler2D learned;
 layout(binding = 2) uniform sampler2D learned_sigma;
 layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
-uniform bool has_sigma;
+layout(binding = 5) uniform sampler2D room;
+uniform bool has_learned, has_sigma;
 uniform vec3 gain;  // of the camera since the background was learned
 out float vote;
 
@@ -26,19 +27,27 @@ void main() {
   int flags = int(near.x);
   ivec2 at = block * block_px + tile - block * (block_px + 2) - 1;
   at = clamp(at, ivec2(0), textureSize(plate, 0) - 1);
-  vec3 known = texelFetch(learned, at, 0).rgb;
+  vec3 p = texelFetch(plate, at, 0).rgb;
+  bool has_person = (flags & 8) != 0;
+  vec4 around = texelFetch(room, block, 0);
   vote = 0.0;
-  if (known.r < 0.0) return;  // unknown
-  vec3 p = texelFetch(plate, at, 0).rgb, b = min(gain * known, 1.0);
-  float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
-  float variance = spread * spread + floor_variance(b);
-  // A shadow darkens the background without changing its hue.
-  float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest_shadow, 1.0);
-  vec3 off = p - k * b;
-  float dark = (1.0 - k) / shadow_sigma;
-  float background2 = dot(off, off) / variance + dark * dark;
+  if (!has_learned && (around.a == 0.0 || !has_person)) return;
+  vec3 off = p - around.rgb;
+  float background2 = dot(off, off) / max(around.a, 1e-12), variance = around.a;
+  if (has_learned) {
+    vec3 known = texelFetch(learned, at, 0).rgb;
+    if (known.r < 0.0) return;  // unknown
+    vec3 b = min(gain * known, 1.0);
+    float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
+    variance = spread * spread + floor_variance(b);
+    // A shadow darkens the background without changing its hue.
+    float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest_shadow, 1.0);
+    off = p - k * b;
+    float dark = (1.0 - k) / shadow_sigma;
+    background2 = dot(off, off) / variance + dark * dark;
+  }
   float odds = 0.5 * background2 - color_vote_cap;
-  if ((flags & 8) != 0) {
+  if (has_person) {
     vec3 from_person = p - texelFetch(person, block, 0).rgb;
     float person2 = dot(from_person, from_person) / near.z;
     odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);

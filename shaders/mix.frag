@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass mix: the composite, after README.md of host/render.
 //   plate, learned      linear light; learned is the background's colour
+//   room                a texel a block: the background's colour around where none was learned
+//   backdrop            linear: what is seen instead of the background
 //   matte               people, 0..1
 //   visible_w           of the visible real surface, 1/m, 0 unknown
 //   background_m        z in metres, 0 unknown
@@ -19,16 +21,43 @@ layout(binding = 4) uniform sampler2D learned;
 layout(binding = 5) uniform sampler2D light_map;
 layout(binding = 6) uniform sampler2D virtual_color;
 layout(binding = 7) uniform sampler2D virtual_w;
-uniform bool has_background, has_color, has_light, has_objects;
+layout(binding = 8) uniform sampler2D room;
+layout(binding = 9) uniform sampler2D backdrop;
+// keyed: there is a matte; shows_room: the real background is shown; open_walls: it hides nothing.
+uniform bool keyed, has_background, has_color, has_light, has_objects;
+uniform bool shows_room, open_walls, has_backdrop;
 uniform vec3 gain;  // of the camera since the background was learned
 layout(location = 0) out vec4 color;
 layout(location = 1) out float mixed_m;
 layout(location = 2) out float segmented_m;
 layout(location = 3) out float layer;
 
+// The background's own colour under the light map; red negative where it is not known.
+vec3 room_color(ivec2 at, float light) {
+  if (has_color) {
+    vec3 known = texelFetch(learned, at, 0).rgb;
+    return known.r >= 0.0 ? min(gain * known, 1.0) * light : vec3(-1);
+  }
+  if (!keyed) return vec3(-1);
+  vec4 around = texelFetch(room, at / block_px, 0);
+  return around.a > 0.0 ? around.rgb * light : vec3(-1);
+}
+
+// A wrong matte takes no more background out of a pixel than is in it.
+float room_share(vec3 real, vec3 empty, float a) {
+  vec3 most = real / max(empty, 1e-10);
+  return min(1.0 - a, min(most.r, min(most.g, most.b)));
+}
+
+// What a pixel holds of a person: colour times matte.
+vec3 person_alone(vec3 real, vec3 empty, float a) {
+  if (a == 0.0 || a >= 1.0) return a * real;
+  return empty.r >= 0.0 ? real - room_share(real, empty, a) * empty : a * real;
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  float a = has_background ? texelFetch(matte, at, 0).r : 0.0;
+  float a = keyed ? texelFetch(matte, at, 0).r : 0.0;
   bool is_person = a >= person_matte;
   float w = abs(texelFetch(visible_w, at, 0).r);
   float measured = w > 0.0 ? 1.0 / w : 0.0;
@@ -36,9 +65,12 @@ void main() {
   float behind = known > 0.0 ? known : a > 0.0 ? 0.0 : measured;
   float light = has_light ? texelFetch(light_map, at, 0).r : 1.0;
   vec3 real = texelFetch(plate, at, 0).rgb * light;
-  color = vec4(real, a);
+  vec3 far = has_backdrop ? texelFetch(backdrop, at, 0).rgb : vec3(0);
+  vec3 empty = room_color(at, light);
+  vec3 person = person_alone(real, empty, a);
+  color = vec4(shows_room ? real : person + (1.0 - a) * far, a);
   segmented_m = is_person ? measured : 0.0;
-  mixed_m = is_person ? measured : behind;
+  mixed_m = is_person ? measured : shows_room ? behind : 0.0;
   layer = is_person ? 1.0 / 255.0 : 0.0;
   if (!has_objects) return;
   vec4 shaded = texelFetch(virtual_color, at, 0);
@@ -46,17 +78,17 @@ void main() {
   shaded.rgb *= gain;
   float z = 1.0 / texelFetch(virtual_w, at, 0).r;
   // A surface that the object touches does not hide it; unknown depth never does.
-  if (behind > 0.0 && z > behind + contact_slack_m) return;
+  bool hides = shows_room && !open_walls;
+  if (hides && behind > 0.0 && z > behind + contact_slack_m) return;
   bool person_before = a > 0.0 && measured > 0.0 && measured < z;
-  vec3 known_color = has_color ? texelFetch(learned, at, 0).rgb : vec3(-1);
-  vec3 empty = known_color.r >= 0.0 ? min(gain * known_color, 1.0) * light : real;
-  // A wrong matte takes no more background out of a pixel than is in it.
-  vec3 most = real / max(empty, 1e-10);
-  float empty_share = min(1.0 - a, min(most.r, min(most.g, most.b)));
   if (!person_before)
-    color.rgb = shaded.rgb + (1.0 - shaded.a) * real;
-  else if (a < 1.0)
-    color.rgb = real + empty_share * (shaded.rgb - shaded.a * empty);
+    color.rgb = shaded.rgb + (1.0 - shaded.a) * color.rgb;
+  else if (!shows_room)
+    color.rgb = person + (1.0 - a) * (shaded.rgb + (1.0 - shaded.a) * far);
+  else if (a < 1.0) {
+    if (empty.r < 0.0) empty = real;
+    color.rgb = real + room_share(real, empty, a) * (shaded.rgb - shaded.a * empty);
+  }
   float share = shaded.a * (person_before ? 1.0 - a : 1.0);
   if (share < 0.5) return;
   mixed_m = z;

@@ -13,6 +13,9 @@
 layout(binding = 0) uniform sampler2D albedo;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D depth;
+layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
+layout(binding = 6) uniform sampler2DArray people_maps;
+uniform bool has_people;  // they cast shadows
 uniform ivec2 origin_px;
 uniform float exposure;
 layout(location = 0) out vec4 color;
@@ -36,8 +39,12 @@ void main() {
   vec3 ray = ray_of(at);
   normal = normalize(normal - vec3(0, 0, 1e-6));
   vec3 light = ambient;
-  for (int i = 0; i < lamp_count; ++i)
-    light += irradiance(i, ray / w, normal) * visibility(i, ray / w, normal);
+  for (int i = 0; i < lamp_count; ++i) {
+    float seen = visibility(i, ray / w, normal);
+    if (has_people)
+      seen *= visibility_past(people_lamps[i], people_maps, i, ray / w, normal);
+    light += irradiance(i, ray / w, normal) * seen;
+  }
   const float share = 1.0 / float(virtual_samples * virtual_samples);
   color = vec4(min(share * sum.rgb * light * exposure, 1.0), share * sum.a);
 }

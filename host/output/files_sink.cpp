@@ -53,6 +53,7 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
                                          options.format == OutputFormat::kVideo
                                              ? take::StreamFormat::kMatroska
                                              : take::StreamFormat::kPng));
+  if (options.alpha) MIXRIG_TRY(make_folder(folder / "alpha"));
   for (const char* name : {"segmented_depth", "matte"})
     if (options.layers) MIXRIG_TRY(make_folder(folder / name));
   for (const char* name : {"warped_depth", "key", "light"})
@@ -63,6 +64,7 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
 render::OutputMask FilesSink::wanted(int) const {
   if (options_.format == OutputFormat::kNone) return render::kMatte;  // for frames.csv
   render::OutputMask mask = render::kColor | render::kMixedDepth;
+  if (options_.alpha) mask |= render::kAlpha;
   if (options_.layers) mask |= render::kSegmentedDepth | render::kMatte;
   if (options_.inspect) mask |= render::kWarpedDepth | render::kState | render::kLight;
   return mask;
@@ -92,6 +94,7 @@ Result<void> FilesSink::write_row(const Composite& composite) {
 
 Result<void> FilesSink::write_layers(const render::FrameOutput& images) {
   const std::string name = fmt::format("{:06}.png", frame_.number);
+  if (options_.alpha) MIXRIG_TRY(image_io::write_png(folder_ / "alpha" / name, images.alpha));
   if (options_.layers) {
     to_millimetres(images.segmented_depth_m, depth_mm_);
     MIXRIG_TRY(image_io::write_png(folder_ / "segmented_depth" / name, depth_mm_.view()));

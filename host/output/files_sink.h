@@ -21,11 +21,12 @@ struct OutputOptions {
   OutputFormat format = OutputFormat::kPng;  ///< of the composite; kNone writes no frames at all
   bool layers = false;                       ///< segmented depth (millimetres) and matte too
   bool inspect = false;                      ///< warped depth, key and light map too
+  bool alpha = false;  ///< share of a pixel that is covered: the composite is over black
 };
 
 /// Fills a run's folder: composite/ (a take: colour is the composite, depth the mixed depth, in the
-/// view), segmented_depth/, matte/, warped_depth/, key/, light/ with PNGs numbered from 1, and
-/// frames.csv with a row for each frame.
+/// view), alpha/ where the set leaves parts transparent, segmented_depth/, matte/, warped_depth/,
+/// key/, light/ with PNGs numbered from 1, and frames.csv with a row for each frame.
 class FilesSink final : public CompositeSink {
  public:
   /// `folder` exists. Errors: kIo.

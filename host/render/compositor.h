@@ -78,8 +78,16 @@ struct KeyParams {
   bool color = true;
 };
 
+/// World axes, z up. Real points outside are not keyed (Cortes Reina 2015, section 3.1 "Cropping").
+/// Without a background the box alone keys: its bottom is the floor.
 struct CaptureBox {
-  glm::dvec3 min_m{0}, max_m{0};  ///< world
+  glm::dvec3 min_m{0}, max_m{0};
+  float floor_tolerance_m = 0.02F;  ///< what is lower over the bottom is the floor
+};
+
+/// What is seen instead of the real background, behind all virtual objects.
+struct Backdrop {
+  ImageView<const Rgb8> picture;  ///< sRGB, size of the view; empty: nothing, transparent
 };
 
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
@@ -97,6 +105,9 @@ struct CompositorSetup {
   Light light;
   KeyParams key;
   std::optional<CaptureBox> capture_box;
+  bool open_walls = false;           ///< the background does not hide virtual objects
+  std::optional<Backdrop> backdrop;  ///< the real background is not shown
+  bool people_cast_shadows = false;  ///< on virtual objects
 };
 
 struct FrameInput {
@@ -133,8 +144,9 @@ inline constexpr OutputMask kColor = 1, kMixedDepth = 2, kSegmentedDepth = 4, kM
 inline constexpr OutputMask kWarpedDepth = 16;
 inline constexpr OutputMask kState = 32;  ///< makes the matte too, which decides the states
 inline constexpr OutputMask kLight = 64, kLayer = 128;
+inline constexpr OutputMask kAlpha = 256;
 inline constexpr OutputMask kComposite = kColor | kMixedDepth | kSegmentedDepth | kMatte;
-inline constexpr OutputMask kAll = kComposite | kWarpedDepth | kState | kLight | kLayer;
+inline constexpr OutputMask kAll = kComposite | kWarpedDepth | kState | kLight | kLayer | kAlpha;
 
 /// Images of one frame. The wanted ones have the view's size, the others stay as they were: what is
 /// not wanted is not stored, and not computed where nothing else needs it.
@@ -148,6 +160,7 @@ struct FrameOutput {
   Image<std::uint8_t> state;       ///< PixelState
   Image<float> light;              ///< light map, 0..1
   Image<std::uint8_t> layer;       ///< Layer
+  Image<std::uint8_t> alpha;       ///< share that shows anything, 255 = all; `color` is over black
 };
 
 /// Time of each stage of one frame, milliseconds; 0 for a stage that did not run.

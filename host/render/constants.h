@@ -107,6 +107,17 @@ inline constexpr float kNormalFootprints = 2.0F;
 /// Most lamps of the gles back end: 4.5 KiB of the 16 KiB that every driver's uniform block has.
 inline constexpr int kMostLamps = 32;
 
+// --- shadow: people
+/// Metres: half of a person's thickness is at most this, and at most half of the silhouette.
+inline constexpr float kPeopleRadiusM = 0.12F;
+/// Blocks: a ball is never smaller, so that those of neighbouring blocks leave no gap.
+inline constexpr float kLeastBallBlocks = 0.71F;
+/// Metres: what differs by more in depth is another surface.
+inline constexpr float kPeopleStepM = 0.3F;
+/// Blocks in which the silhouette is looked for, at most: people nearer than a metre cast thinner
+/// shadows.
+inline constexpr int kMostBallBlocks = 16;
+
 // --- mix
 /// Metres: an object this far behind the background still touches it; noise of the learned depth.
 inline constexpr float kContactSlackM = 0.02F;

@@ -49,12 +49,14 @@ void deliver(FrameOutput& from, FrameOutput& to) {
   });
 }
 
-NeededPasses needed_passes(OutputMask wanted, bool has_objects) {
+NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup) {
+  const bool has_objects = !setup.objects.empty();
   NeededPasses needed;
   needed.light = has_objects && (wanted & (kColor | kLight));
-  // Without virtual objects the colour is the plate and the light map is 1.
-  needed.key = needed.light || (wanted & ~(kColor | kWarpedDepth | kLight));
-  needed.mix = wanted & (kColor | kMixedDepth | kSegmentedDepth | kLayer);
+  // With neither objects nor backdrop the colour is the plate; without objects the light map is 1.
+  const OutputMask without_people = kWarpedDepth | kLight | (setup.backdrop ? 0 : kColor | kAlpha);
+  needed.key = needed.light || (wanted & ~without_people);
+  needed.mix = wanted & (kColor | kMixedDepth | kSegmentedDepth | kLayer | kAlpha);
   return needed;
 }
 

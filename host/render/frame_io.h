@@ -24,6 +24,7 @@ void for_each_image(A& a, B& b, Visit&& visit) {
   visit(kState, a.state, b.state);
   visit(kLight, a.light, b.light);
   visit(kLayer, a.layer, b.layer);
+  visit(kAlpha, a.alpha, b.alpha);
 }
 
 /// Gives the images of `which` the view's size; allocates only where they have another.
@@ -35,7 +36,7 @@ void deliver(FrameOutput& from, FrameOutput& to);
 struct NeededPasses {
   bool key = false, light = false, mix = false;
 };
-NeededPasses needed_passes(OutputMask wanted, bool has_objects);
+NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup);
 
 /// Turns measured states into decided ones. The border of people is edge, the matte decides the
 /// rest.

@@ -3,8 +3,10 @@
 // Lengths in metres, "camera" means the target camera's axes (x right, y down, z forward).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <glm/glm.hpp>
 
@@ -90,12 +92,32 @@ struct LightParams {
   float exposure = 1;
 };
 
-/// Depth key with doubt decided by colour; the depth limit itself is Tables::key_limit_w.
+/// What the depth key compares with.
+enum class KeyBy : std::uint8_t {
+  kNothing,     ///< nobody is keyed
+  kBackground,  ///< Tables::key_limit_w
+  kVolume,      ///< the capture volume alone: everything in it over its floor
+};
+
+/// Depth key with doubt decided by colour.
 struct KeyPassParams {
+  KeyBy by = KeyBy::kNothing;
   bool color = true;
   bool crop = false;
   glm::mat4 world_from_camera{1};
   glm::vec3 crop_min_m{0}, crop_max_m{0};
+  glm::vec3 floor_w{0};  ///< kVolume: floor's inverse depth, 1/m, is its product with (x/z, y/z, 1)
+  NoiseParams noise;     ///< kVolume: of a measurement
+  float noise_factor = 4;
 };
+
+/// Inverse depth from which on a ray (x/z, y/z, 1) shows something over the floor; 0 where it does
+/// not meet the floor.
+inline float volume_limit_w(const KeyPassParams& p, const glm::vec3& ray) {
+  const float w = glm::dot(p.floor_w, ray);
+  if (!(w > 1 / kFarthestM)) return 0;
+  const float z = 1 / w;
+  return 1 / std::max(z - p.noise_factor * p.noise.sigma_m(z), static_cast<float>(kNearestM));
+}
 
 }  // namespace mixrig::render

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -66,11 +67,15 @@ struct FrameParams {
   bool maps_changed = true;  ///< shadow maps must be drawn again
   KeyPassParams key;
   LightParams light;
-  std::vector<LampParams> lamps;                         ///< as Light::lamps
+  std::vector<LampParams> lamps;         ///< as Light::lamps
+  std::vector<LampParams> people_lamps;  ///< the same with maps of people; empty: they cast none
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
   std::vector<Draw> draws;
   Rect virtual_rect;  ///< view pixels that virtual objects may touch
 };
+
+/// The background where there is one, else the capture volume.
+KeyBy key_by(const CompositorSetup& setup);
 
 /// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
 class FramePreparer {
@@ -87,8 +92,13 @@ class FramePreparer {
     double tan_half = 0;  ///< of its field; 0: no shadow
     double near_m = 0;    ///< z of the nearest caster
   };
-  void fit_maps();
+  MapFit fit_map(const Lamp& lamp, std::span<const glm::dvec3> corners_m) const;
+  void fit_people_maps(const geometry::Pose& world_from_target);
+  static LampParams lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,
+                                const glm::dmat4& world_from_camera,
+                                const glm::dmat4& camera_from_world);
   int map_size(const glm::dmat4& camera_from_world) const;
+  void update_floor(const glm::dmat4& world_from_camera);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
   const CompositorSetup& setup_;
@@ -96,7 +106,7 @@ class FramePreparer {
   bool has_pose_ = false;
   geometry::Pose last_pose_;
   int map_size_ = 0;
-  std::vector<MapFit> fits_;
+  std::vector<MapFit> fits_, people_fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };
 

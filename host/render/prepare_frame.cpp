@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms of a frame: lamps, their shadow maps and the virtual objects in camera axes.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <glm/gtc/matrix_inverse.hpp>
 
@@ -12,6 +14,10 @@ namespace {
 
 constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 constexpr int kSmallestMap = 64, kLargestMap = 1024;
+/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees.
+constexpr int kPeopleMap = 1024;
+/// Without a capture volume people are looked for between these distances from the camera.
+constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
 
 glm::dmat4 world_from(const VirtualObject& object) {
   glm::dmat4 m = to_glm(object.world_from_object.matrix());
@@ -78,6 +84,11 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
 
 }  // namespace
 
+KeyBy key_by(const CompositorSetup& setup) {
+  if (!setup.background.depth_m.empty() || setup.background_model) return KeyBy::kBackground;
+  return setup.capture_box ? KeyBy::kVolume : KeyBy::kNothing;
+}
+
 FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   std::size_t objects = setup.objects.size();
   for (std::size_t i = 0; i < objects; ++i) {
@@ -89,8 +100,11 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   }
   params_.lamps.resize(setup.light.lamps.size());
   params_.lamp_from_object.assign(setup.light.lamps.size(), std::vector<glm::mat4>(objects));
-  fits_.resize(setup.light.lamps.size());
-  fit_maps();
+  for (const Lamp& lamp : setup.light.lamps) fits_.push_back(fit_map(lamp, caster_corners_m_));
+  if (setup.people_cast_shadows && !setup.objects.empty() && key_by(setup) != KeyBy::kNothing) {
+    params_.people_lamps.resize(setup.light.lamps.size());
+    people_fits_.resize(setup.light.lamps.size());
+  }
 
   params_.light = {setup.light.ambient, setup.light.exposure};
   KeyPassParams& key = params_.key;
@@ -98,36 +112,76 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   key.crop = setup.capture_box.has_value();
   if (key.crop)
     key.crop_min_m = setup.capture_box->min_m, key.crop_max_m = setup.capture_box->max_m;
+  key.by = key_by(setup);
+  key.noise = noise_params(setup.noise);
+  key.noise_factor = setup.key.noise_factor;
 }
 
-void FramePreparer::fit_maps() {
-  if (caster_corners_m_.empty()) return;
-  glm::dvec3 low = caster_corners_m_[0], high = low;
-  for (const glm::dvec3& p : caster_corners_m_) low = glm::min(low, p), high = glm::max(high, p);
+/// The floor's plane, raised by its tolerance, as inverse depth along the rays of this pose.
+void FramePreparer::update_floor(const glm::dmat4& world_from_camera) {
+  if (params_.key.by != KeyBy::kVolume) return;
+  const CaptureBox& box = *setup_.capture_box;
+  const double height_m =
+      world_from_camera[3].z - (box.min_m.z + static_cast<double>(box.floor_tolerance_m));
+  // Seen from below the floor hides nothing that it could be told from.
+  params_.key.floor_w = height_m > kNearestM
+                            ? glm::vec3(-glm::dvec3(world_from_camera[0].z, world_from_camera[1].z,
+                                                    world_from_camera[2].z) /
+                                        height_m)
+                            : glm::vec3(0);
+}
+
+/// A map of what lies between `corners_m`, a multiple of eight; none for a lamp that cannot light
+/// it.
+FramePreparer::MapFit FramePreparer::fit_map(const Lamp& lamp,
+                                             std::span<const glm::dvec3> corners_m) const {
+  MapFit fit;
+  const bool dark = lamp.intensity == glm::vec3(0);
+  const bool all_behind =
+      lamp.direction && std::all_of(corners_m.begin(), corners_m.end(), [&](auto& p) {
+        return glm::dot(p - lamp.position_m, *lamp.direction) <= 0;
+      });
+  if (corners_m.empty() || dark || all_behind) return fit;
+  glm::dvec3 low = corners_m[0], high = low;
+  for (const glm::dvec3& p : corners_m) low = glm::min(low, p), high = glm::max(high, p);
   const glm::dvec3 center = 0.5 * (low + high);
-  for (std::size_t i = 0; i < fits_.size(); ++i) {
-    const Lamp& lamp = setup_.light.lamps[i];
-    const bool dark = lamp.intensity == glm::vec3(0);
-    const bool all_behind =
-        lamp.direction &&
-        std::all_of(caster_corners_m_.begin(), caster_corners_m_.end(),
-                    [&](auto& p) { return glm::dot(p - lamp.position_m, *lamp.direction) <= 0; });
-    if (dark || all_behind) continue;
-    // A lamp at the centre of its casters has no direction to them: its own is taken, or straight
-    // down.
-    const bool at_center = glm::distance(center, lamp.position_m) < kNearestM;
-    const glm::dvec3 fallback = lamp.direction ? *lamp.direction : glm::dvec3(0, 0, -1);
-    MapFit& fit = fits_[i];
-    fit.lamp_from_world =
-        lamp_from_world(lamp.position_m, at_center ? lamp.position_m + fallback : center);
-    fit.near_m = 1e9;
-    for (const glm::dvec3& corner : caster_corners_m_) {
-      const glm::dvec3 p = apply(fit.lamp_from_world, corner);
-      const double tan =
-          p.z > kNearestM ? std::max(std::abs(p.x), std::abs(p.y)) / p.z : kLargestTanHalf;
-      fit.tan_half = std::min(kLargestTanHalf, std::max(fit.tan_half, tan));
-      fit.near_m = std::max(kNearestM, std::min(fit.near_m, p.z));
+  // A lamp at the centre has no direction to it: its own is taken, or straight down.
+  const bool at_center = glm::distance(center, lamp.position_m) < kNearestM;
+  const glm::dvec3 fallback = lamp.direction ? *lamp.direction : glm::dvec3(0, 0, -1);
+  fit.lamp_from_world =
+      lamp_from_world(lamp.position_m, at_center ? lamp.position_m + fallback : center);
+  fit.near_m = 1e9;
+  for (const glm::dvec3& corner : corners_m) {
+    const glm::dvec3 p = apply(fit.lamp_from_world, corner);
+    const double tan =
+        p.z > kNearestM ? std::max(std::abs(p.x), std::abs(p.y)) / p.z : kLargestTanHalf;
+    fit.tan_half = std::min(kLargestTanHalf, std::max(fit.tan_half, tan));
+    fit.near_m = std::max(kNearestM, std::min(fit.near_m, p.z));
+  }
+  return fit;
+}
+
+/// Maps of the capture volume; without one, of what the camera sees of a room.
+void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
+  if (params_.people_lamps.empty() || (setup_.capture_box && people_fits_[0].near_m > 0)) return;
+  std::array<glm::dvec3, 8> corners_m;
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (setup_.capture_box) {
+      const CaptureBox& box = *setup_.capture_box;
+      corners_m[i] = {i & 1 ? box.max_m.x : box.min_m.x, i & 2 ? box.max_m.y : box.min_m.y,
+                      i & 4 ? box.max_m.z : box.min_m.z};
+    } else {
+      const Size size = setup_.view.size_px;
+      const Eigen::Vector2d ray =
+          setup_.view.unproject({i & 1 ? size.width : 0.0, i & 2 ? size.height : 0.0});
+      const Eigen::Vector3d p = world_from_target * (Eigen::Vector3d(ray.x(), ray.y(), 1) *
+                                                     (i & 4 ? kFarPeopleM : kNearPeopleM));
+      corners_m[i] = {p.x(), p.y(), p.z()};
     }
+  }
+  for (std::size_t i = 0; i < people_fits_.size(); ++i) {
+    people_fits_[i] = fit_map(setup_.light.lamps[i], corners_m);
+    people_fits_[i].near_m = std::max(people_fits_[i].near_m, kNearPeopleM);
   }
 }
 
@@ -142,31 +196,42 @@ int FramePreparer::map_size(const glm::dmat4& camera_from_world) const {
   return size;
 }
 
+LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,
+                                      const glm::dmat4& world_from_camera,
+                                      const glm::dmat4& camera_from_world) {
+  LampParams out;
+  out.position_m = apply(camera_from_world, lamp.position_m);
+  out.direction =
+      lamp.direction ? glm::vec3(glm::dmat3(camera_from_world) * *lamp.direction) : glm::vec3(0);
+  out.radius_m = static_cast<float>(std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI));
+  out.intensity = lamp.intensity;
+  out.map_size_texel = fit.tan_half > 0 ? map_size_texel : 0;
+  if (out.map_size_texel == 0) return out;
+  out.lamp_from_camera = glm::mat4(fit.lamp_from_world * world_from_camera);
+  out.map_center_texel = 0.5F * static_cast<float>(map_size_texel - 1);
+  // One texel of margin, so that what lies outside the map is lit.
+  out.map_focal_texel = (out.map_center_texel - 1) / static_cast<float>(fit.tan_half);
+  out.casters_near_m = static_cast<float>(fit.near_m);
+  return out;
+}
+
 void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
                                  const glm::dmat4& camera_from_world) {
   const int wanted = caster_corners_m_.empty() ? 0 : map_size(camera_from_world);
   params_.maps_changed = wanted != map_size_;
   map_size_ = wanted;
   for (std::size_t i = 0; i < params_.lamps.size(); ++i) {
-    const Lamp& lamp = setup_.light.lamps[i];
     const MapFit& fit = fits_[i];
-    LampParams& out = params_.lamps[i];
-    out.position_m = apply(camera_from_world, lamp.position_m);
-    out.direction =
-        lamp.direction ? glm::vec3(glm::dmat3(camera_from_world) * *lamp.direction) : glm::vec3(0);
-    out.radius_m = static_cast<float>(std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI));
-    out.intensity = lamp.intensity;
-    out.map_size_texel = fit.tan_half > 0 ? map_size_ : 0;
-    if (out.map_size_texel == 0) continue;
-    out.lamp_from_camera = glm::mat4(fit.lamp_from_world * world_from_camera);
-    out.map_center_texel = 0.5F * static_cast<float>(map_size_ - 1);
-    // One texel of margin, so that what lies outside the map is lit.
-    out.map_focal_texel = (out.map_center_texel - 1) / static_cast<float>(fit.tan_half);
-    out.casters_near_m = static_cast<float>(fit.near_m);
+    params_.lamps[i] =
+        lamp_params(setup_.light.lamps[i], fit, map_size_, world_from_camera, camera_from_world);
+    if (params_.lamps[i].map_size_texel == 0) continue;
     for (std::size_t k = 0; k < setup_.objects.size(); ++k)
       params_.lamp_from_object[i][k] =
           glm::mat4(fit.lamp_from_world * world_from(setup_.objects[k]));
   }
+  for (std::size_t i = 0; i < params_.people_lamps.size(); ++i)
+    params_.people_lamps[i] = lamp_params(setup_.light.lamps[i], people_fits_[i], kPeopleMap,
+                                          world_from_camera, camera_from_world);
 }
 
 void FramePreparer::update(const geometry::Pose& world_from_target) {
@@ -180,6 +245,8 @@ void FramePreparer::update(const geometry::Pose& world_from_target) {
   const glm::dmat4 world_from_camera = to_glm(world_from_target.matrix());
   const glm::dmat4 camera_from_world = to_glm(geometry::inverse(world_from_target).matrix());
   params_.key.world_from_camera = glm::mat4(world_from_camera);
+  update_floor(world_from_camera);
+  fit_people_maps(world_from_target);
   update_lamps(world_from_camera, camera_from_world);
 
   for (Draw& draw : params_.draws) {

@@ -49,6 +49,18 @@ Result<void> check_background_model(const CompositorSetup& setup) {
   return check_background(model.images, model.camera.size_px);
 }
 
+Result<void> check_backdrop(const CompositorSetup& setup) {
+  if (!setup.backdrop) return {};
+  if (setup.background.depth_m.empty() && !setup.background_model && !setup.capture_box)
+    return bad(
+        "the background is replaced but nothing tells people from it: give a capture volume "
+        "or a background");
+  const ImageView<const Rgb8>& picture = setup.backdrop->picture;
+  if (picture.empty() || picture.size == setup.view.size_px) return {};
+  return bad(fmt::format("the backdrop is {}, the view {}: resize it", text(picture.size),
+                         text(setup.view.size_px)));
+}
+
 Result<void> check_mesh(const MeshView& mesh, const std::string& where) {
   const std::size_t n = mesh.positions_m.size();
   if (mesh.normals.size() != n) return bad(where + " does not have one normal a vertex");
@@ -116,8 +128,12 @@ Result<void> validate(const CompositorSetup& setup) {
   if (setup.capture_box &&
       !(glm::all(glm::lessThan(setup.capture_box->min_m, setup.capture_box->max_m))))
     return bad("capture volume is empty: its min must be below its max");
+  if (setup.capture_box && !(setup.capture_box->floor_tolerance_m >= 0 &&
+                             std::isfinite(setup.capture_box->floor_tolerance_m)))
+    return bad("the floor's tolerance is negative or not finite");
   MIXRIG_TRY(check_background(setup.background, setup.view.size_px));
   MIXRIG_TRY(check_background_model(setup));
+  MIXRIG_TRY(check_backdrop(setup));
   MIXRIG_TRY(check_objects(setup.objects));
   return check_light(setup.light);
 }

@@ -98,14 +98,23 @@ struct CameraPoses {
 };
 
 /// A box in world axes; real points outside it are cropped (Cortes Reina
-/// 2015, section 3.1 "Cropping").
+/// 2015, section 3.1 "Cropping"). Without a background it alone keys, and its bottom is the floor.
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
+  double floor_tolerance_m = 0.02;  ///< what is lower over the bottom is the floor
 };
 
 struct Background {
   std::optional<std::pair<int, int>> learn;    ///< first and last frame number, 1-based, inclusive
   std::optional<std::filesystem::path> model;  ///< folder written by `mixrig scan --static`
+  bool open_walls = false;                     ///< it does not hide virtual objects
+};
+
+/// What is shown instead of the real background. Without model and picture: nothing.
+struct VirtualSet {
+  std::optional<Object> model;
+  std::filesystem::path picture_path;
+  Image<Rgb8> picture;  ///< behind the model, as large as the view; empty: transparent there
 };
 
 struct KeySettings {
@@ -121,6 +130,7 @@ struct Scene {
   CameraPoses camera;
   std::optional<CaptureVolume> capture_volume;
   Background background;
+  std::optional<VirtualSet> set;
   std::vector<Object> objects;
   Light light;
   KeySettings key;

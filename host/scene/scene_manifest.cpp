@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/config/table.h"
+#include "host/image_io/image_io.h"
 #include "host/scene/read_camera.h"
 
 namespace mixrig::scene {
@@ -49,21 +50,58 @@ Eigen::Quaterniond read_rotation(const Table& table) {
   return rotation.norm() > 0 ? rotation.normalized() : Eigen::Quaterniond::Identity();
 }
 
-Object read_object(const Table& table, std::size_t number, const std::filesystem::path& folder,
-                   bool load_model) {
-  Object object;
-  object.name = table.text_or("name", "object " + std::to_string(number));
+/// Key model.
+void read_model(const Table& table, const std::filesystem::path& folder, bool load_model,
+                Object& object) {
   object.model_path = config::path_at(table, "model", folder);
-  object.world_from_object = {read_rotation(table), vector(table, "position_m")};
-  object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
-  object.casts_shadow = table.boolean_or("casts_shadow", true);
-  if (!load_model || !table.has("model")) return object;
+  if (!load_model || !table.has("model")) return;
   auto model = load_gltf(object.model_path);
   if (model)
     object.model = *std::move(model);
   else
     table.fail("model", model.error());
+}
+
+Object read_object(const Table& table, std::size_t number, const std::filesystem::path& folder,
+                   bool load_model) {
+  Object object;
+  object.name = table.text_or("name", "object " + std::to_string(number));
+  object.world_from_object = {read_rotation(table), vector(table, "position_m")};
+  object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
+  object.casts_shadow = table.boolean_or("casts_shadow", true);
+  read_model(table, folder, load_model, object);
   return object;
+}
+
+void check_set_size(const Table& table, const Model& model) {
+  constexpr std::size_t kMostTriangles = 2'000'000;
+  std::size_t triangles = 0;
+  for (const Mesh& mesh : model.meshes) triangles += mesh.indices.size() / 3;
+  if (triangles > kMostTriangles)
+    table.fail("model", "has " + std::to_string(triangles) + " triangles, a set may have " +
+                            std::to_string(kMostTriangles) + ": simplify it");
+}
+
+std::optional<VirtualSet> read_set(const Table& table, const std::filesystem::path& folder,
+                                   bool load_models) {
+  VirtualSet set;
+  Object model;
+  model.name = "set";
+  model.world_from_object = {read_rotation(table),
+                             vector_or(table, "position_m", Eigen::Vector3d::Zero(), kPlace_m)};
+  model.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
+  model.casts_shadow = table.boolean_or("casts_shadow", false);
+  if (table.has("model")) {
+    read_model(table, folder, load_models, model);
+    check_set_size(table, model.model);
+    set.model = std::move(model);
+  }
+  if (table.has("picture")) set.picture_path = config::path_at(table, "picture", folder);
+  if (load_models && table.has("picture"))
+    if (auto read = image_io::read_rgb8(set.picture_path, set.picture); !read)
+      table.fail("picture", read.error());
+  if (!table.present()) return std::nullopt;
+  return set;
 }
 
 Lamp read_lamp(const Table& table, std::size_t number) {
@@ -103,7 +141,10 @@ Background read_background(const Table& table, const std::filesystem::path& fold
       table.fail("learn", "must be the first and the last frame: write [1, 25]");
   }
   if (table.has("model")) background.model = config::path_at(table, "model", folder);
-  if (table.present() && background.learn.has_value() == background.model.has_value())
+  background.open_walls = table.one_of("walls", {"closed", "open"}, 0) == 1;
+  const bool both = background.learn && background.model;
+  const bool none = !background.learn && !background.model;
+  if (both || (table.present() && none && !table.has("walls")))
     table.fail("learn", "give either learn or model");
   return background;
 }
@@ -128,6 +169,13 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   if (root.has("calibration")) scene.calibration = config::path_at(root, "calibration", folder);
   read_camera(root.table("camera"), folder, scene);
   scene.background = read_background(root.table("background"), folder);
+  const Table set = root.table("set");
+  scene.set = read_set(set, folder, load_models);
+  const bool keys = scene.background.learn || scene.background.model || scene.capture_volume;
+  if (scene.set && !keys)
+    root.fail("set",
+              "nothing tells people from the room that it replaces: give camera.capture_volume, or "
+              "a background to learn");
   for (const Table& object : root.tables("object"))
     scene.objects.push_back(read_object(object, scene.objects.size() + 1, folder, load_models));
   scene.light = read_light(root.table("light"));

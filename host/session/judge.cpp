@@ -55,20 +55,38 @@ Image<T> bilinear(const Image<T>& in, Size size) {
 
 }  // namespace
 
+measure::Errors Judge::errors() const {
+  measure::Errors errors = measure::errors_of(sums_);
+  if (!room_shown_) errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
+  return errors;
+}
+
 Result<void> Judge::add(const capture::Truth& frame_truth, const render::FrameOutput& output) {
   const measure::TruthImages truth{frame_truth.composite, frame_truth.depth_m, frame_truth.matte,
                                    frame_truth.light, frame_truth.labels};
   const Size size = frame_truth.labels.size();
   if (size == output.color.size())
-    return measure::add_frame(
-        {output.color, output.warped_depth_m, output.matte, output.light, output.layer}, truth,
-        sums_);
+    return add_layer({output.color, output.warped_depth_m, output.matte, output.light, {}}, truth,
+                     output.layer);
   const Image<Rgb8> color = bilinear(output.color, size);
   const Image<float> depth_m = nearest(output.warped_depth_m, size);
   const Image<std::uint8_t> matte = bilinear(output.matte, size);
   const Image<float> light = bilinear(output.light, size);
   const Image<std::uint8_t> layer = nearest(output.layer, size);
-  return measure::add_frame({color, depth_m, matte, light, layer}, truth, sums_);
+  return add_layer({color, depth_m, matte, light, {}}, truth, layer);
+}
+
+Result<void> Judge::add_layer(measure::ResultImages result, const measure::TruthImages& truth,
+                              const Image<std::uint8_t>& layer) {
+  result.layer = layer;
+  if (room_shown_) return measure::add_frame(result, truth, sums_);
+  // The truth knows the objects and not the set around them.
+  own_layer_ = layer;
+  for (int y = 0; y < layer.height(); ++y)
+    for (int x = 0; x < layer.width(); ++x)
+      if ((truth.labels.row(y)[x] & measure::kInSilhouette) == 0) own_layer_.row(y)[x] = 0;
+  result.layer = own_layer_;
+  return measure::add_frame(result, truth, sums_);
 }
 
 }  // namespace mixrig::session

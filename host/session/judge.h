@@ -16,12 +16,20 @@ class Judge {
   /// Images of a composite that it uses.
   static constexpr render::OutputMask kWanted =
       render::kColor | render::kWarpedDepth | render::kMatte | render::kLight | render::kLayer;
+  /// `room_shown`: the composite shows the real background, as the truth does; without it colour
+  /// and light are not judged.
+  explicit Judge(bool room_shown = true) : room_shown_(room_shown) {}
   /// `output` holds the wanted images. Errors: kData for a truth of another size.
   Result<void> add(const capture::Truth& truth, const render::FrameOutput& output);
-  measure::Errors errors() const { return measure::errors_of(sums_); }
+  measure::Errors errors() const;
 
  private:
+  Result<void> add_layer(measure::ResultImages result, const measure::TruthImages& truth,
+                         const Image<std::uint8_t>& layer);
+
+  bool room_shown_;
   measure::ErrorSums sums_;
+  Image<std::uint8_t> own_layer_;
 };
 
 }  // namespace mixrig::session

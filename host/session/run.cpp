@@ -58,7 +58,10 @@ std::vector<int> sheet_frames(FrameRange range, int rows) {
 class Runner {
  public:
   Runner(Session& session, RunOptions options, const Clock& clock)
-      : session_(session), options_(std::move(options)), clock_(clock) {}
+      : session_(session),
+        options_(std::move(options)),
+        clock_(clock),
+        judge_(!session.setup.backdrop) {}
 
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
   /// False when the source has ended.
@@ -142,6 +145,8 @@ Result<void> Runner::open_sinks(FrameRange range) {
   };
   if (folder_) {
     const capture::SourceInfo& info = session_.source->info();
+    // A set without a picture leaves parts transparent.
+    options_.output.alpha = session_.setup.backdrop && session_.setup.backdrop->picture.empty();
     MIXRIG_ASSIGN(auto files, output::FilesSink::create(folder_->path(), info, session_.setup.view,
                                                         options_.output));
     add(std::move(files));

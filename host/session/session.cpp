@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/capture/calibrated_source.h"
+#include "host/image_io/scale.h"
 #include "host/session/camera_pose.h"
 #include "host/session/learn.h"
 
@@ -34,19 +35,39 @@ render::MeshView view_of(const scene::Mesh& mesh, const scene::Model& model,
   return view;
 }
 
+/// The scene's objects, and the set's model.
+std::vector<const scene::Object*> objects_of(const scene::Scene& scene) {
+  std::vector<const scene::Object*> objects;
+  for (const scene::Object& object : scene.objects) objects.push_back(&object);
+  if (scene.set && scene.set->model) objects.push_back(&*scene.set->model);
+  return objects;
+}
+
 void add_objects(Session& session) {
-  for (const scene::Object& object : session.scene.objects)
-    for (const scene::Mesh& mesh : object.model.meshes) session.meshes.push_back(arrays_of(mesh));
+  const auto objects = objects_of(session.scene);
+  for (const scene::Object* object : objects)
+    for (const scene::Mesh& mesh : object->model.meshes) session.meshes.push_back(arrays_of(mesh));
   auto arrays = session.meshes.begin();
-  for (const scene::Object& object : session.scene.objects) {
+  for (const scene::Object* object : objects) {
     render::VirtualObject out;
-    for (const scene::Mesh& mesh : object.model.meshes)
-      out.meshes.push_back(view_of(mesh, object.model, *arrays++));
-    out.world_from_object = object.world_from_object;
-    out.scale = object.scale;
-    out.casts_shadow = object.casts_shadow;
+    for (const scene::Mesh& mesh : object->model.meshes)
+      out.meshes.push_back(view_of(mesh, object->model, *arrays++));
+    out.world_from_object = object->world_from_object;
+    out.scale = object->scale;
+    out.casts_shadow = object->casts_shadow;
     session.setup.objects.push_back(std::move(out));
   }
+}
+
+/// What replaces the real background, if anything does. The set's picture fills the view.
+void add_set(Session& session) {
+  render::CompositorSetup& setup = session.setup;
+  setup.open_walls = session.scene.background.open_walls;
+  if (!session.scene.set) return;
+  const Image<Rgb8>& picture = session.scene.set->picture;
+  if (!picture.empty()) session.backdrop = image_io::scaled_to_fill(picture, setup.view.size_px);
+  setup.backdrop = render::Backdrop{session.backdrop};
+  setup.people_cast_shadows = session.scene.set->model.has_value();
 }
 
 void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup) {
@@ -63,8 +84,9 @@ void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = scene.key.color;
-  if (scene.capture_volume)
-    setup.capture_box = {to_glm(scene.capture_volume->min_m), to_glm(scene.capture_volume->max_m)};
+  if (const auto& volume = scene.capture_volume)
+    setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),
+                         static_cast<float>(volume->floor_tolerance_m)};
 }
 
 /// Adds the scene's file and key to an error.
@@ -175,6 +197,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
       return at_key(*session, "background.learn", std::move(fine).error());
   }
   add_objects(*session);
+  add_set(*session);
   add_light_and_key(session->scene, session->setup);
   MIXRIG_TRY(check_poses(*session));
   return session;

@@ -58,6 +58,7 @@ struct Session {
   std::optional<model::StaticBackground> background;
   std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
   std::vector<MeshArrays> meshes;
+  Image<Rgb8> backdrop;  ///< the set's picture in the view's size; empty without
   render::CompositorSetup setup;
   BackendChoice backend;
 

@@ -52,6 +52,7 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.fisheye = {rig.fisheye, rig.target_from_fisheye};
   info.light = layout.light;
   info.object = build_object(layout.world_from_object);
+  info.capture_volume = capture_volume(layout);
   info.camera_moves = layout.camera_moves;
   info.world_from_rest = rest_pose(layout);
   if (options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;

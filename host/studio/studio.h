@@ -44,6 +44,7 @@ struct StudioOptions {
   double tolerance = 0;      ///< of lenses and mounting by seed, 0..2: 0 as the preset says
   bool raw_depth = false;    ///< leave the ToF camera's systematic error in
   bool fisheye = false;      ///< render Frame::fisheye
+  bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
 };
 
@@ -110,6 +111,11 @@ struct VirtualObject {
   geometry::Pose world_from_object;
 };
 
+/// Corners of a box in world axes, z up.
+struct Volume {
+  Eigen::Vector3d min_m, max_m;
+};
+
 /// Properties of the whole take.
 struct StudioInfo {
   std::string name;  ///< "walk 7, kinect2"
@@ -122,6 +128,7 @@ struct StudioInfo {
   FisheyeInfo fisheye;
   Light light;
   VirtualObject object;
+  Volume capture_volume;  ///< around the person's places, with its bottom on the floor
   bool camera_moves = false;
   geometry::Pose world_from_rest;       ///< of the target camera; pan: at angles zero
   std::optional<PanTiltUnit> pan_tilt;  ///< of scenario pan

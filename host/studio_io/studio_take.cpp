@@ -8,6 +8,8 @@
 
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
+#include "host/image_io/image_io.h"
+#include "host/studio/stage/court.h"
 #include "host/studio_io/glb_writer.h"
 #include "host/studio_io/moving_rig.h"
 
@@ -62,20 +64,46 @@ Writer lamp_table(const studio::Panel& lamp) {
   return table;
 }
 
-/// `camera` says where the pose comes from; `calibration` may be empty.
-std::string scene_text(const studio::StudioInfo& info, Writer camera,
-                       const std::string& calibration = {}) {
-  Writer root, background, light, key;
-  if (!calibration.empty()) root.set("calibration", calibration);
-  background.set("learn", std::array<int, 2>{1, info.empty_frames});
+/// The tables that every scene has.
+void add_object_light_and_key(const studio::StudioInfo& info, Writer& root) {
+  Writer light, key;
   light.set("ambient", rounded_values(info.light.ambient));
   light.set("exposure", config::rounded(info.light.exposure, 6));
   for (const studio::Panel& lamp : info.light.lamps) light.add("lamp", lamp_table(lamp));
   key.set("threshold_m", 0.05).set("noise_factor", 4.0).set("color", true);
-  root.set("camera", std::move(camera)).set("background", std::move(background));
   root.add("object", object_table(info.object));
   root.set("light", std::move(light)).set("key", std::move(key));
+}
+
+/// `camera` says where the pose comes from; `calibration` may be empty.
+std::string scene_text(const studio::StudioInfo& info, Writer camera,
+                       const std::string& calibration = {}) {
+  Writer root, background;
+  if (!calibration.empty()) root.set("calibration", calibration);
+  background.set("learn", std::array<int, 2>{1, info.empty_frames});
+  root.set("camera", std::move(camera)).set("background", std::move(background));
+  add_object_light_and_key(info, root);
   return root.text();
+}
+
+/// Nothing is learned: the capture volume keys, and a set replaces the room.
+std::string set_scene_text(const studio::StudioInfo& info, const std::string& set_name) {
+  Writer root, camera, volume, set;
+  volume.set("min_m", rounded_values(info.capture_volume.min_m));
+  volume.set("max_m", rounded_values(info.capture_volume.max_m));
+  camera.set("pose", "take").set("capture_volume", std::move(volume));
+  set.set("model", "models/" + set_name + ".glb").set("picture", "models/sky.png");
+  root.set("camera", std::move(camera)).set("set", std::move(set));
+  add_object_light_and_key(info, root);
+  return root.text();
+}
+
+Result<void> write_set(const studio::StudioInfo& info, const std::filesystem::path& folder) {
+  constexpr Size kSky{512, 410};
+  const studio::VirtualObject court = studio::build_court();
+  MIXRIG_TRY(write_glb(court, folder / "models" / (court.name + ".glb")));
+  MIXRIG_TRY(image_io::write_png(folder / "models" / "sky.png", studio::paint_sky(kSky)));
+  return write_file(folder / "scene_set.toml", set_scene_text(info, court.name));
 }
 
 }  // namespace
@@ -140,6 +168,7 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
   Writer own;
   own.set("pose", "take");
   MIXRIG_TRY(write_file(folder / "scene.toml", scene_text(info, std::move(own))));
+  MIXRIG_TRY(write_set(info, folder));
   if (info.pan_tilt) {
     Writer camera;
     camera.set("pose", "pan_tilt").set("world_from_base", pose_table(world_from_base(info)));

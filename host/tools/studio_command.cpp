@@ -16,7 +16,7 @@ struct Arguments {
   std::string out, scenario = "walk", rig = "kinect2", size = "1280x1024", format = "png";
   std::string board = "checkerboard", squares = "10x7";
   int seed = 1, frames = 60, threads = 0, views = 20;
-  bool raw_depth = false, pan_tilt = false;
+  bool raw_depth = false, pan_tilt = false, clear_floor = false;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
   std::optional<double> depth_error_mm;
@@ -34,6 +34,7 @@ Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   options.frames = arguments.frames;
   options.threads = arguments.threads;
   options.raw_depth = arguments.raw_depth;
+  options.clear_floor = arguments.clear_floor;
   options.tolerance = arguments.tolerance;
   return options;
 }
@@ -138,6 +139,8 @@ void add_studio_command(CLI::App& app, Context& context) {
   command->add_option("--size", arguments->size, "Target camera, WxH");
   command->add_option("--format", arguments->format, "png or mkv");
   command->add_option("--threads", arguments->threads, "0: one per core");
+  command->add_flag("--clear-floor", arguments->clear_floor,
+                    "No chair at the desk: no furniture in the capture volume");
   command->add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   add_board_options(*command, *arguments);
   command->callback([arguments, &context] {

@@ -5,7 +5,7 @@ const int unknown = 0, background = 1, foreground = 2, doubt = 3;
 
 int to_state(float stored) { return int(stored * 255.0 + 0.5); }
 
-// Two textures, a texel a block.
+// Three textures, a texel a block.
 struct Block {
   float foreground;   // pixels
   float inner;        // of them, those not drawn by a cut cell
@@ -15,16 +15,23 @@ struct Block {
   bool dropped;       // its foreground was a speckle
   vec3 color_sum;     // linear, over inner
   float square_sum;   // of all channels' squares, over inner
+  float room;         // pixels of the background; where its colour was not learned
+  vec3 room_sum;      // linear, over them
+  float room_square_sum;
 };
 
-Block read_block(sampler2D counts, sampler2D colors, ivec2 at) {
+const Block empty_block =
+    Block(0.0, 0.0, 0.0, false, false, false, vec3(0), 0.0, 0.0, vec3(0), 0.0);
+
+Block read_block(sampler2D counts, sampler2D colors, sampler2D rooms, ivec2 at) {
   vec4 count = texelFetch(counts, at, 0), color = texelFetch(colors, at, 0);
+  vec4 room = texelFetch(rooms, at, 0);
   int flags = int(count.w);
   return Block(count.x, count.y, count.z, (flags & 1) != 0, (flags & 2) != 0, (flags & 4) != 0,
-               color.rgb, color.a);
+               color.rgb, color.a, float(flags >> 3), room.rgb, room.a);
 }
 
 vec4 counts_of(Block b) {
-  int flags = (b.others ? 1 : 0) + (b.doubt ? 2 : 0) + (b.dropped ? 4 : 0);
+  int flags = (b.others ? 1 : 0) + (b.doubt ? 2 : 0) + (b.dropped ? 4 : 0) + 8 * int(b.room);
   return vec4(b.foreground, b.inner, b.w_sum, flags);
 }

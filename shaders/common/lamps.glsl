@@ -13,44 +13,51 @@ uniform int lamp_count;
 uniform vec3 ambient;
 uniform vec2 blocker_taps[blocker_tap_count], shadow_taps[shadow_tap_count];
 
-// Inverse lamp depth of the nearest texel, 0 outside the map.
-float texel(int i, vec2 at) {
+// Inverse lamp depth of the nearest texel of map `layer`, 0 outside.
+float texel(Lamp lamp, sampler2DArray maps, int layer, vec2 at) {
   ivec2 t = ivec2(floor(at + 0.5));
-  bool inside = min(t.x, t.y) >= 0 && max(t.x, t.y) < lamps[i].map_size_texel.x;
-  return inside ? texelFetch(shadow_maps, ivec3(t, i), 0).r / nearest_m : 0.0;
+  bool inside = min(t.x, t.y) >= 0 && max(t.x, t.y) < lamp.map_size_texel.x;
+  return inside ? texelFetch(maps, ivec3(t, layer), 0).r / nearest_m : 0.0;
 }
 
 // Mean lamp depth of what lies before w within radius texels; 0 for nothing.
-float blocker_depth_m(int i, vec2 center, float radius, float w) {
+float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, float radius,
+                      float w) {
   float sum = 0.0, count = 0.0;
   for (int k = 0; k < blocker_tap_count; ++k) {
-    float blocker = texel(i, center + radius * blocker_taps[k]);
+    float blocker = texel(lamp, maps, layer, center + radius * blocker_taps[k]);
     if (blocker > w) sum += 1.0 / blocker, count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
 }
 
-// Share of lamp i that a point sees (percentage-closer soft shadows, Fernando 2005).
-float visibility(int i, vec3 position_m, vec3 normal) {
-  if (lamps[i].map_size_texel.x == 0) return 1.0;
-  float focal = lamps[i].map_focal_texel, near_m = lamps[i].casters_near_m;
-  float unmoved_z = (lamps[i].lamp_from_camera * vec4(position_m, 1.0)).z;
+// Share of a lamp that a point sees past map `layer` (percentage-closer soft shadows, Fernando
+// 2005).
+float visibility_past(Lamp lamp, sampler2DArray maps, int layer, vec3 position_m, vec3 normal) {
+  if (lamp.map_size_texel.x == 0) return 1.0;
+  float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
+  float unmoved_z = (lamp.lamp_from_camera * vec4(position_m, 1.0)).z;
   if (unmoved_z <= near_m) return 1.0;
   // A texel spans z / focal metres: lift_texels of them lift the point off its own surface.
   vec3 lifted_m = position_m + lift_texels * unmoved_z / focal * normal;
-  vec3 p = (lamps[i].lamp_from_camera * vec4(lifted_m, 1.0)).xyz;
+  vec3 p = (lamp.lamp_from_camera * vec4(lifted_m, 1.0)).xyz;
   if (p.z <= near_m) return 1.0;
-  vec2 center = p.xy * (focal / p.z) + lamps[i].map_center_texel;
-  float w = 1.0 / p.z, reach = focal * lamps[i].radius_m;
+  vec2 center = p.xy * (focal / p.z) + lamp.map_center_texel;
+  float w = 1.0 / p.z, reach = focal * lamp.radius_m;
   float search = reach * (1.0 / near_m - w);
-  float last = float(lamps[i].map_size_texel.x - 1) + search;
+  float last = float(lamp.map_size_texel.x - 1) + search;
   if (min(center.x, center.y) <= -search || max(center.x, center.y) >= last) return 1.0;
-  float blocker_m = blocker_depth_m(i, center, max(search, least_radius_texel), w);
+  float blocker_m =
+      blocker_depth_m(lamp, maps, layer, center, max(search, least_radius_texel), w);
   if (blocker_m <= 0.0) return 1.0;
   float radius = max(reach * (1.0 / blocker_m - w), least_radius_texel), lit = 0.0;
   for (int k = 0; k < shadow_tap_count; ++k)
-    lit += texel(i, center + radius * shadow_taps[k]) > w ? 0.0 : 1.0;
+    lit += texel(lamp, maps, layer, center + radius * shadow_taps[k]) > w ? 0.0 : 1.0;
   return lit / float(shadow_tap_count);
+}
+
+float visibility(int i, vec3 position_m, vec3 normal) {
+  return visibility_past(lamps[i], shadow_maps, i, position_m, normal);
 }
 
 vec3 irradiance(int i, vec3 position_m, vec3 normal) {

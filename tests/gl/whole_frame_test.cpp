@@ -70,6 +70,7 @@ void expect_agreement(Pair& pair, const render::FrameInput& frame) {
   EXPECT_GE(share_within(cpu.state, gles.state, 0), 0.995);
   EXPECT_GE(share_within(cpu.light, gles.light, 0.02), 0.995);
   EXPECT_GE(share_within(cpu.layer, gles.layer, 0), 0.998);
+  EXPECT_GE(share_within(cpu.alpha, gles.alpha, 8), 0.995);
   testing::Test::RecordProperty("psnr_db", std::to_string(psnr_db(cpu.color, gles.color)));
 }
 
@@ -144,6 +145,82 @@ TEST(WholeFrame, agrees_with_distances_and_a_capture_box) {
   room.setup.capture_box = render::CaptureBox{{-5, -0.4, 0}, {5, 5, 9}};  // cuts off the head
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
+}
+
+/// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
+render::FrameInput volume_frame(RoomSetup& room) {
+  Eigen::Matrix3d axes;  // columns: right, down, forward
+  axes.col(0) = -Eigen::Vector3d::UnitY();
+  axes.col(1) = -Eigen::Vector3d::UnitZ();
+  axes.col(2) = Eigen::Vector3d::UnitX();
+  const geometry::Pose world_from_target{Eigen::Quaterniond(axes), {0, 0, room.scene.floor_y_m}};
+  room.setup.background = {};
+  room.setup.capture_box = render::CaptureBox{{1.5, -1.5, 0}, {3.5, 1.5, 2.4}};
+  for (render::VirtualObject& object : room.setup.objects)
+    object.world_from_object = world_from_target * object.world_from_object;
+  for (render::Lamp& lamp : room.setup.light.lamps) {
+    const Eigen::Vector3d p =
+        world_from_target *
+        Eigen::Vector3d(lamp.position_m.x, lamp.position_m.y, lamp.position_m.z);
+    lamp.position_m = {p.x(), p.y(), p.z()};
+    if (lamp.direction) lamp.direction = glm::dvec3(0, 0, -1);
+  }
+  render::FrameInput frame = room.frame();
+  frame.world_from_target = world_from_target;
+  return frame;
+}
+
+TEST(WholeFrame, agrees_where_the_capture_volume_alone_keys) {
+  RoomSetup room(RoomSetup::Options{});
+  const render::FrameInput frame = volume_frame(room);
+  Pair pair = make_pair(room);
+  expect_agreement(pair, frame);
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
+}
+
+TEST(WholeFrame, agrees_over_nothing_and_over_a_picture) {
+  for (const bool with_picture : {false, true}) {
+    RoomSetup room(RoomSetup::Options{});
+    const render::FrameInput frame = volume_frame(room);
+    const Image<Rgb8> picture(room.setup.view.size_px, {40, 150, 90});
+    room.setup.backdrop.emplace();
+    if (with_picture) room.setup.backdrop->picture = picture;
+    Pair pair = make_pair(room);
+    expect_agreement(pair, frame);
+    EXPECT_EQ(pair.gles_frame.alpha.at(2, 2), with_picture ? 255 : 0);
+    const Rgb8 expected = with_picture ? Rgb8{40, 150, 90} : Rgb8{0, 0, 0};
+    EXPECT_EQ(pair.gles_frame.color.at(2, 2), expected);
+  }
+}
+
+TEST(WholeFrame, agrees_over_nothing_where_the_room_was_learned) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.backdrop.emplace();
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+}
+
+TEST(WholeFrame, agrees_where_people_cast_shadows_on_a_set) {
+  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  const render::FrameInput frame = volume_frame(room);
+  room.setup.backdrop.emplace();
+  room.setup.people_cast_shadows = true;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, frame);
+  const Image<Rgb8> shadowed = pair.cpu_frame.color;
+  room.setup.people_cast_shadows = false;
+  Pair without = make_pair(room);
+  expect_agreement(without, frame);
+  EXPECT_LT(psnr_db(shadowed, without.cpu_frame.color), 60);  // there is a shadow
+}
+
+TEST(WholeFrame, agrees_with_open_walls) {
+  RoomSetup room({.box_m = {0.3, 0.4, 6.0}});  // behind the back wall
+  room.setup.open_walls = true;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
 }
 
 TEST(WholeFrame, agrees_when_the_camera_brightens_by_itself) {

@@ -13,6 +13,7 @@
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/mix.h"
+#include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/plate.h"
 #include "host/render/cpu/shadow.h"
 #include "host/render/cpu/simd.h"
@@ -29,6 +30,16 @@ namespace {
 using namespace cpu;  // NOLINT(google-build-using-namespace)
 
 Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
+
+Image<Rgbx16> linear_image(ImageView<const Rgb8> picture) {
+  Image<Rgbx16> out(picture.size);
+  const auto& linear = srgb_to_linear();
+  for (int y = 0; y < out.height(); ++y)
+    std::transform(picture.row(y), picture.row(y) + out.width(), out.row(y), [&](const Rgb8& p) {
+      return Rgbx16{linear[p.r], linear[p.g], linear[p.b]};
+    });
+  return out;
+}
 
 /// Adds wall time to stages, from one lap to the next.
 class StopWatch {
@@ -59,6 +70,9 @@ class CpuCompositor final : public Compositor {
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
+  void draw_peoples_shadows(const Image<std::uint8_t>& matte);
+  bool people_cast() const { return !preparer_.params().people_lamps.empty(); }
+  MixInput mix_input(const glm::vec3& gain, bool shadows) const;
   void store_warped_depth(Image<float>& depth_m) const;
   void store_light(Image<float>& light) const;
   void store_state(const Image<std::uint8_t>& matte, Image<std::uint8_t>& state) const;
@@ -79,6 +93,8 @@ class CpuCompositor final : public Compositor {
   VirtualLayer objects_;
   std::vector<ShadowMap> shadow_maps_;
   LightLayer light_;
+  PeopleShadow people_shadow_;
+  Image<Rgbx16> backdrop_;  ///< empty without a picture
   struct Frame {
     FrameOutput output;
     StageTimes times{};
@@ -108,6 +124,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.key_limit_w.reset(tables_.view_size);
     tables_.background_normal.reset(tables_.view_size);
   }
+  if (setup_.backdrop) backdrop_ = linear_image(setup_.backdrop->picture);
   tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
@@ -115,6 +132,9 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   objects_.normal.reset(tables_.view_size);
   objects_.color.reset(tables_.view_size);
   light_ = LightLayer(tables_.view_size);
+  if (!people_cast()) return;
+  people_shadow_ = PeopleShadow(tables_.view_size);
+  size_for_people(tables_.view_size, objects_);
 }
 
 Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
@@ -123,7 +143,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   StopWatch watch(slot->times);
   FrameOutput& output = slot->output;
   output.wanted = with_needed(wanted);
-  const NeededPasses needed = needed_passes(output.wanted, !setup_.objects.empty());
+  const NeededPasses needed = needed_passes(output.wanted, setup_);
   // The key writes the matte, wanted or not.
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   preparer_.update(input.world_from_target);
@@ -147,16 +167,13 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
     key(crew_, {tables_, frame.key, setup_.background, plate_, gain, colors_of_key()}, key_scratch_,
         view_w_, output.matte);
   watch.lap(Stage::kKey);
+  if (people_cast() && needed.light) draw_peoples_shadows(output.matte);
   const bool shadows = has_shadows(frame);
   if (shadows && needed.light)
     light_people(crew_, {frame, tables_, setup_.background, shadow_maps_}, view_w_, output.matte,
                  light_);
   watch.lap(Stage::kLight);
-  if (needed.mix)
-    mix(crew_,
-        {setup_.background, plate_, view_w_, setup_.objects.empty() ? nullptr : &objects_,
-         shadows ? &light_ : nullptr, gain},
-        output);
+  if (needed.mix) mix(crew_, mix_input(gain, shadows), output);
   watch.lap(Stage::kMix);
   if (output.wanted & kLight) store_light(output.light);
   if (output.wanted & kState) store_state(output.matte, output.state);
@@ -197,8 +214,29 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
   watch.lap(Stage::kShadow);
   const LightInput input{frame, tables_, setup_.background, shadow_maps_};
   shade_virtual(crew_, input, objects_);
-  if (has_shadows(frame)) light_background(crew_, input, light_);
+  if (has_shadows(frame) && !setup_.backdrop) light_background(crew_, input, light_);
   watch.lap(Stage::kLight);
+}
+
+/// People move in every frame.
+void CpuCompositor::draw_peoples_shadows(const Image<std::uint8_t>& matte) {
+  const FrameParams& frame = preparer_.params();
+  draw_people_maps(crew_, frame, tables_.warp.view, view_w_, matte, people_shadow_);
+  shade_behind_people(
+      crew_, {frame, tables_, setup_.background, shadow_maps_, &people_shadow_.maps}, objects_);
+}
+
+MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
+  return {.background = setup_.background,
+          .plate = plate_,
+          .view_w = view_w_,
+          .objects = setup_.objects.empty() ? nullptr : &objects_,
+          .light = shadows ? &light_ : nullptr,
+          .gain = gain,
+          .key = &key_scratch_,
+          .open_walls = setup_.open_walls,
+          .replaced = setup_.backdrop.has_value(),
+          .backdrop = backdrop_.empty() ? nullptr : &backdrop_};
 }
 
 void CpuCompositor::store_warped_depth(Image<float>& depth_m) const {

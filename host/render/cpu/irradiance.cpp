@@ -45,7 +45,7 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
 }
 
 VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
-                    const SurfaceLanes& at) {
+                    const std::vector<ShadowMap>* people, const SurfaceLanes& at) {
   const glm::vec3 ambient = frame.light.exposure * frame.light.ambient;
   VectorLanes light{FloatLanes{} + ambient.r, FloatLanes{} + ambient.g, FloatLanes{} + ambient.b};
   for (std::size_t k = 0; k < maps.size(); ++k) {
@@ -53,6 +53,8 @@ VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps
     FloatLanes of_lamp = irradiance(lamp, at);
     if (!any(of_lamp > 0)) continue;
     of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
+    if (people)
+      of_lamp *= visibility(frame.people_lamps[k], (*people)[k], at.position_m, at.normal);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
     light.x += of_lamp * intensity.r;
     light.y += of_lamp * intensity.g;

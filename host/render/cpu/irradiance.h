@@ -27,8 +27,9 @@ struct SurfaceLanes {
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at);
 
-/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue.
+/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue. `people`: maps
+/// of frame.people_lamps; null: they hide nothing.
 VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
-                    const SurfaceLanes& at);
+                    const std::vector<ShadowMap>* people, const SurfaceLanes& at);
 
 }  // namespace mixrig::render::cpu

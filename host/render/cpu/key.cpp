@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "host/render/cpu/key_colors.h"
 #include "host/render/cpu/simd.h"
 #include "host/render/cpu/warp.h"
 
@@ -30,6 +31,23 @@ void classify_row(const float* w, const float* limit_w, int width, std::uint8_t*
   }
 }
 
+/// A row without a background: what lies over the volume's floor is foreground.
+void classify_over_floor(const KeyInput& input, const float* w, int y, int width,
+                         std::uint8_t* state) {
+  constexpr int kRun = 256;
+  const PinholeParams& view = input.tables.warp.view;
+  const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
+  std::array<float, kRun> limit_w;
+  for (int x0 = 0; x0 < width; x0 += kRun) {
+    const int count = std::min(kRun, width - x0);
+    for (int i = 0; i < count; ++i) {
+      const float ray_x = (static_cast<float>(x0 + i) - view.center_px.x) / view.focal_px.x;
+      limit_w[static_cast<std::size_t>(i)] = volume_limit_w(input.params, {ray_x, ray_y, 1});
+    }
+    classify_row(w + x0, limit_w.data(), count, state + x0);
+  }
+}
+
 /// Foreground outside the capture box becomes background.
 void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint8_t* state) {
   const PinholeParams& view = input.tables.warp.view;
@@ -43,8 +61,6 @@ void crop_row(const KeyInput& input, const float* w, int y, int width, std::uint
       state[x] = kBackground;
   }
 }
-
-glm::vec3 linear(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b) * (1 / kLinearOne); }
 
 /// Counts eight states at once: foreground is binary 10, doubt 11, unknown 00.
 void count_row(const std::uint8_t* states, Block& block) {
@@ -64,30 +80,20 @@ void count_block(const Image<std::uint8_t>& state, int bx, int by, int pixels, B
   block.others = block.foreground < pixels;
 }
 
-/// Sums of depth and colour over a block's foreground.
+/// Sums of depth and colour over a block.
 void sample_block(const KeyInput& input, const Image<float>& view_w,
                   const Image<std::uint8_t>& state, int bx, int by, Block& block) {
   const Size size = input.tables.view_size;
+  const bool room = input.needs_room();
   for (int y = block_begin(by); y < block_end(by, size.height); ++y)
     for (int x = block_begin(bx); x < block_end(bx, size.width); ++x) {
-      if (state.row(y)[x] != kForeground) continue;
+      const std::uint8_t s = state.row(y)[x];
+      if (room && s == kBackground) block.room.add(linear(input.plate.row(y)[x]));
+      if (s != kForeground) continue;
       const float w = view_w.row(y)[x];
       block.w_sum += w;
-      if (from_cut_cell(w)) continue;
-      const glm::vec3 color = linear(input.plate.row(y)[x]);
-      ++block.inner;
-      block.color_sum += color;
-      block.color_square_sum += color * color;
+      if (!from_cut_cell(w)) block.people.add(linear(input.plate.row(y)[x]));
     }
-}
-
-/// Calls visit(neighbour) for the blocks within `radius` of (bx, by), itself among them.
-template <typename Scratch, typename Visit>
-void around(Scratch& scratch, int bx, int by, int radius, Visit&& visit) {
-  const Size size = scratch.blocks_size;
-  for (int y = std::max(0, by - radius); y <= std::min(size.height - 1, by + radius); ++y)
-    for (int x = std::max(0, bx - radius); x <= std::min(size.width - 1, bx + radius); ++x)
-      visit(scratch.at(x, y));
 }
 
 /// Foreground too small to be a person becomes background.
@@ -119,7 +125,8 @@ bool is_decided(const Block& block) {
   return block.band || block.doubt || (block.near && block.unknown);
 }
 
-void find_band(KeyScratch& scratch) {
+/// `room`: colours of the background are needed too.
+void find_band(bool room, KeyScratch& scratch) {
   const Size size = scratch.blocks_size;
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx) {
@@ -139,63 +146,8 @@ void find_band(KeyScratch& scratch) {
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx)
       if (is_decided(scratch.at(bx, by)))
-        around(scratch, bx, by, kNearBlocks, [](Block& b) { b.sampled |= b.foreground > 0; });
-}
-
-/// Least spread of a colour: noise and flicker of light.
-float floor_sigma(const glm::vec3& c) { return kColorNoise + kColorFlicker * luminance(c); }
-
-/// Foreground of the 3x3 blocks around: what a pixel of the band is compared with.
-struct Near {
-  glm::vec3 color{0};
-  float color_variance = 0, w = 0;
-  bool has_color = false;
-};
-
-Near foreground_around(const KeyScratch& scratch, int bx, int by, int radius) {
-  Near out;
-  int n = 0, inner = 0;
-  glm::vec3 sum(0), squares(0);
-  around(scratch, bx, by, radius, [&](const Block& b) {
-    n += b.foreground;
-    inner += b.inner;
-    out.w += b.w_sum;
-    sum += b.color_sum;
-    squares += b.color_square_sum;
-  });
-  if (n > 0) out.w /= static_cast<float>(n);
-  if (inner < kBlockPx) return out;
-  out.has_color = true;
-  out.color = sum / static_cast<float>(inner);
-  const glm::vec3 variance = squares / static_cast<float>(inner) - out.color * out.color;
-  const float floor = floor_sigma(out.color);
-  out.color_variance = std::max(0.0F, (variance.r + variance.g + variance.b) / 3) + floor * floor;
-  return out;
-}
-
-/// Log odds of foreground by colour, within +-4. README.md, "key".
-float color_vote(const KeyInput& input, const Near& near, int x, int y) {
-  const glm::vec3 p = linear(input.plate.row(y)[x]);
-  const Rgbf learned = input.background.color.row(y)[x];
-  if (learned.r < 0) return 0;  // unknown
-  const glm::vec3 b = glm::min(input.gain * glm::vec3(learned.r, learned.g, learned.b), 1.0F);
-  const float floor = floor_sigma(b);
-  const float spread = input.background.color_sigma.empty()
-                           ? 0
-                           : input.gain.g * input.background.color_sigma.row(y)[x];
-  const float variance = spread * spread + floor * floor;
-  const float k =
-      std::clamp(glm::dot(p, b) / std::max(glm::dot(b, b), 1e-8F), kDarkestShadow, 1.0F);
-  const glm::vec3 off = p - k * b;
-  const float dark = (1 - k) / kShadowSigma;
-  const float background2 = glm::dot(off, off) / variance + dark * dark;
-  if (!near.has_color)
-    return std::clamp(0.5F * background2 - kColorVoteCap, -kColorVoteCap, kColorVoteCap);
-  const glm::vec3 from_person = p - near.color;
-  const float person2 = glm::dot(from_person, from_person) / near.color_variance;
-  const float odds =
-      0.5F * (background2 - person2) + kSpreadOdds * std::log(variance / near.color_variance);
-  return std::clamp(odds, -kColorVoteCap, kColorVoteCap);
+        around(scratch, bx, by, kNearBlocks,
+               [&](Block& b) { b.sampled |= b.foreground > 0 || (room && b.others); });
 }
 
 /// Offsets of the depth votes' taps along an axis.
@@ -228,8 +180,8 @@ DepthTaps taps_of(float footprint_px) {
 /// Colour votes of a block and one pixel around it.
 using Votes = std::array<std::array<float, kBlockPx + 2>, kBlockPx + 2>;
 
-void vote_by_color(const KeyInput& input, const Near& near, int x0, int y0, Size size,
-                   Votes& votes) {
+void vote_by_color(const KeyInput& input, const NearColors& near, int x0, int y0, Votes& votes) {
+  const Size size = input.tables.view_size;
   for (int j = 0; j < kBlockPx + 2; ++j)
     for (int i = 0; i < kBlockPx + 2; ++i) {
       const int x = std::clamp(x0 + i - 1, 0, size.width - 1);
@@ -252,16 +204,16 @@ bool is_open(const Block& block, std::uint8_t state) {
   return block.band || state == kDoubt || (block.near && state == kUnknown);
 }
 
-void decide_block(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
-                  Image<float>& view_w, Image<std::uint8_t>& matte) {
-  const Block& block = scratch.at(bx, by);
+void decide_block(const KeyInput& input, KeyScratch& scratch, int bx, int by, Image<float>& view_w,
+                  Image<std::uint8_t>& matte) {
+  Block& block = scratch.at(bx, by);
   const Size size = input.tables.view_size;
-  const Near near = foreground_around(scratch, bx, by, block.band ? kBandBlocks : kNearBlocks);
+  const NearColors near = colors_around(scratch, bx, by, block.band ? kBandBlocks : kNearBlocks);
+  block.room_color = near.room.known ? near.room.mean : glm::vec3(-1);
   const DepthTaps taps = taps_of(input.tables.tof_footprint_px);
   const int x0 = block_begin(bx), y0 = block_begin(by);
   Votes votes{};
-  if (input.params.color && !input.background.color.empty())
-    vote_by_color(input, near, x0, y0, size, votes);
+  if (input.params.color) vote_by_color(input, near, x0, y0, votes);
   for (int y = y0; y < block_end(by, size.height); ++y)
     for (int x = x0; x < block_end(bx, size.width); ++x) {
       const std::uint8_t state = scratch.state.row(y)[x];
@@ -316,15 +268,18 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
          Image<std::uint8_t>& matte) {
   constexpr int kGrain = 4;
   const Size size = input.tables.view_size, blocks = scratch.blocks_size;
-  if (!input.tables.has_background) {
+  if (input.params.by == KeyBy::kNothing) {
     matte.fill(0);
     scratch.state.fill(kUnknown);
     return;
   }
   crew.rows(blocks.height, kGrain, [&](int begin, int end) {
     for (int y = block_begin(begin); y < block_end(end - 1, size.height); ++y) {
-      classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
-                   scratch.state.row(y));
+      if (input.params.by == KeyBy::kVolume)
+        classify_over_floor(input, view_w.row(y), y, size.width, scratch.state.row(y));
+      else
+        classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
+                     scratch.state.row(y));
       if (input.params.crop) crop_row(input, view_w.row(y), y, size.width, scratch.state.row(y));
     }
     for (int by = begin; by < end; ++by)
@@ -335,7 +290,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
       }
   });
   drop_speckles(input.tables.tof_footprint_px, scratch);
-  find_band(scratch);
+  find_band(input.needs_room(), scratch);
   const auto each_block = [&](auto&& visit) {
     crew.rows(blocks.height, kGrain, [&](int begin, int end) {
       for (int by = begin; by < end; ++by)
@@ -349,7 +304,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   each_block([&](int bx, int by, Block& block) {
     if (block.sampled) sample_block(input, view_w, scratch.state, bx, by, block);
   });
-  each_block([&](int bx, int by, const Block& block) {
+  each_block([&](int bx, int by, Block& block) {
     if (is_decided(block))
       decide_block(input, scratch, bx, by, view_w, matte);
     else

@@ -11,17 +11,26 @@
 
 namespace mixrig::render::cpu {
 
+/// Sums over pixels, linear.
+struct ColorSums {
+  int count = 0;
+  glm::vec3 color{0}, square{0};
+  void add(const glm::vec3& c) { ++count, color += c, square += c * c; }
+  void add(const ColorSums& s) { count += s.count, color += s.color, square += s.square; }
+};
+
 /// What a block of kBlockPx x kBlockPx pixels holds.
 struct Block {
   int foreground = 0;               ///< pixels
-  int inner = 0;                    ///< of them, those not drawn by a cut cell
   bool others = false;              ///< any pixel that is not foreground
   bool unknown = false;             ///< any pixel without depth
   bool doubt = false;               ///< any pixel measured where the background has no depth
   bool band = false, near = false;  ///< within one block of a border, three of foreground
   bool sampled = false;             ///< the sums below are needed
   float w_sum = 0;                  ///< over foreground
-  glm::vec3 color_sum{0}, color_square_sum{0};  ///< over inner
+  ColorSums people;                 ///< foreground not drawn by a cut cell
+  ColorSums room;                   ///< background; where its colour was not learned
+  glm::vec3 room_color{-1};         ///< mean of the blocks around that decide_block compared with
 };
 
 struct KeyScratch {
@@ -44,6 +53,8 @@ struct KeyInput {
   const Image<Rgbx16>& plate;
   glm::vec3 gain{1};                   ///< of the plate over the learned background
   MovingBackground* moving = nullptr;  ///< draws the colours of `background` that are needed
+  bool learned() const { return !background.color.empty(); }
+  bool needs_room() const { return params.color && !learned(); }  ///< its colours beside people
 };
 
 /// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the

@@ -109,21 +109,25 @@ float tile_light_at(const LightLayer& light, int x, int y) {
   return weights > 0 ? sum / weights : 1;
 }
 
-/// Shades the covered pixels of a row, a register of them at a time.
-void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
+/// Shades the covered pixels of a row, a register of them at a time; `albedo` may be the layer's
+/// colour.
+void shade_row(const LightInput& input, int y, int x0, int x1, const Image<Rgbx16>& albedo,
+               VirtualLayer& layer) {
   SurfaceLanes at;
   std::array<int, kLanes> columns;
   int count = 0;
   const auto shade = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    const VectorLanes light = shading(input.frame, input.maps, at);
+    const VectorLanes light = shading(input.frame, input.maps, input.people, at);
     for (int i = 0; i < count; ++i) {
-      Rgbx16& c = layer.color.row(y)[columns[static_cast<std::size_t>(i)]];
+      const int x = columns[static_cast<std::size_t>(i)];
+      const Rgbx16 c = albedo.row(y)[x];
       const glm::vec3 shaded =
           glm::vec3(c.r, c.g, c.b) * glm::vec3(light.x[i], light.y[i], light.z[i]) + 0.5F;
       const glm::vec3 clipped = glm::min(shaded, glm::vec3(kLinearOne));
-      c = {static_cast<std::uint16_t>(clipped.r), static_cast<std::uint16_t>(clipped.g),
-           static_cast<std::uint16_t>(clipped.b), 0};
+      layer.color.row(y)[x] = {static_cast<std::uint16_t>(clipped.r),
+                               static_cast<std::uint16_t>(clipped.g),
+                               static_cast<std::uint16_t>(clipped.b), 0};
     }
     count = 0;
   };
@@ -137,12 +141,12 @@ void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& lay
   if (count > 0) shade();
 }
 
-/// Least and largest known depth of a rectangle; 0, 0 where none is.
-std::pair<float, float> depth_range_m(ImageView<const float> depth_m, const Rect& rect) {
+/// Least and largest positive value of a rectangle; 0, 0 where none is.
+std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect) {
   constexpr float kMost = std::numeric_limits<float>::max();
   float least = kMost, largest = 0;
   for (int y = rect.y0; y < rect.y1; ++y) {
-    const float* row = depth_m.row(y);
+    const float* row = image.row(y);
 #pragma omp simd reduction(min : least) reduction(max : largest)
     for (int x = rect.x0; x < rect.x1; ++x) {
       least = std::min(least, row[x] > 0 ? row[x] : kMost);
@@ -153,15 +157,16 @@ std::pair<float, float> depth_range_m(ImageView<const float> depth_m, const Rect
 }
 
 /// Lamps that may be hidden from anything that the rectangle's pixels show.
-LampSet lamps_in_doubt(const LightInput& input, const Rect& rect, float near_m, float far_m) {
-  const PinholeParams& view = input.tables.warp.view;
+LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
+                       const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
+                       float far_m) {
   Corners corners_m;
   for (std::size_t i = 0; i < 8; ++i)
     corners_m[i] = ray_of(view, i & 1 ? rect.x1 - 1 : rect.x0, i & 2 ? rect.y1 - 1 : rect.y0) *
                    (i & 4 ? far_m : near_m);
   LampSet set = 0;
-  for (std::size_t k = 0; k < std::min(input.maps.size(), kLampBits); ++k)
-    set |= LampSet{may_be_shadowed(input.frame.lamps[k], input.maps[k], corners_m)} << k;
+  for (std::size_t k = 0; k < std::min(maps.size(), kLampBits); ++k)
+    set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
   return set;
 }
 
@@ -185,12 +190,22 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
 void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
   for (int y = rect.y0; y < rect.y1; ++y)
     std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
-  const auto [near_m, far_m] = depth_range_m(input.background.depth_m, rect);
+  const auto [near_m, far_m] = positive_range(input.background.depth_m, rect);
   if (!(far_m > 0)) return;
-  const LampSet maybe = lamps_in_doubt(input, rect, near_m, far_m);
+  const LampSet maybe =
+      lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, near_m, far_m);
   if (maybe == 0 && input.maps.size() <= kLampBits) return;
   for (int y = rect.y0; y < rect.y1; ++y)
     light_row(input, maybe, y, rect.x0, rect.x1, light.row(y));
+}
+
+/// Whether people may hide a lamp from a virtual surface of the tile.
+bool may_hide(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
+  const auto [least_w, most_w] = positive_range(virtual_w, tile);
+  if (!(most_w > 0)) return false;
+  return input.people->size() > kLampBits ||
+         lamps_in_doubt(input.tables.warp.view, input.frame.people_lamps, *input.people, tile,
+                        1 / most_w, 1 / least_w) != 0;
 }
 
 }  // namespace
@@ -208,7 +223,7 @@ bool has_shadows(const FrameParams& frame) {
 
 void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
   Image<std::uint16_t>& out = light.background;
-  if (!input.tables.has_background) return out.fill(kLit);
+  if (input.background.depth_m.empty()) return out.fill(kLit);
   crew.rows(out.height(), kTileHeight, [&](int begin, int end) {
     for (int x = 0; x < out.width(); x += kTileWidth)
       light_tile(input, {x, begin, std::min(x + kTileWidth, out.width()), end}, out);
@@ -217,9 +232,47 @@ void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
 
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
   const Rect& rect = layer.rect;
+  const bool people = !layer.albedo.empty();
   crew.rows(rect.y1 - rect.y0, kGrain, [&](int begin, int end) {
-    for (int y = rect.y0 + begin; y < rect.y0 + end; ++y)
-      shade_row(input, y, rect.x0, rect.x1, layer);
+    for (int y = rect.y0 + begin; y < rect.y0 + end; ++y) {
+      const Rgbx16* const color = layer.color.row(y);
+      if (people) std::copy(color + rect.x0, color + rect.x1, layer.albedo.row(y) + rect.x0);
+      shade_row(input, y, rect.x0, rect.x1, layer.color, layer);
+      if (people)
+        std::copy(color + rect.x0, color + rect.x1, layer.without_people.row(y) + rect.x0);
+    }
+  });
+  if (people) layer.in_shadow.fill(0);
+}
+
+void size_for_people(Size view_size, VirtualLayer& layer) {
+  layer.albedo.reset(view_size);
+  layer.without_people.reset(view_size);
+  layer.in_shadow.reset({(view_size.width + kTileWidth - 1) / kTileWidth,
+                         (view_size.height + kTileHeight - 1) / kTileHeight});
+}
+
+void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer) {
+  const Rect& rect = layer.rect;
+  const Size tiles = layer.in_shadow.size();
+  crew.rows(tiles.height, 1, [&](int row, int) {
+    const int y0 = std::max(row * kTileHeight, rect.y0);
+    const int y1 = std::min((row + 1) * kTileHeight, rect.y1);
+    if (y0 >= y1) return;
+    for (int column = 0; column < tiles.width; ++column) {
+      const int x0 = std::max(column * kTileWidth, rect.x0);
+      const int x1 = std::min((column + 1) * kTileWidth, rect.x1);
+      if (x0 >= x1) continue;
+      std::uint8_t& in_shadow = layer.in_shadow.row(row)[column];
+      const bool hidden = may_hide(input, {x0, y0, x1, y1}, layer.w);
+      for (int y = y0; y < y1 && (hidden || in_shadow); ++y)
+        if (hidden)
+          shade_row(input, y, x0, x1, layer.albedo, layer);
+        else
+          std::copy(layer.without_people.row(y) + x0, layer.without_people.row(y) + x1,
+                    layer.color.row(y) + x0);
+      in_shadow = hidden;
+    }
   });
 }
 

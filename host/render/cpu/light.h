@@ -27,6 +27,7 @@ struct LightInput {
   const Tables& tables;
   const BackgroundView& background;
   const std::vector<ShadowMap>& maps;
+  const std::vector<ShadowMap>* people = nullptr;  ///< of frame.people_lamps
 };
 
 /// Whether any lamp casts a shadow; without, the light map is 1 everywhere.
@@ -36,6 +37,10 @@ bool has_shadows(const FrameParams& frame);
 void light_background(Crew& crew, const LightInput& input, LightLayer& light);
 /// Turns the layer's albedo into shaded colour. After draw_virtual.
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
+/// Shades again where people of this frame or of the last one hide a lamp. After shade_virtual.
+void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer);
+/// Gives the layer the images that shade_behind_people needs.
+void size_for_people(Size view_size, VirtualLayer& layer);
 /// Light of the visible surfaces: people where `matte` is at least half, with depth `view_w`, found
 /// once in a tile (no ToF camera sees finer) and interpolated.
 void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,

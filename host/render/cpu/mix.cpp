@@ -32,36 +32,39 @@ glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
   }
 }
 
-/// Depths of the real scene: people as measured, the background as learned where it is. Writes
-/// only the wanted ones.
+/// Depths of the real scene: people as measured, the background as learned where it is; 0 where it
+/// is not shown. Writes only the wanted ones.
 template <bool kMixed, bool kSegmented>
-void real_depths(const float* w, const float* background_m, const std::uint8_t* matte, int width,
-                 float* mixed_m, float* segmented_m) {
+void real_depths(const float* w, const float* background_m, bool replaced,
+                 const std::uint8_t* matte, int width, float* mixed_m, float* segmented_m) {
   for (int x = 0; x < width; ++x) {
     const float measured = w[x] > 0 ? 1 / w[x] : 0;
     const float learned = background_m ? background_m[x] : 0;
     const bool person = matte[x] >= kPersonByte;
     if constexpr (kSegmented) segmented_m[x] = person ? measured : 0;
     if constexpr (kMixed)
-      mixed_m[x] = person || !(learned > 0) ? (person || matte[x] == 0 ? measured : 0) : learned;
+      mixed_m[x] = person || !(learned > 0)
+                       ? (person || (matte[x] == 0 && !replaced) ? measured : 0)
+                       : learned;
   }
 }
 
 [[gnu::noinline]] void store_real_depths(const MixInput& input, int y, FrameOutput& output) {
   const float* w = input.view_w.row(y);
-  const float* background_m =
-      input.background.depth_m.empty() ? nullptr : input.background.depth_m.row(y);
+  const float* background_m = input.background.depth_m.empty() || input.replaced
+                                  ? nullptr
+                                  : input.background.depth_m.row(y);
   const bool mixed = output.wanted & kMixedDepth, segmented = output.wanted & kSegmentedDepth;
   float* mixed_m = mixed ? output.mixed_depth_m.row(y) : nullptr;
   float* segmented_m = segmented ? output.segmented_depth_m.row(y) : nullptr;
   const std::uint8_t* matte = output.matte.row(y);
   const int width = output.matte.width();
   if (mixed && segmented)
-    real_depths<true, true>(w, background_m, matte, width, mixed_m, segmented_m);
+    real_depths<true, true>(w, background_m, input.replaced, matte, width, mixed_m, segmented_m);
   else if (mixed)
-    real_depths<true, false>(w, background_m, matte, width, mixed_m, segmented_m);
+    real_depths<true, false>(w, background_m, input.replaced, matte, width, mixed_m, segmented_m);
   else if (segmented)
-    real_depths<false, true>(w, background_m, matte, width, mixed_m, segmented_m);
+    real_depths<false, true>(w, background_m, input.replaced, matte, width, mixed_m, segmented_m);
 }
 
 /// What a pixel with virtual coverage is made of.
@@ -69,9 +72,11 @@ struct Parts {
   glm::vec3 real, shaded;  ///< plate under the light map; shaded colour, premultiplied
   float coverage, matte;   ///< of the virtual layer, of people
   float virtual_m, person_m, background_m;  ///< z, 0 unknown
+  std::optional<glm::vec3> room;            ///< the background's own colour under the light map
 };
 
-/// Whether the object lies behind the background. A surface that it touches does not hide it.
+/// Whether the object lies behind the background. A surface that it touches does not hide it, and
+/// a background that is not shown or open hides nothing.
 bool is_behind_background(const Parts& p) {
   return p.background_m > 0 && p.virtual_m > p.background_m + kContactSlackM;
 }
@@ -86,11 +91,11 @@ float most_background(const glm::vec3& real, const glm::vec3& behind) {
   return std::min({ratio.r, ratio.g, ratio.b});
 }
 
-/// Linear colour of the composite; `background` is the learned colour under the light map.
-glm::vec3 mixed_color(const Parts& p, const std::optional<glm::vec3>& background) {
+/// Linear colour of the composite.
+glm::vec3 mixed_color(const Parts& p) {
   if (!is_person_before(p)) return p.shaded + (1 - p.coverage) * p.real;
   if (p.matte >= 1) return p.real;
-  const glm::vec3 behind = background.value_or(p.real);
+  const glm::vec3 behind = p.room.value_or(p.real);
   const float share = std::min(1 - p.matte, most_background(p.real, behind));
   return p.real + share * (p.shaded - p.coverage * behind);
 }
@@ -101,41 +106,107 @@ Layer visible_layer(const Parts& p) {
   return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
 }
 
-Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, float light) {
-  const VirtualLayer& objects = *input.objects;
+/// Colour of the background without people, linear of kLinearOne: learned, or that around.
+std::optional<glm::vec3> room_color(const MixInput& input, int x, int y, float light) {
+  if (!input.background.color.empty()) {
+    const Rgbf b = input.background.color.row(y)[x];
+    if (b.r < 0) return std::nullopt;
+    return glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
+  }
+  if (!input.key) return std::nullopt;
+  const glm::vec3 around = input.key->at(x / kBlockPx, y / kBlockPx).room_color;
+  if (around.r < 0) return std::nullopt;
+  return around * (light * kLinearOne);
+}
+
+float light_at(const MixInput& input, int x, int y) {
+  return input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
+}
+
+/// Of a pixel with or without virtual coverage.
+Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, bool covered) {
+  const float light = light_at(input, x, y);
   const float measured_w = input.view_w.row(y)[x];
   const float measured_m = measured_w > 0 ? 1 / measured_w : 0;
   const std::uint8_t matte = output.matte.row(y)[x];
-  const bool has_background = !input.background.depth_m.empty();
-  const float learned_m = has_background ? input.background.depth_m.row(y)[x] : 0;
-  return {to_vec(input.plate.row(y)[x]) * light,
-          to_vec(objects.color.row(y)[x]) * input.gain,
-          static_cast<float>(objects.coverage.row(y)[x]) / 255,
-          static_cast<float>(matte) / 255,
-          1 / objects.w.row(y)[x],
-          matte > 0 ? measured_m : 0,
-          learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m)};
+  Parts p{};
+  p.real = to_vec(input.plate.row(y)[x]) * light;
+  p.matte = static_cast<float>(matte) / 255;
+  p.person_m = matte > 0 ? measured_m : 0;
+  if (matte > 0 && matte < 255) p.room = room_color(input, x, y, light);
+  if (covered) {
+    p.shaded = to_vec(input.objects->color.row(y)[x]) * input.gain;
+    p.coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
+    p.virtual_m = 1 / input.objects->w.row(y)[x];
+  }
+  if (input.open_walls || input.replaced) return p;
+  const float learned_m = input.background.depth_m.empty() ? 0 : input.background.depth_m.row(y)[x];
+  p.background_m = learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m);
+  return p;
+}
+
+void store_virtual(const Parts& parts, int x, int y, FrameOutput& output) {
+  if (visible_layer(parts) != Layer::kVirtual) return;
+  if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = parts.virtual_m;
+  if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
 }
 
 [[gnu::noinline]] void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
   const VirtualLayer& objects = *input.objects;
   for (int x = objects.rect.x0; x < objects.rect.x1; ++x) {
     if (objects.coverage.row(y)[x] == 0) continue;
-    const float light =
-        input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
-    const Parts parts = parts_at(input, output, x, y, light);
+    const Parts parts = parts_at(input, output, x, y, true);
     if (is_behind_background(parts)) continue;
-    std::optional<glm::vec3> learned;
-    if (!input.background.color.empty()) {
-      const Rgbf b = input.background.color.row(y)[x];
-      if (b.r >= 0)
-        learned = glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
-    }
-    if (output.wanted & kColor) output.color.row(y)[x] = encode(mixed_color(parts, learned));
-    if (visible_layer(parts) != Layer::kVirtual) continue;
-    if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = parts.virtual_m;
-    if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
+    if (output.wanted & kColor) output.color.row(y)[x] = encode(mixed_color(parts));
+    store_virtual(parts, x, y, output);
   }
+}
+
+/// What a pixel of a person holds of the person: its colour times the matte.
+glm::vec3 person_alone(const Parts& p) {
+  if (p.matte >= 1) return p.real;
+  if (!p.room) return p.matte * p.real;
+  return p.real - std::min(1 - p.matte, most_background(p.real, *p.room)) * *p.room;
+}
+
+/// A row where the real background is replaced.
+[[gnu::noinline]] void mix_replaced(const MixInput& input, int y, FrameOutput& output) {
+  const VirtualLayer* objects = input.objects;
+  if (objects && (y < objects->rect.y0 || y >= objects->rect.y1)) objects = nullptr;
+  const std::uint8_t* matte = output.matte.row(y);
+  for (int x = 0; x < output.matte.width(); ++x) {
+    const bool covered =
+        objects && x >= objects->rect.x0 && x < objects->rect.x1 && objects->coverage.row(y)[x] > 0;
+    const glm::vec3 far = input.backdrop ? to_vec(input.backdrop->row(y)[x]) : glm::vec3(0);
+    if (matte[x] == 0 && !covered) {
+      if (output.wanted & kColor) output.color.row(y)[x] = encode(far);
+      if (output.wanted & kAlpha) output.alpha.row(y)[x] = input.backdrop ? 255 : 0;
+      continue;
+    }
+    const Parts p = parts_at(input, output, x, y, covered);
+    if (output.wanted & kColor) {
+      const glm::vec3 behind = p.shaded + (1 - p.coverage) * far;
+      const glm::vec3 person = matte[x] > 0 ? person_alone(p) : glm::vec3(0);
+      output.color.row(y)[x] =
+          encode(is_person_before(p) || !covered
+                     ? person + (1 - p.matte) * behind
+                     : p.shaded + (1 - p.coverage) * (person + (1 - p.matte) * far));
+    }
+    if (output.wanted & kAlpha)
+      output.alpha.row(y)[x] =
+          input.backdrop
+              ? 255
+              : static_cast<std::uint8_t>(255 * (1 - (1 - p.matte) * (1 - p.coverage)) + 0.5F);
+    if (covered) store_virtual(p, x, y, output);
+  }
+}
+
+/// The real scene alone, under the light map.
+void store_real_color(const MixInput& input, int y, FrameOutput& output) {
+  const int width = input.plate.width();
+  encode_row(input.plate.row(y), width, output.color.row(y));
+  if (input.light)
+    apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
 }
 
 void fill_layer(const std::uint8_t* matte, int width, std::uint8_t* layer) {
@@ -149,17 +220,18 @@ void fill_layer(const std::uint8_t* matte, int width, std::uint8_t* layer) {
 void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
   constexpr int kGrain = 16;
   const int width = input.plate.width();
+  const VirtualLayer* objects = input.objects;
   crew.rows(input.plate.height(), kGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
-      if (output.wanted & kColor) {
-        encode_row(input.plate.row(y), width, output.color.row(y));
-        if (input.light)
-          apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
-      }
       store_real_depths(input, y, output);
       if (output.wanted & kLayer) fill_layer(output.matte.row(y), width, output.layer.row(y));
-      if (input.objects && y >= input.objects->rect.y0 && y < input.objects->rect.y1)
-        mix_virtual(input, y, output);
+      if (input.replaced) {
+        mix_replaced(input, y, output);
+        continue;
+      }
+      if (output.wanted & kColor) store_real_color(input, y, output);
+      if (output.wanted & kAlpha) std::fill_n(output.alpha.row(y), width, 255);
+      if (objects && y >= objects->rect.y0 && y < objects->rect.y1) mix_virtual(input, y, output);
     }
   });
 }

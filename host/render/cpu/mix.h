@@ -3,12 +3,13 @@
 #pragma once
 
 #include "hal/base/parallel.h"
+#include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/virtual.h"
 
 namespace mixrig::render::cpu {
 
-/// Inputs of the pass; a layer is null where the scene has none.
+/// Inputs of the pass; a pointer is null where the scene has none.
 struct MixInput {
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
@@ -16,9 +17,14 @@ struct MixInput {
   const VirtualLayer* objects;
   const LightLayer* light;
   glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
+  const KeyScratch* key = nullptr;  ///< colours of the room beside people
+  bool open_walls = false;
+  bool replaced = false;                    ///< the real background is not shown...
+  const Image<Rgbx16>* backdrop = nullptr;  ///< ...but this picture
 };
 
-/// Writes the wanted ones of colour, mixed depth, segmented depth and layer; reads the matte.
+/// Writes the wanted ones of colour, mixed depth, segmented depth, layer and alpha; reads the
+/// matte.
 void mix(Crew& crew, const MixInput& input, FrameOutput& output);
 
 }  // namespace mixrig::render::cpu

@@ -19,6 +19,9 @@ struct VirtualLayer {
   Image<float> w;                ///< of the nearest sample; 0 where not covered
   Image<PackedNormal> normal;    ///< camera axes
   Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
+  /// Where people cast shadows: the albedo, and its shading without people.
+  Image<Rgbx16> albedo, without_people;
+  Image<std::uint8_t> in_shadow;  ///< a pixel a tile: people may have darkened it in the last frame
 };
 
 /// Memory of the pass, kept between frames.

@@ -15,6 +15,7 @@
 #include "host/render/gles/key_pass.h"
 #include "host/render/gles/light_pass.h"
 #include "host/render/gles/mix_pass.h"
+#include "host/render/gles/people_shadow_pass.h"
 #include "host/render/gles/plate_pass.h"
 #include "host/render/gles/read_back.h"
 #include "host/render/gles/shadow_pass.h"
@@ -44,7 +45,7 @@ class GlesCompositor final : public Compositor {
   /// A frame between submit() and collect().
   struct Frame {
     OutputMask wanted = 0, read = 0;  ///< `read`: what the buffers below hold
-    ReadBack color_and_matte, mixed, segmented, warped_w, state, light, layer;
+    ReadBack color_and_matte, mixed, segmented, warped_w, state, light, layer, alpha;
     Fence done;
     std::optional<StageTimer> timer;
   };
@@ -52,7 +53,7 @@ class GlesCompositor final : public Compositor {
   Result<void> draw(const FrameInput& input, Frame& frame);
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
-  void draw_light(bool people, StageTimer& timer);
+  Result<void> draw_light(bool people, StageTimer& timer);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
   static Result<void> fetch(const Frame& frame, FrameOutput& output);
@@ -66,7 +67,8 @@ class GlesCompositor final : public Compositor {
     return background_pass_ ? background_pass_->learned_sigma() : learned_sigma_;
   }
   bool has_objects() const { return !meshes_.empty(); }
-  bool has_light_map() const { return has_shadows_ && tables_.has_background; }
+  bool keys() const { return preparer_.params().key.by != KeyBy::kNothing; }
+  bool has_light_map() const { return has_shadows_ && keys(); }
 
   EglContext context_;  // dies last
   std::string renderer_;
@@ -83,6 +85,7 @@ class GlesCompositor final : public Compositor {
   std::optional<BackgroundPass> background_pass_;  ///< of a camera that moves
   VirtualPass virtual_;
   ShadowPass shadow_;
+  std::optional<PeopleShadowPass> people_shadow_;
   KeyPass key_;
   LightPass light_;
   MixPass mix_;
@@ -121,6 +124,8 @@ Result<void> GlesCompositor::create_passes() {
     if (!background.color_sigma.empty())
       learned_sigma_ = make_texture(background.color_sigma, GL_R16F);
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, background, preparer_.params().key));
+  } else if (keys()) {
+    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, background, preparer_.params().key));
   }
   for (const Draw& draw : preparer_.params().draws) meshes_.emplace_back(*draw.mesh);
   if (has_objects()) {
@@ -128,6 +133,9 @@ Result<void> GlesCompositor::create_passes() {
     MIXRIG_ASSIGN(light_, LightPass::create(tables_, setup_));
     if (!setup_.light.lamps.empty()) {
       MIXRIG_ASSIGN(shadow_, ShadowPass::create());
+    }
+    if (!preparer_.params().people_lamps.empty()) {
+      MIXRIG_ASSIGN(people_shadow_, PeopleShadowPass::create(tables_));
     }
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
@@ -161,7 +169,7 @@ Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) 
 
 /// The passes, in the order of host/render/README.md.
 Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
-  const NeededPasses needed = needed_passes(frame.wanted, has_objects());
+  const NeededPasses needed = needed_passes(frame.wanted, setup_);
   StageTimer& timer = *frame.timer;
   {
     const StageScope stage(timer, Stage::kUpload, true);
@@ -185,13 +193,13 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     warp_.draw(correct_.vertices(), correct_.tof_ray());
   }
   MIXRIG_TRY(draw_objects(timer));
-  if (tables_.has_background && needed.key) {
+  if (keys() && needed.key) {
     const StageScope stage(timer, Stage::kKey);
     key_.draw(preparer_.params().key,
               {warp_.w(), plate_.in_view(), learned(), learned_sigma(), gain_,
                background_pass_ ? &background_pass_->limit_w() : nullptr});
   }
-  draw_light(needed.light, timer);
+  MIXRIG_TRY(draw_light(needed.light, timer));
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const StageScope stage(timer, Stage::kMix);
   return draw_mix(frame.wanted);
@@ -220,28 +228,35 @@ Result<void> GlesCompositor::draw_objects(StageTimer& timer) {
   return shadow_.draw(params, meshes_);
 }
 
-/// Shading and the background's light stay with the pose as well; people move.
-void GlesCompositor::draw_light(bool people, StageTimer& timer) {
-  if (!has_objects()) return;
+/// Shading and the background's light stay with the pose as well; people and their shadows move.
+Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
+  if (!has_objects()) return {};
   const StageScope stage(timer, Stage::kLight);
   if (preparer_.params().pose_changed) {
     light_.set_lamps(preparer_.params());
-    light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
-    if (has_light_map())
+    if (!people_shadow_ || !people) light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
+    if (has_light_map() && (!tables_.has_background || setup_.backdrop))
+      light_.skip_background();
+    else if (has_light_map())
       light_.draw_background(background_m(), shadow_.maps(),
                              background_pass_ ? &background_pass_->normal() : nullptr);
   }
   if (has_light_map() && people)
     light_.draw_people(key_.blocks(), key_.matte(), key_.visible_w(), shadow_.maps());
+  if (!people_shadow_ || !people) return {};
+  MIXRIG_TRY(people_shadow_->draw(preparer_.params(), key_.matte(), key_.visible_w()));
+  light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps(), people_shadow_->maps());
+  return {};
 }
 
 Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
-  const bool keyed = tables_.has_background;
+  const bool keyed = keys();
   MixInput input;
   input.plate = &plate_.in_view();
   input.visible_w = keyed ? &key_.visible_w() : &warp_.w();
   input.matte = keyed ? &key_.matte() : nullptr;
-  input.background_m = keyed ? &background_m() : nullptr;
+  input.background_m = tables_.has_background ? &background_m() : nullptr;
+  input.room = keyed ? &key_.room() : nullptr;
   input.learned = &learned();
   input.light = has_light_map() ? &light_.light() : nullptr;
   input.virtual_color = has_objects() ? &light_.virtual_color() : nullptr;
@@ -254,7 +269,8 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
 void GlesCompositor::start_read_back(Frame& frame) {
   const StageScope stage(*frame.timer, Stage::kReadback);
   frame.read = frame.wanted;
-  if (!tables_.has_background) frame.read &= ~kState;
+  if (!keys()) frame.read &= ~kState;
+  if (!mix_.has_alpha()) frame.read &= ~kAlpha;
   if (!has_light_map()) frame.read &= ~kLight;
   if (frame.read & (kColor | kMatte)) frame.color_and_matte.start_rgba(mix_.target(), kMixColor);
   if (frame.read & kMixedDepth) frame.mixed.start_float(mix_.target(), kMixDepth);
@@ -263,6 +279,7 @@ void GlesCompositor::start_read_back(Frame& frame) {
   if (frame.read & kState) frame.state.start_byte(key_.state_target(), 0);
   if (frame.read & kLight) frame.light.start_float(light_.light_target(), 0);
   if (frame.read & kLayer) frame.layer.start_byte(mix_.target(), kMixLayer);
+  if (frame.read & kAlpha) frame.alpha.start_byte(mix_.alpha_target(), 0);
 }
 
 Result<void> GlesCompositor::collect(FrameOutput& output) {
@@ -307,6 +324,10 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
   else if (frame.wanted & kLight)
     output.light.fill(1);
   if (read & kLayer) MIXRIG_TRY(frame.layer.fetch(output.layer));
+  if (read & kAlpha)
+    MIXRIG_TRY(frame.alpha.fetch(output.alpha));
+  else if (frame.wanted & kAlpha)
+    output.alpha.fill(255);
   return {};
 }
 

@@ -11,11 +11,12 @@ Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& back
   const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
                     (view.height + kBlockPx - 1) / kBlockPx};
   const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
-  pass.use_color_ = params.color && !background.color.empty();
+  pass.use_color_ = params.color;
+  pass.has_learned_ = !background.color.empty();
   if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
   pass.state_image_ = make_texture(view, GL_R8);
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
-                         &pass.band_, &pass.person_})
+                         &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_})
     *image = make_texture(blocks, GL_RGBA32F);
   pass.matte_ = make_texture(view, GL_R8);
   pass.visible_w_ = make_texture(view, GL_R32F);
@@ -27,9 +28,10 @@ Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& back
 
 Result<void> KeyPass::make_steps() {
   MIXRIG_ASSIGN(state_, make_step("key_state.frag", {&state_image_}));
-  MIXRIG_ASSIGN(blocks_, make_step("key_blocks.frag", {&counts_, &colors_}));
-  MIXRIG_ASSIGN(speckles_, make_step("key_speckles.frag", {&kept_counts_, &kept_colors_}));
-  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_}));
+  MIXRIG_ASSIGN(blocks_, make_step("key_blocks.frag", {&counts_, &colors_, &rooms_}));
+  MIXRIG_ASSIGN(speckles_,
+                make_step("key_speckles.frag", {&kept_counts_, &kept_colors_, &kept_rooms_}));
+  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_}));
   MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&matte_, &visible_w_}));
   if (use_color_) {
     MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
@@ -49,9 +51,18 @@ void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, b
   speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
   if (use_color_) {
     vote_.program.set("has_sigma", has_sigma);
+    vote_.program.set("has_learned", has_learned_);
     gain_ = vote_.program.location("gain");
   }
   decide_.program.set("use_color", use_color_);
+  for (const Step* step : {&blocks_, &speckles_})
+    step->program.set("needs_room", use_color_ && !has_learned_);
+  state_.program.set("by_volume", params.by == KeyBy::kVolume);
+  state_.program.set("noise_factor", params.noise_factor);
+  state_.program.set("noise_floor_m", params.noise.floor_m);
+  state_.program.set("noise_linear", params.noise.linear);
+  state_.program.set("noise_quadratic_per_m", params.noise.quadratic_per_m);
+  floor_w_ = state_.program.location("floor_w");
   world_from_camera_ = state_.program.location("world_from_camera");
   decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
 }
@@ -59,16 +70,17 @@ void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, b
 void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   state_.program.use();
   set_uniform(world_from_camera_, params.world_from_camera);
+  set_uniform(floor_w_, params.floor_w);
   run(state_, {&input.w, input.limit_w ? input.limit_w : &limit_w_});
   run(blocks_, {&state_image_, &input.w, &input.plate});
-  run(speckles_, {&counts_, &colors_});
-  run(find_band_, {&kept_counts_, &kept_colors_});
+  run(speckles_, {&counts_, &colors_, &rooms_});
+  run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_});
   run(fill_, {&band_, &input.w});
   if (use_color_) {
     vote_.program.use();
     set_uniform(gain_, input.gain);
     run_blocks(vote_, band_,
-               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_});
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
   }
   run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_, &input.w});
 }

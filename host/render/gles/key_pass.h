@@ -21,7 +21,7 @@ enum BlockFlags : int { kNear = 1, kBand = 2, kVotes = 4, kHasColor = 8, kMaySho
 
 class KeyPass {
  public:
-  /// Precondition: tables.has_background. Errors: as make_program and make_target.
+  /// Precondition: params.by is not KeyBy::kNothing. Errors: as make_program and make_target.
   static Result<KeyPass> create(const Tables& tables, const BackgroundView& background,
                                 const KeyPassParams& params);
   void draw(const KeyPassParams& params, const KeyInput& input) const;
@@ -29,6 +29,9 @@ class KeyPass {
   const Texture& matte() const { return matte_; }  ///< GL_R8
   /// A texel a block of kBlockPx, its BlockFlags as a number in the first channel.
   const Texture& blocks() const { return band_; }
+  /// A texel a block: mean colour of the background around where none was learned, and its
+  /// variance, 0 where it is not known.
+  const Texture& room() const { return room_; }
   const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, as key_decide.frag has it
   const Target& state_target() const { return state_.target; }
 
@@ -36,12 +39,12 @@ class KeyPass {
   Result<void> make_steps();
   void set_constants(const Tables& tables, const KeyPassParams& params, bool has_sigma);
 
-  bool use_color_ = false;
-  Texture limit_w_, state_image_, counts_, colors_, kept_counts_, kept_colors_, band_, person_,
-      votes_;
+  bool use_color_ = false, has_learned_ = false;
+  Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,
+      band_, person_, room_, votes_;
   Texture matte_, visible_w_;
   Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_;
-  GLint world_from_camera_ = -1, gain_ = -1;
+  GLint world_from_camera_ = -1, floor_w_ = -1, gain_ = -1;
 };
 
 }  // namespace mixrig::render::gles

@@ -13,7 +13,8 @@
 namespace mixrig::render::gles {
 namespace {
 
-constexpr int kMapUnit = 7;  // common/lamps.glsl
+constexpr int kMapUnit = 7;        // common/lamps.glsl
+constexpr int kPeopleMapUnit = 6;  // shade_virtual.frag
 
 /// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
 struct GpuLamp {
@@ -34,6 +35,24 @@ GpuLamp to_gpu(const LampParams& lamp) {
           lamp.map_center_texel,
           lamp.casters_near_m,
           glm::ivec4(lamp.map_size_texel)};
+}
+
+/// A uniform block of kMostLamps.
+BufferHandle make_lamps() {
+  GLuint name = 0;
+  glGenBuffers(1, &name);
+  glBindBuffer(GL_UNIFORM_BUFFER, name);
+  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), nullptr, GL_DYNAMIC_DRAW);
+  return BufferHandle(name);
+}
+
+void upload(const std::vector<LampParams>& from, const BufferHandle& to) {
+  if (from.empty()) return;
+  std::array<GpuLamp, kMostLamps> lamps;
+  std::transform(from.begin(), from.end(), lamps.begin(), to_gpu);
+  glBindBuffer(GL_UNIFORM_BUFFER, to.get());
+  glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(from.size() * sizeof(GpuLamp)),
+                  lamps.data());
 }
 
 void set_constants(const Program& program, const Tables& tables, const CompositorSetup& setup) {
@@ -79,20 +98,15 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.tiles_.program.set("reach", normal_reach_tiles(tables.tof_footprint_px));
   pass.shade_.program.set("exposure", setup.light.exposure);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
-  GLuint name = 0;
-  glGenBuffers(1, &name);
-  pass.lamps_ = BufferHandle(name);
-  glBindBuffer(GL_UNIFORM_BUFFER, name);
-  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), nullptr, GL_DYNAMIC_DRAW);
+  pass.has_people_ = pass.shade_.program.location("has_people");
+  pass.lamps_ = make_lamps();
+  pass.people_lamps_ = make_lamps();
   return pass;
 }
 
 void LightPass::set_lamps(const FrameParams& params) {
-  std::array<GpuLamp, kMostLamps> lamps;
-  for (std::size_t i = 0; i < params.lamps.size(); ++i) lamps[i] = to_gpu(params.lamps[i]);
-  glBindBuffer(GL_UNIFORM_BUFFER, lamps_.get());
-  glBufferSubData(GL_UNIFORM_BUFFER, 0,
-                  static_cast<GLsizeiptr>(params.lamps.size() * sizeof(GpuLamp)), lamps.data());
+  upload(params.lamps, lamps_);
+  upload(params.people_lamps, people_lamps_);
 }
 
 void LightPass::bind_lamps(GLuint shadow_maps) const {
@@ -107,8 +121,14 @@ void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps,
   run(background_, {&background_m, normal ? normal : &normal_});
 }
 
+void LightPass::skip_background() const {
+  bind(background_.target);
+  glClearColor(1, 1, 1, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
 void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samples,
-                              GLuint shadow_maps) const {
+                              GLuint shadow_maps, GLuint people_maps) const {
   const Rect& rect = params.virtual_rect;
   bind(shade_.target);
   glClearColor(0, 0, 0, 0);
@@ -116,6 +136,10 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   if (rect.empty()) return;
   shade_.program.use();
   set_uniform(shade_origin_px_, glm::ivec2(rect.x0, rect.y0));
+  set_uniform(has_people_, people_maps != 0);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, people_lamps_.get());
+  glActiveTexture(GL_TEXTURE0 + kPeopleMapUnit);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, people_maps);
   bind_lamps(shadow_maps);
   glEnable(GL_SCISSOR_TEST);
   glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);

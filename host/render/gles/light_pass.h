@@ -18,9 +18,12 @@ class LightPass {
   /// `normal`: of this frame; null: that of the take.
   void draw_background(const Texture& background_m, GLuint shadow_maps,
                        const Texture* normal = nullptr) const;
-  /// Shaded virtual colour from the samples of VirtualPass, after a change of pose.
-  void shade_virtual(const FrameParams& params, const VirtualPass& samples,
-                     GLuint shadow_maps) const;
+  /// No real background is shown: its light is 1.
+  void skip_background() const;
+  /// Shaded virtual colour from the samples of VirtualPass, after a change of pose; in each frame
+  /// where people cast shadows: `people_maps` of PeopleShadowPass, else 0.
+  void shade_virtual(const FrameParams& params, const VirtualPass& samples, GLuint shadow_maps,
+                     GLuint people_maps = 0) const;
   /// Light of the visible surfaces; blocks, matte and visible_w of KeyPass.
   void draw_people(const Texture& blocks, const Texture& matte, const Texture& visible_w,
                    GLuint shadow_maps) const;
@@ -37,8 +40,8 @@ class LightPass {
 
   Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
   Step background_, tile_depth_, tiles_, people_, shade_;
-  BufferHandle lamps_;
-  GLint shade_origin_px_ = -1;
+  BufferHandle lamps_, people_lamps_;
+  GLint shade_origin_px_ = -1, has_people_ = -1;
 };
 
 }  // namespace mixrig::render::gles

@@ -27,6 +27,17 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   pass.segmented_ = make_texture(tables.view_size, GL_R32F);
   MIXRIG_ASSIGN(pass.step_, make_step("mix.frag", {&pass.color_, &pass.mixed_, &pass.segmented_}));
   pass.step_.program.set("has_background", tables.has_background);
+  pass.step_.program.set("keyed", tables.has_background || key_by(setup) != KeyBy::kNothing);
+  pass.step_.program.set("shows_room", !setup.backdrop);
+  pass.step_.program.set("open_walls", setup.open_walls);
+  if (setup.backdrop && !setup.backdrop->picture.empty())
+    pass.backdrop_ = make_texture(setup.backdrop->picture, GL_SRGB8);
+  else if (setup.backdrop) {
+    pass.alpha_ = make_texture(tables.view_size, GL_R8);
+    MIXRIG_ASSIGN(pass.make_alpha_, make_step("alpha.frag", {&pass.alpha_}));
+    pass.make_alpha_.program.set("has_objects", !setup.objects.empty());
+  }
+  pass.step_.program.set("has_backdrop", pass.backdrop_.size.area() > 0);
   pass.step_.program.set(
       "has_color", !setup.background.color.empty() ||
                        (setup.background_model && !setup.background_model->images.color.empty()));
@@ -48,7 +59,9 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
   set_uniform(gain_, input.gain);
   run_into(target(), step_,
            {input.plate, input.matte, input.visible_w, input.background_m, input.learned,
-            input.light, input.virtual_color, input.virtual_w});
+            input.light, input.virtual_color, input.virtual_w, input.room,
+            backdrop_.size.empty() ? nullptr : &backdrop_});
+  if (has_alpha() && (wanted & kAlpha)) run(make_alpha_, {input.matte, input.virtual_color});
   return {};
 }
 

@@ -16,7 +16,8 @@ struct MixInput {
   const Texture* light = nullptr;          ///< with shadows
   const Texture* virtual_color = nullptr;  ///< with objects
   const Texture* virtual_w = nullptr;
-  glm::vec3 gain{1};  ///< ExposureMeter
+  glm::vec3 gain{1};              ///< ExposureMeter
+  const Texture* room = nullptr;  ///< KeyPass::room
 };
 
 /// Attachments of the pass' targets.
@@ -30,10 +31,13 @@ class MixPass {
   Result<void> draw(const MixInput& input, OutputMask wanted);
   /// What the last draw() drew into; attachments as MixOutput.
   const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
+  /// Whether parts of the picture may be transparent; else all of it is covered.
+  bool has_alpha() const { return !alpha_.size.empty(); }
+  const Target& alpha_target() const { return make_alpha_.target; }
 
  private:
-  Texture color_, mixed_, segmented_, layer_;
-  Step step_;
+  Texture color_, mixed_, segmented_, layer_, alpha_, backdrop_;
+  Step step_, make_alpha_;
   Target layer_target_;
   bool has_layer_ = false;
   GLint has_light_ = -1, gain_ = -1;

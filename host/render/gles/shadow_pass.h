@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/render/gles/gl_mesh.h"
-#include "host/render/gles/gl_program.h"
+#include "host/render/gles/map_array.h"
 
 namespace mixrig::render::gles {
 
@@ -16,17 +16,11 @@ class ShadowPass {
   /// size of the maps changes. Errors: kUnsupported where there is no memory for them.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
-  /// GL_TEXTURE_2D_ARRAY of window depths (gl_convention.h: near / z, 0 for nothing), a layer a
-  /// lamp; 0 before the first draw.
-  GLuint maps() const { return maps_.get(); }
-  const std::vector<FramebufferHandle>& targets() const { return targets_; }
+  GLuint maps() const { return maps_.name(); }  ///< MapArray; 0 before the first draw
+  const std::vector<FramebufferHandle>& targets() const { return maps_.targets(); }
 
  private:
-  Result<void> allocate(int size_texel, std::size_t lamps);
-
-  int size_texel_ = 0;
-  TextureHandle maps_;
-  std::vector<FramebufferHandle> targets_;
+  MapArray maps_;
   Program program_;
   GLint clip_from_object_ = -1;
 };

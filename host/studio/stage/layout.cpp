@@ -80,6 +80,7 @@ Layout make_layout(const StudioOptions& options) {
   if (scenario == Scenario::kEdges) layout.room.thin_things = true;
   layout.room.seat = scenario == Scenario::kStill || scenario == Scenario::kTalk;
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
+  layout.room.desk_chair = !options.clear_floor;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
   layout.room.seat_yaw_rad = static_cast<float>(kPi) - 0.35F;
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
@@ -95,6 +96,17 @@ Layout make_layout(const StudioOptions& options) {
 
 geometry::Pose rest_pose(const Layout& layout) {
   return geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
+}
+
+Volume capture_volume(const Layout& layout) {
+  constexpr float kReach_m = 0.42F;  // of a person who walks along the path
+  constexpr float kDeskX_m = 4.30F, kShelvesY_m = 3.95F;
+  const Stage& stage = layout.stage;
+  const Vec2 reach(kReach_m, kReach_m);
+  const Vec2 low = (stage.object - stage.path_half_m).cwiseMin(stage.spot) - reach;
+  const Vec2 high = ((stage.object + stage.path_half_m).cwiseMax(stage.spot) + reach)
+                        .cwiseMin(Vec2(kDeskX_m, kShelvesY_m));
+  return {{low.x(), low.y(), 0}, {high.x(), high.y(), 2.1}};
 }
 
 CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double time_s) {

@@ -8,24 +8,14 @@
 #include <numbers>
 
 #include "host/studio/sensors/noise.h"
-#include "host/studio/srgb.h"
+#include "host/studio/stage/paint.h"
 
 namespace mixrig::studio {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kCrate_m = 0.52F, kCrateHigh_m = 0.50F;
-constexpr int kTexture_px = 256;
-
-template <typename Color>
-Image<Rgb8> paint(Color&& color) {
-  Image<Rgb8> image({kTexture_px, kTexture_px});
-  for (int y = 0; y < kTexture_px; ++y)
-    for (int x = 0; x < kTexture_px; ++x)
-      image.at(x, y) = srgb_from_linear(color((static_cast<float>(x) + 0.5F) / kTexture_px,
-                                              (static_cast<float>(y) + 0.5F) / kTexture_px));
-  return image;
-}
+constexpr Size kTexture{256, 256};
 
 /// Boards with a frame and a diagonal slat.
 Vec3 crate_color(float u, float v) {
@@ -71,7 +61,7 @@ ObjectMesh make_crate() {
   add_face(mesh, low + y, -y, z);
   add_face(mesh, low + z, x, y);
   add_face(mesh, low + y, x, -y);
-  mesh.texture = paint(crate_color);
+  mesh.texture = paint(kTexture, crate_color);
   return mesh;
 }
 
@@ -122,7 +112,7 @@ ObjectMesh make_statue() {
       for (const std::uint32_t k : {a, a + 1, a + kRow + 1, a, a + kRow + 1, a + kRow})
         mesh.indices.push_back(k);
     }
-  mesh.texture = paint(marble_color);
+  mesh.texture = paint(kTexture, marble_color);
   return mesh;
 }
 

@@ -132,14 +132,14 @@ void add_door(Mesh& m) {
   add_box(m, {kX + 0.36F, 0.05F, 1.03F}, {0.12F, 0.02F, 0.02F}, 0, {Kind::kMetal});
 }
 
-void add_desk(Mesh& m) {
+void add_desk(Mesh& m, bool with_chair) {
   add_table(m, {4.72F, 3.3F, 0}, {0.75F, 1.35F}, 0.74F, 0);
   add_box(m, {4.75F, 3.45F, 0.74F}, {0.24F, 0.34F, 0.018F}, 0.2F, {Kind::kMetal});
   add_box(m, {4.88F, 3.48F, 0.758F}, {0.012F, 0.34F, 0.22F}, 0.2F, {Kind::kPaint, 1});
   add_cylinder(m, {4.5F, 2.95F, 0.74F}, 0.04F, 0.095F, 20, {Kind::kBook, 3});
   add_box(m, {4.9F, 2.85F, 0.74F}, {0.22F, 0.3F, 0.06F}, -0.3F, {Kind::kBook, 91});
   add_box(m, {4.9F, 2.85F, 0.80F}, {0.2F, 0.28F, 0.04F}, -0.1F, {Kind::kBook, 140});
-  add_chair(m, {4.2F, 3.55F, 0}, 0.25F);
+  if (with_chair) add_chair(m, {4.2F, 3.55F, 0}, 0.25F);
 }
 
 void add_thin_things(Mesh& m) {
@@ -167,7 +167,7 @@ Mesh build_room(const RoomPlan& plan) {
   add_cabinet(m);
   add_floor_lamp(m, 4.75F, 1.85F);
   add_door(m);
-  add_desk(m);
+  add_desk(m, plan.desk_chair);
   if (plan.seat) add_chair(m, plan.seat_foot, plan.seat_yaw_rad);
   if (plan.thin_things) add_thin_things(m);
   return m;
