@@ -31,16 +31,6 @@ using namespace cpu;  // NOLINT(google-build-using-namespace)
 
 Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
-Image<Rgbx16> linear_image(ImageView<const Rgb8> picture) {
-  Image<Rgbx16> out(picture.size);
-  const auto& linear = srgb_to_linear();
-  for (int y = 0; y < out.height(); ++y)
-    std::transform(picture.row(y), picture.row(y) + out.width(), out.row(y), [&](const Rgb8& p) {
-      return Rgbx16{linear[p.r], linear[p.g], linear[p.b]};
-    });
-  return out;
-}
-
 /// Adds wall time to stages, from one lap to the next.
 class StopWatch {
  public:
@@ -94,7 +84,6 @@ class CpuCompositor final : public Compositor {
   std::vector<ShadowMap> shadow_maps_;
   LightLayer light_;
   PeopleShadow people_shadow_;
-  Image<Rgbx16> backdrop_;  ///< empty without a picture
   struct Frame {
     FrameOutput output;
     StageTimes times{};
@@ -124,7 +113,6 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.key_limit_w.reset(tables_.view_size);
     tables_.background_normal.reset(tables_.view_size);
   }
-  if (setup_.backdrop) backdrop_ = linear_image(setup_.backdrop->picture);
   tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
@@ -222,8 +210,8 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
 void CpuCompositor::draw_peoples_shadows(const Image<std::uint8_t>& matte) {
   const FrameParams& frame = preparer_.params();
   draw_people_maps(crew_, frame, tables_.warp.view, view_w_, matte, people_shadow_);
-  shade_behind_people(
-      crew_, {frame, tables_, setup_.background, shadow_maps_, &people_shadow_.maps}, objects_);
+  shade_behind_people(crew_, {frame, tables_, setup_.background, shadow_maps_, &people_shadow_},
+                      objects_);
 }
 
 MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
@@ -236,7 +224,7 @@ MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
           .key = &key_scratch_,
           .open_walls = setup_.open_walls,
           .replaced = setup_.backdrop.has_value(),
-          .backdrop = backdrop_.empty() ? nullptr : &backdrop_};
+          .backdrop = setup_.backdrop ? setup_.backdrop->picture : ImageView<const Rgb8>{}};
 }
 
 void CpuCompositor::store_warped_depth(Image<float>& depth_m) const {

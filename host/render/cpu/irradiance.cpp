@@ -2,6 +2,7 @@
 #include "host/render/cpu/irradiance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mixrig::render::cpu {
@@ -44,23 +45,48 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
-VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
-                    const std::vector<ShadowMap>* people, const SurfaceLanes& at) {
+namespace {
+
+/// `maybe`: lamps that objects may hide; `share`: of each lamp that is seen past people, or null.
+VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                       const FloatLanes* share, const SurfaceLanes& at) {
   const glm::vec3 ambient = frame.light.exposure * frame.light.ambient;
   VectorLanes light{FloatLanes{} + ambient.r, FloatLanes{} + ambient.g, FloatLanes{} + ambient.b};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);
+    if (share) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
-    of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
-    if (people)
-      of_lamp *= visibility(frame.people_lamps[k], (*people)[k], at.position_m, at.normal);
+    if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
     light.x += of_lamp * intensity.r;
     light.y += of_lamp * intensity.g;
     light.z += of_lamp * intensity.b;
   }
   return light;
+}
+
+}  // namespace
+
+VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                    const SurfaceLanes& at) {
+  return shading_of(frame, maps, kAllLamps, nullptr, at);
+}
+
+bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                         LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
+                         VectorLanes& light) {
+  std::array<FloatLanes, kMostLamps> share;
+  const std::size_t count = std::min(maps.size(), share.size());
+  bool hidden = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    share[k] = FloatLanes{} + 1.0F;
+    if (!holds(people.maybe, k)) continue;
+    share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
+    hidden |= any(share[k] < 1);
+  }
+  if (hidden) light = shading_of(frame, maps, maybe, share.data(), at);
+  return hidden;
 }
 
 }  // namespace mixrig::render::cpu

@@ -27,9 +27,20 @@ struct SurfaceLanes {
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at);
 
-/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue. `people`: maps
-/// of frame.people_lamps; null: they hide nothing.
+/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue.
 VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
-                    const std::vector<ShadowMap>* people, const SurfaceLanes& at);
+                    const SurfaceLanes& at);
+
+/// Maps of people, and the lamps that they may hide.
+struct PeopleMaps {
+  const std::vector<LampParams>& lamps;
+  const std::vector<ShadowMap>& maps;
+  LampSet maybe = kAllLamps;
+};
+/// The same light past people too; `maybe`: lamps that objects may hide. False where people hide
+/// nothing; then `light` is not set.
+bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                         LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
+                         VectorLanes& light);
 
 }  // namespace mixrig::render::cpu

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "host/render/cpu/irradiance.h"
@@ -109,26 +110,25 @@ float tile_light_at(const LightLayer& light, int x, int y) {
   return weights > 0 ? sum / weights : 1;
 }
 
-/// Shades the covered pixels of a row, a register of them at a time; `albedo` may be the layer's
-/// colour.
-void shade_row(const LightInput& input, int y, int x0, int x1, const Image<Rgbx16>& albedo,
-               VirtualLayer& layer) {
+Rgbx16 shaded(Rgbx16 albedo, const VectorLanes& light, int i) {
+  const glm::vec3 c =
+      glm::vec3(albedo.r, albedo.g, albedo.b) * glm::vec3(light.x[i], light.y[i], light.z[i]) +
+      0.5F;
+  const glm::vec3 clipped = glm::min(c, glm::vec3(kLinearOne));
+  return {static_cast<std::uint16_t>(clipped.r), static_cast<std::uint16_t>(clipped.g),
+          static_cast<std::uint16_t>(clipped.b), 0};
+}
+
+/// Calls shade(columns, at) for the covered pixels of a row, a register of them at a time.
+template <typename Shade>
+void for_each_surface(const LightInput& input, int y, int x0, int x1, const VirtualLayer& layer,
+                      Shade&& shade) {
   SurfaceLanes at;
   std::array<int, kLanes> columns;
   int count = 0;
-  const auto shade = [&] {
+  const auto flush = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    const VectorLanes light = shading(input.frame, input.maps, input.people, at);
-    for (int i = 0; i < count; ++i) {
-      const int x = columns[static_cast<std::size_t>(i)];
-      const Rgbx16 c = albedo.row(y)[x];
-      const glm::vec3 shaded =
-          glm::vec3(c.r, c.g, c.b) * glm::vec3(light.x[i], light.y[i], light.z[i]) + 0.5F;
-      const glm::vec3 clipped = glm::min(shaded, glm::vec3(kLinearOne));
-      layer.color.row(y)[x] = {static_cast<std::uint16_t>(clipped.r),
-                               static_cast<std::uint16_t>(clipped.g),
-                               static_cast<std::uint16_t>(clipped.b), 0};
-    }
+    shade(std::span(columns).first(static_cast<std::size_t>(count)), at);
     count = 0;
   };
   for (int x = x0; x < x1; ++x) {
@@ -136,9 +136,40 @@ void shade_row(const LightInput& input, int y, int x0, int x1, const Image<Rgbx1
     const glm::vec3 ray = ray_of(input.tables.warp.view, x, y);
     at.set(count, ray / layer.w.row(y)[x], unpack(layer.normal.row(y)[x], ray));
     columns[static_cast<std::size_t>(count)] = x;
-    if (++count == kLanes) shade();
+    if (++count == kLanes) flush();
   }
-  if (count > 0) shade();
+  if (count > 0) flush();
+}
+
+/// Turns the albedo of a row into shaded colour.
+void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
+  for_each_surface(input, y, x0, x1, layer, [&](std::span<const int> columns, const auto& at) {
+    const VectorLanes light = shading(input.frame, input.maps, at);
+    int i = 0;
+    for (const int x : columns) {
+      Rgbx16& c = layer.color.row(y)[x];
+      c = shaded(c, light, i++);
+    }
+  });
+}
+
+/// Lamps that may be hidden from the virtual surfaces of a tile.
+struct TileLamps {
+  LampSet by_people = 0, by_objects = 0;
+};
+
+/// Colour of a row past people; the rest of it is without people.
+void shade_row_behind(const LightInput& input, const TileLamps& lamps, int y, int x0, int x1,
+                      VirtualLayer& layer) {
+  std::copy(layer.without_people.row(y) + x0, layer.without_people.row(y) + x1,
+            layer.color.row(y) + x0);
+  for_each_surface(input, y, x0, x1, layer, [&](std::span<const int> columns, const auto& at) {
+    VectorLanes light;
+    const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
+    if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light)) return;
+    int i = 0;
+    for (const int x : columns) layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i++);
+  });
 }
 
 /// Least and largest positive value of a rectangle; 0, 0 where none is.
@@ -199,13 +230,17 @@ void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>&
     light_row(input, maybe, y, rect.x0, rect.x1, light.row(y));
 }
 
-/// Whether people may hide a lamp from a virtual surface of the tile.
-bool may_hide(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
+TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
   const auto [least_w, most_w] = positive_range(virtual_w, tile);
-  if (!(most_w > 0)) return false;
-  return input.people->size() > kLampBits ||
-         lamps_in_doubt(input.tables.warp.view, input.frame.people_lamps, *input.people, tile,
-                        1 / most_w, 1 / least_w) != 0;
+  if (!(most_w > 0)) return {};
+  const PinholeParams& view = input.tables.warp.view;
+  const float near_m = 1 / most_w, far_m = 1 / least_w;
+  TileLamps lamps;
+  lamps.by_people =
+      lamps_in_doubt(view, input.people->lamps, input.people->maps, tile, near_m, far_m);
+  if (lamps.by_people != 0)
+    lamps.by_objects = lamps_in_doubt(view, input.frame.lamps, input.maps, tile, near_m, far_m);
+  return lamps;
 }
 
 }  // namespace
@@ -237,7 +272,7 @@ void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
     for (int y = rect.y0 + begin; y < rect.y0 + end; ++y) {
       const Rgbx16* const color = layer.color.row(y);
       if (people) std::copy(color + rect.x0, color + rect.x1, layer.albedo.row(y) + rect.x0);
-      shade_row(input, y, rect.x0, rect.x1, layer.color, layer);
+      shade_row(input, y, rect.x0, rect.x1, layer);
       if (people)
         std::copy(color + rect.x0, color + rect.x1, layer.without_people.row(y) + rect.x0);
     }
@@ -264,14 +299,10 @@ void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& laye
       const int x1 = std::min((column + 1) * kTileWidth, rect.x1);
       if (x0 >= x1) continue;
       std::uint8_t& in_shadow = layer.in_shadow.row(row)[column];
-      const bool hidden = may_hide(input, {x0, y0, x1, y1}, layer.w);
-      for (int y = y0; y < y1 && (hidden || in_shadow); ++y)
-        if (hidden)
-          shade_row(input, y, x0, x1, layer.albedo, layer);
-        else
-          std::copy(layer.without_people.row(y) + x0, layer.without_people.row(y) + x1,
-                    layer.color.row(y) + x0);
-      in_shadow = hidden;
+      const TileLamps lamps = lamps_of_tile(input, {x0, y0, x1, y1}, layer.w);
+      for (int y = y0; y < y1 && (lamps.by_people != 0 || in_shadow != 0); ++y)
+        shade_row_behind(input, lamps, y, x0, x1, layer);
+      in_shadow = lamps.by_people != 0 ? 1 : 0;
     }
   });
 }

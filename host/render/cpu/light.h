@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/shadow.h"
 #include "host/render/cpu/virtual.h"
 #include "host/render/prepare.h"
@@ -27,7 +28,7 @@ struct LightInput {
   const Tables& tables;
   const BackgroundView& background;
   const std::vector<ShadowMap>& maps;
-  const std::vector<ShadowMap>* people = nullptr;  ///< of frame.people_lamps
+  const PeopleShadow* people = nullptr;
 };
 
 /// Whether any lamp casts a shadow; without, the light map is 1 everywhere.

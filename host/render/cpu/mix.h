@@ -19,8 +19,8 @@ struct MixInput {
   glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
   const KeyScratch* key = nullptr;  ///< colours of the room beside people
   bool open_walls = false;
-  bool replaced = false;                    ///< the real background is not shown...
-  const Image<Rgbx16>* backdrop = nullptr;  ///< ...but this picture
+  bool replaced = false;           ///< the real background is not shown...
+  ImageView<const Rgb8> backdrop;  ///< ...but this picture, where there is one
 };
 
 /// Writes the wanted ones of colour, mixed depth, segmented depth, layer and alpha; reads the

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace mixrig::render::cpu {
 namespace {
@@ -55,26 +56,73 @@ Ball ball_at(const Image<float>& w, const PinholeParams& view, int bx, int by) {
   return {ray / own_w + radius_m * glm::normalize(ray), radius_m};
 }
 
-/// Rows [y0, y1) of a disc at the depth of the ball's centre.
-void draw_ball(const LampParams& lamp, const Ball& ball, int y0, int y1, Image<float>& map_w) {
+/// A ball in a lamp's map: a disc at the depth of its centre.
+struct Disc {
+  float u = 0, v = 0, radius = 0;  ///< texels
+  float w = 0;                     ///< 1/m; 0: not drawn
+};
+
+Disc disc_of(const LampParams& lamp, const Ball& ball) {
+  if (!(ball.radius_m > 0)) return {};
   const glm::vec3 p = transform(lamp.lamp_from_camera, ball.center_m);
-  if (!(p.z > lamp.casters_near_m)) return;
-  const float scale = lamp.map_focal_texel / p.z, w = 1 / p.z;
-  const float u = p.x * scale + lamp.map_center_texel, v = p.y * scale + lamp.map_center_texel;
-  const float radius = ball.radius_m * scale;
-  // The border of a map stays empty.
-  const float last = static_cast<float>(map_w.width() - 2);
-  const auto whole = [last](float texel) {
-    return static_cast<int>(std::clamp(texel, 1.0F, last + 1));
-  };
-  for (int y = std::max(y0, whole(std::ceil(v - radius)));
-       y < std::min(y1, whole(std::floor(v + radius) + 1)); ++y) {
-    const float dy = static_cast<float>(y) - v;
-    const float half = std::sqrt(std::max(radius * radius - dy * dy, 0.0F));
-    float* row = map_w.row(y);
-    const int x1 = whole(std::floor(u + half) + 1);
-    for (int x = whole(std::ceil(u - half)); x < x1; ++x) row[x] = std::max(row[x], w);
+  if (!(p.z > lamp.casters_near_m)) return {};
+  const float scale = lamp.map_focal_texel / p.z;
+  return {p.x * scale + lamp.map_center_texel, p.y * scale + lamp.map_center_texel,
+          ball.radius_m * scale, 1 / p.z};
+}
+
+/// The border of a map stays empty.
+int inner_texel(float texel, int size) {
+  return static_cast<int>(std::clamp(texel, 1.0F, static_cast<float>(size - 1)));
+}
+
+/// Texels that the discs of all balls may touch, and the nearest of them.
+Rect bounds_of(const LampParams& lamp, std::span<const Ball> balls, float& most_w) {
+  const int size = lamp.map_size_texel;
+  Rect rect{size, size, 0, 0};
+  for (const Ball& ball : balls) {
+    const Disc d = disc_of(lamp, ball);
+    if (!(d.w > 0)) continue;
+    rect = {std::min(rect.x0, inner_texel(d.u - d.radius, size)),
+            std::min(rect.y0, inner_texel(d.v - d.radius, size)),
+            std::max(rect.x1, inner_texel(d.u + d.radius + 2, size)),
+            std::max(rect.y1, inner_texel(d.v + d.radius + 2, size))};
+    most_w = std::max(most_w, d.w);
   }
+  return rect.empty() ? Rect{} : rect;
+}
+
+/// Rows [y0, y1) of a disc.
+void draw_disc(const Disc& d, int y0, int y1, Image<float>& map_w) {
+  const int size = map_w.width();
+  const int first = std::max(y0, inner_texel(std::ceil(d.v - d.radius), size));
+  const int last = std::min(y1, inner_texel(std::floor(d.v + d.radius) + 1, size));
+  for (int y = first; y < last; ++y) {
+    const float dy = static_cast<float>(y) - d.v;
+    const float half = std::sqrt(std::max(d.radius * d.radius - dy * dy, 0.0F));
+    float* row = map_w.row(y);
+    const int x1 = inner_texel(std::floor(d.u + half) + 1, size);
+    for (int x = inner_texel(std::ceil(d.u - half), size); x < x1; ++x)
+      row[x] = std::max(row[x], d.w);
+  }
+}
+
+void draw_map(Crew& crew, std::span<const Ball> balls, LampParams& lamp, ShadowMap& map) {
+  const int size = lamp.map_size_texel;
+  if (map.w.width() != size) map.w.reset({size, size}), map.drawn = {};
+  if (size == 0) return;
+  for (int y = map.drawn.y0; y < map.drawn.y1; ++y)
+    std::fill(map.w.row(y) + map.drawn.x0, map.w.row(y) + map.drawn.x1, 0.0F);
+  float most_w = 0;
+  map.drawn = bounds_of(lamp, balls, most_w);
+  const int rows = map.drawn.y1 - map.drawn.y0, y0 = map.drawn.y0;
+  crew.rows(rows, (rows + crew.threads() - 1) / crew.threads(), [&](int begin, int end) {
+    for (const Ball& ball : balls)
+      if (const Disc d = disc_of(lamp, ball); d.w > 0) draw_disc(d, y0 + begin, y0 + end, map.w);
+  });
+  // Penumbrae are looked for no farther than the nearest caster makes them.
+  if (most_w > 0) lamp.casters_near_m = 1 / most_w;
+  find_largest(map);
 }
 
 }  // namespace
@@ -98,23 +146,10 @@ void draw_people_maps(Crew& crew, const FrameParams& frame, const PinholeParams&
       for (int bx = 0; bx < columns; ++bx)
         people.balls[static_cast<std::size_t>(by * columns + bx)] = ball_at(people.w, view, bx, by);
   });
-  people.maps.resize(frame.people_lamps.size());
-  for (std::size_t i = 0; i < people.maps.size(); ++i) {
-    const LampParams& lamp = frame.people_lamps[i];
-    const int size = lamp.map_size_texel;
-    Image<float>& map_w = people.maps[i].w;
-    if (map_w.width() != size) map_w.reset({size, size});
-    if (size == 0) continue;
-    map_w.fill(0);
-    crew.rows(size, (size + crew.threads() - 1) / crew.threads(), [&](int begin, int end) {
-      for (const Ball& ball : people.balls)
-        if (ball.radius_m > 0) draw_ball(lamp, ball, begin, end, map_w);
-    });
-  }
-  crew.rows(static_cast<int>(people.maps.size()), 1, [&](int begin, int) {
-    ShadowMap& map = people.maps[static_cast<std::size_t>(begin)];
-    if (!map.empty()) find_largest(map);
-  });
+  people.lamps = frame.people_lamps;
+  people.maps.resize(people.lamps.size());
+  for (std::size_t i = 0; i < people.maps.size(); ++i)
+    draw_map(crew, people.balls, people.lamps[i], people.maps[i]);
 }
 
 }  // namespace mixrig::render::cpu

@@ -22,7 +22,8 @@ struct PeopleShadow {
   explicit PeopleShadow(Size view_size);
   Image<float> w;  ///< mean over people, 1/m; 0 where less than half of the block shows any
   std::vector<Ball> balls;
-  std::vector<ShadowMap> maps;  ///< of each lamp
+  std::vector<ShadowMap> maps;    ///< of each lamp
+  std::vector<LampParams> lamps;  ///< frame.people_lamps, with the nearest of their casters
 };
 
 /// Balls of the people that `matte` and their inverse depth `view_w` show, into the map of every

@@ -32,10 +32,10 @@ void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid&
 }
 
 /// Largest value of each cell.
-void reduce(const Image<float>& w, Image<float>& cells) {
-  for (int y = 0; y < w.height(); ++y) {
+void reduce(const Image<float>& w, const Rect& rect, Image<float>& cells) {
+  for (int y = rect.y0; y < rect.y1; ++y) {
     float* out = cells.row(y / kCellTexels);
-    for (int x = 0; x < w.width(); ++x)
+    for (int x = rect.x0; x < rect.x1; ++x)
       out[x / kCellTexels] = std::max(out[x / kCellTexels], w.row(y)[x]);
   }
 }
@@ -59,6 +59,7 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
     const LampParams& lamp = params.lamps[i];
     const int size = lamp.map_size_texel;
     maps[i].w.reset({size, size});
+    maps[i].drawn = {0, 0, size, size};
     if (size == 0) continue;
     const SampleGrid grid{
         glm::dvec2(lamp.map_focal_texel), glm::dvec2(lamp.map_center_texel), {0, 0, size, size}};
@@ -78,7 +79,7 @@ void find_largest(ShadowMap& map) {
   const int longer = std::max(size.width, size.height);
   map.largest.resize(static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(longer))));
   for (Image<float>& level : map.largest) level.reset(size);
-  reduce(map.w, map.largest[0]);
+  reduce(map.w, map.drawn, map.largest[0]);
   for (std::size_t k = 1; k < map.largest.size(); ++k)
     widen(map.largest[k - 1], 1 << (k - 1), map.largest[k]);
 }

@@ -186,6 +186,7 @@ TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle_and_little_else) {
     std::uniform_int_distribution<int> texel(0, size - 1);
     for (int i = 0; i < size / 8; ++i)
       map.w.at(texel(random), texel(random)) = 0.1F + static_cast<float>(i);
+    map.drawn = {0, 0, size, size};
     render::cpu::find_largest(map);
     std::uniform_real_distribution<float> anywhere(-8, static_cast<float>(size) + 8);
     const auto largest = [&](glm::vec2 low, glm::vec2 high) {

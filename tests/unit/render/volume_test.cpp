@@ -298,7 +298,7 @@ struct Standing {
   float seen(float x_m, float y_m, float z_m) const {
     render::cpu::VectorLanes p{}, n{};
     p.x += x_m, p.y += y_m, p.z += z_m, n.z -= 1.0F;
-    return render::cpu::visibility(preparer->params().people_lamps[0], people.maps[0], p, n)[0];
+    return render::cpu::visibility(people.lamps[0], people.maps[0], p, n)[0];
   }
   render::CompositorSetup setup;
   std::vector<glm::vec3> positions, normals;
