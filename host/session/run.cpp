@@ -117,8 +117,12 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
     MIXRIG_ASSIGN(folder_, make_partial_folder(*options_.out, kReportName));
   }
   MIXRIG_TRY(open_sinks(range));
+  // The background of a camera that moves is learned by its poses; one on the floor has its pose
+  // from the background.
+  const bool on_floor = session_.scene.pose_source == scene::PoseSource::kFloor;
+  if (!on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_background(session_, progress));
-  MIXRIG_TRY(prepare_poses(session_, clock_));
+  if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_frame_poses());
   report_.backend = backend_of(compositor_.whole());
   report_.renderer = compositor_.whole().renderer();

@@ -122,6 +122,17 @@ calibration_file::CalibrationChoice choose_calibration(const SessionOptions& opt
                                                .source_file = info.file});
 }
 
+/// Learned from frames without a pose, the background of a camera that moves has no place.
+Result<void> check_place(const Session& session, FrameRange learned,
+                         const model::StaticBackground& background) {
+  if (background.world_from_view || !session.poses || !session.poses->moves()) return {};
+  return Error{
+      ErrorCode::kData,
+      fmt::format("the camera moves, but its pose is not known at any of the frames {}-{}, so that "
+                  "the background has no place: learn from frames with poses, or use a scanned one",
+                  learned.first, learned.second)};
+}
+
 Result<std::optional<model::StaticBackground>> background_of(Session& session,
                                                              const ProgressFn& progress) {
   const scene::Background& wanted = session.scene.background;
@@ -143,6 +154,8 @@ Result<std::optional<model::StaticBackground>> background_of(Session& session,
     auto learned = learn_background(*session.source, session.setup, *wanted.learn, session.backend,
                                     progress, session.poses.get());
     if (!learned) return at_key(session, "background.learn", std::move(learned).error());
+    if (auto fine = check_place(session, *wanted.learn, *learned); !fine)
+      return at_key(session, "background.learn", std::move(fine).error());
     background = *std::move(learned);
   }
   return background;

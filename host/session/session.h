@@ -75,8 +75,10 @@ struct Session {
 Result<std::unique_ptr<Session>> open_session(const SessionOptions& options);
 
 /// Learns or loads the background that the scene requires; then the session is ready to composite.
+/// By session.poses where the camera moves: after prepare_poses(), except for pose = "floor".
 /// Errors: kFormat where the scene requires a floor that is not known; kData where the background
-/// is of another view; those of reading and composing.
+/// is of another view, or the camera moves and no learned frame has a pose; those of reading and
+/// composing.
 Result<void> prepare_background(Session& session, const ProgressFn& progress);
 
 /// The setup from a take alone: cameras, noise; no objects, lamps or background.

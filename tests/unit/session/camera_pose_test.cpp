@@ -86,8 +86,10 @@ class CameraPoseTest : public ::testing::Test {
     session_.scene.camera.trajectory = path;
     session_.scene.camera.time_offset_s = -kClock_s;
   }
-  Result<RunReport> run_it(std::optional<std::filesystem::path> out = std::nullopt) {
+  Result<RunReport> run_it(std::optional<std::filesystem::path> out = std::nullopt,
+                           std::optional<FrameRange> frames = std::nullopt) {
     RunOptions options;
+    options.frames = frames;
     options.out = std::move(out);
     options.output.format = output::OutputFormat::kNone;
     options.sinks.push_back(std::make_unique<Watcher>(shown_));
@@ -363,6 +365,58 @@ TEST_F(CameraPoseTest, AMotionCaptureOverTheNetworkMovesTheObject) {
       EXPECT_NEAR(shown.centre_px, PosedSource::kCentre_px - PosedSource::kFocal_px * 0.1, 0.51);
     }
   }
+}
+
+TEST_F(CameraPoseTest, UnderAMotionCaptureTheBackgroundIsLearnedAtItsPoses) {
+  std::vector<std::vector<std::byte>> packets;
+  for (int i = 0; i < 200; ++i)
+    packets.push_back(stream::frame_with_body(i, 0.7F, 2e-4 * i, false).packet(7));
+  stream::NatNetServer server(packets);
+  use(std::make_unique<PosedSource>(
+      1'000'000,  // more than this run can read
+      [this](Capture& capture) {
+        EXPECT_TRUE(test::comes_true([&] {
+          capture.mid_exposure = clock_.now();
+          return !session_.poses || session_.poses->pose_of(capture).ok();
+        }));
+      },
+      true));
+  session_.scene.pose_source = PoseSource::kMocap;
+  session_.scene.camera.mocap.server = "127.0.0.1:" + std::to_string(server.port());
+  session_.scene.camera.max_age_s = 600;  // however slowly this test runs
+  session_.scene.background.learn = {1, 4};
+  session_.calibration.file = folder_ / "calibration.toml";
+  ASSERT_TRUE(calibration_file::write_calibration(session_.calibration.file, with_body()));
+  const auto report = run_it(std::nullopt, FrameRange{5, 8});
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_TRUE(session_.setup.background.depth_m.empty()) << "a frozen background";
+  ASSERT_TRUE(session_.setup.background_model);
+  EXPECT_NEAR(session_.setup.background_model->world_from_camera.translation_m.x(), 0.1, 1e-3);
+}
+
+TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {
+  // Frame 4 is at 0.12 s.
+  const auto learn = [this](double poses_from_s) {
+    use(std::make_unique<PosedSource>(20, nullptr));
+    use_trajectory(write_trajectory(poses_from_s, 2));
+    session_.scene.background.learn = {1, 4};
+    session_.poses.reset();
+    return run_it();
+  };
+  const auto without = learn(0.13);
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().code, ErrorCode::kData);
+  EXPECT_TRUE(without.error().context.starts_with("scene.toml: background.learn: the camera moves"))
+      << without.error().context;
+  for (const char* part : {"at any of the frames 1-4", "learn from frames with poses"})
+    EXPECT_NE(without.error().context.find(part), std::string::npos) << without.error().context;
+  EXPECT_EQ(without.error().context.find('\n'), std::string::npos);
+
+  const auto with = learn(0.1);
+  ASSERT_TRUE(with) << with.error().context;
+  ASSERT_TRUE(session_.setup.background_model);
+  EXPECT_NEAR(session_.setup.background_model->world_from_camera.translation_m.x(),
+              0.12 * kSpeed_m_s, 1e-3);
 }
 
 TEST_F(CameraPoseTest, AMotionCaptureNeedsLiveDevicesAndTheBodysPose) {
