@@ -7,6 +7,7 @@
 
 #include "hal/base/partial_path.h"
 #include "hal/base/srgb.h"
+#include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
@@ -25,12 +26,8 @@ std::string manifest_text(const StaticBackground& background) {
   config::Writer root;
   root.set("format", 1).set("frames", background.frames).set("size_px", v.size_px);
   root.set("view", std::array<double, 4>{v.fx_px, v.fy_px, v.cx_px, v.cy_px});
-  if (const auto& pose = background.world_from_view) {
-    config::Writer table;
-    table.set("position_m", std::span<const double>(pose->translation_m.data(), 3));
-    table.set("rotation_xyzw", std::span<const double>(pose->rotation.coeffs().data(), 4));
-    root.set("pose", std::move(table));
-  }
+  if (background.world_from_view)
+    root.set("pose", calibration_file::pose_table(*background.world_from_view));
   if (!background.floor) return root.text();
   // In camera axes: points p with normal . p + offset_m = 0.
   config::Writer floor;
@@ -85,7 +82,8 @@ Result<Image<float>> take_channel(std::vector<Channel>& channels, const std::str
             "' has another size than size_px in background.toml: scan the background again"};
   for (int y = 0; y < size.height; ++y) {
     float* row = found->pixels.row(y);
-    if (std::any_of(row, row + size.width, [least](float v) { return !std::isfinite(v) || v < least; }))
+    if (std::any_of(row, row + size.width,
+                    [least](float v) { return !std::isfinite(v) || v < least; }))
       return Error{ErrorCode::kData,
                    "'" + path.string() +
                        "' holds a negative or not finite value: scan the background again"};
@@ -106,15 +104,8 @@ Result<StaticBackground> read_manifest(const fs::path& path) {
   if (const auto valid = geometry::validate({background.view, {}}); !valid)
     root.fail("view", valid.error());
   const config::Table pose = root.table("pose");
-  const auto position_m = pose.numbers("position_m", 3, 3, {-1e6, 1e6});
-  const auto q = pose.numbers("rotation_xyzw", 4, 4, {-1.01, 1.01});
-  if (pose.present()) {
-    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-    if (std::abs(rotation.norm() - 1.0) > 1e-3)
-      pose.fail("rotation_xyzw", "its length is not 1: scan the background again");
-    background.world_from_view = geometry::Pose{
-        rotation.normalized(), Eigen::Vector3d(position_m[0], position_m[1], position_m[2])};
-  }
+  const geometry::Pose world_from_view = calibration_file::parse_pose(pose);
+  if (pose.present()) background.world_from_view = world_from_view;
   const config::Table floor = root.table("floor");
   const auto n = floor.numbers("normal", 3, 3, {-1.01, 1.01});
   const double offset_m = floor.number("offset_m", {-1e4, 1e4});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Background model of a static camera: depth and colour of the empty room in the ideal view.
+// The learned empty room: depth and colour in the ideal view of a still camera, or in one wide view
+// of a camera that moves.
 #pragma once
 
 #include <cstdint>

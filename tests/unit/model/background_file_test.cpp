@@ -41,6 +41,50 @@ TEST(BackgroundFile, ComesBackExactly) {
   EXPECT_EQ(read->floor->offset_m, written.floor->offset_m);
 }
 
+TEST(BackgroundFile, APoseAndUnknownColoursComeBackExactly) {
+  const test::TemporaryFolder folder;
+  StaticBackground written = made();
+  written.world_from_view = geometry::Pose{
+      Eigen::Quaterniond(Eigen::AngleAxisd(2.1, Eigen::Vector3d(0.3, -0.4, 0.5).normalized())),
+      {1.23456789012, -0.5, 3e-7}};
+  written.depth_m.at(2, 1) = 0;
+  written.color.at(2, 1) = {-1, -1, -1};  // never seen
+  ASSERT_TRUE(save(written, folder / "b"));
+  const auto read = load_static_background(folder / "b");
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_TRUE(read->world_from_view);
+  EXPECT_EQ(read->world_from_view->translation_m, written.world_from_view->translation_m);
+  EXPECT_LT(read->world_from_view->rotation.angularDistance(written.world_from_view->rotation),
+            1e-12);
+  EXPECT_EQ(read->depth_m.at(2, 1), 0.0F);
+  EXPECT_EQ(read->color.at(2, 1).r, -1);
+  EXPECT_EQ(read->color.at(2, 1).b, -1);
+  EXPECT_EQ(read->color.at(1, 1).r, 0.1F);
+}
+
+TEST(BackgroundFile, ARotationThatIsNoneAndAColourBelowUnknownAreToldInOneLine) {
+  const test::TemporaryFolder folder;
+  StaticBackground background = made();
+  background.world_from_view = geometry::Pose{};
+  ASSERT_TRUE(save(background, folder / "b"));
+  std::string text = test::read_bytes(folder / "b/background.toml");
+  const auto line = text.find("rotation_xyzw");
+  ASSERT_NE(line, std::string::npos) << text;
+  text.replace(line, text.find('\n', line) - line, "rotation_xyzw = [0.5, 0.0, 0.0, 0.0]");
+  folder.write("b/background.toml", text);
+  const auto turned = load_static_background(folder / "b");
+  ASSERT_FALSE(turned);
+  for (const char* part : {"background.toml:", "pose.rotation_xyzw", "must have length 1"})
+    EXPECT_NE(turned.error().context.find(part), std::string::npos) << turned.error().context;
+  EXPECT_EQ(turned.error().context.find('\n'), std::string::npos);
+
+  background.color.at(0, 0).g = -1.5F;
+  ASSERT_TRUE(save(background, folder / "b"));
+  const auto colored = load_static_background(folder / "b");
+  ASSERT_FALSE(colored);
+  EXPECT_NE(colored.error().context.find("negative or not finite"), std::string::npos);
+}
+
 TEST(BackgroundFile, PreviewsShowMillimetresAndSrgb) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(save(made(), folder / "b"));
