@@ -18,27 +18,30 @@ std::vector<int> allowed_cores() {
   return cores;
 }
 
-void keep_on(std::span<const int> cores) {
+void keep_on(int core) {
   cpu_set_t set;
   CPU_ZERO(&set);
-  for (const int core : cores) CPU_SET(core, &set);
+  CPU_SET(core, &set);
   (void)::sched_setaffinity(0, sizeof(set), &set);
 }
 
-/// Keeps the calling thread on a core, until it may use all of `cores` again.
+/// Keeps the calling thread on the first of `cores`, until it may use those that it had before.
 class OnFirstCore {
  public:
-  explicit OnFirstCore(std::span<const int> cores) : cores_(cores) {
-    if (!cores_.empty()) keep_on(cores_.first(1));
+  explicit OnFirstCore(std::span<const int> cores) {
+    if (cores.empty() || ::sched_getaffinity(0, sizeof(before_), &before_) != 0) return;
+    kept_ = true;
+    keep_on(cores.front());
   }
   ~OnFirstCore() {
-    if (!cores_.empty()) keep_on(cores_);
+    if (kept_) (void)::sched_setaffinity(0, sizeof(before_), &before_);
   }
   OnFirstCore(const OnFirstCore&) = delete;
   OnFirstCore& operator=(const OnFirstCore&) = delete;
 
  private:
-  const std::span<const int> cores_;
+  bool kept_ = false;
+  cpu_set_t before_;
 };
 
 }  // namespace
@@ -99,7 +102,7 @@ void Crew::take_bands(int worker) {
 }
 
 void Crew::work(int worker) {
-  if (!cores_.empty()) keep_on({&cores_[static_cast<std::size_t>(worker)], 1});
+  if (!cores_.empty()) keep_on(cores_[static_cast<std::size_t>(worker)]);
   unsigned seen = 0;
   while (true) {
     {
