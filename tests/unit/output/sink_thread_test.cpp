@@ -116,6 +116,24 @@ TEST_F(SinkThreadTest, IsIdleWhenAllThatWasPushedIsWritten) {
   EXPECT_FALSE(sink.push(composite(22))) << "an error is known when the sink is idle";
 }
 
+TEST_F(SinkThreadTest, WritesNothingWhileItsGateIsPausedAndEverythingAfter) {
+  WorkGate gate;
+  SinkThread sink(std::make_unique<GatedSink>(log_), WhenFull::kWait, &gate);
+  for (int number = 1; number <= 20; ++number) {
+    {
+      const WorkGate::Pause pause(&gate);
+      ASSERT_TRUE(sink.push(composite(number)));  // returns when the thread has taken it
+      for (int i = 0; i < 200; ++i) std::this_thread::yield();
+      const std::lock_guard lock(log_.mutex);
+      EXPECT_EQ(log_.entered, number - 1);
+    }
+    sink.wait_until_idle();
+    EXPECT_EQ(sink.report().written, static_cast<std::uint64_t>(number));
+  }
+  ASSERT_TRUE(sink.finish());
+  EXPECT_EQ(log_.numbers.size(), 20U);
+}
+
 TEST_F(SinkThreadTest, DroppedUnfinishedItEndsWithoutFinish) {
   { SinkThread sink(std::make_unique<GatedSink>(log_), WhenFull::kWait); }
   EXPECT_FALSE(log_.finished);
