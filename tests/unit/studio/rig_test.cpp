@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One seed, one rig; the head's motion against its axes.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -148,6 +150,35 @@ TEST(Head, turns_at_up_to_30_degrees_a_second) {
     fastest = std::max(fastest, a.angularDistance(b) / 0.01);
   }
   EXPECT_NEAR(fastest / kDeg, 30, 0.7);
+}
+
+TEST(Head, every_frame_of_a_pan_reads_whole_steps_and_other_takes_have_no_head) {
+  constexpr double kStep_deg = 0.0514;  // of a PTU-D46
+  StudioOptions options = pan_take(12, 1);
+  options.rig = RigPreset::kSr3000;
+  options.size_px = {64, 48};
+  options.frames = 60;
+  auto studio = Studio::create(options);
+  ASSERT_TRUE(studio);
+  Frame frame;
+  std::vector<double> pan_steps;
+  for (int number = 1; number <= options.frames; number += 12) {
+    studio->render(number, frame);
+    ASSERT_TRUE(frame.head) << number;
+    for (const double angle_rad : {frame.head->pan_rad, frame.head->tilt_rad}) {
+      const double steps = angle_rad / kDeg / kStep_deg;
+      EXPECT_NEAR(steps, std::round(steps), 1e-6) << number;
+    }
+    pan_steps.push_back(frame.head->pan_rad / kDeg / kStep_deg);
+  }
+  const auto [least, most] = std::minmax_element(pan_steps.begin(), pan_steps.end());
+  EXPECT_GT(*most - *least, 10);
+
+  options.scenario = Scenario::kHandheld;
+  studio = Studio::create(options);
+  ASSERT_TRUE(studio);
+  studio->render(1, frame);
+  EXPECT_FALSE(frame.head);
 }
 
 }  // namespace
