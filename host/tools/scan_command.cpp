@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig scan: learns the background of a static camera from empty frames of a take.
+// mixrig scan: learns the empty room from frames of a take; the camera may move where they have
+// poses.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -93,8 +94,9 @@ Result<nlohmann::json> scan(const Arguments& arguments) {
 
 void add_scan_command(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("scan", "learn the background of a static camera from empty frames");
+  CLI::App* command = app.add_subcommand(
+      "scan",
+      "learn the empty room from frames of a take; the camera may move where they have poses");
   command->add_option("--static", arguments->take, "TAKE: folder or take.toml")->required();
   command->add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")
       ->required();
