@@ -49,7 +49,7 @@ class CalibratedRun : public CommandTest {
 
 TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
   ASSERT_EQ(mixrig("studio " + path("take") +
-                   " --scenario walk --rig kinect2 --seed 7 --frames 16 --size 640x512"),
+                   " --scenario walk --rig kinect2 --seed 7 --frames 12 --size 320x256"),
             0);
   const auto right = errors("");
   const calibration_file::Calibration known = truth();

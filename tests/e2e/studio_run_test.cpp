@@ -10,19 +10,26 @@
 namespace mixrig::test {
 namespace {
 
+constexpr const char* kFull = " --frames 16 --size 1280x1024";
+constexpr const char* kSmall = " --frames 20 --size 640x512";
+
 struct Row {
   const char* scenario;
   const char* rig;
   int seed;
   double least_key_iou;
+  const char*
+      take;  ///< the full size, which the memory depends on, or more frames of a smaller one
 };
+/// ctest takes it into the test's name: not the bytes of the pointers, which change.
+void PrintTo(const Row& row, std::ostream* out) { *out << row.scenario << '_' << row.rig; }
 
 class StudioRun : public CommandTest, public ::testing::WithParamInterface<Row> {};
 
 TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   const Row& row = GetParam();
   ASSERT_EQ(mixrig("studio " + path("take") + " --scenario " + row.scenario + " --rig " + row.rig +
-                   " --seed " + std::to_string(row.seed) + " --frames 36 --size 1280x1024"),
+                   " --seed " + std::to_string(row.seed) + row.take),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),
@@ -34,6 +41,7 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   EXPECT_LE(error.at("light_rmse").get<double>(), 0.06);
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);
   EXPECT_LE(report.at("rss_mb").get<double>(), 400.0);
+  EXPECT_GT(report.at("foreground_pct").at("max").get<double>(), 1.0);
   const std::vector<double> foreground_pct = column(path("out") + "/frames.csv", 4);
   EXPECT_EQ(report.at("frames").get<int>(), foreground_pct.size());
   EXPECT_NEAR(report.at("foreground_pct").at("max").get<double>(),
@@ -41,9 +49,9 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, StudioRun,
-                         ::testing::Values(Row{"walk", "kinect2", 1021, 0.95},
-                                           Row{"talk", "kinect2", 1022, 0.95},
-                                           Row{"walk", "sr3000", 1023, 0.90}));
+                         ::testing::Values(Row{"walk", "kinect2", 1021, 0.95, kFull},
+                                           Row{"talk", "kinect2", 1022, 0.95, kSmall},
+                                           Row{"walk", "sr3000", 1023, 0.90, kSmall}));
 
 }  // namespace
 }  // namespace mixrig::test
