@@ -18,9 +18,9 @@ namespace mixrig::session {
 /// Errors: kFormat, kData, kUsage, with the scene's file and key; those of the files.
 Result<void> check_poses(Session& session);
 
-/// Makes session.poses where it is not made yet. For pose = "floor" after prepare_background(), which
-/// finds the floor; for all others before it, since it learns by the poses of a camera that moves.
-/// `clock` must outlive the session. Errors: as check_poses(); those of the network.
+/// Makes session.poses where it is not made yet. For pose = "floor" after prepare_background(),
+/// which finds the floor; for all others before it, since it learns by the poses of a camera that
+/// moves. `clock` must outlive the session. Errors: as check_poses(); those of the network.
 Result<void> prepare_poses(Session& session, const Clock& clock);
 
 /// Ages and lost poses as the scene wants them.
