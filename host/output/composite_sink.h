@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "hal/base/result.h"
@@ -20,6 +21,8 @@ struct Composite {
   std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
   geometry::Pose world_from_target;             ///< that was used
   capture::CameraPose pose;                     ///< of the source; where it is lost, why
+  std::optional<double> slip_px;                ///< of the contact points, against the true pose
+  std::optional<double> slip_sigma_px;          ///< the same, predicted from the pose's covariance
   bool objects_shown = true;                    ///< false: hidden, since the pose is lost
   render::FrameOutput images;                   ///< those of images.wanted are valid
   float frame_ms = 0;                           ///< time to composite it

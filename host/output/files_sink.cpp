@@ -24,6 +24,11 @@ take::TakeInfo info_of(const capture::SourceInfo& source, const geometry::Pinhol
   return info;
 }
 
+/// Empty where it is not known.
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{:.4f}", *value) : std::string();
+}
+
 Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code code;
   if (std::filesystem::create_directories(folder, code)) return {};
@@ -46,7 +51,8 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
                                                      const OutputOptions& options) {
   std::unique_ptr<FilesSink> sink(new FilesSink(folder, options));
   sink->table_.open(folder / "frames.csv");
-  sink->table_ << "frame,tick,time_s,frame_ms,foreground_pct,pose,pose_age_ms\n";
+  sink->table_
+      << "frame,tick,time_s,frame_ms,foreground_pct,pose,pose_age_ms,slip_px,slip_sigma_px\n";
   if (options.format == OutputFormat::kNone) return sink;
   MIXRIG_ASSIGN(sink->composite_,
                 take::TakeWriter::create(folder / "composite", info_of(source, view),
@@ -84,9 +90,10 @@ Result<void> FilesSink::write(const CompositePtr& composite) {
 
 Result<void> FilesSink::write_row(const Composite& composite) {
   const capture::Capture& capture = *composite.capture;
-  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f},{},{:.3f}\n", capture.number, capture.tick,
-                        capture.time_s, composite.frame_ms, composite.foreground_pct,
-                        capture::name(composite.pose.loss), 1e3 * composite.pose.age_s);
+  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f},{},{:.3f},{},{}\n", capture.number,
+                        capture.tick, capture.time_s, composite.frame_ms, composite.foreground_pct,
+                        capture::name(composite.pose.loss), 1e3 * composite.pose.age_s,
+                        cell(composite.slip_px), cell(composite.slip_sigma_px));
   if (table_) return {};
   return Error{ErrorCode::kIo, "cannot write '" + (folder_ / "frames.csv").string() +
                                    "': check the disk's free space"};

@@ -14,8 +14,10 @@
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
 #include "host/session/camera_pose.h"
+#include "host/session/contact_points.h"
 #include "host/session/hiding_compositor.h"
 #include "host/session/judge.h"
+#include "host/session/slip.h"
 
 namespace mixrig::session {
 namespace {
@@ -88,6 +90,7 @@ class Runner {
   Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
   void set_pose(output::Composite& composite);
+  void watch_slip(output::Composite& composite);
 
   Session& session_;
   RunOptions options_;
@@ -105,6 +108,7 @@ class Runner {
   bool sheet_has_rows_ = false;
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
+  std::optional<SlipWatch> slip_;
   render::FrameOutput judged_;
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
@@ -138,6 +142,7 @@ Result<void> Runner::prepare_frame_poses() {
   poses_.emplace(*session_.poses, options);
   report_.pose.source = session_.poses->name();
   report_.pose.when_lost = options.when_lost;
+  slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
   const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
   return compositor_.open(session_.setup, session_.backend, hides);
 }
@@ -189,6 +194,7 @@ Result<bool> Runner::frame() {
   const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
   set_pose(composite);
+  watch_slip(composite);
   watch_camera(composite.world_from_target);
 
   MIXRIG_TRY(compose_timed(composite, wanted & render::kComposite));
@@ -216,6 +222,20 @@ void Runner::set_pose(output::Composite& composite) {
                                      "are {}; frames.csv and the report say where",
                                      composite.capture->number, capture::name(known.camera.loss),
                                      known.objects_shown ? "frozen" : "hidden"));
+}
+
+/// The world of "floor" and "identity" is not that of the truth.
+void Runner::watch_slip(output::Composite& composite) {
+  composite.slip_px = composite.slip_sigma_px = std::nullopt;
+  if (!composite.objects_shown) return;
+  const capture::Capture& capture = *composite.capture;
+  const scene::PoseSource source = session_.scene.pose_source;
+  const bool known = judges() && capture.pose_origin == capture::PoseOrigin::kRecorded &&
+                     source != scene::PoseSource::kFloor && source != scene::PoseSource::kIdentity;
+  const FrameSlip slip =
+      slip_->add(composite.pose, known ? std::optional(capture.world_from_target) : std::nullopt);
+  composite.slip_px = slip.measured_px;
+  composite.slip_sigma_px = slip.sigma_px;
 }
 
 Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
@@ -287,6 +307,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
   report_.pose.frames = poses_->counts();
   report_.pose.faults = session_.poses->faults();
+  report_.pose.slip = slip_->report();
   compositor_.close();  // its buffers are not needed beside the sheet's
   judged_ = {};
   composites_ = {};

@@ -71,10 +71,21 @@ nlohmann::json to_json(const capture::PoseFaults& faults) {
           {"packets_bad", faults.packets_bad}};
 }
 
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::json(rounded(*value)) : nlohmann::json();
+}
+
+nlohmann::json to_json(const SlipReport::Measured& slip) {
+  return {{"rms", rounded(slip.rms_px)},
+          {"p95", rounded(slip.p95_px, 3)},
+          {"max", rounded(slip.max_px)}};
+}
+
 nlohmann::json to_json(const PoseReport& report) {
   nlohmann::json age_ms;  // null where no frame has a pose
   if (report.age_ms.count() > 0)
     age_ms = {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}};
+  const SlipReport& slip = report.slip;
   return {{"source", report.source},
           {"frames", report.frames.frames[0]},
           {"lost", report.frames.lost()},
@@ -82,10 +93,23 @@ nlohmann::json to_json(const PoseReport& report) {
           {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
           {"jumps", report.frames.jumps},
           {"stream", to_json(report.faults)},
-          {"age_ms", age_ms}};
+          {"age_ms", age_ms},
+          {"slip_px", slip.measured ? to_json(*slip.measured) : nlohmann::json()},
+          {"slip_sigma_px", or_null(slip.sigma_px)},
+          {"within_95_pct", or_null(slip.within_95_pct)}};
 }
 
-/// Nothing where every frame has a sound pose.
+std::string slip_line(const SlipReport& slip) {
+  std::string line;
+  if (slip.measured)
+    line = fmt::format("measured {:.2f} px RMS, at most {:.2f} px", slip.measured->rms_px,
+                       slip.measured->max_px);
+  if (slip.sigma_px)
+    line += fmt::format("{}predicted {:.2f} px RMS", line.empty() ? "" : "; ", *slip.sigma_px);
+  return line.empty() ? line : "  slip of the contact points: " + line + "\n";
+}
+
+/// Nothing where every frame has a sound pose and no slip is known.
 std::string pose_line(const PoseReport& report) {
   const capture::PoseFaults& f = report.faults;
   std::string line;
@@ -106,7 +130,7 @@ std::string pose_line(const PoseReport& report) {
         "  motion capture: packets: {} lost, {} late, {} bad; {} frames without the camera's "
         "body\n",
         f.packets_lost, f.packets_late, f.packets_bad, f.refused);
-  return line;
+  return line + slip_line(report.slip);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "host/output/sink_thread.h"
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
+#include "host/session/slip.h"
 
 namespace mixrig::session {
 
@@ -26,6 +27,7 @@ struct PoseReport {
   pose::FramePoseCounts frames;
   capture::PoseFaults faults;      ///< of the source's stream
   measure::QuantileSketch age_ms;  ///< frames with a pose
+  SlipReport slip;
 };
 
 struct RunReport {

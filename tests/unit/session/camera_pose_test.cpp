@@ -164,8 +164,8 @@ TEST_F(CameraPoseTest, WithoutAPoseTheObjectFreezesAndTheFrameSaysSo) {
   std::string header, first;
   std::getline(table, header);
   std::getline(table, first);
-  EXPECT_TRUE(header.ends_with(",pose,pose_age_ms")) << header;
-  EXPECT_TRUE(first.ends_with(",outside,0.000")) << first;
+  EXPECT_TRUE(header.ends_with(",pose,pose_age_ms,slip_px,slip_sigma_px")) << header;
+  EXPECT_TRUE(first.ends_with(",outside,0.000,,")) << first;
 }
 
 TEST_F(CameraPoseTest, WithoutAPoseTheObjectIsHiddenWhereTheSceneSaysSo) {

@@ -77,6 +77,22 @@ TEST(RunReport, TellsWhereThePosesCameFromAndWhatWasLost) {
   EXPECT_EQ(to_table(three_frames()).find("pose"), std::string::npos) << "nothing to say";
 }
 
+TEST(RunReport, TellsTheSlipThatIsKnown) {
+  RunReport report = three_frames();
+  EXPECT_TRUE(to_json(report)["pose"]["slip_px"].is_null());
+  EXPECT_TRUE(to_json(report)["pose"]["slip_sigma_px"].is_null());
+  report.pose.slip.measured = {0.34567, 0.7, 0.9};
+  report.pose.slip.sigma_px = 0.41239;
+  report.pose.slip.within_95_pct = 96.5;
+  const nlohmann::json pose = to_json(report)["pose"];
+  EXPECT_EQ(pose["slip_px"], (nlohmann::json{{"rms", 0.3457}, {"p95", 0.7}, {"max", 0.9}}));
+  EXPECT_EQ(pose["slip_sigma_px"], 0.4124);
+  EXPECT_EQ(pose["within_95_pct"], 96.5);
+  EXPECT_NE(to_table(report).find("slip of the contact points: measured 0.35 px RMS, at most 0.90 "
+                                  "px; predicted 0.41 px RMS"),
+            std::string::npos);
+}
+
 TEST(RunReport, PeakMemoryIsThatOfARealProcess) {
   EXPECT_GT(peak_rss_mb(), 1.0);
   EXPECT_LT(peak_rss_mb(), 1e5);
