@@ -152,6 +152,7 @@ Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
   report.residual_px = chain_residual_px(data, model, poses, found.value);
   calibration_file::PanTilt& unit = report.calibration.pan_tilt.emplace();
   unit.pan = axis_of(found.value.chain, true), unit.tilt = axis_of(found.value.chain, false);
+  unit.pan.step_rad = unit.tilt.step_rad = set.step_rad;
   unit.head_from_target = estimation::base_from_camera(found.value.chain, 0, 0);
   unit.repeatability_rad = report.repeatability_rad;
   unit.covariance = found.covariance;

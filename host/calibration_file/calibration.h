@@ -72,6 +72,7 @@ struct PanTilt {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit, in base axes
     Eigen::Vector3d point_m = Eigen::Vector3d::Zero();     ///< on the axis, in base axes
     double scale = 1, offset_rad = 0;
+    double step_rad = 0;  ///< of the encoder, which rounds to it; 0 where it is not known
   };
   Axis pan, tilt;
   geometry::Pose head_from_target;  ///< the tool centre point is its translation

@@ -52,6 +52,7 @@ PanTilt::Axis parse_axis(const Table& table) {
   axis.point_m = parse_vector(table, "point_m", kPlace_m);
   axis.scale = table.number_or("scale", 1, {-100, 100});
   axis.offset_rad = table.number_or("offset_rad", 0, {-10, 10});
+  axis.step_rad = table.number_or("step_rad", 0, {0, 1});
   return axis;
 }
 

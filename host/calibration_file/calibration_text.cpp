@@ -23,6 +23,7 @@ Writer axis_table(const PanTilt::Axis& axis) {
   table.set("direction", std::span<const double>(axis.direction.data(), 3));
   table.set("point_m", std::span<const double>(axis.point_m.data(), 3));
   table.set("scale", axis.scale).set("offset_rad", axis.offset_rad);
+  table.set("step_rad", axis.step_rad);
   return table;
 }
 

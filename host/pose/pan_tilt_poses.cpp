@@ -27,6 +27,12 @@ double angle_rad(const PanTilt::Axis& axis, double encoder_rad) {
   return axis.scale * (encoder_rad + axis.offset_rad);
 }
 
+/// Of the true angle at a reading: play, and the rounding to whole steps, which is uniform.
+double angle_variance(const PanTilt& unit, const PanTilt::Axis& axis) {
+  const double step_rad = axis.scale * axis.step_rad;
+  return unit.repeatability_rad * unit.repeatability_rad + step_rad * step_rad / 12;
+}
+
 /// Turns points of base about an axis of base.
 Pose turn(const PanTilt::Axis& axis, double encoder_rad) {
   const Eigen::Quaterniond rotation(
@@ -121,13 +127,16 @@ Pose base_from_target(const PanTilt& unit, const PanTiltAngles& encoder) {
 
 std::optional<PoseCovariance> covariance_of(const PanTilt& unit, const PanTiltAngles& encoder) {
   const bool calibrated = unit.covariance.rows() == kCalibrated;
-  if (!calibrated && unit.repeatability_rad <= 0 && unit.repeatability_m <= 0) return std::nullopt;
+  const double pan_variance = angle_variance(unit, unit.pan),
+               tilt_variance = angle_variance(unit, unit.tilt);
+  if (!calibrated && pan_variance + tilt_variance <= 0 && unit.repeatability_m <= 0)
+    return std::nullopt;
   const Chain chain = chain_at(unit, encoder);
   const Vector6d by_pan = turned_by(unit.pan.direction, unit.pan.point_m, chain.base_from_target);
   const Vector6d by_tilt =
       turned_by(chain.tilt_direction, chain.tilt_point_m, chain.base_from_target);
-  PoseCovariance covariance = unit.repeatability_rad * unit.repeatability_rad *
-                              (by_pan * by_pan.transpose() + by_tilt * by_tilt.transpose());
+  PoseCovariance covariance =
+      pan_variance * by_pan * by_pan.transpose() + tilt_variance * by_tilt * by_tilt.transpose();
   covariance.diagonal().tail<3>().array() += unit.repeatability_m * unit.repeatability_m;
   if (calibrated) {
     const auto j = slope(unit, encoder);

@@ -15,8 +15,8 @@ geometry::Pose base_from_target(const calibration_file::PanTilt& unit,
                                 const device::PanTiltAngles& encoder);
 
 /// Covariance of base_from_target at these angles: the calibration's (where `unit` holds the 16 x
-/// 16 matrix of estimation::calibrate_pan_tilt), plus the repeatability of angle and place. nullopt
-/// where neither is known.
+/// 16 matrix of estimation::calibrate_pan_tilt), plus the repeatability of angle and place, and the
+/// encoders' rounding to whole steps. nullopt where none is known.
 std::optional<capture::PoseCovariance> covariance_of(const calibration_file::PanTilt& unit,
                                                      const device::PanTiltAngles& encoder);
 

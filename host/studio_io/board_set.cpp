@@ -55,6 +55,8 @@ std::string manifest(const studio::BoardInfo& info) {
   tof.set("depth_unit_m", config::rounded(rig.tof.unit_m, kDigits)).set("depth_kind", "distance");
   root.add("camera", std::move(tof));
   pan_tilt.set("angles", "ptu.csv");
+  pan_tilt.set("step_deg",
+               config::rounded(rig.pan_tilt.step_rad * 180 / std::numbers::pi, kDigits));
   if (info.options.pan_tilt) root.set("pan_tilt", std::move(pan_tilt));
   return root.text();
 }

@@ -33,6 +33,7 @@ calibration_file::PanTilt true_unit(const studio::PanTiltUnit& unit) {
     in_base.direction = (known.head_from_target.rotation * a.direction).normalized();
     in_base.point_m = known.head_from_target * a.point_m;
     in_base.scale = a.scale;
+    in_base.step_rad = unit.step_rad;
     return in_base;
   };
   known.pan = axis(unit.pan), known.tilt = axis(unit.tilt);

@@ -128,6 +128,8 @@ Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
   if (set.cameras.empty()) root.fail("camera", "there must be a [[camera]]");
   const config::Table unit = root.table("pan_tilt");
   const std::string angles = unit.present() ? unit.text("angles") : "";
+  if (unit.present())
+    set.step_rad = unit.number_or("step_deg", 0, {0, 10}) * std::numbers::pi / 180;
   MIXRIG_TRY(document.finish());
   if (angles.empty()) return set;
   MIXRIG_ASSIGN(const std::string text, config::read_text(folder / angles, kMostAngleBytes));

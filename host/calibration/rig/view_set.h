@@ -35,6 +35,7 @@ struct ViewSet {
     double pan_rad = 0, tilt_rad = 0;
   };
   std::vector<Angles> angles;  ///< of the encoders, a view; empty without a pan-tilt unit
+  double step_rad = 0;         ///< that the encoders round to; 0 where it is not known
 };
 
 /// Reads FOLDER/views.toml. Errors: kNotFound, kFormat (file:line: key).

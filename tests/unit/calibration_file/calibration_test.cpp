@@ -43,6 +43,7 @@ Calibration whole() {
   PanTilt unit;
   unit.tilt.direction = Eigen::Vector3d::UnitX();
   unit.tilt.scale = 1.0001;
+  unit.tilt.step_rad = 0.0009;
   unit.covariance = Eigen::MatrixXd::Identity(9, 9);
   all.pan_tilt = unit;
   return all;
@@ -72,6 +73,7 @@ TEST(CalibrationFile, ReadsBackTheBitsThatItWrote) {
   EXPECT_EQ(read->depth_error->error_m, before.depth_error->error_m);
   EXPECT_EQ(read->depth_error->place_m, before.depth_error->place_m);
   EXPECT_EQ(read->pan_tilt->tilt.scale, 1.0001);
+  EXPECT_EQ(read->pan_tilt->tilt.step_rad, 0.0009);
   EXPECT_EQ(read->pan_tilt->covariance.rows(), 9);
 }
 
