@@ -63,6 +63,7 @@ std::vector<std::string> recordings_of(const RigConfig& rig) {
   };
   for (const CameraConfig& camera : rig.cameras) add(camera.uri);
   if (rig.depth) add(rig.depth->uri);
+  if (!rig.pan_tilt_uri.empty()) add(rig.pan_tilt_uri);
   return uris;
 }
 
@@ -73,6 +74,7 @@ Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& rec
     if (known.uri != recording) continue;
     if (!known.source) return known.source.error();
     MIXRIG_ASSIGN(auto player, Player::create(*std::move(known.source), recording, clock_));
+    if (play_at_) player->play_at(*play_at_);
     players_.emplace_back(recording, player);
     return player;
   }
@@ -117,7 +119,12 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {
   const Uri parts = split(uri);
-  if (parts.scheme != "flir-ptu") return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0");
+  if (const StreamUri view = stream_uri(parts); is_playable(parts) && view.name == "head") {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->pan_tilt();
+  }
+  if (parts.scheme != "flir-ptu")
+    return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0, take:DIR/head or studio:head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
   if (at != std::string::npos) {
@@ -163,6 +170,7 @@ Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) 
 
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   Devices devices;
+  if (rig.play_at) opener.play_at(*rig.play_at);
   if (!rig.trigger_uri.empty()) {
     MIXRIG_ASSIGN(devices.trigger, opener.trigger(rig.trigger_uri));
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,12 +41,15 @@ class DeviceOpener {
   /// studio:[OPTIONS/]tof.
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
-  /// flir-ptu:PORT[@BAUD].
+  /// flir-ptu:PORT[@BAUD], take:DIR/head, studio:[OPTIONS/]head.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt(const std::string& uri);
   /// mcu:PORT, gpiod:CHIP/LINES.
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
   /// gpiod:CHIP/LINE.
   Result<std::unique_ptr<device::TriggerInput>> edges(const std::string& uri);
+  /// When recordings that are opened from now on begin to play; as soon as possible if never
+  /// called.
+  void play_at(HostTime begin) { play_at_ = begin; }
   /// The player of the first recording that was opened; its source has a calibration of its own.
   std::shared_ptr<Player> player() const { return players_.empty() ? nullptr : players_[0].second; }
 
@@ -54,6 +58,7 @@ class DeviceOpener {
 
   Clock& clock_;
   std::vector<Recording> recordings_;
+  std::optional<HostTime> play_at_;
   std::vector<std::pair<std::string, std::shared_ptr<Player>>> players_;
 };
 

@@ -40,6 +40,7 @@ take::TakeInfo info_of_devices(const Devices& devices) {
     info.target_from_tof = played.target_from_tof;
     info.noise = played.noise;
     info.calibration = played.calibration;
+    info.true_poses = played.true_poses;
   }
   // A recording may replace only one of the cameras.
   const Size color = devices.cameras.front()->info().size, depth = devices.depth->info().size;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/live/live_source.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "host/live/live_capture.h"
@@ -53,7 +54,8 @@ class LiveSource final : public capture::CaptureSource {
 
 Result<bool> LiveSource::read(int number, capture::Capture& capture) {
   if (!std::exchange(started_, true)) MIXRIG_TRY(session_.start());
-  const HostTime give_up = clock_.now() + kPatience;
+  const HostTime begin = std::max(clock_.now(), config_.play_at.value_or(HostTime()));
+  const HostTime give_up = begin + kPatience;
   while (!stop_) {
     // Read before the queue: sets that were made before the cameras ended are still delivered.
     const bool ended = session_.ended();

@@ -64,6 +64,9 @@ Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureS
     return Error{ErrorCode::kData, uri + ": has no frames or no rate_hz: it cannot be played"};
   MIXRIG_TRY(player->read(1));
   player->first_s_ = player->capture_.time_s;
+  player->uri_ = uri;
+  if (const auto& first = player->capture_.pan_tilt)
+    player->angles_ = std::make_shared<PlayedAngles>(*first);
   player->describe(uri);
   return player;
 }
@@ -114,17 +117,28 @@ std::unique_ptr<device::DepthCamera> Player::depth() {
                                  depth_info_);
 }
 
+Result<std::unique_ptr<device::PanTilt>> Player::pan_tilt() {
+  if (!angles_)
+    return Error{ErrorCode::kData, uri_ + ": the recording has no angles of the head: record it " +
+                                       "with the head in rig.toml (pan_tilt.csv)"};
+  return make_played_head(angles_, {uri_ + "/head", info().name, {}, {}, {}}, clock_);
+}
+
 Result<void> Player::start(Channel& channel, device::FrameSink sink) {
   const std::lock_guard lock(mutex_);
   if (channel.sink)
     return Error{ErrorCode::kUsage, channel.info.uri + ": is already playing: stop it first"};
+  if (stop_ && play_at_ && clock_.now() > *play_at_)
+    return Error{ErrorCode::kUsage,
+                 channel.info.uri + ": play_at_s in rig.toml has passed: give a later time"};
   channel.sink = std::move(sink);
   channel.health.state = device::DeviceState::kStreaming;
   const auto ready = [](const Channel& c) { return !c.taken || c.sink; };
   if (!ready(color_) || !ready(depth_)) return {};
   // A camera that stopped and starts again while the player runs continues with the next frame.
   if (!std::exchange(stop_, false)) return {};
-  begin_ = clock_.now();
+  begin_ = play_at_.value_or(clock_.now());
+  if (angles_) angles_->restart();
   thread_ = std::thread([this] { work(); });
   return {};
 }
@@ -160,6 +174,7 @@ void Player::work() {
       return end(device::DeviceState::kFailed);
     }
     const HostTime due = begin_ + Duration(std::llround((capture_.time_s - first_s_) * 1e9));
+    if (angles_ && capture_.pan_tilt) angles_->add(due, *capture_.pan_tilt);
     wait_until(due);
     const std::lock_guard lock(mutex_);
     if (stop_) return;
@@ -229,6 +244,7 @@ void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const
 }
 
 void Player::end(device::DeviceState state) {
+  if (angles_) angles_->end();
   const std::lock_guard lock(mutex_);
   for (Channel* channel : {&color_, &depth_})
     if (channel->sink) channel->health.state = state;

@@ -14,13 +14,14 @@
 #include "hal/device/depth_camera.h"
 #include "hal/device/frame_pool.h"
 #include "host/capture/capture_source.h"
+#include "host/live/played_head.h"
 
 namespace mixrig::live {
 
-/// A colour and a depth camera of one recording. Both deliver each frame at its time, with one
-/// counter (the frame's number) and one stamp (when it was due). It plays from the first frame on
-/// as soon as all cameras that were taken from it have started; at the end they are kStopped.
-/// Thread-safe.
+/// A colour camera, a depth camera and the head of one recording. The cameras deliver each frame at
+/// its time, with one counter (the frame's number) and one stamp (when it was due). It plays from
+/// the first frame on as soon as all cameras that were taken from it have started, but not before
+/// the time that play_at() sets; at the end they are kStopped. Thread-safe.
 class Player : public std::enable_shared_from_this<Player> {
  public:
   /// Reads the first frame. Errors: those of reading; kData for a recording without frames or rate.
@@ -31,6 +32,11 @@ class Player : public std::enable_shared_from_this<Player> {
   /// At most one of each. They keep the player alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
+  /// The head. Errors: kData for a recording whose first frame has no angles.
+  Result<std::unique_ptr<device::PanTilt>> pan_tilt();
+  /// Time of the first frame, so that other programs can play beside it. A camera that would be the
+  /// last one to start after that time fails with kUsage. Before the first start.
+  void play_at(HostTime begin) { play_at_ = begin; }
   const capture::SourceInfo& info() const { return source_->info(); }
   /// Pose of the target camera at a frame, by the frame's counter.
   struct PlayedPose {
@@ -70,6 +76,9 @@ class Player : public std::enable_shared_from_this<Player> {
   capture::Capture capture_;  ///< used only by the thread while it runs
   double first_s_ = 0;        ///< time of the first frame in the recording
   HostTime begin_{};          ///< of the first frame
+  std::optional<HostTime> play_at_;
+  std::string uri_;
+  std::shared_ptr<PlayedAngles> angles_;  ///< null where the recording has none
   std::thread thread_;
   mutable std::mutex mutex_;  ///< guards what follows
   Channel color_, depth_;

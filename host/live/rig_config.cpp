@@ -168,6 +168,8 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
     rig.depth = parse_camera(depth, "depth");
   if (const config::Table head = root.table("pan_tilt"); head.present())
     rig.pan_tilt_uri = head.text("uri");
+  if (const auto at_s = optional_number(root, "play_at_s", {0, 1e9}))
+    rig.play_at = HostTime(Duration(std::llround(*at_s * 1e9)));
   rig.target = parse_model(root.table("target"));
   rig.tof = parse_model(root.table("tof"));
   if (const config::Table pose = root.table("target_from_tof"); pose.present())
@@ -181,6 +183,7 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
 std::string rig_text(const RigConfig& rig) {
   Writer root;
   root.set("format", 1).set("name", rig.name);
+  if (rig.play_at) root.set("play_at_s", seconds(rig.play_at->time_since_epoch()));
   if (!rig.trigger_uri.empty() || !rig.edges_uri.empty() || !rig.lines.empty())
     root.set("trigger", trigger_table(rig));
   for (const CameraConfig& camera : rig.cameras) root.add("camera", camera_table(camera));

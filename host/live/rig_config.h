@@ -41,6 +41,7 @@ struct RigConfig {
   std::vector<CameraConfig> cameras;  ///< the first one is the target camera
   std::optional<CameraConfig> depth;
   std::string pan_tilt_uri;
+  std::optional<HostTime> play_at;  ///< of the first frame of recordings that are played
   std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, where it is given
   std::optional<geometry::Pose> target_from_tof;
   std::optional<geometry::Pose> world_from_target;  ///< of a rig that does not move
