@@ -18,6 +18,11 @@ namespace {
 constexpr std::size_t kMostBytes = 65536;  // of a datagram
 constexpr Duration kRequestEvery = std::chrono::seconds(1);
 constexpr int kRestart = 1000;  // numbers this far back: the server restarted
+constexpr int kBackRun = 5;     // as many that go back and go on from there: likewise
+// More frames than this cannot have been sent since the last one: the server restarted.
+constexpr double kMostRate_hz = 2000;
+constexpr int kMostAtOnce = 16;
+constexpr Duration kServerGone = std::chrono::seconds(2);  // without a frame
 
 Error socket_error(const std::string& what) {
   return system_error(ErrorCode::kDevice, "motion capture: " + what, errno);
@@ -181,12 +186,12 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::read(int fd) {
     return std::optional<NatNetFrame>();
   }
   const auto packet = next_packet({buffer_.data(), static_cast<std::size_t>(size)});
-  if (packet) return take(*packet);
+  if (packet) return take(*packet, ntohs(from.sin_port));
   ++counts_.malformed;
   return std::optional<NatNetFrame>();
 }
 
-Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& packet) {
+Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& packet, int port) {
   if (packet.kind == static_cast<std::uint16_t>(NatNetKind::kServerInfo)) {
     const auto stated = parse_server_info(packet.payload);
     if (stated)
@@ -198,22 +203,44 @@ Result<std::optional<NatNetFrame>> NatNetReceiver::take(const NatNetPacket& pack
   }
   if (packet.kind != static_cast<std::uint16_t>(NatNetKind::kFrame))
     return std::optional<NatNetFrame>();
+  const HostTime now = clock_->now();
+  if (!is_of_our_server(port, now)) {
+    ++counts_.foreign;
+    return std::optional<NatNetFrame>();
+  }
   auto frame = parse_frame(packet.payload, version_);
   if (!frame) ++counts_.malformed;
-  if (!frame || !is_next(frame->number)) return std::optional<NatNetFrame>();
+  if (!frame || !is_next(frame->number, now)) return std::optional<NatNetFrame>();
   ++counts_.frames;
   return std::optional(*std::move(frame));
 }
 
-bool NatNetReceiver::is_next(int number) {
+/// A server sends its frames from one port. Another one is heard when the first has gone.
+bool NatNetReceiver::is_of_our_server(int port, HostTime now) {
+  if (frame_port_ && *frame_port_ != port && now - last_frame_ < kServerGone) return false;
+  frame_port_ = port;
+  return true;
+}
+
+bool NatNetReceiver::is_next(int number, HostTime now) {
   const std::int64_t step = last_number_ ? std::int64_t{number} - *last_number_ : 1;
-  if (step <= 0 && step > -kRestart) {
+  const double most = kMostAtOnce + kMostRate_hz * seconds(now - last_frame_);
+  last_frame_ = now;
+  if (step <= 0 && !goes_on_from_before(number) && step > -kRestart) {
     ++counts_.late;
     return false;
   }
-  if (step > 1) counts_.lost += static_cast<long>(step - 1);
+  back_run_ = 0;
+  if (step > 1 && static_cast<double>(step) <= most) counts_.lost += static_cast<long>(step - 1);
   last_number_ = number;
   return true;
+}
+
+/// For a number that is not above the last one.
+bool NatNetReceiver::goes_on_from_before(int number) {
+  back_run_ = back_run_ > 0 && number > *back_number_ ? back_run_ + 1 : 1;
+  back_number_ = number;
+  return back_run_ >= kBackRun;
 }
 
 }  // namespace mixrig::stream

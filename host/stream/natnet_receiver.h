@@ -26,10 +26,12 @@ struct NatNetAddress {
 Result<NatNetAddress> parse_natnet_address(const std::string& uri);
 
 /// Counts of datagrams. A frame is lost where numbers jump, late where they do not increase.
+/// Numbers that go on from an earlier one, or that jump by more than a server can send in that
+/// time, are those of a server that restarted: nothing is lost.
 struct NatNetCounts {
   long frames = 0, lost = 0, late = 0;
   long malformed = 0;  ///< datagrams that are no packet of NatNet
-  long foreign = 0;    ///< datagrams from another machine
+  long foreign = 0;  ///< datagrams from another machine, frames of a second server on the same one
 };
 
 /// Requests the stream from the server once a second, as servers require, and reads its datagrams.
@@ -65,8 +67,10 @@ class NatNetReceiver {
   static Result<Socket> open_group(const NatNetAddress& address, const sockaddr_in& server);
   void request_stream();
   Result<std::optional<NatNetFrame>> read(int fd);
-  Result<std::optional<NatNetFrame>> take(const NatNetPacket& packet);
-  bool is_next(int number);
+  Result<std::optional<NatNetFrame>> take(const NatNetPacket& packet, int port);
+  bool is_of_our_server(int port, HostTime now);
+  bool is_next(int number, HostTime now);
+  bool goes_on_from_before(int number);
 
   sockaddr_in server_;
   std::vector<Socket> sockets_;  ///< of commands, then of the group
@@ -74,6 +78,10 @@ class NatNetReceiver {
   const Clock* clock_;
   std::optional<HostTime> requested_;
   std::optional<int> last_number_;
+  HostTime last_frame_{};           ///< arrival
+  std::optional<int> frame_port_;   ///< the port that frames come from
+  std::optional<int> back_number_;  ///< of the last frame whose number went back
+  int back_run_ = 0;                ///< such frames in a row, each number above the one before
   std::vector<std::byte> buffer_;
   NatNetCounts counts_;
 };
