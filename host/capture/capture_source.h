@@ -31,6 +31,7 @@ struct SourceInfo : RigCameras {
   bool has_poses = false;
   bool moves = false;  ///< its poses differ
   bool has_truth = false;
+  bool true_poses = false;  ///< its poses are the true ones
 };
 
 /// Captures by number, 1..info().frames. Calls come from one thread at a time.

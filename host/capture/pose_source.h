@@ -59,6 +59,14 @@ struct PoseFaults {
   std::uint64_t packets_lost = 0, packets_late = 0, packets_bad = 0;  ///< of a network stream
 };
 
+/// A stream of poses from the network.
+struct PoseStream {
+  std::uint64_t packets = 0;  ///< frames that came
+  double delay_s = 0;         ///< as given: from the exposure of a frame to its earliest arrival
+  double jitter_s = 0;        ///< sigma of the least delays about the fitted clock
+  double drift_ppm = 0;       ///< of its clock to the host's
+};
+
 /// Whether a camera at two poses sees two views: they are more than 10 mm or 0.004 rad apart.
 bool moved(const geometry::Pose& a, const geometry::Pose& b);
 
@@ -76,6 +84,8 @@ class PoseSource {
   virtual CameraPose pose_of(const Capture& capture) = 0;
   /// Counts since the source was made.
   virtual PoseFaults faults() const { return {}; }
+  /// What is known of the network stream that the poses come from, if they do.
+  virtual std::optional<PoseStream> stream() const { return std::nullopt; }
 };
 
 }  // namespace mixrig::capture

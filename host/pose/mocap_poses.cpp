@@ -47,6 +47,7 @@ class MocapPoses final : public capture::PoseSource {
     return track_.at(capture.mid_exposure);
   }
   capture::PoseFaults faults() const override { return track_.faults(); }
+  std::optional<capture::PoseStream> stream() const override { return track_.stream(); }
 
  private:
   void listen() {

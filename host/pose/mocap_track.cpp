@@ -146,6 +146,7 @@ void MocapTrack::keep(const Sample& sample) {
 
 void MocapTrack::set_packets(const stream::NatNetCounts& counts) {
   const std::lock_guard lock(mutex_);
+  packets_ = static_cast<std::uint64_t>(counts.frames);
   faults_.packets_lost = static_cast<std::uint64_t>(counts.lost);
   faults_.packets_late = static_cast<std::uint64_t>(counts.late);
   faults_.packets_bad = static_cast<std::uint64_t>(counts.malformed + counts.foreign);
@@ -158,6 +159,11 @@ capture::PoseFaults MocapTrack::faults() const {
   all.not_finite += check_.faults().not_finite;
   all.clock_steps += check_.faults().clock_steps;
   return all;
+}
+
+capture::PoseStream MocapTrack::stream() const {
+  const std::lock_guard lock(mutex_);
+  return {packets_, options_.delay_s, seconds(clock_.jitter()), clock_.drift_ppm()};
 }
 
 /// The drift since the newest frame is less than a microsecond.

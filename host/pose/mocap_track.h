@@ -55,6 +55,7 @@ class MocapTrack {
   /// noisy poses. Does not allocate.
   capture::CameraPose at(HostTime mid_exposure) const;
   capture::PoseFaults faults() const;
+  capture::PoseStream stream() const;
 
   static constexpr double kMotion_s = 0.03;
   static constexpr double kGap_s = 0.05;  ///< frames farther apart have nothing between them
@@ -78,6 +79,7 @@ class MocapTrack {
   MotionCheck check_;
   std::array<Sample, kKept> kept_{};
   std::size_t end_ = 0, count_ = 0;
+  std::uint64_t packets_ = 0;
   capture::PoseFaults faults_;  ///< without those of check_
 };
 

@@ -56,6 +56,16 @@ std::vector<int> sheet_frames(FrameRange range, int rows) {
   return frames;
 }
 
+/// Whether the poses of the scene can be held against true ones: both are of one world.
+bool has_true_poses(const Session& session) {
+  using scene::PoseSource;
+  const PoseSource used = session.scene.pose_source;
+  const bool own = session.scene.camera.trajectory.empty();
+  const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
+                              used == PoseSource::kMocap || (used == PoseSource::kRecorded && !own);
+  return from_elsewhere && session.source->info().true_poses;
+}
+
 /// The state of a run; one method per step of the frame loop.
 class Runner {
  public:
@@ -143,6 +153,7 @@ Result<void> Runner::prepare_frame_poses() {
   report_.pose.source = session_.poses->name();
   report_.pose.when_lost = options.when_lost;
   slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
+  if (has_true_poses(session_)) report_.pose.error.emplace();
   const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
   return compositor_.open(session_.setup, session_.backend, hides);
 }
@@ -215,6 +226,8 @@ void Runner::set_pose(output::Composite& composite) {
   composite.objects_shown = known.objects_shown;
   if (known.camera.ok()) {
     report_.pose.age_ms.add(1e3 * known.camera.age_s);
+    if (report_.pose.error)
+      report_.pose.error->add(composite.world_from_target, composite.capture->world_from_target);
     return;
   }
   if (std::exchange(warned_lost_, true)) return;
@@ -244,6 +257,7 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   MIXRIG_TRY(compose(composite, wanted, composite.images));
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
   report_.frame_ms.add(composite.frame_ms);
+  if (live()) report_.latency_ms.add(milliseconds(clock_.now() - composite.capture->mid_exposure));
   const render::StageTimes& times = compositor_.stage_times();
   for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
   return {};
@@ -308,6 +322,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   report_.pose.frames = poses_->counts();
   report_.pose.faults = session_.poses->faults();
   report_.pose.slip = slip_->report();
+  report_.pose.stream = session_.poses->stream();
   compositor_.close();  // its buffers are not needed beside the sheet's
   judged_ = {};
   composites_ = {};

@@ -64,6 +64,13 @@ nlohmann::json lost_by_reason(const pose::FramePoseCounts& counts) {
   return out;
 }
 
+/// Of the packets that were sent.
+double lost_pct(const PoseReport& report) {
+  const double lost = static_cast<double>(report.faults.packets_lost);
+  const double sent = lost + static_cast<double>(report.stream->packets);
+  return sent > 0 ? 100 * lost / sent : 0;
+}
+
 nlohmann::json to_json(const capture::PoseFaults& faults) {
   return {{"not_finite", faults.not_finite},     {"jumps", faults.jumps},
           {"clock_steps", faults.clock_steps},   {"refused", faults.refused},
@@ -81,22 +88,37 @@ nlohmann::json to_json(const SlipReport::Measured& slip) {
           {"max", rounded(slip.max_px)}};
 }
 
+/// Counts, and what is known of a network stream.
+nlohmann::json stream_json(const PoseReport& report) {
+  nlohmann::json out = to_json(report.faults);
+  if (!report.stream) return out;
+  out["packets"] = report.stream->packets;
+  out["lost_pct"] = rounded(lost_pct(report), 3);
+  out["delay_ms"] = rounded(1e3 * report.stream->delay_s);
+  out["jitter_ms"] = rounded(1e3 * report.stream->jitter_s, 3);
+  out["drift_ppm"] = rounded(report.stream->drift_ppm, 3);
+  return out;
+}
+
 nlohmann::json to_json(const PoseReport& report) {
   nlohmann::json age_ms;  // null where no frame has a pose
   if (report.age_ms.count() > 0)
     age_ms = {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}};
+  nlohmann::json out = {
+      {"source", report.source},
+      {"frames", report.frames.frames[0]},
+      {"lost", report.frames.lost()},
+      {"lost_by", lost_by_reason(report.frames)},
+      {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
+      {"jumps", report.frames.jumps},
+      {"stream", stream_json(report)},
+      {"age_ms", age_ms}};
+  if (report.error && report.error->frames() > 0) out["error"] = report.error->to_json();
   const SlipReport& slip = report.slip;
-  return {{"source", report.source},
-          {"frames", report.frames.frames[0]},
-          {"lost", report.frames.lost()},
-          {"lost_by", lost_by_reason(report.frames)},
-          {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
-          {"jumps", report.frames.jumps},
-          {"stream", to_json(report.faults)},
-          {"age_ms", age_ms},
-          {"slip_px", slip.measured ? to_json(*slip.measured) : nlohmann::json()},
-          {"slip_sigma_px", or_null(slip.sigma_px)},
-          {"within_95_pct", or_null(slip.within_95_pct)}};
+  out["slip_px"] = slip.measured ? to_json(*slip.measured) : nlohmann::json();
+  out["slip_sigma_px"] = or_null(slip.sigma_px);
+  out["within_95_pct"] = or_null(slip.within_95_pct);
+  return out;
 }
 
 std::string slip_line(const SlipReport& slip) {
@@ -109,7 +131,7 @@ std::string slip_line(const SlipReport& slip) {
   return line.empty() ? line : "  slip of the contact points: " + line + "\n";
 }
 
-/// Nothing where every frame has a sound pose and no slip is known.
+/// Nothing where every frame has a sound pose and neither slip nor the true poses are known.
 std::string pose_line(const PoseReport& report) {
   const capture::PoseFaults& f = report.faults;
   std::string line;
@@ -130,6 +152,8 @@ std::string pose_line(const PoseReport& report) {
         "  motion capture: packets: {} lost, {} late, {} bad; {} frames without the camera's "
         "body\n",
         f.packets_lost, f.packets_late, f.packets_bad, f.refused);
+  if (report.error && report.error->frames() > 0)
+    line += "  pose error against truth: " + report.error->to_line() + "\n";
   return line + slip_line(report.slip);
 }
 
@@ -162,6 +186,8 @@ nlohmann::json to_json(const RunReport& report) {
   if (report.live) {
     out["live"] = report::to_json(*report.live);
     out["live"]["left_out"] = report.live->left_out;
+    out["live"]["latency_ms"] = {{"p50", quantile(report.latency_ms, 0.5)},
+                                 {"p95", quantile(report.latency_ms, 0.95)}};
   }
   out["pose"] = to_json(report.pose);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();

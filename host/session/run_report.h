@@ -16,6 +16,7 @@
 #include "host/output/sink_thread.h"
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
+#include "host/session/pose_errors.h"
 #include "host/session/slip.h"
 
 namespace mixrig::session {
@@ -25,8 +26,10 @@ struct PoseReport {
   std::string source;  ///< as PoseSource::name
   pose::WhenLost when_lost = pose::WhenLost::kFreeze;
   pose::FramePoseCounts frames;
-  capture::PoseFaults faults;      ///< of the source's stream
-  measure::QuantileSketch age_ms;  ///< frames with a pose
+  capture::PoseFaults faults;  ///< of the source's stream
+  std::optional<capture::PoseStream> stream;
+  std::optional<PoseErrors> error;  ///< where the true poses are known
+  measure::QuantileSketch age_ms;   ///< frames with a pose
   SlipReport slip;
 };
 
@@ -39,6 +42,7 @@ struct RunReport {
   measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
   std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
   std::optional<capture::SourceReport> live;  ///< of live devices
+  measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
   PoseReport pose;
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;  ///< peak

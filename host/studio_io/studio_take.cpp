@@ -121,7 +121,7 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.depth_kind = capture::DepthKind::kDistance;
   take.depth_unit_m = info.tof.depth_unit_m;
   take.noise = {info.tof.noise.floor_m, info.tof.noise.linear, info.tof.noise.quadratic_per_m};
-  take.has_poses = take.has_truth = true;
+  take.has_poses = take.has_truth = take.true_poses = true;
   take.moves = info.camera_moves;
   take.frames = info.frames;
   return take;

@@ -94,6 +94,7 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   info.has_poses = !manifest.pose_file.empty() || manifest.fixed_pose.has_value();
   const Table truth = root.table("truth");
   info.has_truth = truth.present();
+  info.true_poses = info.has_truth && info.has_poses;
   if (info.has_truth) manifest.truth_path = truth.text_or("path", "truth");
   info.truth_depth_unit_m = truth.number_or("depth_unit_m", info.truth_depth_unit_m, {1e-7, 10.0});
   MIXRIG_TRY(document.finish());

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the poses that frames were composited with lie from the true ones.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "host/geometry/pose.h"
+#include "host/measure/quantile_sketch.h"
+
+namespace mixrig::session {
+
+/// Constant memory.
+class PoseErrors {
+ public:
+  /// Both of the target camera, in the same world.
+  void add(const geometry::Pose& used, const geometry::Pose& truth);
+  std::uint64_t frames() const { return shift_mm_.count(); }
+  /// {"frames", "shift_mm": {"rms", "p50", "p95", "max"}, "turn_deg": {...}}: the distance of the
+  /// two positions, and the angle of the turn between the two orientations.
+  nlohmann::json to_json() const;
+  /// The same in a line for people.
+  std::string to_line() const;
+
+ private:
+  measure::QuantileSketch shift_mm_, turn_deg_;
+  double shift_square_mm2_ = 0, turn_square_deg2_ = 0;  ///< sums
+};
+
+}  // namespace mixrig::session
