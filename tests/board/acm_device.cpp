@@ -70,6 +70,13 @@ std::array<long, 2> PtuPeer::position(HostTime now) {
   return unit_.position(now);
 }
 
+void PtuPeer::order(const std::string& words, HostTime now) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t kept = unit_.output().size();
+  unit_.receive({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()}, now);
+  unit_.output().resize(kept);
+}
+
 std::uint64_t PtuPeer::limit_reports() const {
   const std::lock_guard lock(mutex_);
   return unit_.limit_reports();

@@ -47,6 +47,8 @@ class PtuPeer final : public SerialPeer {
   std::optional<HostTime> next_event() override;
   void set_faults(const fake::FlirPtuEmulator::Faults& faults);
   std::array<long, 2> position(HostTime now);
+  /// From another controller, whose answers the host does not see.
+  void order(const std::string& words, HostTime now);
   std::uint64_t limit_reports() const;
 
  private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <linux/usb/video.h>
@@ -222,6 +223,10 @@ bool UvcDevice::begin_picture(HostTime now) {
     for (int x = 0; x < kCodeBits * kCodeBlock_px; ++x)
       picture_[static_cast<std::size_t>(y * size_.width + x) * 2] =
           (number_ >> (x / kCodeBlock_px) & 1) != 0 ? kWhite : kBlack;
+  for (int y = kCodeBlock_px; y < size_.height && !columns_.empty(); ++y)
+    for (int x = 0; x < size_.width; ++x)
+      picture_[static_cast<std::size_t>(y * size_.width + x) * 2] =
+          columns_[static_cast<std::size_t>(x)];
   toggle_ = !toggle_;
   return true;
 }
@@ -251,6 +256,12 @@ void UvcDevice::fire(std::uint32_t number) {
   const std::lock_guard lock(mutex_);
   if (miss_every_ > 0 && ++edges_ % miss_every_ == 0) return;
   if (streaming_ && triggered()) fired_ = number;
+}
+
+void UvcDevice::show(std::vector<std::uint8_t> columns) {
+  columns.resize(static_cast<std::size_t>(size_.width), kBlack);
+  const std::lock_guard lock(mutex_);
+  columns_ = std::move(columns);
 }
 
 void UvcDevice::miss_every(int n) {

@@ -34,6 +34,9 @@ class UvcDevice final : public UsbDevice {
 
   /// For any thread: an edge on the trigger line. The caller wakes the port.
   void fire(std::uint32_t number);
+  /// For any thread: pictures from the next one on have these luminances in each row below the
+  /// code.
+  void show(std::vector<std::uint8_t> columns);
   /// Ignores every n-th edge of the trigger line; 0: none.
   void miss_every(int n);
   /// Steps of a control as the host last set it: 1 camera terminal, 2 processing unit.
@@ -57,6 +60,7 @@ class UvcDevice final : public UsbDevice {
   std::array<std::uint8_t, 34> probe_{};
   Duration interval_{};
   std::vector<std::uint8_t> picture_;
+  std::vector<std::uint8_t> columns_;  ///< to show; empty: the ramp
   std::size_t sent_ = 0;
   bool streaming_ = false, toggle_ = false;
   HostTime due_{};

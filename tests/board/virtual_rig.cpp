@@ -2,6 +2,7 @@
 #include "tests/board/virtual_rig.h"
 
 #include <fstream>
+#include <numbers>
 
 #include "tests/board/bench.h"
 
@@ -41,9 +42,20 @@ bool VirtualRig::plug_color() {
   return mapped.has_value();
 }
 
+/// The room's columns at the angle that the head has.
+std::vector<std::uint8_t> VirtualRig::room_now() {
+  constexpr double kStep_rad = 185.1428 / 3600 * std::numbers::pi / 180;
+  const double pan_rad = kStep_rad * static_cast<double>(head.position(SystemClock().now())[0]);
+  std::vector<std::uint8_t> columns;
+  for (int x = 0; x < kColorSize.width; ++x)
+    columns.push_back(static_cast<std::uint8_t>(room.luminance(x, pan_rad)));
+  return columns;
+}
+
 void VirtualRig::fire(int line, std::uint32_t tick) {
   if (line == kColorLine) {
     chip.pull(kEdgesLine, true);
+    if (shows_room_) color.show(room_now());
     color.fire(tick);
     color_port.wake();
     chip.pull(kEdgesLine, false);
