@@ -114,6 +114,80 @@ TEST_F(PlayerTest, AFrameOfAnotherSizeEndsItAndWritesNowhere) {
   EXPECT_EQ(color_.size(), 6U);
 }
 
+/// The head of a recording turns by 0.1 rad a frame.
+std::unique_ptr<MadeRecording> turning(int frames) {
+  auto recording = std::make_unique<MadeRecording>(frames);
+  recording->damage = [](int number, capture::Capture& capture) -> Result<void> {
+    capture.pan_tilt = {0.1 * number, -0.2 * number};
+    return {};
+  };
+  return recording;
+}
+
+TEST_F(PlayerTest, ItsHeadTurnsWithThePictures) {
+  SteppedClock clock;
+  const auto player = *live::Player::create(turning(4), "take:made", clock);
+  const auto head = player->pan_tilt();
+  ASSERT_TRUE(head) << head.error().context;
+  EXPECT_EQ((*head)->info().uri, "take:made/head");
+  const auto color = player->camera();
+  const auto pan_rad = [&] { return (*head)->sample()->angles.pan_rad; };
+  EXPECT_NEAR(pan_rad(), 0.1, 1e-12) << "before it plays";
+  ASSERT_TRUE(color->start(keep(color_)));
+  const HostTime begin = clock.now();
+  clock.advance(10ms);  // the second frame is read while the first one is shown
+  ASSERT_TRUE(comes_true([&] { return pan_rad() > 0.12; }));
+  const auto sample = (*head)->sample();
+  ASSERT_TRUE(sample);
+  EXPECT_NEAR(sample->angles.pan_rad, 0.1 + 0.025, 1e-9);
+  EXPECT_NEAR(sample->angles.tilt_rad, -0.2 - 0.05, 1e-9);
+  EXPECT_EQ(sample->pan_at, begin + 10ms);
+  clock.advance(110ms + 1s);
+  ASSERT_TRUE(comes_true([&] { return color->health().state == device::DeviceState::kStopped; }));
+  const auto last = (*head)->sample();
+  EXPECT_NEAR(last->angles.pan_rad, 0.4, 1e-12);
+  EXPECT_EQ(last->pan_at, clock.now()) << "it stands still there";
+  EXPECT_EQ((*head)->move_to({}).error().code, ErrorCode::kUnsupported);
+}
+
+TEST(PlayedAngles, AreNotOlderThanTheySayWhereTheRecordingIsReadTooSlowly) {
+  live::PlayedAngles angles({0.5, 0});
+  const HostTime begin(1s);
+  EXPECT_EQ(angles.at(begin).angles.pan_rad, 0.5);
+  angles.add(begin, {1, 0});
+  angles.add(begin + 40ms, {2, 0});
+  const auto late = angles.at(begin + 90ms);
+  EXPECT_EQ(late.angles.pan_rad, 2);
+  EXPECT_EQ(late.pan_at, begin + 40ms);
+  angles.add(begin + 80ms, {3, 0});
+  angles.add(begin + 120ms, {4, 0});
+  EXPECT_NEAR(angles.at(begin + 90ms).angles.pan_rad, 3.25, 1e-12);
+}
+
+TEST_F(PlayerTest, ARecordingWithoutAnglesHasNoHead) {
+  const auto head = make_player(clock_, 5)->pan_tilt();
+  ASSERT_FALSE(head);
+  EXPECT_EQ(head.error().code, ErrorCode::kData);
+  EXPECT_NE(head.error().context.find("pan_tilt.csv"), std::string::npos);
+}
+
+TEST_F(PlayerTest, BeginsAtTheTimeThatIsGiven) {
+  const auto player = make_player(clock_, 3);
+  const HostTime begin = clock_.now() + 7s;
+  player->play_at(begin);
+  const auto color = player->camera();
+  ASSERT_TRUE(color->start(keep(color_)));
+  ASSERT_TRUE(comes_true([&] { return color->health().state == device::DeviceState::kStopped; }));
+  ASSERT_EQ(color_.size(), 3U);
+  EXPECT_EQ(color_[0].at, DeviceTime(begin.time_since_epoch()));
+  const auto late = make_player(clock_, 3);
+  late->play_at(clock_.now() - 1ms);
+  const auto started = late->camera()->start(keep(depth_));
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().code, ErrorCode::kUsage);
+  EXPECT_NE(started.error().context.find("play_at_s"), std::string::npos);
+}
+
 TEST_F(PlayerTest, NothingToPlayIsRefused) {
   EXPECT_FALSE(live::Player::create(std::make_unique<MadeRecording>(0), "take:made", clock_));
   auto still = std::make_unique<MadeRecording>(5);

@@ -100,11 +100,14 @@ TEST(RigConfig, PosesAreReadAndMustBeRotations) {
 }
 
 TEST(RigConfig, WhatIsWrittenReadsBackTheSame) {
-  const auto rig = parse_rig(kWhole, "rig.toml");
+  auto rig = parse_rig(kWhole, "rig.toml");
   ASSERT_TRUE(rig);
+  EXPECT_FALSE(rig->play_at);
+  rig->play_at = HostTime(1234567ms);
   const auto again = parse_rig(rig_text(*rig), "again.toml");
   ASSERT_TRUE(again) << to_line(again.error());
   EXPECT_EQ(rig_text(*again), rig_text(*rig));
+  EXPECT_EQ(again->play_at, rig->play_at);
   EXPECT_EQ(again->cameras[0].delay, rig->cameras[0].delay);
   EXPECT_EQ(again->lines[1].channel.phase, rig->lines[1].channel.phase);
 }

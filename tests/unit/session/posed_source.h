@@ -24,6 +24,7 @@ class PosedSource final : public capture::CaptureSource {
     info_.frames = live ? capture::kEndless : frames;
   }
   const capture::SourceInfo& info() const override { return info_; }
+  void tell_true_poses() { info_.true_poses = true; }
   Result<bool> read(int number, capture::Capture& capture) override {
     if (number > frames_) return false;
     capture.number = number;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/natnet_sender.h"
+#include "tests/support/progress.h"
 #include "tests/unit/stream/natnet_server.h"
 
 namespace mixrig::stream {
@@ -65,6 +67,52 @@ TEST(NatNetReceiver, ReadsWhatAServerSendsAndCountsTheRest) {
   EXPECT_EQ(counts.late, 2) << "2 twice, 4 after 5";
   EXPECT_EQ(counts.malformed, 2);
   EXPECT_EQ(counts.foreign, 0);
+}
+
+TEST(NatNetReceiver, AServerThatRestartsLosesNoFrameThatItNeverSent) {
+  std::vector<std::vector<std::byte>> packets;
+  for (int i = 1; i <= 100; ++i) packets.push_back(packet(i));
+  for (int i = 1; i <= 20; ++i) packets.push_back(packet(i));  // numbers begin again
+  packets.push_back(packet(2'000'000'000));                    // and jump
+  const NatNetServer server(packets);
+  const SystemClock clock;
+  auto receiver = NatNetReceiver::open(address_of(server), {3, 0}, clock);
+  ASSERT_TRUE(receiver) << receiver.error().context;
+  const auto frames = read_until(*receiver, 2'000'000'000);
+  EXPECT_EQ(frames.size(), 100U + 16U + 1U);
+  EXPECT_EQ(receiver->counts().late, 4) << "the fifth in a row is no late one";
+  EXPECT_EQ(receiver->counts().lost, 0);
+}
+
+TEST(NatNetReceiver, ASecondServerOnTheSameMachineIsForeignUntilTheFirstHasGone) {
+  test::NatNetSender sender;
+  ManualClock clock;
+  NatNetAddress address;
+  address.command_port = sender.port();
+  auto receiver = NatNetReceiver::open(address, {3, 0}, clock);
+  ASSERT_TRUE(receiver) << receiver.error().context;
+  const auto look = [&] {
+    auto frame = receiver->next(std::chrono::milliseconds(20));
+    EXPECT_TRUE(frame) << frame.error().context;
+    return frame && *frame ? (*frame)->number : 0;
+  };
+  const auto read = [&] {
+    int number = 0;
+    for (int i = 0; i < 100 && number == 0; ++i) number = look();
+    return number;
+  };
+  ASSERT_TRUE(test::comes_true([&] { return look() == 0 && sender.has_client(1); }));
+  sender.send(packet(10));
+  EXPECT_EQ(read(), 10);
+  sender.send_from_elsewhere(packet(500));
+  sender.send(packet(11));
+  EXPECT_EQ(read(), 11);
+  EXPECT_EQ(receiver->counts().foreign, 1);
+  EXPECT_EQ(receiver->counts().lost, 0);
+  clock.advance(std::chrono::seconds(3));
+  sender.send_from_elsewhere(packet(501));
+  EXPECT_EQ(read(), 501);
+  EXPECT_EQ(receiver->counts().foreign, 1);
 }
 
 TEST(NatNetReceiver, JoinsAGroup) {
