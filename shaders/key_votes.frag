@@ -52,5 +52,6 @@ void main() {
     float person2 = dot(from_person, from_person) / near.z;
     odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);
   }
-  vote = clamp(odds, -color_vote_cap, color_vote_cap);
+  float cap = has_learned ? color_vote_cap : room_vote_cap;
+  vote = clamp(odds, -cap, cap);
 }

@@ -82,7 +82,7 @@ struct KeyParams {
 /// Without a background the box alone keys: its bottom is the floor.
 struct CaptureBox {
   glm::dvec3 min_m{0}, max_m{0};
-  float floor_tolerance_m = 0.02F;  ///< what is lower over the bottom is the floor
+  float floor_tolerance_m = 0.01F;  ///< what is lower over the bottom is the floor
 };
 
 /// What is seen instead of the real background, behind all virtual objects.

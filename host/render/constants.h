@@ -75,6 +75,9 @@ inline constexpr float kDarkestShadow = 0.85F;
 inline constexpr float kShadowSigma = 0.3F;
 /// Largest vote of one pixel's colour, a probability of 98 %: measured background outweighs it.
 inline constexpr float kColorVoteCap = 4.0F;
+/// The same where the room's colour is that of the pixels around: a rougher guess. On walk 3 to 9
+/// (kinect2, 640x512) key_iou is 0.929 with 4, 0.931 with 2.5, 0.928 with 1.5.
+inline constexpr float kRoomVoteCap = 2.5F;
 /// Three channels of half a log ratio of variances (normal densities).
 inline constexpr float kSpreadOdds = 1.5F;
 

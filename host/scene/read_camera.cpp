@@ -94,7 +94,7 @@ void read_camera(const Table& table, const std::filesystem::path& folder, Scene&
   camera.when_lost = static_cast<WhenLost>(table.one_of("when_lost", {"freeze", "hide"}, 0));
   const Table box = table.table("capture_volume");
   const Eigen::Vector3d min_m = corner(box, "min_m"), max_m = corner(box, "max_m");
-  const double tolerance_m = box.number_or("floor_tolerance_m", 0.02, {0, 1});
+  const double tolerance_m = box.number_or("floor_tolerance_m", 0.01, {0, 1});
   if (!box.present()) return;
   if (!(min_m.array() < max_m.array()).all())
     box.fail("min_m", "must lie below max_m on every axis: swap them");

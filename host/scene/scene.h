@@ -101,7 +101,7 @@ struct CameraPoses {
 /// 2015, section 3.1 "Cropping"). Without a background it alone keys, and its bottom is the floor.
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
-  double floor_tolerance_m = 0.02;  ///< what is lower over the bottom is the floor
+  double floor_tolerance_m = 0.01;  ///< what is lower over the bottom is the floor
 };
 
 struct Background {

@@ -27,24 +27,34 @@ std::size_t maps_used(const std::vector<render::LampParams>& lamps) {
   return used;
 }
 
-std::string key_reason(const render::CompositorSetup& setup, bool has_background) {
-  if (!has_background)
-    return setup.capture_box
-               ? "not run: the scene has no background, nothing is foreground; the capture volume "
-                 "has no effect"
-               : "not run: the scene has no background, nothing is foreground";
-  std::string reason = "foreground against the learned background";
+std::string key_reason(const render::CompositorSetup& setup, render::KeyBy by) {
+  if (by == render::KeyBy::kNothing)
+    return "not run: the scene has neither background nor capture volume, nothing is foreground";
+  const bool volume = by == render::KeyBy::kVolume;
+  std::string reason = volume ? "foreground is what lies in the capture volume over its floor"
+                              : "foreground against the learned background";
   if (setup.key.color) reason += ", by colour where depth is uncertain";
-  if (setup.capture_box) reason += ", cropped to the capture volume";
+  if (setup.capture_box && !volume) reason += ", cropped to the capture volume";
   return reason;
 }
 
-std::string light_reason(bool has_objects, std::size_t maps, bool has_background) {
-  if (!has_objects) return "not run: the scene has no object";
-  if (maps == 0) return "shades virtual objects";
-  return has_background ? "shadows of virtual objects on real surfaces, shading of virtual objects"
-                        : "shading of virtual objects; without a background no real surface "
-                          "is known that could receive a shadow";
+std::string light_reason(const render::CompositorSetup& setup, std::size_t maps, bool keyed) {
+  if (setup.objects.empty()) return "not run: the scene has no object";
+  std::string reason = maps == 0 ? "shades virtual objects"
+                       : keyed   ? "shadows of virtual objects on real surfaces, shading of "
+                                   "virtual objects"
+                                 : "shading of virtual objects; without a background no real "
+                                   "surface is known that could receive a shadow";
+  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on the set";
+  return reason;
+}
+
+std::string mix_reason(const render::CompositorSetup& setup) {
+  const std::string what = "colour, mixed depth, segmented depth and matte in one pass";
+  if (!setup.backdrop) return setup.open_walls ? what + "; walls hide no virtual object" : what;
+  return what + (setup.backdrop->picture.empty()
+                     ? "; the real background is left out, what nothing covers is transparent"
+                     : "; a picture replaces the real background");
 }
 
 std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const render::Tables& tables,
@@ -54,7 +64,7 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
   const std::string virtual_size =
       rect.empty() ? "-" : text(Size{rect.x1 - rect.x0, rect.y1 - rect.y0});
   const std::size_t maps = maps_used(frame.lamps);
-  const bool objects = !setup.objects.empty();
+  const bool objects = !setup.objects.empty(), keyed = frame.key.by != render::KeyBy::kNothing;
   return {
       {"upload", view, "inputs to the device that draws"},
       {"plate", view,
@@ -74,9 +84,9 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"shadow", count(maps, "map"),
        maps > 0 ? "lamps with objects in front of them; again only when a map's size changes"
                 : "not run: no lamp casts an object's shadow"},
-      {"key", view, key_reason(setup, tables.has_background)},
-      {"light", view, light_reason(objects, maps, tables.has_background)},
-      {"mix", view, "colour, mixed depth, segmented depth and matte in one pass"},
+      {"key", view, key_reason(setup, frame.key.by)},
+      {"light", view, light_reason(setup, maps, keyed)},
+      {"mix", view, mix_reason(setup)},
       {"readback", view, "results from the device that draws"},
   };
 }

@@ -157,13 +157,6 @@ Result<std::optional<model::StaticBackground>> background_of(Session& session,
     if (auto fine = check_place(session, *wanted.learn, *learned); !fine)
       return at_key(session, "background.learn", std::move(fine).error());
     background = *std::move(learned);
-    if (session.poses && session.poses->moves() && !background->world_from_view)
-      return at_key(
-          session, "background.learn",
-          {ErrorCode::kData,
-           fmt::format("the camera's pose ({}) was not known in any of the frames {}-{}: "
-                       "learn from frames that have one",
-                       session.poses->name(), wanted.learn->first, wanted.learn->second)});
   }
   return background;
 }

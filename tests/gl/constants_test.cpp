@@ -42,6 +42,7 @@ const std::map<std::string, double> kOurs = {
     {"darkest_shadow", kDarkestShadow},
     {"shadow_sigma", kShadowSigma},
     {"color_vote_cap", kColorVoteCap},
+    {"room_vote_cap", kRoomVoteCap},
     {"spread_odds", kSpreadOdds},
     {"depth_tap_radius", kDepthTapRadius},
     {"foreground_weight", kForegroundWeight},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace mixrig::render::cpu {
 namespace {
@@ -47,15 +48,16 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
 
 namespace {
 
-/// `maybe`: lamps that objects may hide; `share`: of each lamp that is seen past people, or null.
+/// `maybe`: lamps that objects may hide; `share`: of the first lamps that is seen past people, the
+/// others are not hidden by them.
 VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const FloatLanes* share, const SurfaceLanes& at) {
+                       std::span<const FloatLanes> share, const SurfaceLanes& at) {
   const glm::vec3 ambient = frame.light.exposure * frame.light.ambient;
   VectorLanes light{FloatLanes{} + ambient.r, FloatLanes{} + ambient.g, FloatLanes{} + ambient.b};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);
-    if (share) of_lamp *= share[k];
+    if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
@@ -70,7 +72,7 @@ VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& m
 
 VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                     const SurfaceLanes& at) {
-  return shading_of(frame, maps, kAllLamps, nullptr, at);
+  return shading_of(frame, maps, kAllLamps, {}, at);
 }
 
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
@@ -85,7 +87,7 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
     share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
     hidden |= any(share[k] < 1);
   }
-  if (hidden) light = shading_of(frame, maps, maybe, share.data(), at);
+  if (hidden) light = shading_of(frame, maps, maybe, std::span(share).first(count), at);
   return hidden;
 }
 

@@ -31,7 +31,7 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
 VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                     const SurfaceLanes& at);
 
-/// Maps of people, and the lamps that they may hide.
+/// Maps of people, and the lamps that they may hide: at most the first kMostLamps.
 struct PeopleMaps {
   const std::vector<LampParams>& lamps;
   const std::vector<ShadowMap>& maps;

@@ -23,8 +23,6 @@ NearColor mean_of(const ColorSums& sums) {
 
 float square(const glm::vec3& v) { return glm::dot(v, v); }
 
-float clamped(float odds) { return std::clamp(odds, -kColorVoteCap, kColorVoteCap); }
-
 /// Squared distance to the background over its variance.
 struct Distance {
   float square, variance;
@@ -68,14 +66,17 @@ float color_vote(const KeyInput& input, const NearColors& near, int x, int y) {
     const Rgbf learned = input.background.color.row(y)[x];
     if (learned.r < 0) return 0;  // unknown
     room = to_learned(input, p, learned, x, y);
-    if (!near.people.known) return clamped(0.5F * room.square - kColorVoteCap);
+    if (!near.people.known)
+      return std::clamp(0.5F * room.square - kColorVoteCap, -kColorVoteCap, kColorVoteCap);
   } else {
     if (!near.people.known || !near.room.known) return 0;
     room = {square(p - near.room.mean) / near.room.variance, near.room.variance};
   }
   const NearColor& people = near.people;
-  return clamped(0.5F * (room.square - square(p - people.mean) / people.variance) +
-                 kSpreadOdds * std::log(room.variance / people.variance));
+  const float cap = input.learned() ? kColorVoteCap : kRoomVoteCap;
+  return std::clamp(0.5F * (room.square - square(p - people.mean) / people.variance) +
+                        kSpreadOdds * std::log(room.variance / people.variance),
+                    -cap, cap);
 }
 
 }  // namespace mixrig::render::cpu

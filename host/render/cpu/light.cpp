@@ -119,16 +119,18 @@ Rgbx16 shaded(Rgbx16 albedo, const VectorLanes& light, int i) {
           static_cast<std::uint16_t>(clipped.b), 0};
 }
 
-/// Calls shade(columns, at) for the covered pixels of a row, a register of them at a time.
-template <typename Shade>
-void for_each_surface(const LightInput& input, int y, int x0, int x1, const VirtualLayer& layer,
-                      Shade&& shade) {
+/// Turns the albedo of a row into shaded colour, a register of pixels at a time.
+void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
   SurfaceLanes at;
   std::array<int, kLanes> columns;
   int count = 0;
-  const auto flush = [&] {
+  const auto shade = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    shade(std::span(columns).first(static_cast<std::size_t>(count)), at);
+    const VectorLanes light = shading(input.frame, input.maps, at);
+    for (int i = 0; i < count; ++i) {
+      Rgbx16& c = layer.color.row(y)[columns[static_cast<std::size_t>(i)]];
+      c = shaded(c, light, i);
+    }
     count = 0;
   };
   for (int x = x0; x < x1; ++x) {
@@ -136,41 +138,15 @@ void for_each_surface(const LightInput& input, int y, int x0, int x1, const Virt
     const glm::vec3 ray = ray_of(input.tables.warp.view, x, y);
     at.set(count, ray / layer.w.row(y)[x], unpack(layer.normal.row(y)[x], ray));
     columns[static_cast<std::size_t>(count)] = x;
-    if (++count == kLanes) flush();
+    if (++count == kLanes) shade();
   }
-  if (count > 0) flush();
-}
-
-/// Turns the albedo of a row into shaded colour.
-void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
-  for_each_surface(input, y, x0, x1, layer, [&](std::span<const int> columns, const auto& at) {
-    const VectorLanes light = shading(input.frame, input.maps, at);
-    int i = 0;
-    for (const int x : columns) {
-      Rgbx16& c = layer.color.row(y)[x];
-      c = shaded(c, light, i++);
-    }
-  });
+  if (count > 0) shade();
 }
 
 /// Lamps that may be hidden from the virtual surfaces of a tile.
 struct TileLamps {
   LampSet by_people = 0, by_objects = 0;
 };
-
-/// Colour of a row past people; the rest of it is without people.
-void shade_row_behind(const LightInput& input, const TileLamps& lamps, int y, int x0, int x1,
-                      VirtualLayer& layer) {
-  std::copy(layer.without_people.row(y) + x0, layer.without_people.row(y) + x1,
-            layer.color.row(y) + x0);
-  for_each_surface(input, y, x0, x1, layer, [&](std::span<const int> columns, const auto& at) {
-    VectorLanes light;
-    const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
-    if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light)) return;
-    int i = 0;
-    for (const int x : columns) layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i++);
-  });
-}
 
 /// Least and largest positive value of a rectangle; 0, 0 where none is.
 std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect) {
@@ -228,6 +204,74 @@ void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>&
   if (maybe == 0 && input.maps.size() <= kLampBits) return;
   for (int y = rect.y0; y < rect.y1; ++y)
     light_row(input, maybe, y, rect.x0, rect.x1, light.row(y));
+}
+
+/// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.
+bool is_smooth(const VirtualLayer& layer, int x, int y) {
+  constexpr float kAlike = 0.01F;  // of the inverse depth
+  const auto same = [&](int i, int j) {
+    const PackedNormal a = layer.normal.row(y)[x], b = layer.normal.row(y + j)[x + i];
+    const float w = layer.w.row(y)[x];
+    return layer.coverage.row(y + j)[x + i] > 0 && a.x == b.x && a.y == b.y && a.z == b.z &&
+           std::abs(layer.w.row(y + j)[x + i] - w) < kAlike * w;
+  };
+  return same(0, 0) && same(1, 0) && same(0, 1) && same(1, 1);
+}
+
+/// The square of pixels that one look at the lamps is for.
+struct Place {
+  int x = 0, y = 0, side = 1;
+};
+
+/// Calls shade(places, at) for the covered pixels of a tile, a register of places at a time.
+template <typename Shade>
+void for_each_place(const LightInput& input, const Rect& tile, const VirtualLayer& layer,
+                    Shade&& shade) {
+  SurfaceLanes at;
+  std::array<Place, kLanes> places;
+  int count = 0;
+  const auto flush = [&] {
+    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
+    if (count > 0) shade(std::span(places).first(static_cast<std::size_t>(count)), at);
+    count = 0;
+  };
+  const auto add = [&](const Place& p) {
+    if (layer.coverage.row(p.y)[p.x] == 0) return;
+    const glm::vec3 ray = ray_of(input.tables.warp.view, p.x, p.y);
+    at.set(count, ray / layer.w.row(p.y)[p.x], unpack(layer.normal.row(p.y)[p.x], ray));
+    places[static_cast<std::size_t>(count)] = p;
+    if (++count == kLanes) flush();
+  };
+  for (int y = tile.y0; y < tile.y1; y += 2)
+    for (int x = tile.x0; x < tile.x1; x += 2) {
+      if (y + 1 < tile.y1 && x + 1 < tile.x1 && is_smooth(layer, x, y)) {
+        add({x, y, 2});
+        continue;
+      }
+      for (int j = y; j < std::min(y + 2, tile.y1); ++j)
+        for (int i = x; i < std::min(x + 2, tile.x1); ++i) add({i, j, 1});
+    }
+  flush();
+}
+
+/// Colour of a tile past people; the rest of it is without people.
+void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Rect& tile,
+                       VirtualLayer& layer) {
+  for (int y = tile.y0; y < tile.y1; ++y)
+    std::copy(layer.without_people.row(y) + tile.x0, layer.without_people.row(y) + tile.x1,
+              layer.color.row(y) + tile.x0);
+  if (lamps.by_people == 0) return;
+  const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
+  for_each_place(input, tile, layer, [&](std::span<const Place> places, const auto& at) {
+    VectorLanes light;
+    if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light)) return;
+    for (int i = 0; const Place& p : places) {
+      for (int y = p.y; y < p.y + p.side; ++y)
+        for (int x = p.x; x < p.x + p.side; ++x)
+          layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i);
+      ++i;
+    }
+  });
 }
 
 TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
@@ -300,8 +344,8 @@ void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& laye
       if (x0 >= x1) continue;
       std::uint8_t& in_shadow = layer.in_shadow.row(row)[column];
       const TileLamps lamps = lamps_of_tile(input, {x0, y0, x1, y1}, layer.w);
-      for (int y = y0; y < y1 && (lamps.by_people != 0 || in_shadow != 0); ++y)
-        shade_row_behind(input, lamps, y, x0, x1, layer);
+      if (lamps.by_people != 0 || in_shadow != 0)
+        shade_tile_behind(input, lamps, {x0, y0, x1, y1}, layer);
       in_shadow = lamps.by_people != 0 ? 1 : 0;
     }
   });

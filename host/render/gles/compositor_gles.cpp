@@ -234,7 +234,8 @@ Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
   const StageScope stage(timer, Stage::kLight);
   if (preparer_.params().pose_changed) {
     light_.set_lamps(preparer_.params());
-    if (!people_shadow_ || !people) light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
+    if (!people_shadow_ || !people)
+      light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
     if (has_light_map() && (!tables_.has_background || setup_.backdrop))
       light_.skip_background();
     else if (has_light_map())

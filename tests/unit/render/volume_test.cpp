@@ -315,7 +315,7 @@ TEST(PeopleShadow, a_person_is_as_thick_as_the_silhouette_is_wide) {
   const auto ball = [&](int bx, int by) {
     return person.people.balls[static_cast<std::size_t>(by * 40 + bx)];
   };
-  EXPECT_EQ(ball(9, 15).radius_m, 0);                    // beside the person
+  EXPECT_EQ(ball(9, 15).radius_m, 0);                     // beside the person
   EXPECT_NEAR(ball(10, 15).radius_m, 0.71 * 0.05, 1e-4);  // its first block of 8 px, 5 cm wide
   EXPECT_NEAR(ball(11, 15).radius_m, 1.5 * 0.05, 1e-4);
   EXPECT_NEAR(ball(20, 15).radius_m, render::kPeopleRadiusM, 1e-4);
@@ -359,6 +359,21 @@ TEST(PeopleShadow, darkens_a_virtual_surface_and_leaves_no_trace) {
   const Image<Rgb8> before = free.color;
   ASSERT_TRUE((*compositor)->compose({scene.plate, nobody, {}}, free));
   EXPECT_EQ(free.color.at(40, 32), before.at(40, 32));
+}
+
+/// Only the first lamps of many are looked at for people; the others light as ever.
+TEST(PeopleShadow, more_lamps_than_are_looked_up_do_no_harm) {
+  Replaced scene;
+  scene.setup.people_cast_shadows = true;
+  render::Lamp lamp;
+  lamp.position_m = {-2, 0, 0};
+  lamp.intensity = glm::vec3(0.05F);
+  scene.setup.light.lamps.assign(70, lamp);
+  const Rgb8 shadowed = scene.compose().color.at(40, 32);
+  scene.depth.fill(4);
+  const Rgb8 free = scene.compose().color.at(40, 32);
+  EXPECT_GT(shadowed.r, 0);
+  EXPECT_LE(shadowed.r, free.r);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/image_io/image_io.h"
 #include "host/scene/scene_manifest.h"
 #include "tests/support/hand_gltf.h"
 #include "tests/support/temporary_folder.h"
@@ -144,6 +145,64 @@ TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
     EXPECT_NE(scene.error().context.find(row.says), std::string::npos) << scene.error().context;
     EXPECT_EQ(scene.error().context.find('\n'), std::string::npos);
   }
+}
+
+/// `set` replaces the background of a scene with a capture volume.
+Result<Scene> scene_with_set(const std::string& set, const std::filesystem::path& path, bool load) {
+  return parse_scene(
+      "[camera]\ncapture_volume = { min_m = [0, 0, 0], max_m = [5, 4, 3], floor_tolerance_m = 0.03 "
+      "}\n" +
+          set,
+      path, load);
+}
+
+TEST(Scene, ASetReplacesTheBackground) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(image_io::write_png(folder.path() / "sky.png", Image<Rgb8>({4, 3}, {1, 2, 3})));
+  const auto scene = scene_with_set(
+      "[set]\nmodel = \"court.glb\"\nposition_m = [1, 2, 0]\nscale = 2\npicture = \"sky.png\"\n",
+      folder.path() / "scene.toml", false);
+  ASSERT_TRUE(scene) << scene.error().context;
+  ASSERT_TRUE(scene->set && scene->set->model);
+  EXPECT_EQ(scene->set->model->world_from_object.translation_m, Eigen::Vector3d(1, 2, 0));
+  EXPECT_EQ(scene->set->model->scale, 2);
+  EXPECT_FALSE(scene->set->model->casts_shadow);
+  EXPECT_EQ(scene->set->picture_path, folder.path() / "sky.png");
+  EXPECT_EQ(scene->capture_volume->floor_tolerance_m, 0.03);
+  const auto empty = scene_with_set("[set]\n", "s/scene.toml", true);
+  ASSERT_TRUE(empty) << empty.error().context;
+  ASSERT_TRUE(empty->set);
+  EXPECT_TRUE(!empty->set->model && empty->set->picture.empty());
+  const auto with_picture =
+      scene_with_set("[set]\npicture = \"sky.png\"\n", folder.path() / "scene.toml", true);
+  ASSERT_TRUE(with_picture) << with_picture.error().context;
+  EXPECT_EQ(with_picture->set->picture.size(), (Size{4, 3}));
+}
+
+TEST(Scene, WallsMayBeOpen) {
+  const auto open = parse_scene("[background]\nlearn = [1, 5]\nwalls = \"open\"\n", "s", false);
+  ASSERT_TRUE(open) << open.error().context;
+  EXPECT_TRUE(open->background.open_walls);
+  const auto alone = parse_scene("[background]\nwalls = \"open\"\n", "s", false);
+  ASSERT_TRUE(alone) << alone.error().context;
+  EXPECT_FALSE(parse_scene("[background]\nlearn = [1, 5]\nwalls = \"none\"\n", "s", false));
+}
+
+TEST(Scene, ReportsWhatIsWrongWithASet) {
+  const auto no_key = parse_scene("[set]\n", "s/scene.toml", true);
+  ASSERT_FALSE(no_key);
+  EXPECT_NE(no_key.error().context.find("camera.capture_volume"), std::string::npos)
+      << no_key.error().context;
+  for (const char* set : {"[set]\nmodel = \"no.glb\"\n", "[set]\npicture = \"no.png\"\n"}) {
+    const auto missing = scene_with_set(set, "s/scene.toml", true);
+    ASSERT_FALSE(missing);
+    EXPECT_NE(missing.error().context.find("s/scene.toml:4: key \"set."), std::string::npos)
+        << missing.error().context;
+    EXPECT_EQ(missing.error().context.find('\n'), std::string::npos);
+  }
+  const auto unknown = scene_with_set("[set]\nmodle = \"a.glb\"\n", "s/scene.toml", false);
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().context.find("did you mean \"model\""), std::string::npos);
 }
 
 TEST(Scene, ReportsEachWrongValueWithLineAndKey) {

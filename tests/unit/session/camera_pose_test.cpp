@@ -285,27 +285,6 @@ TEST_F(CameraPoseTest, AFrameWithoutAnglesIsLost) {
   EXPECT_TRUE(shown_.at(4).pose.ok());
 }
 
-TEST_F(CameraPoseTest, AnEmptyRoomThatWasSeenFromNowhereIsRefused) {
-  use(std::make_unique<PosedSource>(20, [](Capture& capture) {
-    pan(capture);
-    if (capture.number <= 6) capture.pan_tilt.reset();
-  }));
-  session_.scene.pose_source = PoseSource::kPanTilt;
-  session_.scene.background.learn = {1, 6};
-  session_.calibration.file = folder_ / "calibration.toml";
-  ASSERT_TRUE(calibration_file::write_calibration(session_.calibration.file, with_chain()));
-  session_.poses.reset();
-  ASSERT_TRUE(check_poses(session_));
-  const auto report = run_it();
-  ASSERT_FALSE(report);
-  EXPECT_EQ(report.error().code, ErrorCode::kData);
-  EXPECT_NE(
-      report.error().context.find("scene.toml: background.learn: the camera's pose (pan_tilt) "
-                                  "was not known in any of the frames 1-6"),
-      std::string::npos)
-      << report.error().context;
-}
-
 TEST_F(CameraPoseTest, TruePosesOfTheSourceAreHeldAgainstThoseOfTheScene) {
   auto source = std::make_unique<PosedSource>(10, [](Capture& capture) {
     capture.world_from_target.translation_m = {0, 0.003, 0};

@@ -33,15 +33,21 @@ class ExplainTest : public ::testing::Test {
 
 TEST_F(ExplainTest, WithoutABackgroundNothingIsKeyed) {
   const Explanation out = explained();
-  EXPECT_EQ(why(out, "key"), "not run: the scene has no background, nothing is foreground");
+  EXPECT_EQ(why(out, "key"),
+            "not run: the scene has neither background nor capture volume, nothing is foreground");
   EXPECT_EQ(why(out, "light"), "not run: the scene has no object");
   for (const BufferLine& buffer : out.buffers)
     EXPECT_EQ(buffer.name.find("background"), std::string::npos) << buffer.name;
 }
 
-TEST_F(ExplainTest, ACaptureVolumeNeedsABackground) {
-  session_.setup.capture_box = {{-1, -1, -1}, {1, 1, 1}};
-  EXPECT_NE(why(explained(), "key").find("the capture volume has no effect"), std::string::npos);
+TEST_F(ExplainTest, ACaptureVolumeKeysAloneOrCrops) {
+  session_.setup.capture_box = render::CaptureBox{{-1, -1, -1}, {1, 1, 1}};
+  EXPECT_NE(why(explained(), "key").find("in the capture volume over its floor"),
+            std::string::npos);
+  EXPECT_EQ(why(explained(), "mix").find("transparent"), std::string::npos);
+  session_.setup.backdrop.emplace();
+  EXPECT_NE(why(explained(), "mix").find("transparent"), std::string::npos);
+  session_.setup.backdrop.reset();
   session_.scene.background.learn = {1, 5};
   EXPECT_NE(why(explained(), "key").find("cropped to the capture volume"), std::string::npos);
 }
