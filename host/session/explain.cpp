@@ -164,12 +164,14 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
     add(lines, "background colour", session.background->color);
     add(lines, "background colour spread", session.background->color_sigma);
   }
-  for (const render::LampParams& lamp : frame.lamps) {
-    if (lamp.map_size_texel == 0) continue;
+  const auto add_map = [&](const char* name, const render::LampParams& lamp) {
     const auto side = static_cast<std::size_t>(lamp.map_size_texel);
-    lines.push_back({"shadow map", text(Size{lamp.map_size_texel, lamp.map_size_texel}),
-                     side * side * sizeof(float)});
-  }
+    if (side > 0)
+      lines.push_back({name, text(Size{lamp.map_size_texel, lamp.map_size_texel}),
+                       side * side * sizeof(float)});
+  };
+  for (const render::LampParams& lamp : frame.lamps) add_map("shadow map", lamp);
+  for (const render::LampParams& lamp : frame.people_lamps) add_map("shadow map of people", lamp);
   const Size view = session.setup.view.size_px;
   lines.push_back({"outputs", text(view), view.area() * (sizeof(Rgb8) + 2 * sizeof(float) + 1)});
   return lines;

@@ -29,6 +29,8 @@ class FrameViews {
     empty.background = {};
     empty.background_model.reset();
     empty.capture_box.reset();
+    empty.backdrop.reset();
+    empty.people_cast_shadows = false;
     FrameViews views;
     MIXRIG_ASSIGN(views.compositor_, make_compositor(empty, backend));
     views.output_.wanted = render::kColor | render::kWarpedDepth;

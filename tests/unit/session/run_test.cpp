@@ -54,6 +54,24 @@ class RunTest : public ::testing::Test {
   TickingClock clock_;
 };
 
+/// Fill over black and key: what a mixer takes.
+TEST_F(RunTest, ALearnedRoomCanBeLeftOut) {
+  session_.setup.backdrop.emplace();
+  const auto report = run_it();
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_FALSE(report->error->color_psnr_db);
+  EXPECT_GT(*report->error->key_iou, 0.9);
+  Image<std::uint8_t> alpha;
+  ASSERT_TRUE(image_io::read_gray8(root_ / "out/alpha/000001.png", alpha));
+  Image<Rgb8> color;
+  ASSERT_TRUE(image_io::read_rgb8(root_ / "out/composite/color/000001.png", color));
+  const int x = test::BoxSource::kLeft + 12, y = test::BoxSource::kTop + 12;
+  EXPECT_EQ(alpha.at(x, y), 255);
+  EXPECT_EQ(color.at(x, y), (Rgb8{200, 30, 30}));
+  EXPECT_EQ(alpha.at(2, 2), 0);
+  EXPECT_EQ(color.at(2, 2), (Rgb8{0, 0, 0}));
+}
+
 TEST_F(RunTest, KeysTheBoxAndJudgesIt) {
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
