@@ -24,7 +24,7 @@ struct PanTiltMotion {
   double speed_rad_s = 0, acceleration_rad_s2 = 0;  ///< 0: unchanged
 };
 
-/// Measured positions; each axis is stamped with the middle of its query.
+/// Measured positions; each axis is stamped with the time at which the unit read it.
 struct PanTiltSample {
   PanTiltAngles angles;
   HostTime pan_at{}, tilt_at{};

@@ -25,14 +25,15 @@ std::string axis_command(char axis, char what, long value) {
 
 }  // namespace
 
-FlirPtu::FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri)
-    : stream_(std::move(stream)), clock_(clock) {
+FlirPtu::FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri,
+                 Duration byte_time)
+    : stream_(std::move(stream)), clock_(clock), byte_time_(byte_time) {
   info_.uri = std::move(uri);
 }
 
 Result<std::unique_ptr<FlirPtu>> FlirPtu::open(std::unique_ptr<ByteStream> stream, Clock& clock,
-                                               std::string uri) {
-  std::unique_ptr<FlirPtu> unit(new FlirPtu(std::move(stream), clock, std::move(uri)));
+                                               std::string uri, Duration byte_time) {
+  std::unique_ptr<FlirPtu> unit(new FlirPtu(std::move(stream), clock, std::move(uri), byte_time));
   MIXRIG_TRY(unit->configure());
   return unit;
 }
@@ -87,11 +88,10 @@ Result<void> FlirPtu::set_motion(PanTiltMotion motion) {
 
 Result<PanTiltSample> FlirPtu::sample() {
   PanTiltSample sample;
-  const HostTime begin = clock_.now();
   MIXRIG_ASSIGN(const double pan, query("PP ", PtuAxis::kPan));
-  const HostTime middle = clock_.now();
+  sample.pan_at = heard_at_;
   MIXRIG_ASSIGN(const double tilt, query("TP ", PtuAxis::kTilt));
-  const HostTime end = clock_.now();
+  sample.tilt_at = heard_at_;
   sample.angles = {pan * info_.resolution.pan_rad, tilt * info_.resolution.tilt_rad};
   // The protocol has no checksum: a damaged digit is noticed only if the value leaves the range.
   const auto inside = [](double v, double low, double high) { return v >= low && v <= high; };
@@ -105,8 +105,6 @@ Result<PanTiltSample> FlirPtu::sample() {
                                          ": pan-tilt unit reports a position outside its own "
                                          "range: check the cable"};
   }
-  sample.pan_at = begin + (middle - begin) / 2;
-  sample.tilt_at = middle + (end - middle) / 2;
   return sample;
 }
 
@@ -170,19 +168,38 @@ Result<PtuReply> FlirPtu::send_and_read(std::string_view text, Duration timeout)
   if (stale_) MIXRIG_TRY(drain());
   parser_.expect(text);
   ++health_.commands;
+  asked_at_ = clock_.now();
+  answer_bytes_ = 0;
   MIXRIG_TRY(stream_->write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
   auto reply = read_reply(clock_.now() + timeout);
-  if (reply) return reply;
+  if (reply) {
+    heard_at_ = heard_at(text.size());
+    return reply;
+  }
   stale_ = true;
   if (reply.error().code != ErrorCode::kTimeout) return reply;
   ++health_.timeouts;
   return no_answer(text);
 }
 
+/// When the unit had read the question that was just answered: its bytes are on the line before,
+/// those of the answer after it, and what the line does not explain is shared alike. An answer that
+/// names its axis has ten times as many bytes as the question: the middle of the exchange would be
+/// 15 ms late at 9600 baud.
+HostTime FlirPtu::heard_at(std::size_t question_bytes) const {
+  const Duration passed = clock_.now() - asked_at_;
+  const auto question = static_cast<Duration::rep>(question_bytes);
+  const auto bytes = question + static_cast<Duration::rep>(answer_bytes_);
+  const Duration line = byte_time_ * bytes;
+  if (line > passed) return asked_at_ + passed * question / bytes;  // faster than its rate says
+  return asked_at_ + byte_time_ * question + (passed - line) / 2;
+}
+
 Result<PtuReply> FlirPtu::read_reply(HostTime until) {
   std::array<std::uint8_t, 64> bytes;
   while (clock_.now() < until) {
     MIXRIG_ASSIGN(const std::size_t count, stream_->read(bytes, until - clock_.now()));
+    answer_bytes_ += count;
     std::optional<PtuReply> reply;
     for (std::size_t i = 0; i < count; ++i) {
       // A second reply in one read belongs to an earlier command: drain before the next one.

@@ -20,9 +20,10 @@ namespace mixrig::device {
 /// is repeated: position queries and absolute moves are idempotent.
 class FlirPtu final : public PanTilt {
  public:
-  /// `uri` stands in error lines. Errors: kTimeout, kDevice.
+  /// `uri` stands in error lines; `byte_time` is that of the line, 10 bits at its rate, 0 where it
+  /// has none. Errors: kTimeout, kDevice.
   static Result<std::unique_ptr<FlirPtu>> open(std::unique_ptr<ByteStream> stream, Clock& clock,
-                                               std::string uri);
+                                               std::string uri, Duration byte_time = {});
 
   const PanTiltInfo& info() const override { return info_; }
   Result<void> move_to(PanTiltAngles target) override;
@@ -32,7 +33,7 @@ class FlirPtu final : public PanTilt {
   PanTiltHealth health() const override;
 
  private:
-  FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri);
+  FlirPtu(std::unique_ptr<ByteStream> stream, Clock& clock, std::string uri, Duration byte_time);
   Result<void> configure();
   Result<void> set_up_protocol();
   Result<void> set_up_again();
@@ -42,17 +43,21 @@ class FlirPtu final : public PanTilt {
   Result<PtuReply> exchange(std::string_view text, Duration timeout);
   Result<PtuReply> exchange_once(std::string_view text, Duration timeout);
   Result<PtuReply> read_reply(HostTime until);
+  HostTime heard_at(std::size_t question_bytes) const;
   Result<void> drain();
   Result<long> steps(double angle_rad, const PanTiltAngles& resolution, PtuAxis axis) const;
   Error no_answer(std::string_view text) const;
 
   std::unique_ptr<ByteStream> stream_;
   Clock& clock_;
+  const Duration byte_time_;
   PanTiltInfo info_;
   PtuReplyParser parser_;
   PanTiltHealth health_;
   std::uint64_t limits_at_move_ = 0;
-  bool stale_ = true;  ///< bytes of an earlier exchange may still arrive
+  HostTime asked_at_{}, heard_at_{};  ///< of the last answered exchange
+  std::size_t answer_bytes_ = 0;      ///< since it was asked
+  bool stale_ = true;                 ///< bytes of an earlier exchange may still arrive
   bool lost_ = false;  ///< the line failed: set up the protocol again when it is back
 };
 

@@ -136,7 +136,8 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
   }
   MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
   MIXRIG_TRY(stream->set_line({.baud = baud}));
-  MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri));
+  const Duration byte_time = std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;
+  MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri, byte_time));
   return std::unique_ptr<device::PanTilt>(std::move(unit));
 }
 

@@ -16,8 +16,9 @@ constexpr int kFarthestFree_ticks = 3;
 constexpr double kMuchSlower = 1.5;
 constexpr int kDoubts = 3;
 constexpr Duration kFuture = std::chrono::milliseconds(20);
-// Two queries of a head at 9600 baud take 70 ms.
-constexpr Duration kHeadPatience = std::chrono::milliseconds(120);
+// Two queries of a head at 9600 baud take 70 ms. An axis that was asked just before the exposure is
+// known after the next two: 140 ms, four frames at 25 Hz.
+constexpr Duration kHeadPatience = std::chrono::milliseconds(155);
 
 }  // namespace
 

@@ -73,7 +73,7 @@ class LiveSession {
     std::uint64_t paired = 0;
     double residual_sum_s = 0, residual_square_s2 = 0;
   };
-  static constexpr std::size_t kEvents = 64, kSets = 2, kHeld = 3;
+  static constexpr std::size_t kEvents = 64, kSets = 2, kHeld = 4;
 
   void push(Event event);
   std::uint64_t waiting_events() const;

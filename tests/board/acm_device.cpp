@@ -43,8 +43,9 @@ int AcmDevice::transmit(int endpoint, std::span<std::uint8_t> room, HostTime now
 
 void PtuPeer::receive(std::span<const std::uint8_t> bytes, HostTime now) {
   const std::lock_guard lock(mutex_);
-  unit_.receive(bytes, now);
-  ready_ = now + byte_time_ * static_cast<long>(bytes.size() + unit_.output().size());
+  const HostTime read = now + byte_time_ * static_cast<long>(bytes.size());
+  unit_.receive(bytes, read);
+  ready_ = read + byte_time_ * static_cast<long>(unit_.output().size());
 }
 
 std::optional<HostTime> PtuPeer::next_event() {

@@ -19,7 +19,7 @@
 namespace mixrig::device {
 namespace {
 
-constexpr int kLibraryBuffers = 8, kBuffers = 8;
+constexpr int kLibraryBuffers = 8, kBuffers = 10;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
 constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration

@@ -10,7 +10,7 @@
 namespace mixrig::device {
 namespace {
 
-constexpr int kBuffers = 8;
+constexpr int kBuffers = 10;
 constexpr Duration kWait = std::chrono::milliseconds(100);
 constexpr Duration kLookAgain = std::chrono::milliseconds(250);
 

@@ -129,6 +129,35 @@ TEST_F(FlirPtuTest, TenThousandCommandsAreAnsweredCorrectlyWithLimitReportsInsid
   EXPECT_EQ(head_->health().limit_hits, unit_.limit_reports());
 }
 
+// The emulated line takes 1042 us a byte, 9600 baud.
+TEST_F(FlirPtuTest, AStampIsTheTimeAtWhichTheUnitReadItsAxis) {
+  struct Case {
+    Duration byte_time;
+    double most_ms;
+  };
+  // Of another rate than the line's, and without one, it is late by part of the long answer.
+  for (const Case& c : {Case{1042us, 0.01}, Case{2084us, 0.01}, Case{521us, 8}, Case{0us, 16}}) {
+    fake::FlirPtuEmulator unit;
+    ManualClock clock;
+    const auto head = FlirPtu::open(std::make_unique<fake::FlirPtuLine>(unit, clock), clock,
+                                    "flir-ptu:x", c.byte_time);
+    ASSERT_TRUE(head);
+    const HostTime asked = clock.now();
+    const auto sample = (*head)->sample();
+    ASSERT_TRUE(sample);
+    const auto late_ms = [](HostTime stamp, HostTime truth) {
+      return std::chrono::duration<double, std::milli>(stamp - truth).count();
+    };
+    const HostTime pan_read = asked + 3 * 1042us;
+    const auto answer =
+        static_cast<long>(std::string_view("* Current Pan position is 0\r\n").size());
+    const HostTime tilt_read = pan_read + (answer + 3) * 1042us;
+    EXPECT_NEAR(late_ms(sample->pan_at, pan_read), 0, c.most_ms);
+    EXPECT_GE(late_ms(sample->pan_at, pan_read), c.most_ms * 0.8 - 0.02);
+    EXPECT_NEAR(late_ms(sample->tilt_at, tilt_read), 0, c.most_ms + 1.1);
+  }
+}
+
 TEST_F(FlirPtuTest, LimitFlagBelongsToTheLastMove) {
   unit_.faults.limit_report_share = 1;
   ASSERT_TRUE(head_->halt());
