@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "host/render/cpu/bilinear.h"
 
@@ -61,16 +60,15 @@ Image<Rgbx16> packed_color(const BackgroundView& images) {
 }
 
 /// Turns unit normals; what is unknown stays so.
-void rotate(const glm::mat3& r, std::span<const PackedNormal> from, PackedNormal* to) {
+void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
   const auto pack = [](float value) {
     return static_cast<std::int8_t>(static_cast<std::int32_t>(value + (value < 0 ? -0.5F : 0.5F)));
   };
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const float x = from[i].x, y = from[i].y, z = from[i].z;
-    to[i].x = pack(r[0].x * x + r[1].x * y + r[2].x * z);
-    to[i].y = pack(r[0].y * x + r[1].y * y + r[2].y * z);
-    to[i].z = pack(r[0].z * x + r[1].z * y + r[2].z * z);
-    to[i].w = 0;
+  for (PackedNormal& n : normals) {
+    const float x = n.x, y = n.y, z = n.z;
+    n.x = pack(r[0].x * x + r[1].x * y + r[2].x * z);
+    n.y = pack(r[0].y * x + r[1].y * y + r[2].y * z);
+    n.z = pack(r[0].z * x + r[1].z * y + r[2].z * z);
   }
 }
 
@@ -130,7 +128,6 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
       for (int x = 0; x < width; x += static_cast<int>(kRun)) {
         find_in_model(x, y, width - x, run);
         look_up(x, y, run);
-        if (!model_normal_.empty()) look_up_normals(run, tables.background_normal.row(y) + x);
       }
       most_within(w_.row(y), width, model_.limit_radius_px, row_most_w_.row(y));
     }
@@ -182,11 +179,12 @@ void MovingBackground::look_up(int x0, int y, const Run& run) {
   for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
 }
 
-void MovingBackground::look_up_normals(const Run& run, PackedNormal* normals) const {
-  alignas(64) std::array<PackedNormal, kRun> from;
+void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out) const {
+  Run run;
+  find_in_model(x0, y, static_cast<int>(out.size()), run);
   const PackedNormal* model_normal = model_normal_.row(0);
-  for (std::size_t i = 0; i < run.count; ++i) from[i] = model_normal[run.at[i]];
-  rotate(glm::transpose(model_from_camera_), std::span(from).first(run.count), normals);
+  for (std::size_t i = 0; i < run.count; ++i) out[i] = model_normal[run.at[i]];
+  rotate(glm::transpose(model_from_camera_), out.first(run.count));
 }
 
 /// Of the nearest pixel of the model. Rows of this table have another stride than the others'.

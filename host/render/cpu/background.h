@@ -2,6 +2,8 @@
 // Pass background: the background model as the camera sees it from its pose.
 #pragma once
 
+#include <span>
+
 #include "hal/base/parallel.h"
 #include "host/render/background_model.h"
 #include "host/render/cpu/correct.h"
@@ -19,14 +21,18 @@ class MovingBackground {
  public:
   /// Reads the model's images now and borrows nothing.
   MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals = Normals::kMake);
-  /// Draws the depth, and what the key and the light pass take from `tables`: key_limit_w and
-  /// background_normal. Colours are those of earlier draws until draw_color().
+  /// Draws the depth, and tables.key_limit_w. Colours are those of earlier draws until
+  /// draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
   bool has_color() const { return !model_color_.empty(); }
   /// Draws the colour of `width` <= kMostColumns pixels of a row. Few pixels need it: those that
   /// depth cannot decide. Any thread, different pixels. Precondition: has_color().
   void draw_color(int x0, int y, int width);
   static constexpr int kMostColumns = 128;
+  /// Normals of at most kMostColumns pixels of a row from (x0, y) on, as Tables::background_normal
+  /// has them. Few pixels need them: those that a shadow can reach. Any thread. Precondition: made
+  /// with Normals::kMake.
+  void normals(int x0, int y, std::span<PackedNormal> out) const;
   /// Valid for the life of this; changed by the draws.
   BackgroundView view() const { return {depth_m_, {}, color_, color_sigma_}; }
 
@@ -35,7 +41,6 @@ class MovingBackground {
   void find_in_model(int x0, int y, int width, Run& run) const;
   void look_up(int x0, int y, const Run& run);
   bool color_is_unknown(float u_px, float v_px) const;
-  void look_up_normals(const Run& run, PackedNormal* normals) const;
   void limit_row(int y, float* limit_w) const;
 
   KeyParams key_;

@@ -111,7 +111,6 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     setup_.background = moving_background_->view();
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
-    tables_.background_normal.reset(tables_.view_size);
   }
   tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
   if (setup_.objects.empty()) return;
@@ -200,7 +199,11 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
   watch.lap(Stage::kVirtual);
   if (frame.maps_changed) draw_shadow_maps(crew_, frame, shadow_maps_);
   watch.lap(Stage::kShadow);
-  const LightInput input{frame, tables_, setup_.background, shadow_maps_};
+  const LightInput input{.frame = frame,
+                         .tables = tables_,
+                         .background = setup_.background,
+                         .maps = shadow_maps_,
+                         .moving = moving_background_.get()};
   shade_virtual(crew_, input, objects_);
   if (has_shadows(frame) && !setup_.backdrop) light_background(crew_, input, light_);
   watch.lap(Stage::kLight);
@@ -210,8 +213,12 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
 void CpuCompositor::draw_peoples_shadows(const Image<std::uint8_t>& matte) {
   const FrameParams& frame = preparer_.params();
   draw_people_maps(crew_, frame, tables_.warp.view, view_w_, matte, people_shadow_);
-  shade_behind_people(crew_, {frame, tables_, setup_.background, shadow_maps_, &people_shadow_},
-                      objects_);
+  const LightInput input{.frame = frame,
+                         .tables = tables_,
+                         .background = setup_.background,
+                         .maps = shadow_maps_,
+                         .people = &people_shadow_};
+  shade_behind_people(crew_, input, objects_);
 }
 
 MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {

@@ -70,9 +70,9 @@ VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& m
 
 }  // namespace
 
-VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                     const SurfaceLanes& at) {
-  return shading_of(frame, maps, kAllLamps, {}, at);
+  return shading_of(frame, maps, maybe, {}, at);
 }
 
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,

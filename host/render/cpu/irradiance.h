@@ -27,8 +27,9 @@ struct SurfaceLanes {
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at);
 
-/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue.
-VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue. `maybe`: lamps
+/// that objects may hide.
+VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                     const SurfaceLanes& at);
 
 /// Maps of people, and the lamps that they may hide: at most the first kMostLamps.
@@ -37,7 +38,7 @@ struct PeopleMaps {
   const std::vector<ShadowMap>& maps;
   LampSet maybe = kAllLamps;
 };
-/// The same light past people too; `maybe`: lamps that objects may hide. False where people hide
+/// The same light past people too. False where people hide
 /// nothing; then `light` is not set.
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,

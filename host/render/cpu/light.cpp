@@ -119,30 +119,6 @@ Rgbx16 shaded(Rgbx16 albedo, const VectorLanes& light, int i) {
           static_cast<std::uint16_t>(clipped.b), 0};
 }
 
-/// Turns the albedo of a row into shaded colour, a register of pixels at a time.
-void shade_row(const LightInput& input, int y, int x0, int x1, VirtualLayer& layer) {
-  SurfaceLanes at;
-  std::array<int, kLanes> columns;
-  int count = 0;
-  const auto shade = [&] {
-    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    const VectorLanes light = shading(input.frame, input.maps, at);
-    for (int i = 0; i < count; ++i) {
-      Rgbx16& c = layer.color.row(y)[columns[static_cast<std::size_t>(i)]];
-      c = shaded(c, light, i);
-    }
-    count = 0;
-  };
-  for (int x = x0; x < x1; ++x) {
-    if (layer.coverage.row(y)[x] == 0) continue;
-    const glm::vec3 ray = ray_of(input.tables.warp.view, x, y);
-    at.set(count, ray / layer.w.row(y)[x], unpack(layer.normal.row(y)[x], ray));
-    columns[static_cast<std::size_t>(count)] = x;
-    if (++count == kLanes) shade();
-  }
-  if (count > 0) shade();
-}
-
 /// Lamps that may be hidden from the virtual surfaces of a tile.
 struct TileLamps {
   LampSet by_people = 0, by_objects = 0;
@@ -177,16 +153,24 @@ LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>&
   return set;
 }
 
+/// Of the background in a row of a tile.
+void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out) {
+  if (input.moving) return input.moving->normals(x0, y, out);
+  std::copy_n(input.tables.background_normal.row(y) + x0, out.size(), out.begin());
+}
+
 /// A row of a tile; precondition: at least one pixel.
 void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out) {
   const float* depth_m = input.background.depth_m.row(y);
-  const PackedNormal* normals = input.tables.background_normal.row(y);
+  std::array<PackedNormal, kTileWidth> normals;
+  background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
   for (int x = x0; x < x1; x += kLanes) {
     SurfaceLanes at;
     for (int i = 0; i < kLanes; ++i) {
       const int column = std::min(x + i, x1 - 1);
       const glm::vec3 ray = ray_of(input.tables.warp.view, column, y);
-      at.set(i, ray * std::max(depth_m[column], 0.0F), unpack(normals[column], ray));
+      at.set(i, ray * std::max(depth_m[column], 0.0F),
+             unpack(normals[static_cast<std::size_t>(column - x0)], ray));
     }
     const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
@@ -223,8 +207,11 @@ struct Place {
   int x = 0, y = 0, side = 1;
 };
 
+/// Whether smooth pixels are looked at together.
+enum class Squares { kSingle, kOfTwo };
+
 /// Calls shade(places, at) for the covered pixels of a tile, a register of places at a time.
-template <typename Shade>
+template <Squares squares, typename Shade>
 void for_each_place(const LightInput& input, const Rect& tile, const VirtualLayer& layer,
                     Shade&& shade) {
   SurfaceLanes at;
@@ -244,7 +231,8 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
   };
   for (int y = tile.y0; y < tile.y1; y += 2)
     for (int x = tile.x0; x < tile.x1; x += 2) {
-      if (y + 1 < tile.y1 && x + 1 < tile.x1 && is_smooth(layer, x, y)) {
+      if (squares == Squares::kOfTwo && y + 1 < tile.y1 && x + 1 < tile.x1 &&
+          is_smooth(layer, x, y)) {
         add({x, y, 2});
         continue;
       }
@@ -262,16 +250,34 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
               layer.color.row(y) + tile.x0);
   if (lamps.by_people == 0) return;
   const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
-  for_each_place(input, tile, layer, [&](std::span<const Place> places, const auto& at) {
-    VectorLanes light;
-    if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light)) return;
-    for (int i = 0; const Place& p : places) {
-      for (int y = p.y; y < p.y + p.side; ++y)
-        for (int x = p.x; x < p.x + p.side; ++x)
-          layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i);
-      ++i;
-    }
-  });
+  for_each_place<Squares::kOfTwo>(
+      input, tile, layer, [&](std::span<const Place> places, const auto& at) {
+        VectorLanes light;
+        if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light))
+          return;
+        for (int i = 0; const Place& p : places) {
+          for (int y = p.y; y < p.y + p.side; ++y)
+            for (int x = p.x; x < p.x + p.side; ++x)
+              layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i);
+          ++i;
+        }
+      });
+}
+
+/// Turns the albedo of a tile into shaded colour.
+void shade_tile(const LightInput& input, const Rect& tile, VirtualLayer& layer) {
+  const auto [least_w, most_w] = positive_range(layer.w, tile);
+  if (!(most_w > 0)) return;
+  const LampSet maybe = lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, tile,
+                                       1 / most_w, 1 / least_w);
+  for_each_place<Squares::kSingle>(
+      input, tile, layer, [&](std::span<const Place> places, const auto& at) {
+        const VectorLanes light = shading(input.frame, input.maps, maybe, at);
+        for (int i = 0; const Place& p : places) {
+          Rgbx16& color = layer.color.row(p.y)[p.x];
+          color = shaded(color, light, i++);
+        }
+      });
 }
 
 TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
@@ -312,14 +318,16 @@ void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
   const Rect& rect = layer.rect;
   const bool people = !layer.albedo.empty();
-  crew.rows(rect.y1 - rect.y0, kGrain, [&](int begin, int end) {
-    for (int y = rect.y0 + begin; y < rect.y0 + end; ++y) {
-      const Rgbx16* const color = layer.color.row(y);
-      if (people) std::copy(color + rect.x0, color + rect.x1, layer.albedo.row(y) + rect.x0);
-      shade_row(input, y, rect.x0, rect.x1, layer);
-      if (people)
-        std::copy(color + rect.x0, color + rect.x1, layer.without_people.row(y) + rect.x0);
-    }
+  crew.rows(rect.y1 - rect.y0, kTileHeight, [&](int begin, int end) {
+    const int y0 = rect.y0 + begin, y1 = rect.y0 + end;
+    const auto copy_rows = [&](const Image<Rgbx16>& from, Image<Rgbx16>& to) {
+      for (int y = y0; y < y1; ++y)
+        std::copy(from.row(y) + rect.x0, from.row(y) + rect.x1, to.row(y) + rect.x0);
+    };
+    if (people) copy_rows(layer.color, layer.albedo);
+    for (int x = rect.x0; x < rect.x1; x += kTileWidth)
+      shade_tile(input, {x, y0, std::min(x + kTileWidth, rect.x1), y1}, layer);
+    if (people) copy_rows(layer.color, layer.without_people);
   });
   if (people) layer.in_shadow.fill(0);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/render/cpu/background.h"
 #include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/shadow.h"
 #include "host/render/cpu/virtual.h"
@@ -28,6 +29,8 @@ struct LightInput {
   const Tables& tables;
   const BackgroundView& background;
   const std::vector<ShadowMap>& maps;
+  const MovingBackground* moving =
+      nullptr;  ///< gives the normals of `background`; null: the tables
   const PeopleShadow* people = nullptr;
 };
 

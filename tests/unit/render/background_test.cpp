@@ -54,8 +54,12 @@ struct Drawn {
     background.draw(crew, world_from_camera, tables);
     constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
     for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; x += kColumns)
-        background.draw_color(x, y, std::min(kColumns, kView.width - x));
+      for (int x = 0; x < kView.width; x += kColumns) {
+        const int width = std::min(kColumns, kView.width - x);
+        background.draw_color(x, y, width);
+        background.normals(x, y,
+                           {tables.background_normal.row(y) + x, static_cast<std::size_t>(width)});
+      }
   }
   Crew crew;
   render::Tables tables;
