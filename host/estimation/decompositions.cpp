@@ -15,6 +15,24 @@ Spectrum spectrum_of(const Matrix3d& symmetric) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+PlanarSpectrum planar_spectrum_of(const Eigen::Matrix2d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+DenseSpectrum dense_spectrum_of(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+SymmetricSolver::SymmetricSolver(const Eigen::MatrixXd& symmetric) : ldlt_(symmetric) {}
+
+Eigen::MatrixXd SymmetricSolver::solve(const Eigen::MatrixXd& b) const { return ldlt_.solve(b); }
+
+double SymmetricSolver::least_pivot() const {
+  return ldlt_.info() == Eigen::Success ? ldlt_.vectorD().minCoeff() : -1;
+}
+
 PointSpread spread_of(std::span<const Vector3d> points_m, std::span<const int> indices) {
   const auto count = static_cast<double>(indices.size());
   const Vector3d first = points_m[indices[0]];

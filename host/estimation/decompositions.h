@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decompositions of 3x3 matrices that the estimators share, compiled once.
+// Decompositions that the estimators share, compiled once: Eigen's take long to compile.
 #pragma once
 
 #include <span>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -15,6 +16,32 @@ struct Spectrum {
   Eigen::Matrix3d axes;
 };
 Spectrum spectrum_of(const Eigen::Matrix3d& symmetric);
+
+/// The same of a 2x2 matrix.
+struct PlanarSpectrum {
+  Eigen::Vector2d values;
+  Eigen::Matrix2d axes;
+};
+PlanarSpectrum planar_spectrum_of(const Eigen::Matrix2d& symmetric);
+
+/// The same of a matrix of any size.
+struct DenseSpectrum {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd axes;
+};
+DenseSpectrum dense_spectrum_of(const Eigen::MatrixXd& symmetric);
+
+/// Solves A X = B for a symmetric A by LDL^T with pivoting; not finite where A is singular.
+class SymmetricSolver {
+ public:
+  explicit SymmetricSolver(const Eigen::MatrixXd& symmetric);
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
+  /// Least element of D; -1 where A could not be factorised.
+  double least_pivot() const;
+
+ private:
+  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
+};
 
 /// Mean, root mean square spread along the principal axes (thinnest first), and these as columns.
 struct PointSpread {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::estimation {
 
@@ -24,8 +24,8 @@ Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& exten
   const Eigen::MatrixXd relative = extent.asDiagonal() * information * extent.asDiagonal();
   if (!relative.allFinite())
     return {{}, Verdict::degenerate("the information about the estimate is not finite")};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(relative);
-  const Eigen::VectorXd& lambda = solver.eigenvalues();
+  const DenseSpectrum spectrum = dense_spectrum_of(relative);
+  const Eigen::VectorXd& lambda = spectrum.values;
   constexpr double kSingular = 1e-14;  // below, an eigenvalue is rounding
   if (!(lambda[0] > kSingular * lambda[lambda.size() - 1]))
     return {{}, Verdict::degenerate("the data say nothing about one direction of the estimate")};
@@ -34,8 +34,9 @@ Judgement judge(const Eigen::MatrixXd& information, const Eigen::VectorXd& exten
     return {
         {},
         Verdict::degenerate("the uncertainty in one direction is as large as the scene itself")};
-  const Eigen::MatrixXd axes = extent.asDiagonal() * solver.eigenvectors();
-  Judgement judgement{axes * lambda.cwiseInverse().asDiagonal() * axes.transpose(), Verdict::ok()};
+  const Eigen::MatrixXd axes = extent.asDiagonal() * spectrum.axes;
+  Judgement judgement{(axes * lambda.cwiseInverse().asDiagonal()).lazyProduct(axes.transpose()),
+                      Verdict::ok()};
   if (worst * std::sqrt(lambda.mean()) > kWeakRatio) {
     const Eigen::VectorXd step = worst * axes.col(0);
     judgement.verdict = Verdict::weak(step.normalized(), step.norm(),

@@ -2,6 +2,7 @@
 #include "host/session/explain.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"

@@ -2,7 +2,7 @@
 // How far the poses that frames were composited with lie from the true ones.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/geometry/pose.h"
 #include "host/measure/quantile_sketch.h"

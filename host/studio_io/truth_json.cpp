@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/studio_io/truth_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace mixrig::studio_io {
 
 using nlohmann::json;

@@ -2,7 +2,7 @@
 // Parts of truth files as JSON. Private to this room.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/studio/rig_of_seed.h"
 

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
 #include "host/report/plot.h"
@@ -95,23 +97,21 @@ Result<nlohmann::json> act(const Arguments& arguments) {
 
 }  // namespace
 
-void add_align_command(CLI::App& app, Context& context) {
+void add_align_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "align", "time offset and rotation between two trajectories of one rigid body");
-  command->add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw")->required();
-  command->add_option("B", arguments->b, "trajectory of the other sensor: t_A = t_B + offset")
-      ->required();
+  command.add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw").required();
+  command.add_option("B", arguments->b, "trajectory of the other sensor: t_A = t_B + offset")
+      .required();
   command
-      ->add_option("--window", arguments->options.window_s,
-                   "relative motions are over this time, s")
-      ->check(CLI::Range(0.05, 10.0));
-  command->add_option("--plot", arguments->plot, "PNG of the residuals over time");
-  command->add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")
-      ->expected(0, 1)
-      ->default_str("-");
-  command->callback([&context, arguments, command] {
-    if (command->count("--json") > 0 && arguments->json.empty()) arguments->json = "-";
+      .add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
+      .range(0.05, 10.0);
+  command.add_option("--plot", arguments->plot, "PNG of the residuals over time");
+  command.add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")
+      .value_if_left_out("-");
+  command.callback([&context, arguments, command] {
+    if (command.count("--json") > 0 && arguments->json.empty()) arguments->json = "-";
     context.action = [arguments] { return act(*arguments); };
   });
 }

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "host/image_io/image_io.h"
 #include "host/session/bench.h"
 #include "host/tools/command.h"
@@ -23,19 +25,19 @@ Result<nlohmann::json> bench(const session::BenchOptions& options) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, Context& context) {
+void add_bench_command(Command app, Context& context) {
   struct Arguments {
     std::string out = "out/bench";
     session::BenchOptions options;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("bench", "measure speed against error in the virtual studio");
-  command->add_option("--out", arguments->out, "folder of the plot and the reused takes")
-      ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "of the studio")->capture_default_str();
-  command->add_flag("--quick", arguments->options.quick, "half the size, fewer frames");
-  command->callback([&context, arguments] {
+  command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
+      .show_default();
+  command.add_option("--seed", arguments->options.seed, "of the studio").show_default();
+  command.add_flag("--quick", arguments->options.quick, "half the size, fewer frames");
+  command.callback([&context, arguments] {
     arguments->options.folder = arguments->out;
     context.action = [arguments] { return bench(arguments->options); };
   });

@@ -4,7 +4,7 @@
 
 namespace mixrig::tools {
 
-void add_board_commands(CLI::App& app, Context& context) {
+void add_board_commands(Command app, Context& context) {
   add_run_command(app, context);
   add_scan_command(app, context);
   add_explain_command(app, context);

@@ -3,6 +3,6 @@
 
 namespace mixrig::tools {
 
-void add_commands(CLI::App& app, Context& context) { add_board_commands(app, context); }
+void add_commands(Command app, Context& context) { add_board_commands(app, context); }
 
 }  // namespace mixrig::tools

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/calibration_file/calibration.h"
 #include "host/mocap/external.h"
@@ -126,18 +127,18 @@ Result<nlohmann::json> calibrate(const ExternalArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_external_command(CLI::App& app, Context& context) {
+void add_calibrate_external_command(Command app, Context& context) {
   auto arguments = std::make_shared<ExternalArguments>();
-  CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
-  CLI::App* command = group.add_subcommand(
+  Command group = app.group("calibrate", "calibrate cameras and rig");
+  Command command = group.add_subcommand(
       "external", "where the depth camera sits on its body, from a tracked constellation");
   command
-      ->add_option("FILE", arguments->input,
-                   "TOML: markers, what the camera saw of them, and its body")
-      ->required();
-  command->add_option("--calibration", arguments->calibration,
-                      "calibration.toml to write the pose of the body into");
-  command->callback(
+      .add_option("FILE", arguments->input,
+                  "TOML: markers, what the camera saw of them, and its body")
+      .required();
+  command.add_option("--calibration", arguments->calibration,
+                     "calibration.toml to write the pose of the body into");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return calibrate(*arguments); }; });
 }
 

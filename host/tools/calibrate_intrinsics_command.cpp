@@ -6,6 +6,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
@@ -128,34 +129,33 @@ Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_intrinsics_command(CLI::App& app, Context& context) {
+void add_calibrate_intrinsics_command(Command app, Context& context) {
   auto arguments = std::make_shared<IntrinsicsArguments>();
-  CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
-  CLI::App* command = group.add_subcommand("intrinsics", "one camera from pictures of a board");
+  Command group = app.group("calibrate", "calibrate cameras and rig");
+  Command command = group.add_subcommand("intrinsics", "one camera from pictures of a board");
   command
-      ->add_option("IMAGES", arguments->images, "pictures of the board, PNG or JPEG, of one camera")
-      ->required();
+      .add_option("IMAGES", arguments->images, "pictures of the board, PNG or JPEG, of one camera")
+      .required();
   command
-      ->add_option(
+      .add_option(
           "--board", arguments->board,
           "checkerboard:9x6:25mm (inner corners), charuco:14x9:40mm:30mm:5X5_250 (squares), "
           "aprilgrid:6x6:88mm:26.4mm (tags)")
-      ->required();
-  command->add_option("--model", arguments->model, "pinhole or fisheye")
-      ->check(CLI::IsMember({"pinhole", "fisheye"}));
-  command->add_option("--lens", arguments->lens,
-                      "lens coefficients: 0, 2, 4, 5, 8; auto: by the error on held-out views");
-  command->add_flag("--hold-center", arguments->hold_center,
-                    "keep the principal point in the middle of the picture");
-  command->add_option("--camera", arguments->camera,
-                      "name in the calibration: target, fisheye, tof");
-  command->add_option("--out", arguments->out, "calibration.toml to write the camera into");
-  command->add_option("--picture", arguments->picture, "PNG of residuals, uncertainty and views");
-  command->add_option("--opencv", arguments->opencv, "write the camera as OpenCV YAML too");
-  command->add_option("--kalibr", arguments->kalibr,
-                      "write the camera as Kalibr camchain YAML too");
-  command->add_option("--mrcal", arguments->mrcal, "write the camera as mrcal .cameramodel too");
-  command->callback(
+      .required();
+  command.add_option("--model", arguments->model, "pinhole or fisheye")
+      .one_of({"pinhole", "fisheye"});
+  command.add_option("--lens", arguments->lens,
+                     "lens coefficients: 0, 2, 4, 5, 8; auto: by the error on held-out views");
+  command.add_flag("--hold-center", arguments->hold_center,
+                   "keep the principal point in the middle of the picture");
+  command.add_option("--camera", arguments->camera,
+                     "name in the calibration: target, fisheye, tof");
+  command.add_option("--out", arguments->out, "calibration.toml to write the camera into");
+  command.add_option("--picture", arguments->picture, "PNG of residuals, uncertainty and views");
+  command.add_option("--opencv", arguments->opencv, "write the camera as OpenCV YAML too");
+  command.add_option("--kalibr", arguments->kalibr, "write the camera as Kalibr camchain YAML too");
+  command.add_option("--mrcal", arguments->mrcal, "write the camera as mrcal .cameramodel too");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return calibrate(*arguments); }; });
 }
 

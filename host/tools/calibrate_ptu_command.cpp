@@ -4,6 +4,8 @@
 #include <memory>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
 #include "host/calibration/calibrate_ptu.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -87,19 +89,18 @@ Result<json> calibrate(const PtuArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_ptu_command(CLI::App& app, Context& context) {
+void add_calibrate_ptu_command(Command app, Context& context) {
   auto arguments = std::make_shared<PtuArguments>();
-  CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
-  CLI::App* command =
+  Command group = app.group("calibrate", "calibrate cameras and rig");
+  Command command =
       group.add_subcommand("ptu", "pan-tilt unit, from views of a board at known angles");
-  command->add_option("SET", arguments->set, "folder of views with angles (views.toml)")
-      ->required();
-  command->add_option("--calibration", arguments->calibration,
-                      "calibration.toml with the lens of the camera");
-  command->add_option("--camera", arguments->camera, "name in views.toml; the first if not given");
-  command->add_option("--out", arguments->out, "calibration.toml to write the result into");
-  command->add_option("--threads", arguments->threads, "0: one per core");
-  command->callback(
+  command.add_option("SET", arguments->set, "folder of views with angles (views.toml)").required();
+  command.add_option("--calibration", arguments->calibration,
+                     "calibration.toml with the lens of the camera");
+  command.add_option("--camera", arguments->camera, "name in views.toml; the first if not given");
+  command.add_option("--out", arguments->out, "calibration.toml to write the result into");
+  command.add_option("--threads", arguments->threads, "0: one per core");
+  command.callback(
       [arguments, &context] { context.action = [arguments] { return calibrate(*arguments); }; });
 }
 

@@ -5,6 +5,8 @@
 #include <memory>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
 #include "host/calibration/rig/calibrate_rig.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -159,8 +161,8 @@ Result<json> calibrate(const RigArguments& arguments) {
   return report_of(report);
 }
 
-void add_options(CLI::App& command, RigArguments& arguments) {
-  command.add_option("SET", arguments.set, "folder of views (views.toml)")->required();
+void add_options(Command command, RigArguments& arguments) {
+  command.add_option("SET", arguments.set, "folder of views (views.toml)").required();
   command.add_option("--out", arguments.out, "calibration.toml to write the result into");
   command.add_flag("--corners-only", arguments.corners_only,
                    "leave out the analysis of all pixels");
@@ -171,19 +173,19 @@ void add_options(CLI::App& command, RigArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_rig_command(CLI::App& app, Context& context) {
-  CLI::App& group = command_group(app, "calibrate", "calibrate cameras and rig");
+void add_calibrate_rig_command(Command app, Context& context) {
+  Command group = app.group("calibrate", "calibrate cameras and rig");
   auto rig = std::make_shared<RigArguments>();
-  CLI::App* command = group.add_subcommand("rig", "all cameras of a rig from views of a board");
-  add_options(*command, *rig);
-  command->callback([rig, &context] { context.action = [rig] { return calibrate(*rig); }; });
+  Command command = group.add_subcommand("rig", "all cameras of a rig from views of a board");
+  add_options(command, *rig);
+  command.callback([rig, &context] { context.action = [rig] { return calibrate(*rig); }; });
 
   auto tof = std::make_shared<RigArguments>();
   tof->camera = "tof";
   command = group.add_subcommand("tof", "lens and depth error of a depth camera");
-  add_options(*command, *tof);
-  command->add_option("--camera", tof->camera, "name in views.toml")->capture_default_str();
-  command->callback([tof, &context] { context.action = [tof] { return calibrate(*tof); }; });
+  add_options(command, *tof);
+  command.add_option("--camera", tof->camera, "name in views.toml").show_default();
+  command.callback([tof, &context] { context.action = [tof] { return calibrate(*tof); }; });
 }
 
 }  // namespace mixrig::tools

@@ -5,10 +5,10 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "hal/base/result.h"
+#include "host/tools/command_line.h"
 
 namespace mixrig::tools {
 
@@ -22,27 +22,27 @@ struct Context {
 };
 
 /// Every subcommand of this build: board_profile.cpp or full_profile.cpp, by MIXRIG_PROFILE.
-void add_commands(CLI::App& app, Context& context);
+void add_commands(Command app, Context& context);
 /// Those of both profiles.
-void add_board_commands(CLI::App& app, Context& context);
+void add_board_commands(Command app, Context& context);
 
-void add_run_command(CLI::App& app, Context& context);
-void add_explain_command(CLI::App& app, Context& context);
-void add_info_command(CLI::App& app, Context& context);
-void add_scan_command(CLI::App& app, Context& context);
-void add_bench_command(CLI::App& app, Context& context);
-void add_studio_command(CLI::App& app, Context& context);
-void add_trigger_command(CLI::App& app, Context& context);
-void add_flash_command(CLI::App& app, Context& context);
-void add_record_command(CLI::App& app, Context& context);
-void add_diag_command(CLI::App& app, Context& context);
-void add_rig_command(CLI::App& app, Context& context);
-void add_align_command(CLI::App& app, Context& context);
-void add_calibrate_external_command(CLI::App& app, Context& context);
-void add_track_command(CLI::App& app, Context& context);
-void add_calibrate_intrinsics_command(CLI::App& app, Context& context);
-void add_calibrate_rig_command(CLI::App& app, Context& context);
-void add_calibrate_ptu_command(CLI::App& app, Context& context);
+void add_run_command(Command app, Context& context);
+void add_explain_command(Command app, Context& context);
+void add_info_command(Command app, Context& context);
+void add_scan_command(Command app, Context& context);
+void add_bench_command(Command app, Context& context);
+void add_studio_command(Command app, Context& context);
+void add_trigger_command(Command app, Context& context);
+void add_flash_command(Command app, Context& context);
+void add_record_command(Command app, Context& context);
+void add_diag_command(Command app, Context& context);
+void add_rig_command(Command app, Context& context);
+void add_align_command(Command app, Context& context);
+void add_calibrate_external_command(Command app, Context& context);
+void add_track_command(Command app, Context& context);
+void add_calibrate_intrinsics_command(Command app, Context& context);
+void add_calibrate_rig_command(Command app, Context& context);
+void add_calibrate_ptu_command(Command app, Context& context);
 
 /// A progress bar on stderr, shown only when stderr is a terminal.
 class Progress {

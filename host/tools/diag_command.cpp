@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "host/live/diagnose.h"
 #include "host/live/discover.h"
 #include "host/session/open_source.h"
@@ -58,17 +60,14 @@ Result<nlohmann::json> diag(const Arguments& arguments) {
 
 }  // namespace
 
-void add_diag_command(CLI::App& app, Context& context) {
+void add_diag_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("diag", "open every device, watch it, and judge its health");
-  command->add_option("--rig", arguments->rig, "rig.toml; if not given, the connected devices");
-  command->add_option("--watch", arguments->watch_s, "seconds")
-      ->capture_default_str()
-      ->check(CLI::Range(0.5, 3600.0));
-  command->add_flag("--no-move", arguments->no_move, "do not move the pan-tilt head");
-  command->add_flag("--no-network", arguments->no_network, "do not search the network for cameras");
-  command->callback(
+  Command command = app.add_subcommand("diag", "open every device, watch it, and judge its health");
+  command.add_option("--rig", arguments->rig, "rig.toml; if not given, the connected devices");
+  command.add_option("--watch", arguments->watch_s, "seconds").show_default().range(0.5, 3600.0);
+  command.add_flag("--no-move", arguments->no_move, "do not move the pan-tilt head");
+  command.add_flag("--no-network", arguments->no_network, "do not search the network for cameras");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return diag(*arguments); }; });
 }
 

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "host/session/explain.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -22,18 +24,18 @@ Result<nlohmann::json> explain(const SessionArguments& arguments, int frames) {
 
 }  // namespace
 
-void add_explain_command(CLI::App& app, Context& context) {
+void add_explain_command(Command app, Context& context) {
   struct Arguments {
     SessionArguments session;
     int frames = 10;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("explain", "show which passes a scene runs, why, and their cost");
-  add_session_options(*command, arguments->session);
-  command->add_option("--frames", arguments->frames, "number of frames composited to measure")
-      ->check(CLI::Range(1, 10000));
-  command->callback([&context, arguments] {
+  add_session_options(command, arguments->session);
+  command.add_option("--frames", arguments->frames, "number of frames composited to measure")
+      .range(1, 10000);
+  command.callback([&context, arguments] {
     context.action = [arguments] { return explain(arguments->session, arguments->frames); };
   });
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/log.h"
 #include "hal/linux/libusb_control.h"
 #include "hal/linux/serial_byte_stream.h"
@@ -190,17 +192,18 @@ Result<nlohmann::json> flash(const Arguments& arguments) {
 
 }  // namespace
 
-void add_flash_command(CLI::App& app, Context& context) {
+void add_flash_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("flash", "write firmware into the trigger controller");
-  command->add_option("image", arguments->image, "firmware/trigger.bin of the build");
-  auto* port = command->add_option("--port", arguments->port, "serial port of the controller");
-  command->add_option("--usb", arguments->usb, "USB bootloader instead, VID:PID (0483:df11)")
-      ->excludes(port);
-  command->add_flag("--verify-only", arguments->verify_only, "compare only, do not write");
-  command->add_flag("--restore", arguments->restore, "write back what the last flash replaced");
-  command->add_option("--kept", arguments->kept, "where the replaced firmware is kept");
-  command->callback(
+  Command command = app.add_subcommand("flash", "write firmware into the trigger controller");
+  command.add_option("image", arguments->image, "firmware/trigger.bin of the build");
+  const Option port =
+      command.add_option("--port", arguments->port, "serial port of the controller");
+  command.add_option("--usb", arguments->usb, "USB bootloader instead, VID:PID (0483:df11)")
+      .excludes(port);
+  command.add_flag("--verify-only", arguments->verify_only, "compare only, do not write");
+  command.add_flag("--restore", arguments->restore, "write back what the last flash replaced");
+  command.add_option("--kept", arguments->kept, "where the replaced firmware is kept");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return flash(*arguments); }; });
 }
 

@@ -3,7 +3,7 @@
 
 namespace mixrig::tools {
 
-void add_commands(CLI::App& app, Context& context) {
+void add_commands(Command app, Context& context) {
   add_board_commands(app, context);
   add_studio_command(app, context);
   add_bench_command(app, context);

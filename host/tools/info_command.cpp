@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "host/measure/percentile.h"
 #include "host/output/contact_sheet.h"
 #include "host/session/run_report.h"
@@ -134,11 +136,11 @@ Result<nlohmann::json> info(const std::string& folder) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, Context& context) {
+void add_info_command(Command app, Context& context) {
   auto take = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("info", "describe a take: streams, cameras, depth");
-  command->add_option("TAKE", *take, "folder or take.toml")->required();
-  command->callback([&context, take] { context.action = [take] { return info(*take); }; });
+  Command command = app.add_subcommand("info", "describe a take: streams, cameras, depth");
+  command.add_option("TAKE", *take, "folder or take.toml").required();
+  command.callback([&context, take] { context.action = [take] { return info(*take); }; });
 }
 
 }  // namespace mixrig::tools

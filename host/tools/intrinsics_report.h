@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/calibration/intrinsics/uncertainty.h"
 #include "host/tools/board_views.h"

@@ -5,6 +5,8 @@
 #include <exception>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/render/cpu/compositor_cpu.h"
@@ -16,31 +18,18 @@ namespace {
 constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
 
 /// Adds -v and --json to every subcommand that does not define them itself.
-void add_common_options(CLI::App& command, Context& context) {
-  if (command.get_option_no_throw("-v") == nullptr)
-    command.add_flag("-v,--verbose", context.verbose, "log the steps");
-  for (CLI::App* child : command.get_subcommands({})) {
-    if (child->get_option_no_throw("--json") == nullptr)
-      child->add_option("--json", context.json_path, "FILE that the report is written to");
-    add_common_options(*child, context);
+void add_common_options(Command command, Context& context) {
+  if (!command.has_option("-v")) command.add_flag("-v,--verbose", context.verbose, "log the steps");
+  for (Command child : command.subcommands()) {
+    if (!child.has_option("--json"))
+      child.add_option("--json", context.json_path, "FILE that the report is written to");
+    add_common_options(child, context);
   }
 }
 
 void print_error(std::string line) {
   std::replace(line.begin(), line.end(), '\n', ' ');
   std::fprintf(stderr, "mixrig: %s\n", line.c_str());
-}
-
-std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  if (!chosen.empty())
-    return chosen.front()->get_name() + ": " + error.what() + ": see mixrig " +
-           chosen.front()->get_name() + " --help";
-  std::string known;
-  for (const CLI::App* command : app.get_subcommands({})) known += " " + command->get_name();
-  const auto rest = app.remaining();
-  return (rest.empty() ? std::string("no command given") : "unknown command " + rest.front()) +
-         ": use one of" + known;
 }
 
 int exit_status(const Error& error) {
@@ -72,18 +61,15 @@ Result<void> act(const Context& context) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Mixed-reality compositing camera: composites virtual objects into real film.",
-               "mixrig");
+  CommandLine line("Mixed-reality compositing camera: composites virtual objects into real film.",
+                   "mixrig", "mixrig " MIXRIG_VERSION ", " + render::cpu_vectors());
   Context context;
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "mixrig " MIXRIG_VERSION ", " + render::cpu_vectors());
-  add_commands(app, context);
-  add_common_options(app, context);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
-    print_error(usage_line(app, error));
+  add_commands(line.root(), context);
+  add_common_options(line.root(), context);
+  const CommandLine::Parsed parsed = line.parse(argc, argv);
+  if (parsed.done) return kDone;
+  if (!parsed.error.empty()) {
+    print_error(parsed.error);
     return kWrongUsage;
   }
   if (context.verbose) set_log_level(LogLevel::kInfo);

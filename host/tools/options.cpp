@@ -51,23 +51,23 @@ Result<Size> parse_size(const std::string& text, const std::string& option) {
   return Size{sides->first, sides->second};
 }
 
-void add_backend_options(CLI::App& command, SessionArguments& arguments) {
+void add_backend_options(Command command, SessionArguments& arguments) {
   command
       .add_option("--backend", arguments.backend,
                   "auto, gles or cpu: auto uses gles on a real GPU, else cpu")
-      ->check(CLI::IsMember({"auto", "gles", "cpu"}));
+      .one_of({"auto", "gles", "cpu"});
   command
       .add_option("--threads", arguments.threads, "threads of the cpu back end, 0 = one per core")
-      ->check(CLI::Range(0, 256));
+      .range(0, 256);
 }
 
-void add_calibration_option(CLI::App& command, SessionArguments& arguments) {
+void add_calibration_option(Command command, SessionArguments& arguments) {
   command.add_option("--calibration", arguments.calibration,
                      "calibration.toml of the cameras; that of scene, take or rig if not given");
 }
 
-void add_session_options(CLI::App& command, SessionArguments& arguments) {
-  command.add_option("SCENE", arguments.scene, "scene.toml: what to composite")->required();
+void add_session_options(Command command, SessionArguments& arguments) {
+  command.add_option("SCENE", arguments.scene, "scene.toml: what to composite").required();
   constexpr const char* kSources =
       "take:DIR, studio[:SCENARIO,SEED,RIG] rendered on the fly, or rig[:RIG.TOML]";
   command.add_option("--source", arguments.source,
@@ -114,14 +114,6 @@ session::ProgressFn progress_bar() {
     bar->progress->step(done);
     if (done >= total) bar->progress.reset();
   };
-}
-
-CLI::App& command_group(CLI::App& app, const std::string& name, const std::string& about) {
-  for (CLI::App* known : app.get_subcommands({}))
-    if (known->get_name() == name) return *known;
-  CLI::App* group = app.add_subcommand(name, about);
-  group->require_subcommand(1);
-  return *group;
 }
 
 }  // namespace mixrig::tools

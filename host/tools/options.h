@@ -5,11 +5,10 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/session/session.h"
+#include "host/tools/command_line.h"
 
 namespace mixrig::tools {
 
@@ -23,17 +22,14 @@ struct SessionArguments {
   std::string scene, source, calibration, backend = "auto", size;
   int threads = 0;
 };
-void add_session_options(CLI::App& command, SessionArguments& arguments);
-void add_calibration_option(CLI::App& command, SessionArguments& arguments);
-void add_backend_options(CLI::App& command, SessionArguments& arguments);
+void add_session_options(Command command, SessionArguments& arguments);
+void add_calibration_option(Command command, SessionArguments& arguments);
+void add_backend_options(Command command, SessionArguments& arguments);
 /// The given size, if any. Errors: kUsage.
 Result<std::optional<Size>> view_size(const SessionArguments& arguments);
 session::BackendChoice backend_choice(const SessionArguments& arguments);
 /// All of them; the source is the take beside the scene if none was given. Errors: kUsage.
 Result<session::SessionOptions> session_options(const SessionArguments& arguments);
-
-/// The subcommand `name`, shared by several files: the first call makes it, with text `about`.
-CLI::App& command_group(CLI::App& app, const std::string& name, const std::string& about);
 
 /// A progress bar on stderr for each step in turn (Progress).
 session::ProgressFn progress_bar();

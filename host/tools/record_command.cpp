@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/linux/service_notify.h"
 #include "host/live/record.h"
 #include "host/live/rig_config.h"
@@ -56,23 +58,23 @@ Result<nlohmann::json> record(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record_command(CLI::App& app, Context& context) {
+void add_record_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("record", "record a take from the devices of a rig");
-  command->add_option("OUT", arguments->out, "folder of the take")->required();
-  command->add_option("--rig", arguments->rig, "rig.toml")->capture_default_str();
-  command->add_option("--duration", arguments->duration_s, "seconds; Ctrl-C ends it earlier")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 86400.0));
+  Command command = app.add_subcommand("record", "record a take from the devices of a rig");
+  command.add_option("OUT", arguments->out, "folder of the take").required();
+  command.add_option("--rig", arguments->rig, "rig.toml").show_default();
+  command.add_option("--duration", arguments->duration_s, "seconds; Ctrl-C ends it earlier")
+      .show_default()
+      .range(0.1, 86400.0);
   command
-      ->add_option("--keep-free", arguments->keep_free_mb,
-                   "megabytes of disk to keep free; the take ends, complete, before that")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1e9));
-  command->add_option("--format", arguments->format, "of the streams")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"mkv", "png"}));
-  command->callback(
+      .add_option("--keep-free", arguments->keep_free_mb,
+                  "megabytes of disk to keep free; the take ends, complete, before that")
+      .show_default()
+      .range(0.0, 1e9);
+  command.add_option("--format", arguments->format, "of the streams")
+      .show_default()
+      .one_of({"mkv", "png"});
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
 }
 

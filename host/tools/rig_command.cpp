@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/partial_path.h"
 #include "host/live/discover.h"
 #include "host/tools/command.h"
@@ -34,16 +36,15 @@ Result<nlohmann::json> init(const RigArguments& arguments) {
 
 }  // namespace
 
-void add_rig_command(CLI::App& app, Context& context) {
+void add_rig_command(Command app, Context& context) {
   auto arguments = std::make_shared<RigArguments>();
-  CLI::App* rig = app.add_subcommand("rig", "describe the devices of a rig");
-  rig->require_subcommand(1);
-  CLI::App* command = rig->add_subcommand("init", "write a rig.toml of what is plugged in");
-  command->add_option("OUT", arguments->out, "file to write")->capture_default_str();
-  command->add_flag("--force", arguments->force, "replace the file");
-  command->add_flag("--no-network", arguments->no_network,
-                    "do not look for cameras on the network");
-  command->callback(
+  Command rig = app.add_subcommand("rig", "describe the devices of a rig");
+  rig.require_subcommand();
+  Command command = rig.add_subcommand("init", "write a rig.toml of what is plugged in");
+  command.add_option("OUT", arguments->out, "file to write").show_default();
+  command.add_flag("--force", arguments->force, "replace the file");
+  command.add_flag("--no-network", arguments->no_network, "do not look for cameras on the network");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return init(*arguments); }; });
 }
 

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "host/session/run.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -42,23 +44,23 @@ Result<nlohmann::json> run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, Context& context) {
+void add_run_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "run", "composite a scene into a take; write pictures, contact sheet and report");
-  add_session_options(*command, arguments->session);
-  command->add_option("--out", arguments->out,
-                      "folder to write, new or made by an earlier run; no files if not given");
-  command->add_option("--frames", arguments->frames,
-                      "FIRST-LAST to composite; all after the learned ones if not given");
+  add_session_options(command, arguments->session);
+  command.add_option("--out", arguments->out,
+                     "folder to write, new or made by an earlier run; no files if not given");
+  command.add_option("--frames", arguments->frames,
+                     "FIRST-LAST to composite; all after the learned ones if not given");
   command
-      ->add_option("--format", arguments->format,
-                   "of composite and mixed depth: png, video (Matroska, lossless) or none")
-      ->check(CLI::IsMember({"png", "video", "none"}));
-  command->add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
-  command->add_flag("--inspect", arguments->inspect,
-                    "write warped depth, key and light map as well");
-  command->callback(
+      .add_option("--format", arguments->format,
+                  "of composite and mixed depth: png, video (Matroska, lossless) or none")
+      .one_of({"png", "video", "none"});
+  command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
+  command.add_flag("--inspect", arguments->inspect,
+                   "write warped depth, key and light map as well");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
 }
 

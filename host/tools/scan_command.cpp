@@ -7,6 +7,8 @@
 #include <memory>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/order_statistics.h"
 #include "host/capture/calibrated_source.h"
 #include "host/pose/fixed_poses.h"
@@ -92,19 +94,19 @@ Result<nlohmann::json> scan(const Arguments& arguments) {
 
 }  // namespace
 
-void add_scan_command(CLI::App& app, Context& context) {
+void add_scan_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "scan",
       "learn the empty room from frames of a take; the camera may move where they have poses");
-  command->add_option("--static", arguments->take, "TAKE: folder or take.toml")->required();
-  command->add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")
-      ->required();
-  command->add_option("OUT", arguments->out, "background folder to write")->required();
-  command->add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
-  add_calibration_option(*command, arguments->session);
-  add_backend_options(*command, arguments->session);
-  command->callback(
+  command.add_option("--static", arguments->take, "TAKE: folder or take.toml").required();
+  command.add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")
+      .required();
+  command.add_option("OUT", arguments->out, "background folder to write").required();
+  command.add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
+  add_calibration_option(command, arguments->session);
+  add_backend_options(command, arguments->session);
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return scan(*arguments); }; });
 }
 

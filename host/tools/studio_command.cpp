@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+
 #include "host/studio_io/board_set.h"
 #include "host/studio_io/studio_take.h"
 #include "host/tools/command.h"
@@ -98,10 +100,10 @@ Result<nlohmann::json> render(const Arguments& arguments) {
                         {"size", arguments.size}};
 }
 
-void add_board_options(CLI::App& command, Arguments& arguments) {
+void add_board_options(Command command, Arguments& arguments) {
   const char* group = "Scenario board";
   const auto option = [&](const char* name, auto& value, const char* what) {
-    command.add_option(name, value, what)->group(group)->capture_default_str();
+    command.add_option(name, value, what).group(group).show_default();
   };
   option("--views", arguments.views, "Number of views of the board; every fifth far off the axis");
   option("--board", arguments.board, "checkerboard charuco");
@@ -114,36 +116,36 @@ void add_board_options(CLI::App& command, Arguments& arguments) {
   command
       .add_option("--depth-error", arguments.depth_error_mm,
                   "Largest systematic depth error, mm; that of the takes if not given")
-      ->group(group);
+      .group(group);
   option("--amplitude-error", arguments.amplitude_error_mm, "Depth error where light is weak, mm");
   option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");
   command.add_flag("--ptu", arguments.pan_tilt, "The board stands still, the pan-tilt unit turns")
-      ->group(group);
+      .group(group);
 }
 
 }  // namespace
 
-void add_studio_command(CLI::App& app, Context& context) {
+void add_studio_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
-  command->add_option("OUT", arguments->out, "Folder of the take")->required();
-  command->add_option("--scenario", arguments->scenario,
-                      "still walk talk pan handheld pendulum edges far dark board");
-  command->add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
-  command->add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
-  command->add_option("--tolerance", arguments->tolerance,
-                      "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");
-  command->add_option("--frames", arguments->frames,
-                      "Length; the first 25 (at most half) are empty");
-  command->add_option("--size", arguments->size, "Target camera, WxH");
-  command->add_option("--format", arguments->format, "png or mkv");
-  command->add_option("--threads", arguments->threads, "0: one per core");
-  command->add_flag("--clear-floor", arguments->clear_floor,
-                    "No chair at the desk: no furniture in the capture volume");
-  command->add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
-  add_board_options(*command, *arguments);
-  command->callback([arguments, &context] {
+  command.add_option("OUT", arguments->out, "Folder of the take").required();
+  command.add_option("--scenario", arguments->scenario,
+                     "still walk talk pan handheld pendulum edges far dark board");
+  command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
+  command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
+  command.add_option("--tolerance", arguments->tolerance,
+                     "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");
+  command.add_option("--frames", arguments->frames,
+                     "Length; the first 25 (at most half) are empty");
+  command.add_option("--size", arguments->size, "Target camera, WxH");
+  command.add_option("--format", arguments->format, "png or mkv");
+  command.add_option("--threads", arguments->threads, "0: one per core");
+  command.add_flag("--clear-floor", arguments->clear_floor,
+                   "No chair at the desk: no furniture in the capture volume");
+  command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
+  add_board_options(command, *arguments);
+  command.callback([arguments, &context] {
     context.action = [arguments] {
       return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);
     };

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/mocap/live.h"
@@ -138,32 +140,32 @@ Result<nlohmann::json> track(const Arguments& arguments) {
 
 }  // namespace
 
-void add_track_command(CLI::App& app, Context& context) {
+void add_track_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
+  Command command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
   command
-      ->add_option("--mocap", arguments->mocap,
-                   "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
-                   "natnet[:HOST[:PORT]][,GROUP]")
-      ->required();
-  command->add_option("--constellation", arguments->constellation,
-                      "TOML of the body's markers: poses are computed from markers alone");
-  command->add_option("--body", arguments->body, "number of the rigid body; 0: the only one")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--calibration", arguments->calibration,
-                      "calibration.toml with the body: the result is poses of the target camera");
-  command->add_option("--up", arguments->up, "axis of the recording that points up")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  command->add_option("--natnet", arguments->version, "version of packets that do not state theirs")
-      ->capture_default_str();
+      .add_option("--mocap", arguments->mocap,
+                  "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
+                  "natnet[:HOST[:PORT]][,GROUP]")
+      .required();
+  command.add_option("--constellation", arguments->constellation,
+                     "TOML of the body's markers: poses are computed from markers alone");
+  command.add_option("--body", arguments->body, "number of the rigid body; 0: the only one")
+      .non_negative();
+  command.add_option("--calibration", arguments->calibration,
+                     "calibration.toml with the body: the result is poses of the target camera");
+  command.add_option("--up", arguments->up, "axis of the recording that points up")
+      .one_of({"y", "z"})
+      .show_default();
+  command.add_option("--natnet", arguments->version, "version of packets that do not state theirs")
+      .show_default();
   command
-      ->add_option("--duration", arguments->duration_s,
-                   "seconds of a live stream; if not given, until Ctrl-C or 5 s without data")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--frames", arguments->frames, "number of frames of a live stream");
-  command->add_option("--out", arguments->out, "trajectory in TUM format, z up");
-  command->callback(
+      .add_option("--duration", arguments->duration_s,
+                  "seconds of a live stream; if not given, until Ctrl-C or 5 s without data")
+      .positive();
+  command.add_option("--frames", arguments->frames, "number of frames of a live stream");
+  command.add_option("--out", arguments->out, "trajectory in TUM format, z up");
+  command.callback(
       [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/wire/mcu_trigger.h"
 #include "host/sync/clock_map.h"
@@ -187,12 +189,11 @@ Result<nlohmann::json> monitor(const Arguments& arguments) {
 
 using Action = Result<nlohmann::json> (*)(const Arguments&);
 
-CLI::App* add_action(CLI::App& parent, Context& context,
-                     const std::shared_ptr<Arguments>& arguments, const char* name,
-                     const char* what, Action action) {
-  CLI::App* command = parent.add_subcommand(name, what);
-  command->add_option("--port", arguments->port, "serial port, or unix:SOCKET");
-  command->callback([&context, arguments, action] {
+Command add_action(Command parent, Context& context, const std::shared_ptr<Arguments>& arguments,
+                   const char* name, const char* what, Action action) {
+  Command command = parent.add_subcommand(name, what);
+  command.add_option("--port", arguments->port, "serial port, or unix:SOCKET");
+  command.callback([&context, arguments, action] {
     context.action = [arguments, action] { return action(*arguments); };
   });
   return command;
@@ -200,29 +201,29 @@ CLI::App* add_action(CLI::App& parent, Context& context,
 
 }  // namespace
 
-void add_trigger_command(CLI::App& app, Context& context) {
+void add_trigger_command(Command app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* trigger = app.add_subcommand("trigger", "the controller that triggers the cameras");
-  trigger->require_subcommand(1);
-  CLI::App* status =
-      add_action(*trigger, context, arguments, "status", "state, channels and faults", show_status);
-  status->add_flag("--self-test", arguments->self_test, "run the self-test of the controller");
-  CLI::App* set =
-      add_action(*trigger, context, arguments, "set", "set a stopped channel", set_channel);
-  set->add_option("channel", arguments->channel, "0 to 15")->required();
-  set->add_option("--divider", arguments->divider, "of 100 Hz: 4 gives 25 Hz; 0 turns it off")
-      ->required();
-  set->add_option("--phase", arguments->phase_ms, "ms after the tick");
-  set->add_option("--width", arguments->width_ms, "ms that the pulse lasts");
-  set->add_flag("--active-low", arguments->active_low, "the idle level of the line is high");
-  add_action(*trigger, context, arguments, "start", "run all channels",
+  Command trigger = app.add_subcommand("trigger", "the controller that triggers the cameras");
+  trigger.require_subcommand();
+  Command status =
+      add_action(trigger, context, arguments, "status", "state, channels and faults", show_status);
+  status.add_flag("--self-test", arguments->self_test, "run the self-test of the controller");
+  Command set =
+      add_action(trigger, context, arguments, "set", "set a stopped channel", set_channel);
+  set.add_option("channel", arguments->channel, "0 to 15").required();
+  set.add_option("--divider", arguments->divider, "of 100 Hz: 4 gives 25 Hz; 0 turns it off")
+      .required();
+  set.add_option("--phase", arguments->phase_ms, "ms after the tick");
+  set.add_option("--width", arguments->width_ms, "ms that the pulse lasts");
+  set.add_flag("--active-low", arguments->active_low, "the idle level of the line is high");
+  add_action(trigger, context, arguments, "start", "run all channels",
              [](const Arguments& w) { return start_or_stop(w, true); });
-  add_action(*trigger, context, arguments, "stop", "stop; lines go inactive",
+  add_action(trigger, context, arguments, "stop", "stop; lines go inactive",
              [](const Arguments& w) { return start_or_stop(w, false); });
-  CLI::App* watch =
-      add_action(*trigger, context, arguments, "monitor", "ticks and clock, live", monitor);
-  watch->add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given");
-  watch->add_flag("--ticks", arguments->every_tick, "print every tick");
+  Command watch =
+      add_action(trigger, context, arguments, "monitor", "ticks and clock, live", monitor);
+  watch.add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given");
+  watch.add_flag("--ticks", arguments->every_tick, "print every tick");
 }
 
 }  // namespace mixrig::tools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/trajectory/observable_inverse.h"
 
-#include <Eigen/Eigenvalues>
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::trajectory {
 
@@ -10,13 +10,13 @@ Eigen::MatrixXd observable_inverse(const Eigen::MatrixXd& hessian, int lever) {
   diagonal.segment<3>(lever).setConstant(diagonal.segment<3>(lever).maxCoeff());
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd unit = scale.asDiagonal() * hessian * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(unit);
+  const estimation::DenseSpectrum spectrum = estimation::dense_spectrum_of(unit);
   constexpr double kUnobservable = 1e-7;
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(hessian.rows());
   for (Eigen::Index i = 0; i < inverse.size(); ++i)
-    if (solver.eigenvalues()[i] > kUnobservable) inverse[i] = 1 / solver.eigenvalues()[i];
-  const Eigen::MatrixXd axes = scale.asDiagonal() * solver.eigenvectors();
-  return axes * inverse.asDiagonal() * axes.transpose();
+    if (spectrum.values[i] > kUnobservable) inverse[i] = 1 / spectrum.values[i];
+  const Eigen::MatrixXd axes = scale.asDiagonal() * spectrum.axes;
+  return (axes * inverse.asDiagonal()).lazyProduct(axes.transpose());
 }
 
 }  // namespace mixrig::trajectory

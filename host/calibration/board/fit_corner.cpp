@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -112,7 +111,7 @@ bool settle(const Window& window, Parameters& v, Sums& sums) {
     Normal damped = sums.information;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += 1e-12;
-    const Parameters delta = -damped.ldlt().solve(sums.gradient);
+    const Parameters delta = -estimation::SymmetricSolver(damped).solve(sums.gradient);
     const Parameters next = v + delta;
     if (!delta.allFinite()) return false;
     const Sums tried = is_plausible(window, next) ? accumulate(window, next) : Sums{};
@@ -159,9 +158,9 @@ std::optional<CornerFit> fit_corner(ImageView<const std::uint8_t> image, const V
       sums.squares /
       std::max(sums.weight - static_cast<double>(Parameters::SizeAtCompileTime), 1.0);
   const Eigen::Matrix2d covariance =
-      variance * sums.information.ldlt().solve(Normal::Identity()).topLeftCorner<2, 2>();
-  fit.sigma_px = std::sqrt(
-      std::max(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1], 0.0));
+      variance *
+      estimation::SymmetricSolver(sums.information).solve(Normal::Identity()).topLeftCorner<2, 2>();
+  fit.sigma_px = std::sqrt(std::max(estimation::planar_spectrum_of(covariance).values[1], 0.0));
   return fit;
 }
 

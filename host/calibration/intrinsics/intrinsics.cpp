@@ -5,13 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "hal/base/order_statistics.h"
 #include "host/calibration/intrinsics/lens_choice.h"
 #include "host/calibration/intrinsics/start_bundle.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -86,9 +85,9 @@ Result<Eigen::MatrixXd> covariance_of(const Bundle& bundle, double sigma_px) {
   const Eigen::MatrixXd information = calibration::information(bundle);
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseMax(1e-30).cwiseInverse();
   const Eigen::MatrixXd balanced = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> solver(balanced);
+  const estimation::SymmetricSolver solver(balanced);
   constexpr double kLeastPivot = 1e-14;
-  if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > kLeastPivot))
+  if (!(solver.least_pivot() > kLeastPivot))
     return refuse(
         "the views do not determine the camera: they are all alike: tilt the board to all sides by "
         "some 30 degrees");

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
-
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/verdict.h"
 
 namespace mixrig::calibration {
@@ -49,8 +47,7 @@ std::optional<PoseVector> pose_from_rays(const geometry::AnyCamera& camera,
     pairs.emplace_back(*ray, x);
   }
   if (pairs.size() < 4) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> h =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(normal).eigenvectors().col(0);
+  const Eigen::Matrix<double, 9, 1> h = estimation::dense_spectrum_of(normal).axes.col(0);
   Matrix3d homography = Eigen::Map<const Matrix3d>(h.data());
   double before = 0;
   for (const auto& [ray, x] : pairs) before += ray.dot(homography * x) > 0 ? 1 : -1;
@@ -60,9 +57,9 @@ std::optional<PoseVector> pose_from_rays(const geometry::AnyCamera& camera,
   homography /= scale;
   Matrix3d near;
   near << homography.col(0), homography.col(1), homography.col(0).cross(homography.col(1));
-  const Eigen::JacobiSVD<Matrix3d> svd(near, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  if (rotation.determinant() < 0 || !rotation.allFinite()) return std::nullopt;
+  const estimation::RotationFit fit = estimation::fit_rotation(near);
+  const Matrix3d rotation = fit.rotation.toRotationMatrix();
+  if (fit.mirrored || !rotation.allFinite()) return std::nullopt;
   const Vector3d t = homography.col(2) * extent - rotation * Vector3d(middle.x(), middle.y(), 0);
   return vector_of({Eigen::Quaterniond(rotation), t});
 }

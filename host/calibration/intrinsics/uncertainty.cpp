@@ -6,10 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -56,9 +54,9 @@ MatrixXd information_of_view(const Bundle& bundle, const BundleView& view) {
   one.views = {view};
   const MatrixXd all = information(one);
   const auto count = static_cast<Eigen::Index>(bundle.free.size());
-  const Eigen::Matrix<double, 6, 6> pose = all.bottomRightCorner(6, 6);
+  const estimation::SymmetricSolver pose(all.bottomRightCorner(6, 6));
   return all.topLeftCorner(count, count) -
-         all.topRightCorner(count, 6) * pose.ldlt().solve(all.bottomLeftCorner(6, count));
+         all.topRightCorner(count, 6).lazyProduct(pose.solve(all.bottomLeftCorner(6, count)));
 }
 
 /// Positions in which the board could be held.
@@ -91,8 +89,10 @@ BundleView hold_board(const Intrinsics& in, const std::vector<Vector3d>& points_
   const Size size = geometry::size_px(in.camera);
   const auto ray = geometry::unproject(in.camera, {place.x * size.width, place.y * size.height});
   if (!ray) return view;
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), *ray) *
-                                  Eigen::AngleAxisd(tilt.about_x_rad, Vector3d::UnitX()) *
+  // From the optical axis to the ray, the short way.
+  const Vector3d d = ray->normalized();
+  const Eigen::Quaterniond facing = Eigen::Quaterniond(1 + d.z(), -d.y(), d.x(), 0).normalized();
+  const Eigen::Quaterniond turn = facing * Eigen::AngleAxisd(tilt.about_x_rad, Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(tilt.about_y_rad, Vector3d::UnitY());
   Vector3d middle = Vector3d::Zero();
   for (const auto& p : points_m) middle += p / static_cast<double>(points_m.size());
@@ -111,9 +111,9 @@ BundleView hold_board(const Intrinsics& in, const std::vector<Vector3d>& points_
 
 /// Root of the mean variance of the pixels of far points, given the information on the intrinsics.
 double mean_sigma_px(const std::vector<Row2>& rows, const MatrixXd& information, double sigma_px) {
-  const Eigen::LDLT<MatrixXd> solver(information);
+  const estimation::SymmetricSolver solver(information);
   double sum = 0;
-  for (const Row2& j : rows) sum += (j * solver.solve(j.transpose())).trace() / 2;
+  for (const Row2& j : rows) sum += j.lazyProduct(solver.solve(j.transpose())).trace() / 2;
   return sigma_px * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(rows.size(), 1)));
 }
 
@@ -122,7 +122,7 @@ double mean_sigma_px(const std::vector<Row2>& rows, const MatrixXd& information,
 UncertaintyMap projection_uncertainty(const Intrinsics& in, int columns, int rows) {
   UncertaintyMap map{columns, rows, {}, 0, 0};
   const MatrixXd information = calibration::information(in.bundle);
-  const Eigen::LDLT<MatrixXd> solver(information);
+  const estimation::SymmetricSolver solver(information);
   std::vector<double> known;
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
@@ -135,9 +135,8 @@ UncertaintyMap projection_uncertainty(const Intrinsics& in, int columns, int row
           geometry::project_with_jacobians(in.bundle.kind, in.bundle.intrinsics.data(), p);
       if (!at) continue;
       const Row2 j = by_everything(in.bundle, *at, p);
-      const Eigen::Matrix2d covariance = j * solver.solve(j.transpose());
-      const double worse =
-          Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1];
+      const Eigen::Matrix2d covariance = j.lazyProduct(solver.solve(j.transpose()));
+      const double worse = estimation::planar_spectrum_of(covariance).values[1];
       map.sigma_px.back() = in.sigma_px * std::sqrt(std::max(worse, 0.0));
       known.push_back(map.sigma_px.back());
     }

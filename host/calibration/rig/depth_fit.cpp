@@ -7,10 +7,9 @@
 #include <numeric>
 #include <set>
 
-#include <Eigen/Cholesky>
-
 #include "hal/base/order_statistics.h"
 #include "host/calibration/rig/rig_model.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -101,7 +100,7 @@ Solution solve(const Terms& terms, const std::vector<DepthSample>& samples,
       h(k, k + 1) -= pull, h(k + 1, k) -= pull;
     }
     h.diagonal() *= 1 + 1e-12;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(h);
+    const estimation::SymmetricSolver factor(h);
     solution.values = factor.solve(g);
     solution.covariance = factor.solve(Eigen::MatrixXd::Identity(n, n)) *
                           (squares / static_cast<double>(samples.size()));

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -40,7 +39,7 @@ Matrix6 pose_inverse(const ViewTerm& t, int shared, double damping) {
   Matrix6 h = t.sum.block<6, 6>(shared, shared);
   h.diagonal() *= 1 + damping;
   h.diagonal().array() += 1e-12 * h.trace() + 1e-30;
-  return h.ldlt().solve(Matrix6::Identity());
+  return estimation::SymmetricSolver(h).solve(Matrix6::Identity());
 }
 
 Reduced reduce(const std::vector<ViewTerm>& terms, int n, double damping,
@@ -66,7 +65,7 @@ Eigen::VectorXd solve_scaled(const Reduced& r) {
   if (r.g.size() == 0) return {};  // only poses are solved for
   const Eigen::VectorXd scale = r.h.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd h = scale.asDiagonal() * r.h * scale.asDiagonal();
-  return scale.asDiagonal() * Eigen::VectorXd(h.ldlt().solve(scale.asDiagonal() * r.g));
+  return scale.asDiagonal() * estimation::SymmetricSolver(h).solve(scale.asDiagonal() * r.g);
 }
 
 void judge(const Reduced& r, SolveReport& report) {
@@ -74,13 +73,12 @@ void judge(const Reduced& r, SolveReport& report) {
   if (r.g.size() == 0) return;
   const Eigen::VectorXd scale = r.h.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd h = scale.asDiagonal() * r.h * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
-  report.weakest = eigen.eigenvectors().col(0);
-  report.solved = eigen.eigenvalues()[0] > 1e-12;
+  const estimation::DenseSpectrum spectrum = estimation::dense_spectrum_of(h);
+  report.weakest = spectrum.axes.col(0);
+  report.solved = spectrum.values[0] > 1e-12;
   if (!report.solved) return;
-  const Eigen::MatrixXd inverse = eigen.eigenvectors() *
-                                  eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                                  eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd inverse =
+      spectrum.axes * spectrum.values.cwiseInverse().asDiagonal() * spectrum.axes.transpose();
   report.covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -58,7 +58,7 @@ LightFit solve_light(const std::vector<Sample>& samples, const Image<float>& pic
     }
     auto h = sums.products();
     h.diagonal().array() += 1e-9 * h.trace() / (2 * kLight);
-    fit.light = h.ldlt().solve(sums.values());
+    fit.light = estimation::SymmetricSolver(h).solve(sums.values());
     double misses = 0;
     for (const Sample& s : samples) misses += std::pow(miss_of(s, fit.light, picture), 2);
     fit.sigma = std::sqrt(misses / n);

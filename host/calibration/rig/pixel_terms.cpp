@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "host/calibration/rig/depth_terms.h"
 #include "host/calibration/rig/pixel_light.h"
 #include "host/calibration/rig/pixel_motion.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -58,7 +57,7 @@ Eigen::MatrixXd grey_sums(const Scene& scene, const std::vector<Sample>& samples
   h(keep, keep) = all(at.count, at.count);
   Eigen::MatrixXd own = all.block(keep, keep, 2 * kLight, 2 * kLight);
   own.diagonal().array() += 1e-9 * own.trace() / (2 * kLight);
-  return h - cross * own.ldlt().solve(cross.transpose());
+  return h - cross * estimation::SymmetricSolver(own).solve(cross.transpose());
 }
 
 /// Adds a camera's own sums to those of the view.

@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "host/estimation/consensus.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::estimation {
 namespace {
@@ -38,11 +37,10 @@ std::optional<PlaneMoments> solve(Points points, std::span<const int> indices) {
     scatter += at * at.transpose();
     thickness += std::pow(plane->normal.dot(p - centroid), 2);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter / count);
-  PlaneMoments moments{{*plane, centroid, {}},
-                       {thickness / count, solver.eigenvalues()[0], solver.eigenvalues()[1]},
-                       count};
-  const Eigen::Vector2d wide = solver.eigenvectors().col(1);
+  const PlanarSpectrum spectrum = planar_spectrum_of(scatter / count);
+  PlaneMoments moments{
+      {*plane, centroid, {}}, {thickness / count, spectrum.values[0], spectrum.values[1]}, count};
+  const Eigen::Vector2d wide = spectrum.axes.col(1);
   moments.fit.tangents.col(0) = wide.x() * u + wide.y() * v;
   moments.fit.tangents.col(1) = plane->normal.cross(moments.fit.tangents.col(0));
   return moments;

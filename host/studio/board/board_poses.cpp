@@ -36,8 +36,9 @@ class RandomDraw {
 geometry::Pose board_pose(const BoardPlan& plan, const Eigen::Vector3d& centre, double roll_rad,
                           double tilt_rad, double about_rad) {
   // Facing the camera: the w axis is parallel to the line of sight.
-  const Eigen::Quaterniond facing =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), centre);
+  // From the optical axis to the middle, the short way.
+  const Eigen::Vector3d d = centre.normalized();
+  const Eigen::Quaterniond facing = Eigen::Quaterniond(1 + d.z(), -d.y(), d.x(), 0).normalized();
   const Eigen::Vector3d axis(std::cos(about_rad), std::sin(about_rad), 0);
   const Eigen::Quaterniond turn = facing * Eigen::AngleAxisd(tilt_rad, axis) *
                                   Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ());

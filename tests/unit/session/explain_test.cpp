@@ -2,6 +2,7 @@
 #include "host/session/explain.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/box_source.h"
 

@@ -2,6 +2,7 @@
 #include "host/session/run_report.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace mixrig::session {
 namespace {

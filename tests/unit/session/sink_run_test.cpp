@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "host/session/run.h"
 #include "tests/support/progress.h"

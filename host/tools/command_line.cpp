@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/tools/command_line.h"
+
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+namespace mixrig::tools {
+namespace {
+
+template <typename T>
+Option add(CLI::App* app, const std::string& name, T& value, const std::string& about) {
+  return Option(app->add_option(name, value, about));
+}
+
+std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  if (!chosen.empty())
+    return chosen.front()->get_name() + ": " + error.what() + ": see mixrig " +
+           chosen.front()->get_name() + " --help";
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands({})) known += " " + command->get_name();
+  const auto rest = app.remaining();
+  return (rest.empty() ? std::string("no command given") : "unknown command " + rest.front()) +
+         ": use one of" + known;
+}
+
+}  // namespace
+
+Option Option::required() { return Option(option_->required()); }
+Option Option::range(int low, int high) { return Option(option_->check(CLI::Range(low, high))); }
+Option Option::range(double low, double high) {
+  return Option(option_->check(CLI::Range(low, high)));
+}
+Option Option::non_negative() { return Option(option_->check(CLI::NonNegativeNumber)); }
+Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
+Option Option::one_of(const std::vector<std::string>& values) {
+  return Option(option_->check(CLI::IsMember(values)));
+}
+Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
+Option Option::show_default() { return Option(option_->capture_default_str()); }
+Option Option::group(const std::string& heading) { return Option(option_->group(heading)); }
+Option Option::value_if_left_out(const std::string& value) {
+  return Option(option_->expected(0, 1)->default_str(value));
+}
+
+Option Command::add_option(const std::string& name, std::string& value, const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_option(const std::string& name, std::vector<std::string>& values,
+                           const std::string& about) {
+  return add(app_, name, values, about);
+}
+Option Command::add_option(const std::string& name, int& value, const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_option(const std::string& name, unsigned& value, const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_option(const std::string& name, std::size_t& value, const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_option(const std::string& name, double& value, const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_option(const std::string& name, std::optional<double>& value,
+                           const std::string& about) {
+  return add(app_, name, value, about);
+}
+Option Command::add_flag(const std::string& name, bool& value, const std::string& about) {
+  return Option(app_->add_flag(name, value, about));
+}
+
+Command Command::add_subcommand(const std::string& name, const std::string& about) {
+  return Command(app_->add_subcommand(name, about));
+}
+
+Command Command::group(const std::string& name, const std::string& about) {
+  for (CLI::App* known : app_->get_subcommands({}))
+    if (known->get_name() == name) return Command(known);
+  Command made = add_subcommand(name, about);
+  made.require_subcommand();
+  return made;
+}
+
+void Command::require_subcommand() { app_->require_subcommand(1); }
+
+std::vector<Command> Command::subcommands() const {
+  std::vector<Command> commands;
+  for (CLI::App* child : app_->get_subcommands({})) commands.emplace_back(child);
+  return commands;
+}
+
+bool Command::has_option(const std::string& name) const {
+  return app_->get_option_no_throw(name) != nullptr;
+}
+
+std::size_t Command::count(const std::string& name) const { return app_->count(name); }
+
+void Command::callback(std::function<void()> chosen) { app_->callback(std::move(chosen)); }
+
+CommandLine::CommandLine(const std::string& about, const std::string& name,
+                         const std::string& version)
+    : app_(std::make_unique<CLI::App>(about, name)) {
+  app_->require_subcommand(1);
+  app_->set_version_flag("--version", version);
+}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::root() { return Command(app_.get()); }
+
+CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+      app_->exit(error);
+      return {true, {}};
+    }
+    return {false, usage_line(*app_, error)};
+  }
+  return {};
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a subcommand's options look like. command_line.cpp alone compiles the parser (CLI11).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace mixrig::tools {
+
+/// One option of a command: a handle, valid as long as its CommandLine. Each call returns itself.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option required();
+  /// The value must lie in low..high.
+  Option range(int low, int high);
+  Option range(double low, double high);
+  Option non_negative();
+  Option positive();
+  Option one_of(const std::vector<std::string>& values);
+  Option excludes(Option other);
+  /// --help shows the value that the variable holds now.
+  Option show_default();
+  Option group(const std::string& heading);
+  /// The value may be left out, as `value` then.
+  Option value_if_left_out(const std::string& value);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A command or subcommand: a handle, valid as long as its CommandLine.
+class Command {
+ public:
+  explicit Command(CLI::App* app) : app_(app) {}
+
+  /// NAME or -v,--verbose and the variable that the value is written to; it must outlive the parse.
+  Option add_option(const std::string& name, std::string& value, const std::string& about);
+  Option add_option(const std::string& name, std::vector<std::string>& values,
+                    const std::string& about);
+  Option add_option(const std::string& name, int& value, const std::string& about);
+  Option add_option(const std::string& name, unsigned& value, const std::string& about);
+  Option add_option(const std::string& name, std::size_t& value, const std::string& about);
+  Option add_option(const std::string& name, double& value, const std::string& about);
+  Option add_option(const std::string& name, std::optional<double>& value,
+                    const std::string& about);
+  Option add_flag(const std::string& name, bool& value, const std::string& about);
+
+  Command add_subcommand(const std::string& name, const std::string& about);
+  /// The subcommand `name`, shared by several files: the first call makes it.
+  Command group(const std::string& name, const std::string& about);
+  void require_subcommand();
+  std::vector<Command> subcommands() const;
+  bool has_option(const std::string& name) const;
+  /// How often the option was given; while and after the line is parsed.
+  std::size_t count(const std::string& name) const;
+  /// Called when the command was chosen and its values are written.
+  void callback(std::function<void()> chosen);
+
+ private:
+  CLI::App* app_;
+};
+
+/// The parser. One thread.
+class CommandLine {
+ public:
+  CommandLine(const std::string& about, const std::string& name, const std::string& version);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  Command root();
+  struct Parsed {
+    bool done = false;  ///< --help or --version: printed, nothing is left to do
+    std::string error;  ///< one line; empty for a good command line
+  };
+  Parsed parse(int argc, const char* const* argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace mixrig::tools
