@@ -21,8 +21,16 @@ set(MIXRIG_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or threa
 
 find_program(MIXRIG_CCACHE ccache)
 if(MIXRIG_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${MIXRIG_CCACHE})
+  # Without this ccache leaves out every file that uses a precompiled header.
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${MIXRIG_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${MIXRIG_CCACHE})
+endif()
+
+# A faster linker, where there is one.
+find_program(MIXRIG_LD NAMES ld.mold ld.lld)
+if(MIXRIG_LD AND NOT CMAKE_CROSSCOMPILING)
+  string(REGEX REPLACE ".*/ld\\." "" linker ${MIXRIG_LD})
+  add_link_options(-fuse-ld=${linker})
 endif()
 
 add_library(mixrig_options INTERFACE)
