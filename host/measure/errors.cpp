@@ -4,13 +4,12 @@
 #include <cmath>
 #include <string>
 
+#include "host/measure/srgb.h"
+
 namespace mixrig::measure {
 namespace {
 
 constexpr float kBad_m = 0.1F;
-constexpr int kBand_px = 8;
-constexpr float kInShadow = 0.98F;
-constexpr int kHalfMatte = 128;
 
 bool known(float z_m) { return std::isfinite(z_m) && z_m > 0.0F; }
 
@@ -29,6 +28,12 @@ Result<void> check_sizes(const ResultImages& r, const TruthImages& t) {
   return {};
 }
 
+/// Summed over the channels.
+int color_square(Rgb8 a, Rgb8 b) {
+  const int dr = a.r - b.r, dg = a.g - b.g, db = a.b - b.b;
+  return dr * dr + dg * dg + db * db;
+}
+
 void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   const Image<std::uint8_t> band = step_band(t.depth_m, kBad_m, kBand_px);
   for (int y = 0; y < t.labels.size.height; ++y) {
@@ -45,19 +50,6 @@ void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   }
 }
 
-void add_key(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
-  for (int y = 0; y < t.labels.size.height; ++y) {
-    for (int x = 0; x < t.labels.size.width; ++x) {
-      const int a = r.matte.row(y)[x];
-      const int b = t.matte.row(y)[x];
-      sums.key_intersection += a >= kHalfMatte && b >= kHalfMatte;
-      sums.key_union += a >= kHalfMatte || b >= kHalfMatte;
-      const double difference = (a - b) / 255.0;
-      sums.matte_square.add(difference * difference);
-    }
-  }
-}
-
 void add_order(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   for (int y = 0; y < t.labels.size.height; ++y) {
     for (int x = 0; x < t.labels.size.width; ++x) {
@@ -69,48 +61,57 @@ void add_order(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   }
 }
 
-void add_light(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
+/// Matte, key, light and colour of a pixel.
+void add_pixel(const ResultImages& r, const TruthImages& t, int x, int y, PixelSums& sums) {
+  const int a = r.matte.row(y)[x], b = t.matte.row(y)[x];
+  sums.key_intersection += a >= kHalfMatte && b >= kHalfMatte;
+  sums.key_union += a >= kHalfMatte || b >= kHalfMatte;
+  const double difference = (a - b) / 255.0;
+  sums.matte_square.add(difference * difference);
+  sums.color_square.value += color_square(r.color.row(y)[x], t.color.row(y)[x]);
+  sums.color_square.count += 3;
+  if ((t.labels.row(y)[x] & kLayerMask) == kLayerVirtual) return;
+  const double light = static_cast<double>(r.light.row(y)[x]) - t.light.row(y)[x];
+  sums.light_square.add(light * light);
+}
+
+void add_pixels(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
+  const Image<std::uint8_t> can_be_wrong = contested(t);
   for (int y = 0; y < t.labels.size.height; ++y) {
     for (int x = 0; x < t.labels.size.width; ++x) {
-      if ((t.labels.row(y)[x] & kLayerMask) == kLayerVirtual) continue;
-      const float light = r.light.row(y)[x];
-      const float true_light = t.light.row(y)[x];
-      const double square = (light - true_light) * (light - true_light);
-      sums.light_square.add(square);
-      if (light < kInShadow || true_light < kInShadow) sums.light_shadow_square.add(square);
+      add_pixel(r, t, x, y, sums.all);
+      const bool counts = can_be_wrong.row(y)[x] != 0;
+      sums.contested_share.add(counts ? 1.0 : 0.0);
+      if (counts) add_pixel(r, t, x, y, sums.contested);
     }
   }
 }
 
-void add_color(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
+void add_shadow(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
   for (int y = 0; y < t.labels.size.height; ++y) {
-    std::uint64_t row_sum = 0;
     for (int x = 0; x < t.labels.size.width; ++x) {
-      const Rgb8 a = r.color.row(y)[x];
-      const Rgb8 b = t.color.row(y)[x];
-      const int dr = a.r - b.r, dg = a.g - b.g, db = a.b - b.b;
-      row_sum += static_cast<std::uint64_t>(dr * dr + dg * dg + db * db);
+      const float light = r.light.row(y)[x], true_light = t.light.row(y)[x];
+      if ((t.labels.row(y)[x] & kLayerMask) == kLayerVirtual ||
+          (light >= kInShadow && true_light >= kInShadow))
+        continue;
+      sums.light_shadow_square.add((light - true_light) * (light - true_light));
     }
-    sums.color_square.value += static_cast<double>(row_sum);
-    sums.color_square.count += 3U * static_cast<std::uint64_t>(t.labels.size.width);
   }
 }
 
-/// Marks both pixels of every neighbouring pair whose known depths differ by more than step_m.
-Image<std::uint8_t> steps(ImageView<const float> depth_m, float step_m) {
-  const auto [width, height] = depth_m.size;
-  Image<std::uint8_t> marks(depth_m.size);
-  const auto compare = [&](int xa, int ya, int xb, int yb) {
-    const float a = depth_m.row(ya)[xa], b = depth_m.row(yb)[xb];
-    if (known(a) && known(b) && std::abs(a - b) > step_m) marks.row(ya)[xa] = marks.row(yb)[xb] = 1;
-  };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (x + 1 < width) compare(x, y, x + 1, y);
-      if (y + 1 < height) compare(x, y, x, y + 1);
+void add_object(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
+  for (int y = 0; y < t.labels.size.height; ++y) {
+    for (int x = 0; x < t.labels.size.width; ++x) {
+      if ((t.labels.row(y)[x] & kLayerMask) != kLayerVirtual || r.layer.row(y)[x] != kLayerVirtual)
+        continue;
+      const Rgb8 a = r.color.row(y)[x], b = t.color.row(y)[x];
+      sums.object_square.value += color_square(a, b);
+      sums.object_square.count += 3;
+      for (const float d : {linear_of(a.r) - linear_of(b.r), linear_of(a.g) - linear_of(b.g),
+                            linear_of(a.b) - linear_of(b.b)})
+        sums.object_linear_square.add(static_cast<double>(d) * d);
     }
   }
-  return marks;
 }
 
 std::optional<double> scaled(std::optional<double> value, double factor) {
@@ -120,45 +121,35 @@ std::optional<double> root(std::optional<double> value) {
   return value ? std::optional(std::sqrt(*value)) : std::nullopt;
 }
 
+std::optional<double> psnr_db(const Sum& square) {
+  const auto mse = square.mean();
+  if (!mse) return std::nullopt;
+  if (*mse <= 0.0) return kEqualPsnr_db;
+  return std::min(kEqualPsnr_db, 10.0 * std::log10(255.0 * 255.0 / *mse));
+}
+std::optional<double> iou(const PixelSums& sums) {
+  if (sums.key_union == 0) return std::nullopt;
+  return static_cast<double>(sums.key_intersection) / static_cast<double>(sums.key_union);
+}
+
 }  // namespace
 
-Image<std::uint8_t> step_band(ImageView<const float> depth_m, float step_m, int radius_px) {
-  const auto [width, height] = depth_m.size;
-  // Vertical distance to the nearest mark of the column first, then the disc column by column.
-  Image<std::uint8_t> marks = steps(depth_m, step_m);
-  Image<int> vertical_px(depth_m.size, radius_px + 1);
-  for (int x = 0; x < width; ++x) {
-    int distance = radius_px + 1;
-    for (int y = 0; y < height; ++y) {
-      distance = marks.row(y)[x] != 0 ? 0 : std::min(distance + 1, radius_px + 1);
-      vertical_px.row(y)[x] = distance;
-    }
-    distance = radius_px + 1;
-    for (int y = height - 1; y >= 0; --y) {
-      distance = marks.row(y)[x] != 0 ? 0 : std::min(distance + 1, radius_px + 1);
-      vertical_px.row(y)[x] = std::min(vertical_px.row(y)[x], distance);
-    }
-  }
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      std::uint8_t inside = 0;
-      for (int u = std::max(0, x - radius_px); u <= std::min(width - 1, x + radius_px); ++u) {
-        const int dy = vertical_px.row(y)[u];
-        inside |= (u - x) * (u - x) + dy * dy <= radius_px * radius_px;
-      }
-      marks.row(y)[x] = inside;
-    }
-  }
-  return marks;
+Image<std::uint8_t> contested(const TruthImages& truth) {
+  Image<std::uint8_t> out = matte_band(truth.matte, kBand_px);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x)
+      out.row(y)[x] |=
+          (truth.labels.row(y)[x] & kInSilhouette) != 0 || truth.light.row(y)[x] < kInShadow;
+  return out;
 }
 
 Result<void> add_frame(const ResultImages& result, const TruthImages& truth, ErrorSums& sums) {
   MIXRIG_TRY(check_sizes(result, truth));
   add_depth(result, truth, sums);
-  add_key(result, truth, sums);
   add_order(result, truth, sums);
-  add_light(result, truth, sums);
-  add_color(result, truth, sums);
+  add_shadow(result, truth, sums);
+  add_object(result, truth, sums);
+  add_pixels(result, truth, sums);
   return {};
 }
 
@@ -167,15 +158,19 @@ Errors errors_of(const ErrorSums& sums) {
   e.depth_mae_mm = scaled(sums.depth_abs_m.mean(), 1e3);
   e.depth_bad_pct = scaled(sums.depth_bad.mean(), 100.0);
   e.band_bad_pct = scaled(sums.band_bad.mean(), 100.0);
-  if (sums.key_union != 0)
-    e.key_iou = static_cast<double>(sums.key_intersection) / static_cast<double>(sums.key_union);
-  e.matte_mse = sums.matte_square.mean();
+  e.key_iou = iou(sums.all);
+  e.matte_mse = sums.all.matte_square.mean();
   e.order_wrong_pct = scaled(sums.order_wrong.mean(), 100.0);
-  e.light_rmse = root(sums.light_square.mean());
+  e.light_rmse = root(sums.all.light_square.mean());
   e.light_shadow_rmse = root(sums.light_shadow_square.mean());
-  if (const auto mse = sums.color_square.mean())
-    e.color_psnr_db = *mse > 0.0 ? std::min(kEqualPsnr_db, 10.0 * std::log10(255.0 * 255.0 / *mse))
-                                 : kEqualPsnr_db;
+  e.color_psnr_db = psnr_db(sums.all.color_square);
+  e.object_rmse = root(sums.object_linear_square.mean());
+  e.object_psnr_db = psnr_db(sums.object_square);
+  e.contested.pixels_pct = scaled(sums.contested_share.mean(), 100.0);
+  e.contested.key_iou = iou(sums.contested);
+  e.contested.matte_mse = sums.contested.matte_square.mean();
+  e.contested.light_rmse = root(sums.contested.light_square.mean());
+  e.contested.color_psnr_db = psnr_db(sums.contested.color_square);
   return e;
 }
 

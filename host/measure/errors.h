@@ -7,16 +7,22 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
+#include "host/measure/band.h"
 
 namespace mixrig::measure {
 
 /// Bits of a truth label, as in a take's truth/labels.
 inline constexpr std::uint8_t kLayerMask = 3;  ///< visible layer: 0 background, 1 person, 2 virtual
 inline constexpr std::uint8_t kLayerVirtual = 2;
+/// Light below this is shadow.
+inline constexpr float kInShadow = 0.98F;
+/// Width of the people's band on either side of the true border.
+inline constexpr int kBand_px = 8;
 inline constexpr std::uint8_t kTofSees = 4;       ///< the ToF camera sees the real surface
 inline constexpr std::uint8_t kInSilhouette = 8;  ///< inside the virtual objects, occluded or not
 
-/// Results of the compositor for a frame. All images of a frame, these and the truth, have one size.
+/// Results of the compositor for a frame. All images of a frame, these and the truth, have one
+/// size.
 struct ResultImages {
   ImageView<const Rgb8> color;            ///< composite, sRGB
   ImageView<const float> warped_depth_m;  ///< 0 unknown
@@ -44,11 +50,19 @@ struct Sum {
   }
 };
 
+/// Sums of what is judged in any set of pixels: key, light and colour.
+struct PixelSums {
+  Sum matte_square, light_square, color_square;
+  std::uint64_t key_intersection = 0, key_union = 0;
+};
+
 /// Running sums over the pixels of all frames.
 struct ErrorSums {
-  Sum depth_abs_m, depth_bad, band_bad, matte_square, order_wrong;
-  Sum light_square, light_shadow_square, color_square;
-  std::uint64_t key_intersection = 0, key_union = 0;
+  Sum depth_abs_m, depth_bad, band_bad, order_wrong, light_shadow_square;
+  Sum object_square;         ///< sRGB values
+  Sum object_linear_square;  ///< linear light, 0..1
+  PixelSums all, contested;
+  Sum contested_share;  ///< 1 for a contested pixel, else 0
 };
 
 /// The measures; nullopt where no pixel could be judged.
@@ -56,6 +70,12 @@ struct Errors {
   std::optional<double> depth_mae_mm, depth_bad_pct, band_bad_pct, key_iou, matte_mse;
   std::optional<double> order_wrong_pct, light_rmse, light_shadow_rmse;
   std::optional<double> color_psnr_db;  ///< kEqualPsnr_db where not a single value differs
+  std::optional<double> object_rmse, object_psnr_db;
+  /// The same over contested pixels alone.
+  struct Contested {
+    std::optional<double> pixels_pct;  ///< share of the pixels
+    std::optional<double> key_iou, matte_mse, light_rmse, color_psnr_db;
+  } contested;
 };
 inline constexpr double kEqualPsnr_db = 100.0;
 
@@ -63,8 +83,9 @@ inline constexpr double kEqualPsnr_db = 100.0;
 Result<void> add_frame(const ResultImages& result, const TruthImages& truth, ErrorSums& sums);
 Errors errors_of(const ErrorSums& sums);
 
-/// 1 within `radius_px` (Euclidean, between pixel centres) of a pixel at a depth step: one whose
-/// known z differs from that of a 4-neighbour by more than `step_m`. Else 0.
-Image<std::uint8_t> step_band(ImageView<const float> depth_m, float step_m, int radius_px);
+/// 1 where a compositor can be wrong, by the truth alone: inside the silhouette of the virtual
+/// objects, in their true shadow (light below kInShadow), or within kBand_px of the people's
+/// border.
+Image<std::uint8_t> contested(const TruthImages& truth);
 
 }  // namespace mixrig::measure

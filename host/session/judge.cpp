@@ -19,12 +19,12 @@ float source_px(int i, int from, int to) {
 }
 
 template <typename T>
-Image<T> nearest(const Image<T>& in, Size size) {
+Image<T> nearest(ImageView<const T> in, Size size) {
   Image<T> out(size);
   for (int y = 0; y < size.height; ++y) {
-    const T* row = in.row(static_cast<int>(std::lround(source_px(y, in.height(), size.height))));
+    const T* row = in.row(static_cast<int>(std::lround(source_px(y, in.size.height, size.height))));
     for (int x = 0; x < size.width; ++x)
-      out.row(y)[x] = row[std::lround(source_px(x, in.width(), size.width))];
+      out.row(y)[x] = row[std::lround(source_px(x, in.size.width, size.width))];
   }
   return out;
 }
@@ -37,14 +37,14 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, float t) {
 Rgb8 mix(Rgb8 a, Rgb8 b, float t) { return {mix(a.r, b.r, t), mix(a.g, b.g, t), mix(a.b, b.b, t)}; }
 
 template <typename T>
-Image<T> bilinear(const Image<T>& in, Size size) {
+Image<T> bilinear(ImageView<const T> in, Size size) {
   Image<T> out(size);
   for (int y = 0; y < size.height; ++y) {
-    const float v = source_px(y, in.height(), size.height);
-    const int y0 = static_cast<int>(v), y1 = std::min(y0 + 1, in.height() - 1);
+    const float v = source_px(y, in.size.height, size.height);
+    const int y0 = static_cast<int>(v), y1 = std::min(y0 + 1, in.size.height - 1);
     for (int x = 0; x < size.width; ++x) {
-      const float u = source_px(x, in.width(), size.width);
-      const int x0 = static_cast<int>(u), x1 = std::min(x0 + 1, in.width() - 1);
+      const float u = source_px(x, in.size.width, size.width);
+      const int x0 = static_cast<int>(u), x1 = std::min(x0 + 1, in.size.width - 1);
       const float tx = u - static_cast<float>(x0);
       out.row(y)[x] = mix(mix(in.row(y0)[x0], in.row(y0)[x1], tx),
                           mix(in.row(y1)[x0], in.row(y1)[x1], tx), v - static_cast<float>(y0));
@@ -57,34 +57,40 @@ Image<T> bilinear(const Image<T>& in, Size size) {
 
 measure::Errors Judge::errors() const {
   measure::Errors errors = measure::errors_of(sums_);
-  if (!room_shown_) errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
+  if (!room_shown_) {
+    errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
+    errors.object_rmse = errors.object_psnr_db = {};
+    errors.contested.light_rmse = errors.contested.color_psnr_db = {};
+  }
   return errors;
 }
 
-Result<void> Judge::add(const capture::Truth& frame_truth, const render::FrameOutput& output) {
+Result<void> Judge::add(const capture::Truth& truth, const render::FrameOutput& output) {
+  return add(truth, measure::ResultImages{output.color, output.warped_depth_m, output.matte,
+                                          output.light, output.layer});
+}
+
+Result<void> Judge::add(const capture::Truth& frame_truth, const measure::ResultImages& in) {
   const measure::TruthImages truth{frame_truth.composite, frame_truth.depth_m, frame_truth.matte,
                                    frame_truth.light, frame_truth.labels};
   const Size size = frame_truth.labels.size();
-  if (size == output.color.size())
-    return add_layer({output.color, output.warped_depth_m, output.matte, output.light, {}}, truth,
-                     output.layer);
-  const Image<Rgb8> color = bilinear(output.color, size);
-  const Image<float> depth_m = nearest(output.warped_depth_m, size);
-  const Image<std::uint8_t> matte = bilinear(output.matte, size);
-  const Image<float> light = bilinear(output.light, size);
-  const Image<std::uint8_t> layer = nearest(output.layer, size);
-  return add_layer({color, depth_m, matte, light, {}}, truth, layer);
+  if (size == in.color.size) return add_in_size(in, truth);
+  const Image<Rgb8> color = bilinear(in.color, size);
+  const Image<float> depth_m = nearest(in.warped_depth_m, size);
+  const Image<std::uint8_t> matte = bilinear(in.matte, size);
+  const Image<float> light = bilinear(in.light, size);
+  const Image<std::uint8_t> layer = nearest(in.layer, size);
+  return add_in_size({color, depth_m, matte, light, layer}, truth);
 }
 
-Result<void> Judge::add_layer(measure::ResultImages result, const measure::TruthImages& truth,
-                              const Image<std::uint8_t>& layer) {
-  result.layer = layer;
+Result<void> Judge::add_in_size(measure::ResultImages result, const measure::TruthImages& truth) {
   if (room_shown_) return measure::add_frame(result, truth, sums_);
   // The truth knows the objects and not the set around them.
-  own_layer_ = layer;
-  for (int y = 0; y < layer.height(); ++y)
-    for (int x = 0; x < layer.width(); ++x)
-      if ((truth.labels.row(y)[x] & measure::kInSilhouette) == 0) own_layer_.row(y)[x] = 0;
+  own_layer_.reset(result.layer.size);
+  for (int y = 0; y < result.layer.size.height; ++y)
+    for (int x = 0; x < result.layer.size.width; ++x)
+      if ((truth.labels.row(y)[x] & measure::kInSilhouette) != 0)
+        own_layer_.row(y)[x] = result.layer.row(y)[x];
   result.layer = own_layer_;
   return measure::add_frame(result, truth, sums_);
 }

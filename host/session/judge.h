@@ -16,16 +16,17 @@ class Judge {
   /// Images of a composite that it uses.
   static constexpr render::OutputMask kWanted =
       render::kColor | render::kWarpedDepth | render::kMatte | render::kLight | render::kLayer;
-  /// `room_shown`: the composite shows the real background, as the truth does; without it colour
-  /// and light are not judged.
+  /// `room_shown`: the composite shows the real background, as the truth does; without it colour,
+  /// light and the look of the objects are not judged.
   explicit Judge(bool room_shown = true) : room_shown_(room_shown) {}
   /// `output` holds the wanted images. Errors: kData for a truth of another size.
   Result<void> add(const capture::Truth& truth, const render::FrameOutput& output);
+  /// The same of any composite.
+  Result<void> add(const capture::Truth& truth, const measure::ResultImages& composite);
   measure::Errors errors() const;
 
  private:
-  Result<void> add_layer(measure::ResultImages result, const measure::TruthImages& truth,
-                         const Image<std::uint8_t>& layer);
+  Result<void> add_in_size(measure::ResultImages result, const measure::TruthImages& truth);
 
   bool room_shown_;
   measure::ErrorSums sums_;

@@ -14,6 +14,7 @@
 #include "host/capture/capture_reader.h"
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
+#include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
 #include "host/session/contact_points.h"
 #include "host/session/hiding_compositor.h"
@@ -92,6 +93,7 @@ class Runner {
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
   Result<void> open_sinks(FrameRange range);
   Result<void> prepare_frame_poses();
+  Result<void> open_baselines();
   render::OutputMask wanted_by_sinks(int number) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
@@ -119,6 +121,7 @@ class Runner {
   bool sheet_has_rows_ = false;
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
+  std::optional<Baselines> baselines_;
   std::optional<SlipWatch> slip_;
   render::FrameOutput judged_;
   std::optional<geometry::Pose> first_pose_;
@@ -139,6 +142,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   MIXRIG_TRY(prepare_background(session_, progress));
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_frame_poses());
+  if (options_.baselines) MIXRIG_TRY(open_baselines());
   report_.backend = backend_of(compositor_.whole());
   report_.renderer = compositor_.whole().renderer();
   report_.size = session_.setup.view.size_px;
@@ -157,6 +161,14 @@ Result<void> Runner::prepare_frame_poses() {
   if (has_true_poses(session_)) report_.pose.error.emplace();
   const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
   return compositor_.open(session_.setup, session_.backend, hides);
+}
+
+Result<void> Runner::open_baselines() {
+  if (!judges())
+    return Error{ErrorCode::kUsage, session_.source->info().name +
+                                        " has no truth to hold baselines against: leave out "
+                                        "--baselines, or use a take of mixrig studio"};
+  return baselines_.emplace().open(session_.setup);
 }
 
 Result<void> Runner::open_sinks(FrameRange range) {
@@ -275,7 +287,10 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
 /// In images of its own, so that composites which wait for a sink do not hold them.
 Result<void> Runner::judge(const output::Composite& composite, const capture::Truth& truth) {
   MIXRIG_TRY(compose(composite, Judge::kWanted, judged_));
-  return judge_.add(truth, judged_);
+  MIXRIG_TRY(judge_.add(truth, judged_));
+  if (!baselines_) return {};
+  return baselines_->add(*composite.capture, composite.world_from_target, composite.objects_shown,
+                         truth);
 }
 
 Result<void> Runner::deliver(const output::CompositePtr& composite) {
@@ -319,6 +334,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   report_.live = session_.source->report();
   if (report_.live) report_.live->dropped_sets += dropped;
   if (judges()) report_.error = judge_.errors();
+  if (baselines_) report_.baselines = baselines_->errors();
   if (sheet_ != nullptr && !sheet_has_rows_) MIXRIG_TRY(add_last_to_sheet());
   report_.pose.frames = poses_->counts();
   report_.pose.faults = session_.poses->faults();

@@ -24,6 +24,7 @@ struct RunOptions {
   int sheet_rows = 6;                       ///< frames on the contact sheet
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
+  bool baselines = false;                   ///< judge plain composites beside it
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
 
@@ -33,9 +34,10 @@ struct RunOptions {
 /// composites. Only compose() is timed; frames whose inspection images are needed are composited a
 /// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
 /// Memory does not grow with the number of frames.
-/// Errors: kUsage for frames out of range or an OUT that no earlier run made; kData where a frame
-/// cannot be read, or where the source ended or was stopped before the first frame; kIo; those of
-/// the back end and of the sinks.
+/// Errors: kUsage for frames out of range, an OUT that no earlier run made, or baselines of a
+/// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
+/// be read, or where the source ended or was stopped before the first frame; kIo; those of the back
+/// end and of the sinks.
 Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
                       const ProgressFn& progress);
 

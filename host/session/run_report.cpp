@@ -16,7 +16,7 @@ namespace {
 
 using NamedError = std::pair<const char*, std::optional<double>>;
 
-std::array<NamedError, 9> named(const measure::Errors& e) {
+std::array<NamedError, 11> named(const measure::Errors& e) {
   return {{{"depth_mae_mm", e.depth_mae_mm},
            {"depth_bad_pct", e.depth_bad_pct},
            {"band_bad_pct", e.band_bad_pct},
@@ -25,6 +25,16 @@ std::array<NamedError, 9> named(const measure::Errors& e) {
            {"order_wrong_pct", e.order_wrong_pct},
            {"light_rmse", e.light_rmse},
            {"light_shadow_rmse", e.light_shadow_rmse},
+           {"color_psnr_db", e.color_psnr_db},
+           {"object_rmse", e.object_rmse},
+           {"object_psnr_db", e.object_psnr_db}}};
+}
+
+std::array<NamedError, 5> named(const measure::Errors::Contested& e) {
+  return {{{"pixels_pct", e.pixels_pct},
+           {"key_iou", e.key_iou},
+           {"matte_mse", e.matte_mse},
+           {"light_rmse", e.light_rmse},
            {"color_psnr_db", e.color_psnr_db}}};
 }
 
@@ -158,6 +168,40 @@ std::string pose_line(const PoseReport& report) {
   return line + slip_line(report.slip);
 }
 
+template <std::size_t N>
+nlohmann::json errors_json(const std::array<NamedError, N>& errors) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [key, value] : errors) out[key] = or_null(value);
+  return out;
+}
+
+/// A row for each measure, a column for each composite: the report's own first.
+template <typename Measures>
+std::string error_rows(const RunReport& report, const char* prefix, const Measures& measures) {
+  std::vector<decltype(named(measures(*report.error)))> columns{named(measures(*report.error))};
+  for (const BaselineErrors& b : report.baselines) columns.push_back(named(measures(b.errors)));
+  std::string out;
+  for (std::size_t i = 0; i < columns.front().size(); ++i) {
+    out += fmt::format("  {:<23}", std::string(prefix) + columns.front()[i].first);
+    for (const auto& column : columns)
+      out += column[i].second ? fmt::format(" {:>10.4g}", *column[i].second)
+                              : fmt::format(" {:>10}", "-");
+    out += "\n";
+  }
+  return out;
+}
+
+std::string error_table(const RunReport& report) {
+  std::string out = "  error against truth";
+  if (!report.baselines.empty()) out += fmt::format("    {:>12}", "mixrig");
+  for (const BaselineErrors& b : report.baselines)
+    out += fmt::format(" {:>10}", measure::name(b.baseline));
+  out += "\n";
+  out += error_rows(report, "", [](const measure::Errors& e) { return e; });
+  return out +
+         error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
+}
+
 }  // namespace
 
 double fps(const RunReport& report) {
@@ -166,13 +210,8 @@ double fps(const RunReport& report) {
 }
 
 nlohmann::json to_json(const measure::Errors& errors) {
-  nlohmann::json out = nlohmann::json::object();
-  for (const auto& [key, value] : named(errors)) {
-    if (value)
-      out[key] = rounded(*value);
-    else
-      out[key] = nullptr;
-  }
+  nlohmann::json out = errors_json(named(errors));
+  out["contested"] = errors_json(named(errors.contested));
   return out;
 }
 
@@ -210,6 +249,8 @@ nlohmann::json to_json(const RunReport& report) {
                            {"p50", quantile(report.foreground_pct, 0.5)},
                            {"max", rounded(report.foreground_pct.max())}};
   if (report.error) out["error"] = to_json(*report.error);
+  for (const BaselineErrors& b : report.baselines)
+    out["baselines"][measure::name(b.baseline)] = to_json(b.errors);
   return out;
 }
 
@@ -230,12 +271,7 @@ std::string to_table(const RunReport& report) {
   if (report.live) out += live_line(*report.live);
   out += pose_line(report.pose);
   out += sink_lines(report.sinks);
-  if (!report.error) return out;
-  out += "  error against truth\n";
-  for (const auto& [key, value] : named(*report.error))
-    out += value ? fmt::format("  {:<18} {:>10.4g}\n", key, *value)
-                 : fmt::format("  {:<18} {:>10}\n", key, "-");
-  return out;
+  return report.error ? out + error_table(report) : out;
 }
 
 double peak_rss_mb() {

@@ -16,6 +16,7 @@
 #include "host/output/sink_thread.h"
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
+#include "host/session/baselines.h"
 #include "host/session/pose_errors.h"
 #include "host/session/slip.h"
 
@@ -47,6 +48,7 @@ struct RunReport {
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;
+  std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };
 
 /// One over the mean frame time; 0 without frames.

@@ -16,7 +16,7 @@ namespace {
 struct Arguments {
   SessionArguments session;
   std::string out, frames, format = "png";
-  bool layers = false, inspect = false;
+  bool layers = false, inspect = false, baselines = false;
 };
 
 Result<nlohmann::json> run(const Arguments& arguments) {
@@ -28,6 +28,7 @@ Result<nlohmann::json> run(const Arguments& arguments) {
                                                        : output::OutputFormat::kPng;
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
+  options.baselines = arguments.baselines;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
@@ -60,6 +61,9 @@ void add_run_command(Command app, Context& context) {
   command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
   command.add_flag("--inspect", arguments->inspect,
                    "write warped depth, key and light map as well");
+  command.add_flag("--baselines", arguments->baselines,
+                   "judge plain composites beside it: the plate, the objects pasted on top, a "
+                   "plain depth key (a take with truth)");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
 }

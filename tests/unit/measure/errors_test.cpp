@@ -49,6 +49,8 @@ TEST(Errors, OfAPerfectFrameAreZeroOrUndefined) {
   EXPECT_EQ(e.key_iou, std::nullopt);
   EXPECT_EQ(e.order_wrong_pct, std::nullopt);
   EXPECT_EQ(e.light_shadow_rmse, std::nullopt);
+  EXPECT_EQ(e.object_rmse, std::nullopt);
+  EXPECT_EQ(e.object_psnr_db, std::nullopt);
 }
 
 TEST(Errors, OfNoFrameAreUndefined) {
@@ -154,6 +156,69 @@ TEST(LightError, LeavesOutVirtualPixelsAndSplitsOffTheShadow) {
   const Errors e = f.errors();
   EXPECT_NEAR(*e.light_rmse, std::sqrt((0.09 + 0.01 + 0.0001) / 3), 1e-6);
   EXPECT_NEAR(*e.light_shadow_rmse, std::sqrt((0.09 + 0.01) / 2), 1e-6);
+}
+
+TEST(Contested, IsSilhouetteShadowAndTheBandOfThePeople) {
+  Frame f({40, 3});
+  f.labels.at(0, 0) = kTofSees | kInSilhouette;
+  f.true_light.at(2, 0) = 0.979F;
+  f.true_light.at(3, 0) = 0.981F;
+  f.light.at(4, 0) = 0.5F;     // what the composite says does not decide
+  f.matte.at(5, 0) = 255;      // nor does this
+  for (int y = 0; y < 3; ++y)  // the border lies between 29 and 30: the band is 21..38
+    for (int x = 30; x < 40; ++x) f.true_matte.at(x, y) = x == 30 ? 128 : 255;
+  const Image<std::uint8_t> marks =
+      contested({f.true_color, f.true_depth, f.true_matte, f.true_light, f.labels});
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 40; ++x) {
+      const bool own = y == 0 && (x == 0 || x == 2);
+      EXPECT_EQ(marks.at(x, y), own || (x >= 21 && x <= 38) ? 1 : 0) << x << ' ' << y;
+    }
+}
+
+/// 200 pixels: a border of the people's band and 100 pixels that nobody could get wrong.
+TEST(Contested, MeasuresAreOfThosePixelsAlone) {
+  Frame f({200, 1});
+  for (int x = 0; x < 8; ++x) f.true_matte.at(x, 0) = f.matte.at(x, 0) = 255;  // band: 0..15
+  for (int x = 16; x < 20; ++x) f.labels.at(x, 0) = kTofSees | kInSilhouette;  // occluded
+  f.matte.at(7, 0) = 0;                                                        // a person lost
+  f.matte.at(100, 0) = 255;           // a person found where none is
+  f.true_light.at(3, 0) = 0.5F;       // in the band already
+  f.light.at(150, 0) = 0.7F;          // a shadow where none is
+  f.color.at(17, 0) = {10, 20, 90};   // 60 in one channel
+  f.color.at(180, 0) = {10, 50, 30};  // 30 in one channel
+  const Errors e = f.errors();
+  EXPECT_NEAR(*e.contested.pixels_pct, 10.0, 1e-9);
+  EXPECT_NEAR(*e.key_iou, 7.0 / 9, 1e-9);
+  EXPECT_NEAR(*e.contested.key_iou, 7.0 / 8, 1e-9);
+  EXPECT_NEAR(*e.matte_mse, 2.0 / 200, 1e-9);
+  EXPECT_NEAR(*e.contested.matte_mse, 1.0 / 20, 1e-9);
+  EXPECT_NEAR(*e.light_rmse, std::sqrt((0.25 + 0.09) / 200), 1e-6);
+  EXPECT_NEAR(*e.contested.light_rmse, std::sqrt(0.25 / 20), 1e-6);
+  EXPECT_NEAR(*e.light_shadow_rmse, std::sqrt((0.25 + 0.09) / 2), 1e-6);
+  EXPECT_NEAR(*e.color_psnr_db, 10 * std::log10(255.0 * 255.0 / (4500.0 / 600)), 1e-9);
+  EXPECT_NEAR(*e.contested.color_psnr_db, 10 * std::log10(255.0 * 255.0 / (3600.0 / 60)), 1e-9);
+}
+
+TEST(Contested, WithoutAPixelMeasuresNothing) {
+  const Errors e = Frame({4, 4}).errors();
+  EXPECT_EQ(e.contested.pixels_pct, 0.0);
+  EXPECT_EQ(e.contested.matte_mse, std::nullopt);
+  EXPECT_EQ(e.contested.color_psnr_db, std::nullopt);
+}
+
+TEST(ObjectError, IsOfPixelsThatAreVirtualInBoth) {
+  Frame f({4, 1});
+  for (int x = 0; x < 3; ++x) f.labels.at(x, 0) = kInSilhouette | kLayerVirtual;
+  for (int x : {0, 1, 3}) f.layer.at(x, 0) = kLayerVirtual;
+  f.color.at(0, 0) = {255, 20, 30}, f.true_color.at(0, 0) = {0, 20, 30};  // 1 in linear light
+  f.color.at(1, 0) = {188, 20, 30}, f.true_color.at(1, 0) = {0, 20, 30};  // 0.5029
+  f.color.at(2, 0) = {200, 200, 200};                                     // missing
+  f.color.at(3, 0) = {200, 200, 200};                                     // where none is
+  const Errors e = f.errors();
+  EXPECT_NEAR(*e.object_rmse, std::sqrt((1.0 + 0.50289 * 0.50289) / 6), 1e-5);
+  EXPECT_NEAR(*e.object_psnr_db, 10 * std::log10(255.0 * 255.0 / ((255.0 * 255 + 188.0 * 188) / 6)),
+              1e-9);
 }
 
 TEST(ColorPsnr, ComparesAllChannels) {

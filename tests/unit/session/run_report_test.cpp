@@ -48,11 +48,34 @@ TEST(RunReport, WritesWhatCouldNotBeJudgedAsNull) {
   report.error.emplace();
   report.error->key_iou = 0.96;
   const nlohmann::json error = to_json(report)["error"];
-  EXPECT_EQ(error.size(), 9U);
+  EXPECT_EQ(error.size(), 12U);
   EXPECT_EQ(error["key_iou"], 0.96);
   EXPECT_TRUE(error["order_wrong_pct"].is_null());
   EXPECT_EQ(to_json(report).dump().find("nan"), std::string::npos);
-  EXPECT_NE(to_table(report).find("order_wrong_pct             -"), std::string::npos);
+  EXPECT_NE(to_table(report).find("order_wrong_pct                  -"), std::string::npos);
+}
+
+TEST(RunReport, HasContestedPixelsAndBaselinesBesideTheErrors) {
+  RunReport report = three_frames();
+  report.error.emplace();
+  report.error->object_rmse = 0.02;
+  report.error->key_iou = 0.96;
+  report.error->contested.key_iou = 0.81234;
+  EXPECT_FALSE(to_json(report).contains("baselines")) << "not wanted";
+  measure::Errors pasted;
+  pasted.key_iou = 0.0;
+  pasted.contested.key_iou = 0.125;
+  report.baselines = {{measure::Baseline::kPasted, pasted}};
+  const nlohmann::json json = to_json(report);
+  EXPECT_EQ(json["error"]["object_rmse"], 0.02);
+  EXPECT_EQ(json["error"]["contested"]["key_iou"], 0.8123);
+  EXPECT_TRUE(json["error"]["contested"]["pixels_pct"].is_null());
+  EXPECT_EQ(json["baselines"]["pasted"]["key_iou"], 0.0);
+  EXPECT_EQ(json["baselines"]["pasted"]["contested"]["key_iou"], 0.125);
+  const std::string table = to_table(report);
+  EXPECT_NE(table.find("contested key_iou           0.8123      0.125\n"), std::string::npos)
+      << table;
+  EXPECT_NE(table.find("key_iou                       0.96          0\n"), std::string::npos);
 }
 
 TEST(RunReport, TellsWhereThePosesCameFromAndWhatWasLost) {

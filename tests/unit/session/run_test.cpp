@@ -2,6 +2,7 @@
 #include "host/session/run.h"
 
 #include <cstdlib>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,7 @@ class RunTest : public ::testing::Test {
     out.output = options_.output;
     out.frames = options_.frames;
     out.stop = options_.stop;
+    out.baselines = options_.baselines;
     return out;
   }
   Result<RunReport> run_it() { return run(session_, options(), clock_, {}); }
@@ -84,6 +86,32 @@ TEST_F(RunTest, KeysTheBoxAndJudgesIt) {
   ASSERT_TRUE(report->error);
   EXPECT_GT(*report->error->key_iou, 0.95);
   EXPECT_EQ(report->error->order_wrong_pct, std::nullopt) << "nothing virtual here";
+}
+
+TEST_F(RunTest, JudgesBaselinesBesideIt) {
+  options_.baselines = true;
+  const auto report = run_it();
+  ASSERT_TRUE(report) << report.error().context;
+  EXPECT_EQ(report->frame_ms.max(), 3) << "outside the timed pass";
+  ASSERT_EQ(report->baselines.size(), 3U);
+  const auto& [plate, pasted, depth_key] =
+      std::tie(report->baselines[0], report->baselines[1], report->baselines[2]);
+  EXPECT_EQ(plate.baseline, measure::Baseline::kPlate);
+  EXPECT_EQ(plate.errors.key_iou, 0.0);
+  EXPECT_EQ(plate.errors.depth_bad_pct, std::nullopt) << "it has no depth";
+  EXPECT_EQ(pasted.errors.color_psnr_db, plate.errors.color_psnr_db) << "nothing to paste";
+  EXPECT_GT(*depth_key.errors.key_iou, 0.95) << "a box whose borders are those of ToF pixels";
+  EXPECT_LT(*depth_key.errors.depth_bad_pct, 5.0);
+}
+
+TEST_F(RunTest, RefusesBaselinesOfWhatHasNone) {
+  options_.baselines = true;
+  session_.setup.backdrop.emplace();
+  const auto report = run_it();
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kUsage);
+  EXPECT_NE(report.error().context.find("--baselines"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(root_));
 }
 
 TEST_F(RunTest, WritesATakeASheetAndAReport) {

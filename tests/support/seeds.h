@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Seeds of the virtual studio, in one place. Nothing may be tuned on a seed above kLastTuned, nor a
+// default, threshold or bound chosen by looking at one: such seeds are held out, and are what tests
+// of whole runs and published figures use. docs/figures/make.py reads this file.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+namespace mixrig::test::seeds {
+
+inline constexpr int kLastTuned = 1000;
+
+/// Of the figures in docs/figures: held out, and for comparison tuned.
+inline constexpr std::array kFigures{1101, 1102, 1103};
+inline constexpr std::array kTunedFigures{7};
+/// Of the figures with an estimated calibration: boards and takes of one rig.
+inline constexpr std::array kCalibratedFigures{1101};
+
+/// Of tests of whole runs.
+inline constexpr int kWalk = 1021, kTalk = 1022, kCoarseWalk = 1023, kMoving = 1031, kSet = 1051;
+inline constexpr int kJudged = 1101;
+
+static_assert(std::ranges::all_of(kFigures, [](int seed) { return seed > kLastTuned; }));
+static_assert(std::ranges::all_of(kCalibratedFigures, [](int seed) { return seed > kLastTuned; }));
+static_assert(std::ranges::all_of(kTunedFigures, [](int seed) { return seed <= kLastTuned; }));
+static_assert(std::min({kWalk, kTalk, kCoarseWalk, kMoving, kSet, kJudged}) > kLastTuned);
+
+}  // namespace mixrig::test::seeds
