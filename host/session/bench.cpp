@@ -77,7 +77,21 @@ Result<RunReport> run_rung(const Rung& rung, const BenchOptions& options, const 
   MIXRIG_ASSIGN(const std::filesystem::path take, take_of(options, rung.rig, progress));
   MIXRIG_ASSIGN(const auto session, open_session({take / "scene.toml", "take:" + take.string(),
                                                   rung.view_size, rung.backend}));
-  return run(*session, {}, clock, progress);
+  RunOptions run_options;
+  run_options.baselines = true;
+  return run(*session, std::move(run_options), clock, progress);
+}
+
+std::string cell(const std::optional<double>& value, int width, int digits) {
+  return value ? fmt::format(" {:>{}.{}f}", *value, width, digits)
+               : fmt::format(" {:>{}}", "-", width);
+}
+
+/// The rest of a row of the table.
+std::string error_columns(const measure::Errors& e) {
+  return cell(e.depth_bad_pct, 9, 2) + cell(e.key_iou, 8, 4) + cell(e.order_wrong_pct, 8, 2) +
+         cell(e.light_shadow_rmse, 8, 4) + cell(e.object_rmse, 8, 4) + cell(e.color_psnr_db, 8, 1) +
+         cell(e.contested.key_iou, 18, 4) + cell(e.contested.color_psnr_db, 8, 1) + "\n";
 }
 
 /// Wrong share of the union of true and found person.
@@ -122,16 +136,18 @@ nlohmann::json to_json(const std::vector<Rung>& rungs) {
 }
 
 std::string to_table(const std::vector<Rung>& rungs) {
-  std::string out =
-      fmt::format("{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "knob", "rung",
-                  "p50 ms", "p95 ms", "depth bad", "key iou", "order", "light", "PSNR dB");
+  std::string out = fmt::format(
+      "{:<13} {:<15} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} | contested {:>6} {:>8}\n",
+      "knob", "rung", "p50 ms", "p95 ms", "depth bad", "key iou", "order", "shadow", "object",
+      "PSNR dB", "iou", "PSNR dB");
   for (const Rung& rung : rungs) {
-    const measure::Errors& e = *rung.report.error;
-    out += fmt::format(
-        "{:<13} {:<15} {:>8.1f} {:>8.1f} {:>8.2f}% {:>8.4f} {:>7.2f}% {:>8.4f} {:>8.1f}\n",
-        rung.knob, rung.name, p50_ms(rung), rung.report.frame_ms.quantile(0.95),
-        e.depth_bad_pct.value_or(0), e.key_iou.value_or(0), e.order_wrong_pct.value_or(0),
-        e.light_rmse.value_or(0), e.color_psnr_db.value_or(0));
+    out += fmt::format("{:<13} {:<15} {:>8.1f} {:>8.1f}", rung.knob, rung.name, p50_ms(rung),
+                       rung.report.frame_ms.quantile(0.95));
+    out += error_columns(*rung.report.error);
+    if (rung.knob != "depth camera") continue;
+    for (const BaselineErrors& b : rung.report.baselines)
+      out += fmt::format("{:<13} {:<15} {:>8} {:>8}", "", measure::name(b.baseline), "", "") +
+             error_columns(b.errors);
   }
   return out;
 }

@@ -33,12 +33,14 @@ struct Rung {
   RunReport report;
 };
 
-/// Renders the takes that are missing and runs all rungs, gles among them where it starts. A rung
-/// that is one setting of several knobs is run once. Errors: those of the studio and of run().
+/// Renders the takes that are missing and runs all rungs with their baselines, gles among them
+/// where it starts. A rung that is one setting of several knobs is run once. Errors: those of the
+/// studio and of run().
 Result<std::vector<Rung>> bench(const BenchOptions& options, const Clock& clock,
                                 const ProgressFn& progress);
 
 nlohmann::json to_json(const std::vector<Rung>& rungs);
+/// A row for each rung, and below each depth camera one for each baseline. Shares in percent.
 std::string to_table(const std::vector<Rung>& rungs);
 /// Milliseconds a frame against wrongly keyed pixels, a line for each knob.
 report::Plot plot_of(const std::vector<Rung>& rungs);

@@ -11,6 +11,7 @@
 #include "host/calibration/intrinsics/lens_choice.h"
 #include "host/calibration/intrinsics/start_bundle.h"
 #include "host/estimation/decompositions.h"
+#include "host/calibration/intrinsics/two_cameras.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -97,9 +98,8 @@ Result<Eigen::MatrixXd> covariance_of(const Bundle& bundle, double sigma_px) {
                          scale.asDiagonal());
 }
 
-/// Fills the covariance of all parameters, zero for fixed ones; refuses a focal length that is not
-/// determined.
-Result<void> judge(Intrinsics& out) {
+/// Fills in the residuals.
+Result<void> sum_up(Intrinsics& out) {
   const Misfit sum = misfit(out.bundle);
   const int unknowns = static_cast<int>(out.bundle.free.size() + 6 * out.bundle.views.size());
   const int spare = 2 * sum.points - unknowns;
@@ -107,6 +107,12 @@ Result<void> judge(Intrinsics& out) {
   out.rms_px = sum.rms_px();
   out.points = sum.points;
   out.sigma_px = std::sqrt(sum.squares / spare);
+  return {};
+}
+
+/// Fills the covariance of all parameters, zero for fixed ones; refuses a focal length that is not
+/// determined.
+Result<void> judge(Intrinsics& out) {
   MIXRIG_ASSIGN(const Eigen::MatrixXd all, covariance_of(out.bundle, out.sigma_px));
   const Eigen::Index size = out.bundle.intrinsics.size();
   out.covariance = Eigen::MatrixXd::Zero(size, size);
@@ -121,6 +127,20 @@ Result<void> judge(Intrinsics& out) {
     return refuse("the views leave the focal length open to " + number(100 * share) +
                   " %: they are too much alike: tilt the board to all sides by some 30 degrees");
   return {};
+}
+
+/// Refuses views that two cameras explain far better than one, and names the smaller group.
+Result<void> check_one_camera(const Intrinsics& out, const std::vector<std::size_t>& which) {
+  const auto split = split_in_two(out.bundle);
+  if (!split || !tells_apart(*split, out.sigma_px)) return {};
+  const auto seconds = std::count(split->second.begin(), split->second.end(), 1);
+  const char fewer = 2 * static_cast<std::size_t>(seconds) <= which.size() ? 1 : 0;
+  std::string names;
+  for (std::size_t i = 0; i < which.size(); ++i)
+    if (split->second[i] == fewer) names += (names.empty() ? "" : ", ") + out.views[which[i]].name;
+  return refuse("pictures of two cameras, or a zoom that moved: " + names + " fit the others to " +
+                number(split->other_px) + " px, and two cameras fit all to " +
+                number(split->own_px) + " px: calibrate each camera alone");
 }
 
 void fill_view_fits(Intrinsics& out, const std::vector<std::size_t>& which) {
@@ -174,7 +194,10 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
   const auto foreign = std::count_if(out.views.begin(), out.views.end(), [](const ViewFit& view) {
     return !view.why_not.empty() && !view.why_not.starts_with("blurred");
   });
-  if (4 * static_cast<std::size_t>(foreign) > views.size())
+  // Three of them are enough for a camera of their own.
+  constexpr std::size_t kMostShare = 5;
+  if (const auto n = static_cast<std::size_t>(foreign);
+      4 * n > views.size() || (n >= kFewestViews && kMostShare * n >= views.size()))
     return refuse(
         std::to_string(foreign) + " of " + std::to_string(views.size()) +
         " views do not agree with the rest: pictures of two cameras, or a zoom that moved?");
@@ -183,6 +206,8 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
   if (rms > kWrongBoard_px)
     return refuse("the board is not as stated: its points miss by " + number(rms) +
                   " px in every view: check its columns, rows and sizes");
+  MIXRIG_TRY(sum_up(out));
+  MIXRIG_TRY(check_one_camera(out, which));
   MIXRIG_TRY(judge(out));
   out.camera = geometry::make_camera(options.kind, size_px, out.bundle.intrinsics);
   fill_view_fits(out, which);

@@ -53,7 +53,9 @@ struct Intrinsics {
 /// Robust least squares: starts from a search over focal lengths, leaves out points beyond five
 /// sigma and views far worse than the others or blurred, and takes sigma from what remains.
 /// Errors: kData where the views cannot carry the parameters: too few (under three), all alike, a
-/// board that is not as stated, pictures of two cameras; the line says which and what to do.
+/// board that is not as stated, pictures of two cameras; the line says which and what to do. Views
+/// of two cameras are refused where each group by itself fits them at least 1.25 times better than
+/// one camera does (three views or more a group); fewer foreign views are left out.
 Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
                                     const std::vector<ObservedView>& views,
                                     const IntrinsicsOptions& options);

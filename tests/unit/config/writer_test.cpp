@@ -83,7 +83,9 @@ TEST(Writer, TextOfAnyKindReadsBackTheSame) {
 TEST(Writer, BytesThatAreNotUtf8StillMakeAFileThatCanBeRead) {
   Writer root;
   root.set("name", "bad \xff\xc3 bytes");
-  (void)read_back(root);
+  const std::string name = read_back(root).root().text("name");
+  EXPECT_TRUE(name.starts_with("bad ")) << name;
+  EXPECT_TRUE(name.ends_with(" bytes")) << name;
 }
 
 TEST(Writer, NumbersReadBackToTheSameBits) {

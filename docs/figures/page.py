@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of figures and the table in README.md, from the reports of the runs."""
+from statistics import mean
+
+from svg import Series, plot
+from takes import (BOARD_VIEWS, FRAMES, FULL_FRAMES, FULL_SIZE, MOVING, RIGS, ROOT, SIZE, STILL)
+
+SCENARIOS = STILL + MOVING
+COLORS = {"kinect2": "#0b61a4", "sr3000": "#c23b22", "helios2": "#2e8b57"}
+COMPOSITES = {"plate": "#999999", "pasted": "#d9a441", "depth_key": "#c23b22", "mixrig": "#0b61a4"}
+# What the tests hold kinect2, sr3000 and helios2 to (tests/e2e).
+BOUNDS = {"key_iou": {"kinect2": 0.95, "sr3000": 0.90, "helios2": 0.95},
+          "order_wrong_pct": 2.0, "light_shadow_rmse": 0.06, "depth_bad_pct": 6.0}
+MOVING_KEY_IOU = 0.92
+TOLD = {"key": "contested key_iou", "order": "order_wrong_pct", "shadow": "light_shadow_rmse",
+        "object": "object_rmse"}
+
+
+def get(report, path):
+    """"error.contested.key_iou" of a report, or None."""
+    for key in path.split("."):
+        report = report.get(key) if report is not None else None
+    return report
+
+
+def average(values):
+    known = [v for v in values if v is not None]
+    return mean(known) if known else None
+
+
+def cell(value, digits):
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+# Title, digits, and the measure of mixrig and of what it is held against.
+COLUMNS = [
+    ("ms a frame", 1, ["frame_ms.p50"]),
+    ("key_iou", 3, ["error.key_iou"]),
+    ("contested key_iou: depth key, mixrig", 3,
+     ["baselines.depth_key.contested.key_iou", "error.contested.key_iou"]),
+    ("order wrong, %: pasted, depth key, mixrig", 2,
+     ["baselines.pasted.order_wrong_pct", "baselines.depth_key.order_wrong_pct",
+      "error.order_wrong_pct"]),
+    ("shadow rmse: none, mixrig", 3,
+     ["baselines.pasted.light_shadow_rmse", "error.light_shadow_rmse"]),
+    ("object rmse", 3, ["error.object_rmse"]),
+    ("contested PSNR, dB: plate, pasted, depth key, mixrig", 1,
+     ["baselines.plate.contested.color_psnr_db", "baselines.pasted.contested.color_psnr_db",
+      "baselines.depth_key.contested.color_psnr_db", "error.contested.color_psnr_db"]),
+    ("PSNR, dB", 1, ["error.color_psnr_db"]),
+]
+
+
+def columns_of(reports):
+    return [" / ".join(cell(average(get(r, path) for r in reports), digits) for path in paths)
+            for _, digits, paths in COLUMNS]
+
+
+class Page:
+    def __init__(self, runs, chosen, calibrated, pictures, machine):
+        self.runs, self.chosen, self.calibrated = runs, chosen, calibrated
+        self.pictures, self.machine = pictures, machine
+
+    def of(self, kind, scenarios, rigs):
+        return [r for (k, s, rig, _), r in self.runs.items()
+                if k == kind and s in scenarios and rig in rigs]
+
+    def measure(self, kind, scenario, rigs, path):
+        return average(get(r, path) for r in self.of(kind, [scenario], rigs))
+
+    def conditions(self, words, seeds, frames=None, size=SIZE):
+        judged = frames or (f"{FRAMES[STILL[0]] // 2} judged frames (moving camera: "
+                            f"{FRAMES[MOVING[0]] // 2})")
+        many = "seeds" if len(seeds) > 1 else "seed"
+        return (f"*{many} {', '.join(map(str, seeds))}; {judged} of each take after as many "
+                f"empty ones, {size}; {self.machine}; {words}*\n\n")
+
+    def rig_tables(self):
+        out = ""
+        for rig in RIGS:
+            rows = [[s] + columns_of(self.of("true", [s], [rig])) for s in SCENARIOS]
+            for name, group in (("**camera still**", STILL), ("**camera moves**", MOVING)):
+                rows.append([name] + columns_of(self.of("true", group, [rig])))
+            out += (f"### {rig}\n" + self.conditions(
+                "true calibration, true lamps, `mixrig studio --scenario S --rig "
+                f"{rig} --seed N --frames {FRAMES[STILL[0]]} ({FRAMES[MOVING[0]]} moving) --size "
+                f"{SIZE}`, `mixrig run --backend cpu --baselines`", self.chosen) +
+                    table(["scenario"] + [c[0] for c in COLUMNS], rows) + "\n")
+        return out
+
+    def condition_table(self, kinds, scenarios, paths, words, seeds, rigs=RIGS):
+        """A row a scenario and depth camera, each cell: under the one / under the other."""
+        rows = []
+        for scenario in scenarios:
+            for rig in rigs:
+                rows.append([scenario, rig] + [
+                    " / ".join(cell(self.measure(kind, scenario, [rig], path), digits)
+                               for kind in kinds) for _, digits, path in paths])
+        return self.conditions(words, seeds) + table(["scenario", "depth camera"] +
+                                                     [p[0] for p in paths], rows) + "\n"
+
+    def calibration_section(self):
+        paths = [("ms a frame", 1, "frame_ms.p50"), ("depth, mm", 1, "error.depth_mae_mm"),
+                 ("key_iou", 4, "error.key_iou"),
+                 ("contested key_iou", 4, "error.contested.key_iou"),
+                 ("order wrong, %", 2, "error.order_wrong_pct"),
+                 ("shadow rmse", 4, "error.light_shadow_rmse"),
+                 ("contested PSNR, dB", 2, "error.contested.color_psnr_db")]
+        return self.condition_table(
+            ["known", "estimated"], ["walk", "pan"], paths,
+            f"cells: true / estimated; `--tolerance 1`; `mixrig studio --scenario board --views "
+            f"{BOARD_VIEWS} --tolerance 1 --size {SIZE}`, `mixrig calibrate rig`, `mixrig run "
+            "--calibration`; poses are the true ones", self.calibrated)
+
+    def lamp_section(self):
+        paths = [("ms a frame", 1, "frame_ms.p50"),
+                 ("shadow rmse", 3, "error.light_shadow_rmse"),
+                 ("object rmse", 3, "error.object_rmse"),
+                 ("contested PSNR, dB", 1, "error.contested.color_psnr_db"),
+                 ("PSNR, dB", 1, "error.color_psnr_db")]
+        return self.condition_table(
+            ["true", "off"], SCENARIOS, paths,
+            "cells: true lamps / every lamp 0.3 m aside (in turn to the four diagonals) and by "
+            "turns 30 % too bright and too dark", self.chosen, ["kinect2"])
+
+    def speed_section(self):
+        rows = []
+        for (kind, scenario, rig, seed), r in self.runs.items():
+            if kind == "full":
+                rows.append([f"{scenario} {seed}", rig, cell(r["fps"], 1),
+                             f"{cell(r['frame_ms']['p50'], 1)} / {cell(r['frame_ms']['p95'], 1)}",
+                             cell(r["rss_mb"], 0)] + columns_of([r])[1:2] +
+                            [cell(get(r, p), d) for d, p in
+                             ((3, "error.contested.key_iou"), (2, "error.order_wrong_pct"),
+                              (3, "error.light_shadow_rmse"), (3, "error.object_rmse"),
+                              (1, "error.contested.color_psnr_db"))])
+        return table(["take", "depth camera", "frames a second", "frame p50 / p95, ms",
+                      "memory, MB", "key_iou", "contested key_iou", "order wrong, %",
+                      "shadow rmse", "object rmse", "contested PSNR, dB"], rows)
+
+    def broken_bounds(self):
+        lines = []
+        for (kind, scenario, rig, seed), r in self.runs.items():
+            if kind != "true":
+                continue
+            least = MOVING_KEY_IOU if scenario in MOVING else 0
+            bounds = dict(BOUNDS, key_iou=min(BOUNDS["key_iou"][rig], least or 1))
+            for key, bound in bounds.items():
+                value = get(r, "error." + key)
+                if value is not None and (value < bound if key == "key_iou" else value > bound):
+                    lines.append((key, f"{scenario} {seed}, {rig}: {value:.4g} "
+                                       f"(bound {bound:g})"))
+            best = max(v for v in (get(r, f"baselines.{b}.contested.color_psnr_db")
+                                   for b in ("plate", "pasted", "depth_key")) if v is not None)
+            own = get(r, "error.contested.color_psnr_db")
+            if own < best + 1:
+                lines.append(("contested PSNR less than 1 dB above the best plain composite",
+                              f"{scenario} {seed}, {rig}: {own:.1f} against {best:.1f} dB"))
+        out = ""
+        for key in dict.fromkeys(k for k, _ in lines):
+            mine = [words for k, words in lines if k == key]
+            out += f"- `{key}`, {len(mine)} of {len(self.of('true', SCENARIOS, RIGS))} takes: " \
+                   + "; ".join(mine) + ".\n"
+        return out or "Every take is within the bounds of the tests.\n"
+
+    def picture_section(self):
+        out = ""
+        for name, scenario, rig, seed, number in self.pictures:
+            out += (f"Worst {TOLD[name]}: {scenario} {seed}, {rig}, frame {number}.\n\n"
+                    f"![{scenario} {seed}, {rig}, frame {number}](worst_{name}.png)\n\n")
+        return out
+
+    def plots(self):
+        per = lambda kind, rigs, path: [self.measure(kind, s, rigs, path) for s in SCENARIOS]
+        wrong = lambda values: [None if v is None else 100 * (1 - v) for v in values]
+        key = []
+        for rig, color in COLORS.items():
+            for name, path, filled in (("depth key", "baselines.depth_key", False),
+                                       ("mixrig", "error", True)):
+                key.append(Series(f"{name}, {rig}",
+                                  wrong(per("true", [rig], path + ".contested.key_iou")), color,
+                                  filled))
+        composites = [Series(name, per("true", RIGS, ("error" if name == "mixrig" else
+                                                      f"baselines.{name}") +
+                                       ".contested.color_psnr_db"), color)
+                      for name, color in COMPOSITES.items()]
+        shadow = [Series("no shadow", per("true", RIGS, "baselines.pasted.light_shadow_rmse"),
+                         "#999999", False),
+                  Series("lamps off", per("off", RIGS, "error.light_shadow_rmse"), "#d9a441"),
+                  Series("true lamps", per("true", RIGS, "error.light_shadow_rmse"), "#0b61a4")]
+        cost = [Series(rig, per("true", [rig], "frame_ms.p50"), color)
+                for rig, color in COLORS.items()]
+        return {
+            "key.svg": plot("Wrongly keyed contested pixels", "% (100 (1 - key_iou))", SCENARIOS,
+                            key),
+            "composites.svg": plot("Colour of contested pixels", "PSNR, dB", SCENARIOS, composites),
+            "shadow.svg": plot("Shadows", "light_shadow_rmse", SCENARIOS, shadow),
+            "cost.svg": plot(f"Time of a frame at {SIZE}: camera still, and moving (the last "
+                             f"{len(MOVING)})", "ms, median", SCENARIOS, cost),
+        }
+
+    def write(self, out):
+        for name, drawing in self.plots().items():
+            (out / name).write_text(drawing)
+        text = (ROOT / "docs/figures/page.md").read_text()
+        faults = ROOT / "docs/figures/faults.md"
+        for mark, words in {
+                "RIGS": self.rig_tables(), "CALIBRATION": self.calibration_section(),
+                "LAMPS": self.lamp_section(), "BOUNDS": self.broken_bounds(),
+                "PICTURES": self.picture_section(),
+                "SPEED": self.conditions("`mixrig run --backend cpu`", self.chosen[:1],
+                                         f"{FULL_FRAMES // 2} judged frames", FULL_SIZE)
+                + self.speed_section(),
+                "FAULTS": faults.read_text() if faults.exists() else ""}.items():
+            text = text.replace(f"<!-- {mark} -->\n", words)
+        (out / "README.md").write_text(text)
+
+    def write_readme_table(self, readme):
+        begin, end = "<!-- docs/figures/make.py begins -->\n", "<!-- docs/figures/make.py ends -->\n"
+        rows = []
+        for rig in RIGS:
+            for name, group in (("still", STILL), ("moves", MOVING)):
+                rows.append([rig, name] + columns_of(self.of("true", group, [rig])))
+        made = (self.conditions(
+            f"scenarios {', '.join(STILL)} (camera still) and {', '.join(MOVING)} (it moves); true "
+            "calibration, true lamps; means over the takes", self.chosen) +
+                table(["depth camera", "camera"] + [c[0] for c in COLUMNS], rows) + "\n" +
+                self.conditions("still camera, true calibration, true lamps, without a video "
+                                "encoder", self.chosen[:1], f"{FULL_FRAMES // 2} judged frames",
+                                FULL_SIZE) + self.speed_section())
+        before, _, rest = readme.read_text().partition(begin)
+        after = rest.partition(end)[2]
+        readme.write_text(before + begin + made + end + after)
