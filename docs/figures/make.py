@@ -8,7 +8,6 @@ the compositor, true and estimated calibration, true and wrong lamps.
 
 Takes and runs are kept in --cache and used again."""
 import argparse
-import os
 import shutil
 import subprocess
 import sys
@@ -87,14 +86,13 @@ def main():
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
     calibrated = chosen[:1] if arguments.tuned else seeds("kCalibratedFigures")
     shop = Workshop(arguments.mixrig, arguments.cache)
-    load = os.getloadavg()[0]
     runs = collect(shop, chosen, calibrated)
     arguments.out.mkdir(parents=True, exist_ok=True)
     pictures = worst_pictures(shop, runs, arguments.out)
     command = " ".join(["docs/figures/make.py"] + sys.argv[1:2 if arguments.tuned else 1])
     page = Page(runs, chosen, calibrated, pictures,
-                f"{machine()}, cpu back end; commit {commit()}; {max(load, os.getloadavg()[0]):.1f} "
-                f"processes running; made by `{command}`")
+                f"{machine()}, cpu back end; commit {commit()}; up to {shop.load():.0f} "
+                f"processes running beside; made by `{command}`")
     page.write(arguments.out)
     if not arguments.tuned:
         page.write_readme_table(ROOT / "README.md")

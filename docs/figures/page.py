@@ -155,6 +155,10 @@ class Page:
                 if value is not None and (value < bound if key == "key_iou" else value > bound):
                     lines.append((key, f"{scenario} {seed}, {rig}: {value:.4g} "
                                        f"(bound {bound:g})"))
+            order, pasted = (get(r, p + ".order_wrong_pct") for p in ("error", "baselines.pasted"))
+            if order > 0.9 * pasted:
+                lines.append(("order_wrong_pct no better than of the objects pasted on top",
+                              f"{scenario} {seed}, {rig}: {order:.3g} against {pasted:.3g}"))
             best = max(v for v in (get(r, f"baselines.{b}.contested.color_psnr_db")
                                    for b in ("plate", "pasted", "depth_key")) if v is not None)
             own = get(r, "error.contested.color_psnr_db")

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import os
 import re
 import subprocess
 from pathlib import Path
@@ -47,6 +48,12 @@ class Workshop:
     def call(self, *words):
         self.log("mixrig " + " ".join(map(str, words)))
         subprocess.run([self.mixrig, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
+        (self.runs / "load.txt").write_text(f"{max(self.load(), os.getloadavg()[0]):.1f}")
+
+    def load(self):
+        """The largest mean number of running processes while these runs were made."""
+        file = self.runs / "load.txt"
+        return float(file.read_text()) if file.exists() else 0.0
 
     def take(self, scenario, rig, seed, size=SIZE, frames=None, tolerance=False, plain=()):
         frames = frames or FRAMES[scenario]

@@ -12,7 +12,7 @@ namespace mixrig::test::seeds {
 inline constexpr int kLastTuned = 1000;
 
 /// Of the figures in docs/figures: held out, and for comparison tuned.
-inline constexpr std::array kFigures{1101, 1102, 1103};
+inline constexpr std::array kFigures{1101, 1102};
 inline constexpr std::array kTunedFigures{7};
 /// Of the figures with an estimated calibration: boards and takes of one rig.
 inline constexpr std::array kCalibratedFigures{1101};
