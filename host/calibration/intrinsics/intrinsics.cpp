@@ -10,8 +10,8 @@
 #include "hal/base/order_statistics.h"
 #include "host/calibration/intrinsics/lens_choice.h"
 #include "host/calibration/intrinsics/start_bundle.h"
-#include "host/estimation/decompositions.h"
 #include "host/calibration/intrinsics/two_cameras.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::calibration {
 namespace {
