@@ -8,21 +8,16 @@
 
 #include <fmt/format.h>
 
-#include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/fisheye.h"
-#include "host/studio/sensors/picture.h"
-#include "host/studio/sensors/tof_camera.h"
-#include "host/studio/srgb.h"
-#include "host/studio/stage/layout.h"
 #include "host/studio/stage/object.h"
 #include "host/studio/stage/person.h"
+#include "host/studio/studio_state.h"
 
 namespace mixrig::studio {
 namespace {
 
 constexpr int kEmptyFrames = 25;
 constexpr int kBand = 4;
-constexpr float kFullWell_e = 12000, kReadNoise_e = 8;  ///< colour sensor at exposure 1
 
 Result<void> check(const StudioOptions& o) {
   const auto wrong = [](std::string what) {
@@ -60,67 +55,43 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   return info;
 }
 
+Shutter shutter_of(const StudioOptions& o) {
+  const ColorSensor sensor;
+  return {o.size_px.height, o.realism.motion_blur ? sensor.exposure_s : 0,
+          o.realism.rolling_shutter ? sensor.readout_s : 0};
+}
+
 }  // namespace
 
-struct Studio::State {
-  State(const StudioOptions& o, const TraceDevice& device)
-      : options(o),
-        layout(make_layout(o)),
-        rig(rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance)),
-        info(make_info(o, layout, rig)),
-        materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
-        lamps(info.light),
-        motion(o.scenario, o.seed, layout.stage, info.empty_frames / kFrameRate_hz),
-        crew(o.threads),
-        room(device),
-        furniture(device),
-        object(device),
-        person(device),
-        taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)},
-        plate_rays(info.target),
-        view_rays(info.view),
-        tof(rig.tof, o.seed, o.raw_depth) {
-    Mesh mesh = build_room(layout.room);
-    Mesh things = furniture_of(mesh);
-    room.set(mesh);
-    furniture.set(things);
-    Mesh statue = object_in_world(info.object);
-    object.set(statue);
-    casters = {&furniture, &object, &person, o.cache};
-  }
-
-  /// Builds the person of a frame: at mid-exposure and at the times of the four ToF taps.
-  void place_person(int number, double time_s);
-  /// Traces and lights the parts that do not move, unless they are cached.
-  void trace_static(const CameraPlace& place, bool with_truth);
-  void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
-                    SceneSurfels& surfels, bool with_object);
-  void draw_color(Frame& frame);
-  void draw_truth(const CameraPlace& place, Truth& truth);
-  bool visible_to_tof(const Vec3& point, const TraceScene& scene) const;
-
-  StudioOptions options;
-  Layout layout;
-  Rig rig;
-  StudioInfo info;
-  Materials materials;
-  LampSet lamps;
-  PersonMotion motion;
-  Crew crew;
-  TraceScene room;
-  Occluder furniture, object, person;
-  std::array<TraceScene, 4> taps;
-  ShadowCasters casters;
-  RayGrid plate_rays, view_rays;
-  TofCamera tof;
-  SceneSurfels plate, view;
-  bool has_plate = false, has_view = false;
-  Image<std::uint8_t> room_visible;  ///< room surfaces visible to the ToF camera, without people
-  Eigen::Vector3d tof_eye_m;
-  geometry::Pose tof_from_world;
-  NormalTable normal;
-  Mesh spare;  ///< reused memory
-};
+Studio::State::State(const StudioOptions& o, const TraceDevice& device)
+    : options(o),
+      layout(make_layout(o)),
+      rig(rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance)),
+      info(make_info(o, layout, rig)),
+      materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
+      lamps(info.light),
+      motion(o.scenario, o.seed, layout.stage, info.empty_frames / kFrameRate_hz),
+      crew(o.threads),
+      room(device),
+      furniture(device),
+      object(device),
+      person(device),
+      moment(device),
+      taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)},
+      plate_rays(info.target),
+      view_rays(info.view),
+      tof(rig.tof, o.seed, o.raw_depth),
+      camera(info.target, o.realism, o.seed),
+      shutter(shutter_of(o)),
+      in_slices(o.realism.motion_blur || o.realism.rolling_shutter) {
+  Mesh mesh = build_room(layout.room);
+  Mesh things = furniture_of(mesh);
+  room.set(mesh);
+  furniture.set(things);
+  Mesh statue = object_in_world(info.object);
+  object.set(statue);
+  casters = {&furniture, &object, &person, o.cache};
+}
 
 Studio::Studio(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Studio::Studio(Studio&&) noexcept = default;
@@ -144,6 +115,12 @@ void Studio::State::place_person(int number, double time_s) {
   };
   fill(person, time_s);
   for (int k = 0; k < 4; ++k) fill(taps[k], time_s + (k - 1.5) / 4 * tof.sensor().exposure_s);
+}
+
+void Studio::State::fill_person(Occluder& scene, double time_s) {
+  spare.clear();
+  build_person(motion.build(), motion.at(time_s), spare);
+  scene.set(spare);
 }
 
 void Studio::State::trace_static(const CameraPlace& place, bool with_truth) {
@@ -186,76 +163,6 @@ void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
   light_surfels(surfels.person, lamps, casters, with_object, true, crew);
 }
 
-/// True if the point projects into the ToF picture and nothing of `scene` occludes it.
-bool Studio::State::visible_to_tof(const Vec3& point, const TraceScene& scene) const {
-  const Eigen::Vector3d in_tof = tof_from_world * point.cast<double>();
-  if (in_tof.z() < 0.05) return false;
-  const Optics& optics = info.tof.optics;
-  if (std::abs(in_tof.x()) > 1.2 * in_tof.z() || std::abs(in_tof.y()) > 1.2 * in_tof.z())
-    return false;
-  const Eigen::Vector2d px = project(optics, in_tof);
-  if (px.x() < 0 || px.y() < 0 || px.x() > optics.size_px.width - 1 ||
-      px.y() > optics.size_px.height - 1)
-    return false;
-  const Vec3 eye = tof_eye_m.cast<float>();
-  const Vec3 towards = eye - point;
-  return !scene.blocked(point + 3e-3F * towards.normalized(), eye);
-}
-
-void Studio::State::draw_color(Frame& frame) {
-  frame.color.reset(options.size_px);
-  const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(options.size_px.height, kBand, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < options.size_px.width; ++x) {
-        const Vec3 light =
-            exposure * compose_pixel(plate, x, y, lamps, info.light.ambient, casters, false).real;
-        const std::uint64_t pixel =
-            static_cast<std::uint64_t>(y) * 65536 + static_cast<unsigned>(x);
-        const std::uint64_t bits = hash_key(hash_key(options.seed, 0xC0102),
-                                            static_cast<std::uint64_t>(frame.number), pixel);
-        Vec3 noisy;
-        for (int c = 0; c < 3; ++c) {
-          const float charge = kFullWell_e * light[c];
-          noisy[c] = (charge +
-                      std::sqrt(charge + kReadNoise_e * kReadNoise_e) * normal(bits >> (12 * c))) /
-                     kFullWell_e;
-        }
-        frame.color.at(x, y) = srgb_from_linear(noisy);
-      }
-  });
-}
-
-void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
-  const Size size = options.size_px;
-  truth.depth_m.reset(size), truth.background_depth_m.reset(size), truth.matte.reset(size);
-  truth.light.reset(size), truth.composite.reset(size), truth.labels.reset(size);
-  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
-  const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < size.width; ++x) {
-        const Pixel p = compose_pixel(view, x, y, lamps, info.light.ambient, casters, true);
-        const float behind = view.room.centre_z(x, y), before = view.person.centre_z(x, y);
-        const float z = std::min(behind, before);
-        const Vec3 point =
-            rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
-        const bool room_clear =
-            before < behind ? visible_to_tof(point, room) : room_visible.at(x, y) != 0;
-        const bool seen =
-            room_clear && (person.scene.empty() || visible_to_tof(point, person.scene));
-        truth.depth_m.at(x, y) = z < kMiss ? z : 0;
-        truth.background_depth_m.at(x, y) = behind < kMiss ? behind : 0;
-        truth.matte.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * p.person));
-        truth.light.at(x, y) = p.light;
-        truth.composite.at(x, y) = srgb_from_linear(Vec3(exposure * p.mixed));
-        truth.labels.at(x, y) =
-            static_cast<std::uint8_t>(p.layer | (seen ? Truth::kTofSees : 0) |
-                                      (p.silhouette >= 0.5F ? Truth::kSilhouette : 0));
-      }
-  });
-}
-
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;
   frame.number = number;
@@ -266,7 +173,12 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.place_person(number, frame.time_s);
   s.trace_static(place, truth != nullptr);
   s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);
-  s.draw_color(frame);
+  if (s.options.realism.shows_in_the_plate()) {
+    s.expose_plate(place, frame.time_s);
+    s.camera.develop(s.exposed, s.plate_z_m, number, frame.time_s, s.crew, frame.color);
+  } else {
+    s.draw_color(frame);
+  }
   s.tof.render(s.taps, s.materials, number, s.crew, frame.tof_distance_m, frame.tof_amplitude);
   if (s.options.fisheye)
     draw_fisheye(s.info.fisheye.optics,

@@ -16,6 +16,7 @@
 #include "host/geometry/pose.h"
 #include "host/studio/mocap.h"
 #include "host/studio/pan_tilt_unit.h"
+#include "host/studio/realism.h"
 
 namespace mixrig::studio {
 
@@ -46,6 +47,7 @@ struct StudioOptions {
   bool fisheye = false;      ///< render Frame::fisheye
   bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
+  Realism realism;           ///< all off: the plain look
 };
 
 /// A pinhole camera with OpenCV's distortion model. Pixel (0,0) is the centre of the top-left

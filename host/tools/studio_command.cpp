@@ -22,9 +22,24 @@ struct Arguments {
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
   std::optional<double> depth_error_mm;
+  bool plain = false;
+  std::string only, without;
 };
 
 constexpr const char* kBoardScenario = "board";
+
+/// The judged look has every switch on.
+Result<studio::Realism> realism_of(const Arguments& arguments) {
+  if (arguments.plain && !(arguments.only.empty() && arguments.without.empty()))
+    return Error{ErrorCode::kUsage, "--plain leaves no switch to --only and --without: drop one"};
+  if (arguments.plain) return studio::Realism{};
+  studio::Realism on = studio::Realism::all();
+  if (!arguments.only.empty()) {
+    MIXRIG_ASSIGN(on, studio::parse_realism(arguments.only));
+  }
+  MIXRIG_ASSIGN(const studio::Realism off, studio::parse_realism(arguments.without));
+  return studio::minus(on, off);
+}
 
 Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   studio::StudioOptions options;
@@ -38,6 +53,7 @@ Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   options.raw_depth = arguments.raw_depth;
   options.clear_floor = arguments.clear_floor;
   options.tolerance = arguments.tolerance;
+  MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   return options;
 }
 
@@ -143,6 +159,11 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--threads", arguments->threads, "0: one per core");
   command.add_flag("--clear-floor", arguments->clear_floor,
                    "No chair at the desk: no furniture in the capture volume");
+  command.add_flag("--plain", arguments->plain,
+                   "No imperfection but noise: the look before docs/studio.md's switches");
+  const std::string switches = studio::names_of(studio::Realism::all());
+  command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
+  command.add_option("--without", arguments->without, "All switches of realism but these");
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   add_board_options(command, *arguments);
   command.callback([arguments, &context] {

@@ -43,7 +43,7 @@ class CalibrateRig : public CommandTest {
 };
 
 TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) {
-  ASSERT_EQ(mixrig("studio " + path("set") +
+  ASSERT_EQ(mixrig("studio --plain " + path("set") +
                    " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"
                    " --tolerance 1 --depth-error 15"),
             0);

@@ -48,7 +48,7 @@ class CalibratedRun : public CommandTest {
 };
 
 TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario walk --rig kinect2 --seed 7 --frames 12 --size 320x256"),
             0);
   const auto right = errors("");

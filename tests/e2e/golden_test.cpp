@@ -13,7 +13,7 @@ namespace {
 class Golden : public CommandTest {};
 
 TEST_F(Golden, TheCompositeIsUnchanged) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario walk --rig kinect2 --seed 5 --frames 12 --size 320x256"),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +

@@ -152,7 +152,7 @@ class MocapRun : public CommandTest {
     const std::string command = std::string(MIXRIG_COMMAND) + " ", quiet = " >/dev/null 2>&1";
     const fs::path take = take_ / "take";
     ASSERT_EQ(std::system(
-                  (command + "studio " + take.string() +
+                  (command + "studio --plain " + take.string() +
                    " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 160x120" + quiet)
                       .c_str()),
               0);

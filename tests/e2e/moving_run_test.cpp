@@ -21,7 +21,7 @@ void PrintTo(const Moving& moving, std::ostream* out) { *out << moving.scenario;
 class MovingRun : public CommandTest, public ::testing::WithParamInterface<Moving> {};
 
 TEST_P(MovingRun, KeysAgainstTheBackgroundOfEachPose) {
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario " + GetParam().scenario +
+  ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario " + GetParam().scenario +
                    " --rig kinect2 --seed " + std::to_string(seeds::kMoving) +
                    " --size 400x320 --frames " + std::to_string(GetParam().frames)),
             0);

@@ -33,7 +33,7 @@ class RigRun : public CommandTest {
   }
   /// At a rate that a loaded machine can follow; the first three frames give the background.
   void make_take(int frames) const {
-    ASSERT_EQ(mixrig("studio " + path("take") +
+    ASSERT_EQ(mixrig("studio --plain " + path("take") +
                      " --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
                      std::to_string(frames)),
               0);
@@ -142,7 +142,7 @@ TEST_F(RigRun, ARecordingOfAPlayedTakeHoldsItsPixels) {
 }
 
 TEST_F(RigRun, AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario pan --rig sr3000 --seed 31 --size 160x120 --frames 40"),
             0);
   ASSERT_EQ(mixrig("scan --static " + path("take") + " --frames 1-6 " + path("take/room")), 0);

@@ -20,7 +20,7 @@ class SetRun : public CommandTest, public ::testing::WithParamInterface<SetCase>
 
 TEST_P(SetRun, KeysByTheCaptureVolumeAlone) {
   ASSERT_EQ(
-      mixrig("studio " + path("take") + " --scenario walk --clear-floor --rig " + GetParam().rig +
+      mixrig("studio --plain " + path("take") + " --scenario walk --clear-floor --rig " + GetParam().rig +
              " --seed " + std::to_string(seeds::kSet) + " --size 640x512 --frames 16"),
       0);
   ASSERT_EQ(mixrig("run " + path("take/scene_set.toml") + " --source take:" + path("take") +

@@ -122,4 +122,30 @@ Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& la
   return pixel;
 }
 
+Vec3 with_person(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
+                 const Vec3& ambient, const ShadowCasters& casters, const Vec3& behind) {
+  Layer person, room;
+  fill(person, surfels.person.at(x, y), true, lamps, casters);
+  if (person.surfels.empty()) return behind;
+  room.surfels = surfels.room.at(x, y);
+  const int count = room.surfels.size() <= 1 && person.surfels.size() <= 1 ? 1 : kSubSamples;
+  Vec3 sum = Vec3::Zero();
+  bool room_is_lit = false;
+  for (int i = 0; i < count; ++i) {
+    if (person.z(i) < room.z(i)) {
+      sum += radiance(*person.at(i), person.light_at(i).real, lamps.tint(), ambient);
+      continue;
+    }
+    if (room.surfels.size() <= 1) {
+      sum += behind;
+      continue;
+    }
+    if (!room_is_lit) fill(room, surfels.room.at(x, y), false, lamps, casters);
+    room_is_lit = true;
+    if (room.at(i)->z < kMiss)
+      sum += radiance(*room.at(i), room.light_at(i).real, lamps.tint(), ambient);
+  }
+  return sum / static_cast<float>(count);
+}
+
 }  // namespace mixrig::studio

@@ -56,4 +56,8 @@ struct Pixel {
 Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
                     const Vec3& ambient, const ShadowCasters& casters, bool with_object);
 
+/// The person of `surfels` before a pixel of the room whose radiance is `behind`.
+Vec3 with_person(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
+                 const Vec3& ambient, const ShadowCasters& casters, const Vec3& behind);
+
 }  // namespace mixrig::studio

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a studio holds between frames. Private to this room.
+#pragma once
+
+#include "host/studio/rig_of_seed.h"
+#include "host/studio/sensors/color_camera.h"
+#include "host/studio/sensors/picture.h"
+#include "host/studio/sensors/shutter.h"
+#include "host/studio/sensors/tof_camera.h"
+#include "host/studio/stage/layout.h"
+
+namespace mixrig::studio {
+
+struct Studio::State {
+  State(const StudioOptions& o, const TraceDevice& device);
+
+  /// Builds the person of a frame: at mid-exposure and at the times of the four ToF taps.
+  void place_person(int number, double time_s);
+  /// The person at a time, whether present in the frame or not.
+  void fill_person(Occluder& scene, double time_s);
+  /// Traces and lights the parts that do not move, unless they are cached.
+  void trace_static(const CameraPlace& place, bool with_truth);
+  void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
+                    SceneSurfels& surfels, bool with_object);
+  /// The plain picture: no effect of the camera but noise.
+  void draw_color(Frame& frame);
+  /// Linear light of the plate with what moves during its exposure.
+  void expose_plate(const CameraPlace& place, double time_s);
+  /// Light of room and person at one time, in the geometry of mid-exposure, for some rows.
+  void draw_slice(const CameraPlace& place, double time_s, int first_row, int end_row);
+  /// Adds a slice to the rows that are exposed in it, from where the camera is then.
+  void add_slice(const CameraPlace& place, double frame_s, int slice);
+  void draw_truth(const CameraPlace& place, Truth& truth);
+  bool visible_to_tof(const Vec3& point, const TraceScene& scene) const;
+
+  StudioOptions options;
+  Layout layout;
+  Rig rig;
+  StudioInfo info;
+  Materials materials;
+  LampSet lamps;
+  PersonMotion motion;
+  Crew crew;
+  TraceScene room;
+  Occluder furniture, object, person;
+  Occluder moment;  ///< the person at another time of the exposure
+  std::array<TraceScene, 4> taps;
+  ShadowCasters casters;
+  RayGrid plate_rays, view_rays;
+  TofCamera tof;
+  ColorCamera camera;
+  Shutter shutter;
+  bool in_slices = false;  ///< the exposure takes time
+  SceneSurfels plate, view;
+  bool has_plate = false, has_view = false;
+  Image<std::uint8_t> room_visible;  ///< room surfaces visible to the ToF camera, without people
+  Eigen::Vector3d tof_eye_m;
+  geometry::Pose tof_from_world;
+  NormalTable normal;
+  Image<Rgbf> still, slice, exposed;  ///< of the plate: without people, at one time, exposed
+  Image<float> plate_z_m;
+  Mesh spare;  ///< reused memory
+};
+
+}  // namespace mixrig::studio
