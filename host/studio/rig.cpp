@@ -56,6 +56,17 @@ TofSensor tof_sensor(RigPreset rig) {
   return s;
 }
 
+TofSensor with_realism(TofSensor s, RigPreset rig, const Realism& realism) {
+  const bool old = rig == RigPreset::kSr3000;
+  if (realism.harmonics) s.second_rad = 0.3F * s.wiggle_rad;
+  if (realism.stray_light) s.stray = old ? 0.02F : 0.01F;
+  if (realism.pixel_offsets) s.offset_sigma_m = old ? 0.008F : 0.003F;
+  if (realism.warm_up) s.warm_up_m = old ? 0.040F : 0.015F;
+  if (realism.late_depth) s.delay_s = 0.006;
+  s.multipath = realism.multipath;
+  return s;
+}
+
 Optics target_optics(RigPreset rig, Size size_px) {
   if (rig == RigPreset::kSr3000)
     return optics_of(size_px, 42.0, {-0.12, 0.05, 0.0004, -0.0006, 0}, 0.004 * size_px.width,

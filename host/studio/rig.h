@@ -21,11 +21,20 @@ struct TofSensor {
   float least_amplitude_e = 0;  ///< a pixel below it is unknown
   float wiggle_rad = 0;         ///< systematic phase error: amplitude of sin(4 phase + 0.7)
   float wiggle_left = 0.12F;    ///< share that remains after the factory correction
+  float second_rad = 0;         ///< its second harmonic, of sin(8 phase + 0.3), never corrected
+  float stray = 0;              ///< share of the mean phasor of all pixels in every pixel
+  float offset_sigma_m = 0;     ///< fixed pattern: each pixel's own error of the distance
+  float warm_up_m = 0;          ///< error right after switching on; gone when warm
+  double warm_s = 300;          ///< time constant of warming up
+  double delay_s = 0;           ///< mid-exposure after that of the colour camera
+  bool multipath = false;       ///< one bounce of the light is followed
   double unit_m = 0.001;
   DepthNoise noise;  ///< measured; checked by tests/unit/studio/tof_test.cpp
 };
 
 TofSensor tof_sensor(RigPreset rig);
+/// The sensor with those imperfections that are switched on.
+TofSensor with_realism(TofSensor sensor, RigPreset rig, const Realism& realism);
 /// Target camera of a rig; its field of view is narrower than that of the depth camera.
 Optics target_optics(RigPreset rig, Size size_px);
 /// The fisheye camera below the others, 185 degrees.

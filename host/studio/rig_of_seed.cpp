@@ -95,7 +95,9 @@ Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double toleranc
 
 double depth_error_m(const TofSensor& sensor, double distance_m) {
   const double per_m = phase_per_m(sensor);
-  return sensor.wiggle_rad * std::sin(4 * per_m * distance_m + 0.7F) / per_m;
+  const double first = sensor.wiggle_rad * std::sin(4 * per_m * distance_m + 0.7F) / per_m;
+  if (sensor.second_rad == 0) return first;
+  return first + sensor.second_rad * std::sin(8 * per_m * distance_m + 0.3F) / per_m;
 }
 
 void set_depth_error(TofSensor& sensor, double most_m) {

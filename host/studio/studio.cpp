@@ -80,7 +80,7 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
       taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)},
       plate_rays(info.target),
       view_rays(info.view),
-      tof(rig.tof, o.seed, o.raw_depth),
+      tof(with_realism(rig.tof, o.rig, o.realism), o.seed, o.raw_depth),
       camera(info.target, o.realism, o.seed),
       shutter(shutter_of(o)),
       in_slices(o.realism.motion_blur || o.realism.rolling_shutter) {
@@ -114,7 +114,8 @@ void Studio::State::place_person(int number, double time_s) {
     scene.set(spare);
   };
   fill(person, time_s);
-  for (int k = 0; k < 4; ++k) fill(taps[k], time_s + (k - 1.5) / 4 * tof.sensor().exposure_s);
+  for (int k = 0; k < 4; ++k)
+    fill(taps[k], time_s + tof.sensor().delay_s + (k - 1.5) / 4 * tof.sensor().exposure_s);
 }
 
 void Studio::State::fill_person(Occluder& scene, double time_s) {
@@ -123,14 +124,16 @@ void Studio::State::fill_person(Occluder& scene, double time_s) {
   scene.set(spare);
 }
 
-void Studio::State::trace_static(const CameraPlace& place, bool with_truth) {
+void Studio::State::trace_static(const CameraPlace& place, double time_s, bool with_truth) {
   const bool keep = options.cache && !info.camera_moves;
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
     const geometry::Pose world_from_tof = place.world_from_target * info.tof.target_from_tof;
+    const geometry::Pose later =
+        camera_at(layout, options, time_s + tof.sensor().delay_s).world_from_target;
     tof_eye_m = world_from_tof.translation_m;
     tof_from_world = geometry::inverse(world_from_tof);
-    tof.trace_room(room, materials, world_from_tof, crew);
+    tof.trace_room(room, materials, later * info.tof.target_from_tof, crew);
     plate.room.build(room, materials, camera_rays(plate_rays, place.world_from_target), all, crew);
     light_surfels(plate.room, lamps, casters, false, false, crew);
     has_plate = true, has_view = has_view && keep;
@@ -171,7 +174,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   frame.world_from_target = place.world_from_target;
   frame.head = place.head;
   s.place_person(number, frame.time_s);
-  s.trace_static(place, truth != nullptr);
+  s.trace_static(place, frame.time_s, truth != nullptr);
   s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);
   if (s.options.realism.shows_in_the_plate()) {
     s.expose_plate(place, frame.time_s);
@@ -179,7 +182,8 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   } else {
     s.draw_color(frame);
   }
-  s.tof.render(s.taps, s.materials, number, s.crew, frame.tof_distance_m, frame.tof_amplitude);
+  s.tof.render({s.taps, &s.person, &s.room, number, frame.time_s}, s.materials, s.crew,
+               frame.tof_distance_m, frame.tof_amplitude);
   if (s.options.fisheye)
     draw_fisheye(s.info.fisheye.optics,
                  place.world_from_target * s.info.fisheye.target_from_fisheye, s.room, s.casters,

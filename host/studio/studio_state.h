@@ -19,7 +19,7 @@ struct Studio::State {
   /// The person at a time, whether present in the frame or not.
   void fill_person(Occluder& scene, double time_s);
   /// Traces and lights the parts that do not move, unless they are cached.
-  void trace_static(const CameraPlace& place, bool with_truth);
+  void trace_static(const CameraPlace& place, double time_s, bool with_truth);
   void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
                     SceneSurfels& surfels, bool with_object);
   /// The plain picture: no effect of the camera but noise.

@@ -66,14 +66,16 @@ Echo echo_of(const TofSensor& sensor, float distance_m, float infrared_albedo, f
 double ambiguity_m(double frequency_hz) { return kLight_m_s / (2 * frequency_hz); }
 
 TofValue read_taps(const TofSensor& sensor, const std::array<Echo, 4>& taps, std::uint64_t key,
-                   bool raw, const NormalTable& normal) {
+                   bool raw, const NormalTable& normal, float offset_m) {
   TofValue value;
   float phase = 0;
   if (!demodulate(sensor, taps, true, hash_key(key, 1), normal, phase, value.amplitude_e))
     return {};
   if (value.amplitude_e < sensor.least_amplitude_e) return {0, value.amplitude_e};
   const float left = raw ? 1.0F : sensor.wiggle_left;
+  const float second = sensor.second_rad * std::sin(8 * phase + 0.3F);
   phase += left * sensor.wiggle_rad * std::sin(4 * phase + 0.7F);
+  phase += second + phase_per_m(sensor.fine_hz) * offset_m;
   float distance = phase / phase_per_m(sensor.fine_hz);
   if (sensor.coarse_hz > 0) {
     float coarse_phase = 0, amplitude = 0;
@@ -88,6 +90,16 @@ TofValue read_taps(const TofSensor& sensor, const std::array<Echo, 4>& taps, std
   const auto unit = static_cast<float>(sensor.unit_m);
   value.distance_m = unit * std::round(distance / unit);
   return value;
+}
+
+float warm_up_offset_m(const TofSensor& sensor, unsigned seed, double time_s) {
+  const double since_s = 60 + 540.0 * uniform(hash_key(seed, 0x3A24)) + time_s;
+  return sensor.warm_up_m * static_cast<float>(std::exp(-since_s / sensor.warm_s));
+}
+
+float pixel_offset_m(const TofSensor& sensor, unsigned seed, std::size_t pixel,
+                     const NormalTable& normal) {
+  return sensor.offset_sigma_m * normal(hash_key(seed, 0xF17ED, pixel));
 }
 
 }  // namespace mixrig::studio

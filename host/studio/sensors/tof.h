@@ -31,9 +31,16 @@ struct TofValue {
 };
 
 /// Distance and amplitude from the echoes of the four taps. `key` seeds the pixel's noise; with
-/// `raw` the systematic error is not corrected. Phase from four taps: Lange and Seitz 2001, eq. 4.
+/// `raw` the systematic error is not corrected. `offset_m` is added to the distance. Phase from
+/// four taps: Lange and Seitz 2001, eq. 4.
 TofValue read_taps(const TofSensor& sensor, const std::array<Echo, 4>& taps, std::uint64_t key,
-                   bool raw, const NormalTable& normal);
+                   bool raw, const NormalTable& normal, float offset_m = 0);
+/// Error of all distances while the sensor warms up: it decays from warm_up_m. The take begins one
+/// to ten minutes after switching on, by seed.
+float warm_up_offset_m(const TofSensor& sensor, unsigned seed, double time_s);
+/// A pixel's own error, the same in all frames.
+float pixel_offset_m(const TofSensor& sensor, unsigned seed, std::size_t pixel,
+                     const NormalTable& normal);
 
 /// Unambiguous range of a modulation frequency.
 double ambiguity_m(double frequency_hz);

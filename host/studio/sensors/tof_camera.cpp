@@ -48,12 +48,12 @@ TofCamera::SubRay TofCamera::cast(const TraceScene& scene, const Materials& mate
                                   float v) const {
   Hit hit;
   const Vec3 direction = rays_.direction(u, v);
-  if (!scene.intersect(rays_.position, direction, kMiss, hit)) return {kMiss, 0, 0};
+  if (!scene.intersect(rays_.position, direction, kMiss, hit)) return {kMiss, 0, 0, Vec3::Zero()};
   const Vec3 visible = materials.albedo(hit.material, hit.uv, rays_.position + hit.t * direction);
   const float length = direction.norm();
   // The light source is at the lens, so light travels along the ray in both directions.
   return {hit.t * length, materials.infrared(hit.material, visible),
-          -hit.normal.dot(direction) / length};
+          -hit.normal.dot(direction) / length, hit.normal};
 }
 
 Echo TofCamera::echo(const SubRay& ray) const {
@@ -80,6 +80,8 @@ void TofCamera::trace_room(const TraceScene& room, const Materials& materials,
         room_echo_[pixel] = sum * (1.0F / kSubRays);
       }
   });
+  if (sensor_.multipath)
+    multipath_.build({&room, nullptr, &materials, &sensor_, world_from_tof}, rays_, size, crew);
 }
 
 Echo TofCamera::mixed_echo(const TraceScene& person, const Materials& materials, int x,
@@ -111,41 +113,98 @@ Echo TofCamera::tap_echo(const TraceScene& person, const Materials& materials,
   return ray.distance_m < room.distance_m ? echo(ray) : room_echo_[pixel];
 }
 
-void TofCamera::render(std::span<const TraceScene, 4> person, const Materials& materials,
-                       int number, Crew& crew, Image<float>& distance_m, Image<float>& amplitude) {
+void TofCamera::find_people(const Shot& shot, const Rect& rect, Crew& crew) {
   const Size size = sensor_.optics.size_px;
-  distance_m.reset(size);
-  amplitude.reset(size);
-  const float counts_per_e = 65535.0F / sensor_.full_well_e;
-  Rect rect;
-  for (const TraceScene& tap : person)
-    rect = united(rect, covered_by(tap.mesh(), sensor_.optics, world_from_tof_));
   crew.rows(size.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
-      for (int k = 0; k < 4; ++k) {
+      for (std::size_t k = 0; k < 4; ++k) {
         float* row = &person_z_[k][static_cast<std::size_t>(y) * size.width];
         std::fill_n(row, size.width, kMiss);
         if (y < rect.y0 || y >= rect.y1) continue;
         Hit hit;
         for (int x = rect.x0; x < rect.x1; ++x)
-          if (person[k].intersect(rays_.position,
-                                  rays_.direction(static_cast<float>(x), static_cast<float>(y)),
-                                  kMiss, hit))
+          if (shot.person[k].intersect(
+                  rays_.position, rays_.direction(static_cast<float>(x), static_cast<float>(y)),
+                  kMiss, hit))
             row[x] = hit.t;
       }
   });
+}
+
+Echo TofCamera::bounced(const TraceScene& person, const Materials& materials, int x, int y) const {
+  const std::size_t pixel = static_cast<std::size_t>(y) * sensor_.optics.size_px.width + x;
+  const auto u = static_cast<float>(x), v = static_cast<float>(y);
+  SubRay seen = room_rays_[pixel * kSubRays + kSubRays / 2];
+  if (person_z_[2][pixel] < kMiss) {
+    const SubRay before = cast(person, materials, u, v);
+    if (before.distance_m < seen.distance_m) seen = before;
+  }
+  if (seen.distance_m >= kMiss) return {};
+  const Vec3 position = rays_.position + seen.distance_m * rays_.direction(u, v).normalized();
+  return seen_from(sensor_, multipath_.at(u, v, position, seen.normal), seen.distance_m,
+                   seen.albedo);
+}
+
+void TofCamera::collect_taps(const Shot& shot, const Materials& materials, const Rect& rect,
+                             Crew& crew) {
+  const Size size = sensor_.optics.size_px;
+  taps_.resize(size.area());
   crew.rows(size.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
-        std::array<Echo, 4> taps;
+        std::array<Echo, 4>& taps = taps_[pixel];
         taps.fill(room_echo_[pixel]);
         if (x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
-          for (int k = 0; k < 4; ++k)
-            taps[k] = tap_echo(person[k], materials, person_z_[k].data(), x, y);
-        const TofValue value =
-            read_taps(sensor_, taps, hash_key(seed_, static_cast<std::uint64_t>(number), pixel),
-                      raw_, normal_);
+          for (std::size_t k = 0; k < 4; ++k)
+            taps[k] = tap_echo(shot.person[k], materials, person_z_[k].data(), x, y);
+        if (!sensor_.multipath) continue;
+        const Echo more = bounced(shot.person[2], materials, x, y);
+        for (Echo& tap : taps) tap += more;
+      }
+  });
+}
+
+std::array<Echo, 4> TofCamera::mean_taps() const {
+  std::array<Echo, 4> mean;
+  const auto width = static_cast<std::size_t>(sensor_.optics.size_px.width);
+  for (std::size_t row = 0; row < taps_.size(); row += width) {
+    std::array<Echo, 4> sum;  // row by row, which keeps the rounding small
+    for (std::size_t i = row; i < row + width; ++i)
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += taps_[i][k];
+    for (std::size_t k = 0; k < 4; ++k) mean[k] += sum[k];
+  }
+  for (Echo& e : mean) e = e * (1 / static_cast<float>(taps_.size()));
+  return mean;
+}
+
+void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
+                       Image<float>& distance_m, Image<float>& amplitude) {
+  const Size size = sensor_.optics.size_px;
+  distance_m.reset(size);
+  amplitude.reset(size);
+  const float counts_per_e = 65535.0F / sensor_.full_well_e;
+  Rect rect;
+  for (const TraceScene& tap : shot.person)
+    rect = united(rect, covered_by(tap.mesh(), sensor_.optics, world_from_tof_));
+  find_people(shot, rect, crew);
+  if (sensor_.multipath)
+    multipath_.update({shot.room, &shot.at_middle->scene, &materials, &sensor_, world_from_tof_},
+                      rays_, shot.at_middle->extent.whole, crew);
+  collect_taps(shot, materials, rect, crew);
+  std::array<Echo, 4> stray{};
+  if (sensor_.stray > 0) stray = mean_taps();
+  const float warm_m = warm_up_offset_m(sensor_, seed_, shot.time_s);
+  crew.rows(size.height, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
+        std::array<Echo, 4>& taps = taps_[pixel];
+        if (sensor_.stray > 0)
+          for (std::size_t k = 0; k < 4; ++k) taps[k] += stray[k] * sensor_.stray;
+        const TofValue value = read_taps(
+            sensor_, taps, hash_key(seed_, static_cast<std::uint64_t>(shot.number), pixel), raw_,
+            normal_, warm_m + pixel_offset_m(sensor_, seed_, pixel, normal_));
         distance_m.at(x, y) = value.distance_m;
         amplitude.at(x, y) = std::round(counts_per_e * value.amplitude_e);
       }

@@ -5,8 +5,9 @@
 #include <array>
 
 #include "hal/base/image.h"
+#include "host/studio/sensors/multipath.h"
+#include "host/studio/sensors/picture.h"
 #include "host/studio/sensors/tof.h"
-#include "host/studio/stage/surfels.h"
 
 namespace mixrig::studio {
 
@@ -19,14 +20,22 @@ class TofCamera {
   /// Traces the room from a camera pose: once, or before every frame if the camera moves.
   void trace_room(const TraceScene& room, const Materials& materials,
                   const geometry::Pose& world_from_tof, Crew& crew);
-  /// One frame. `person[k]` is the person at tap k.
-  void render(std::span<const TraceScene, 4> person, const Materials& materials, int number,
-              Crew& crew, Image<float>& distance_m, Image<float>& amplitude);
+  /// What a frame shows.
+  struct Shot {
+    std::span<const TraceScene, 4> person;  ///< at each tap
+    const Occluder* at_middle = nullptr;    ///< the person, for the bounced light
+    const TraceScene* room = nullptr;
+    int number = 0;
+    double time_s = 0;
+  };
+  void render(const Shot& shot, const Materials& materials, Crew& crew, Image<float>& distance_m,
+              Image<float>& amplitude);
 
  private:
   static constexpr int kSide = 3, kSubRays = kSide * kSide;
   struct SubRay {
     float distance_m, albedo, cosine;
+    Vec3 normal = Vec3::Zero();  ///< of the surface, for bounced light
   };
 
   SubRay cast(const TraceScene& scene, const Materials& materials, float u, float v) const;
@@ -35,6 +44,12 @@ class TofCamera {
   Echo mixed_echo(const TraceScene& person, const Materials& materials, int x, int y) const;
   Echo tap_echo(const TraceScene& person, const Materials& materials, const float* person_z, int x,
                 int y) const;
+  void find_people(const Shot& shot, const Rect& rect, Crew& crew);
+  /// Bounced light on what a pixel shows at the first tap after the middle.
+  Echo bounced(const TraceScene& person, const Materials& materials, int x, int y) const;
+  void collect_taps(const Shot& shot, const Materials& materials, const Rect& rect, Crew& crew);
+  /// Mean of all pixels, of each tap.
+  std::array<Echo, 4> mean_taps() const;
 
   TofSensor sensor_;
   unsigned seed_;
@@ -45,6 +60,8 @@ class TofCamera {
   geometry::Pose world_from_tof_;
   std::vector<SubRay> room_rays_;
   std::vector<Echo> room_echo_;
+  Multipath multipath_;
+  std::vector<std::array<Echo, 4>> taps_;
   std::array<std::vector<float>, 4> person_z_;  ///< of the person at each tap, kMiss outside
 };
 
