@@ -39,7 +39,7 @@ void Studio::State::draw_color(Frame& frame) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < options.size_px.width; ++x) {
         const Vec3 light =
-            exposure * compose_pixel(plate, x, y, lamps, info.light.ambient, casters, false).real;
+            exposure * compose_pixel(plate, x, y, lamps, ambient, casters, false).real;
         const std::uint64_t pixel =
             static_cast<std::uint64_t>(y) * 65536 + static_cast<unsigned>(x);
         const std::uint64_t bits = hash_key(hash_key(options.seed, 0xC0102),
@@ -71,8 +71,7 @@ void Studio::State::expose_plate(const CameraPlace& place, double time_s) {
   crew.rows(size.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
-        const Vec3 c =
-            exposure * compose_pixel(plate, x, y, lamps, info.light.ambient, casters, false).real;
+        const Vec3 c = exposure * compose_pixel(plate, x, y, lamps, ambient, casters, false).real;
         still.at(x, y) = {c[0], c[1], c[2]};
       }
   });
@@ -93,17 +92,22 @@ void Studio::State::draw_slice(const CameraPlace& place, double time_s, int firs
   fill_person(moment, time_s);
   Rect rect = covered_by(moment.scene.mesh(), info.target, place.world_from_target);
   rect.y0 = std::max(rect.y0, first_row), rect.y1 = std::min(rect.y1, end_row);
+  const std::vector<std::uint8_t> thin =
+      touched_by_thin(moment.scene.mesh(), info.target, place.world_from_target, rect);
   plate.person.build(moment.scene, materials, camera_rays(plate_rays, place.world_from_target),
-                     rect, crew);
+                     rect, crew, &thin);
   ShadowCasters then = casters;
   then.person = &moment;
   light_surfels(plate.person, lamps, then, false, true, crew);
+  if (options.realism.bounce) bounce_surfels(plate.person, person_bounce, crew);
+  if (options.props && casters.reflector != nullptr)
+    mirror_surfels(plate.person, reflector, false, crew);
   const auto exposure = static_cast<float>(info.light.exposure);
   crew.rows(std::max(0, rect.y1 - rect.y0), kBand, [&](int begin, int end) {
     for (int y = rect.y0 + begin; y < rect.y0 + end; ++y)
       for (int x = rect.x0; x < rect.x1; ++x) {
         const Rgbf& behind = still.at(x, y);
-        const Vec3 c = exposure * with_person(plate, x, y, lamps, info.light.ambient, casters,
+        const Vec3 c = exposure * with_person(plate, x, y, lamps, ambient, casters,
                                               Vec3(behind.r, behind.g, behind.b) / exposure);
         slice.at(x, y) = {c[0], c[1], c[2]};
       }
@@ -141,7 +145,7 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
   crew.rows(size.height, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
-        const Pixel p = compose_pixel(view, x, y, lamps, info.light.ambient, casters, true);
+        const Pixel p = compose_pixel(view, x, y, lamps, ambient, casters, true);
         const float behind = view.room.centre_z(x, y), before = view.person.centre_z(x, y);
         const float z = std::min(behind, before);
         const Vec3 point =

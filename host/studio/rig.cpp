@@ -86,8 +86,17 @@ FisheyeInfo fisheye_camera() {
   return {o, mounted(0.07, 0.08, 0.4)};
 }
 
+Optics with_lens_error(Optics optics, double error_px) {
+  const double x = 0.5 * optics.size_px.width / optics.fx_px;
+  const double y = 0.5 * optics.size_px.height / optics.fy_px;
+  const double at_corner = error_px / optics.fx_px / std::pow(x * x + y * y, 2);
+  optics.prism = {0.8 * at_corner, -0.6 * at_corner};
+  return optics;
+}
+
 Optics without_distortion(Optics optics) {
   optics.distortion = {};
+  optics.prism = {};
   return optics;
 }
 

@@ -39,6 +39,9 @@ TofSensor with_realism(TofSensor sensor, RigPreset rig, const Realism& realism);
 Optics target_optics(RigPreset rig, Size size_px);
 /// The fisheye camera below the others, 185 degrees.
 FisheyeInfo fisheye_camera();
+/// The camera with a lens error outside the five coefficients: a prism that moves the picture's
+/// corner by `error_px`.
+Optics with_lens_error(Optics optics, double error_px);
 /// The same camera without distortion.
 Optics without_distortion(Optics optics);
 

@@ -10,7 +10,6 @@
 
 #include "host/studio/sensors/fisheye.h"
 #include "host/studio/stage/object.h"
-#include "host/studio/stage/person.h"
 #include "host/studio/studio_state.h"
 
 namespace mixrig::studio {
@@ -31,6 +30,8 @@ Result<void> check(const StudioOptions& o) {
     if (side < 32 || side > 4096)
       return wrong(fmt::format("size must be 32 to 4096 pixels per side, not {}x{}",
                                o.size_px.width, o.size_px.height));
+  if (o.people < 1 || o.people > 3)
+    return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
   return {};
@@ -70,7 +71,7 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
       info(make_info(o, layout, rig)),
       materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
       lamps(info.light),
-      motion(o.scenario, o.seed, layout.stage, info.empty_frames / kFrameRate_hz),
+      cast(o, layout, info.empty_frames / kFrameRate_hz),
       crew(o.threads),
       room(device),
       furniture(device),
@@ -90,7 +91,40 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
   furniture.set(things);
   Mesh statue = object_in_world(info.object);
   object.set(statue);
-  casters = {&furniture, &object, &person, o.cache};
+  Cast::dress(o, materials);
+  casters = {&furniture, &object, &person, o.cache, nullptr};
+  ambient = info.light.ambient;
+  reflector = {&room,  &furniture, &object, &person,         &materials,
+               &lamps, ambient,    {},      o.realism.gloss, o.realism.mirror};
+  if (o.realism.gloss || o.realism.mirror) casters.reflector = &reflector;
+  if (o.realism.bounce) balance_ambient();
+}
+
+void Studio::State::balance_ambient() {
+  constexpr float kRest = 0.4F;  // windows, and light that was reflected twice and more
+  const geometry::Pose pose = rest_pose(layout);
+  ambient *= kRest;
+  reflector.ambient = ambient;
+  BounceCache cache;
+  cache.build(reflector, room, camera_rays(view_rays, pose), info.view, pose, false, false, crew);
+  info.light.ambient = ambient + cache.mean();
+  reflector.ambient = info.light.ambient;
+}
+
+void Studio::State::trace_bounce(const CameraPlace& place) {
+  if (!options.realism.bounce) return;
+  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
+  Reflector r = reflector;
+  r.ambient = ambient;
+  const bool dense = !info.camera_moves;
+  room_bounce.build(r, room, rays, info.view, place.world_from_target, dense, false, crew);
+  object_bounce.build(r, object.scene, rays, info.view, place.world_from_target, dense, false,
+                      crew);
+}
+
+void Studio::State::reflect_static(SurfelMap& map, const BounceCache& bounce, bool with_object) {
+  if (options.realism.bounce) bounce_surfels(map, bounce, crew);
+  if (casters.reflector != nullptr) mirror_surfels(map, reflector, with_object, crew);
 }
 
 Studio::Studio(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -110,7 +144,7 @@ void Studio::State::place_person(int number, double time_s) {
   const bool present = number > info.empty_frames;
   const auto fill = [&](auto& scene, double t) {
     spare.clear();
-    if (present) build_person(motion.build(), motion.at(t), spare);
+    if (present) cast.build(t, spare);
     scene.set(spare);
   };
   fill(person, time_s);
@@ -120,7 +154,7 @@ void Studio::State::place_person(int number, double time_s) {
 
 void Studio::State::fill_person(Occluder& scene, double time_s) {
   spare.clear();
-  build_person(motion.build(), motion.at(time_s), spare);
+  cast.build(time_s, spare);
   scene.set(spare);
 }
 
@@ -136,15 +170,20 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
     tof.trace_room(room, materials, later * info.tof.target_from_tof, crew);
     plate.room.build(room, materials, camera_rays(plate_rays, place.world_from_target), all, crew);
     light_surfels(plate.room, lamps, casters, false, false, crew);
+    reflector.eye = place.world_from_target.translation_m.cast<float>();
+    trace_bounce(place);
+    reflect_static(plate.room, room_bounce, false);
     has_plate = true, has_view = has_view && keep;
   }
   if (!with_truth || (has_view && keep)) return;
   const CameraRays rays = camera_rays(view_rays, place.world_from_target);
   view.room.build(room, materials, rays, all, crew);
   light_surfels(view.room, lamps, casters, true, false, crew);
+  reflect_static(view.room, room_bounce, true);
   view.object.build(object.scene, materials, rays,
                     covered_by(object.scene.mesh(), info.view, place.world_from_target), crew);
   light_surfels(view.object, lamps, casters, true, false, crew);
+  if (options.realism.bounce) bounce_surfels(view.object, object_bounce, crew);
   room_visible.reset(options.size_px);
   crew.rows(all.y1, kBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
@@ -158,12 +197,25 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
   has_view = true;
 }
 
+void Studio::State::bounce_on_person(const CameraPlace& place) {
+  if (!options.realism.bounce) return;
+  Reflector r = reflector;
+  r.ambient = ambient;
+  person_bounce.build(r, person.scene, camera_rays(view_rays, place.world_from_target), info.view,
+                      place.world_from_target, true, true, crew);
+}
+
 void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
                                  const Optics& optics, SceneSurfels& surfels, bool with_object) {
   const Rect rect = covered_by(person.scene.mesh(), optics, place.world_from_target);
+  const std::vector<std::uint8_t> thin =
+      touched_by_thin(person.scene.mesh(), optics, place.world_from_target, rect);
   surfels.person.build(person.scene, materials, camera_rays(rays, place.world_from_target), rect,
-                       crew);
+                       crew, &thin);
   light_surfels(surfels.person, lamps, casters, with_object, true, crew);
+  if (options.realism.bounce) bounce_surfels(surfels.person, person_bounce, crew);
+  if (options.props && casters.reflector != nullptr)
+    mirror_surfels(surfels.person, reflector, with_object, crew);
 }
 
 void Studio::render(int number, Frame& frame, Truth* truth) {
@@ -175,6 +227,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   frame.head = place.head;
   s.place_person(number, frame.time_s);
   s.trace_static(place, frame.time_s, truth != nullptr);
+  s.bounce_on_person(place);
   s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);
   if (s.options.realism.shows_in_the_plate()) {
     s.expose_plate(place, frame.time_s);
@@ -193,7 +246,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.draw_truth(place, *truth);
   truth->person_on_floor_m.reset();
   if (number > s.info.empty_frames) {
-    const Vec3 pelvis = s.motion.at(frame.time_s).pelvis;
+    const Vec3 pelvis = s.cast.first().at(frame.time_s).pelvis;
     truth->person_on_floor_m = Eigen::Vector2d(pelvis.x(), pelvis.y());
   }
 }

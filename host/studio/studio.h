@@ -47,15 +47,18 @@ struct StudioOptions {
   bool fisheye = false;      ///< render Frame::fisheye
   bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
+  int people = 1;            ///< 1..3
+  bool props = false;        ///< the first person carries a stick, a black bag, a chrome ball
   Realism realism;           ///< all off: the plain look
 };
 
-/// A pinhole camera with OpenCV's distortion model. Pixel (0,0) is the centre of the top-left
-/// pixel.
+/// A pinhole camera with OpenCV's distortion model, and a thin prism. Pixel (0,0) is the centre of
+/// the top-left pixel.
 struct Optics {
   Size size_px;
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
   std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  std::array<double, 2> prism{};       ///< thin prism: times r^4 in x and y; not in OpenCV's five
 };
 
 /// Standard deviation of a depth value on a surface of albedo 0.5 that faces the camera:

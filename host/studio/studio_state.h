@@ -2,6 +2,7 @@
 // What a studio holds between frames. Private to this room.
 #pragma once
 
+#include "host/studio/people/cast.h"
 #include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/color_camera.h"
 #include "host/studio/sensors/picture.h"
@@ -20,6 +21,12 @@ struct Studio::State {
   void fill_person(Occluder& scene, double time_s);
   /// Traces and lights the parts that do not move, unless they are cached.
   void trace_static(const CameraPlace& place, double time_s, bool with_truth);
+  /// Mirrored and bounced light of the room or the object.
+  void reflect_static(SurfelMap& map, const BounceCache& bounce, bool with_object);
+  void bounce_on_person(const CameraPlace& place);
+  void trace_bounce(const CameraPlace& place);
+  /// Splits the take's ambient light into what is bounced and the rest.
+  void balance_ambient();
   void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
                     SceneSurfels& surfels, bool with_object);
   /// The plain picture: no effect of the camera but noise.
@@ -39,13 +46,16 @@ struct Studio::State {
   StudioInfo info;
   Materials materials;
   LampSet lamps;
-  PersonMotion motion;
+  Cast cast;
   Crew crew;
   TraceScene room;
   Occluder furniture, object, person;
   Occluder moment;  ///< the person at another time of the exposure
   std::array<TraceScene, 4> taps;
   ShadowCasters casters;
+  Vec3 ambient;         ///< light from nowhere; the rest of info.light.ambient is bounced
+  Reflector reflector;  ///< as the target camera sees it
+  BounceCache room_bounce, object_bounce, person_bounce;
   RayGrid plate_rays, view_rays;
   TofCamera tof;
   ColorCamera camera;

@@ -121,6 +121,7 @@ Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
   MIXRIG_ASSIGN(PartialPath output, make_partial_folder(folder, "views.toml"));
   MIXRIG_TRY(make_folders(output.path()));
   json truth = truth_of(info);
+  if (options.lens_error_px > 0) truth["lens_error_px"] = options.lens_error_px;
   std::ostringstream angles;
   angles.precision(9);
   angles << "view,pan_deg,tilt_deg\n";

@@ -21,12 +21,14 @@ struct Arguments {
   bool raw_depth = false, pan_tilt = false, clear_floor = false;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
-  std::optional<double> depth_error_mm;
-  bool plain = false;
+  std::optional<double> depth_error_mm, lens_error_px;
+  bool plain = false, props = false;
+  int people = 1;
   std::string only, without;
 };
 
 constexpr const char* kBoardScenario = "board";
+constexpr double kLensError_px = 0.3;  ///< of the judged look, at the corners
 
 /// The judged look has every switch on.
 Result<studio::Realism> realism_of(const Arguments& arguments) {
@@ -53,6 +55,8 @@ Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   options.raw_depth = arguments.raw_depth;
   options.clear_floor = arguments.clear_floor;
   options.tolerance = arguments.tolerance;
+  options.people = arguments.people;
+  options.props = arguments.props;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   return options;
 }
@@ -77,6 +81,7 @@ Result<studio::BoardOptions> board_options_of(const Arguments& arguments) {
   options.noise = arguments.noise;
   options.tolerance = arguments.tolerance;
   options.raw_depth = arguments.raw_depth;
+  options.lens_error_px = arguments.lens_error_px.value_or(arguments.plain ? 0 : kLensError_px);
   if (arguments.depth_error_mm) options.depth_error_m = *arguments.depth_error_mm / 1000;
   options.amplitude_error_m = arguments.amplitude_error_mm / 1000;
   options.pixel_error_m = arguments.pixel_error_mm / 1000;
@@ -133,6 +138,11 @@ void add_board_options(Command command, Arguments& arguments) {
       .add_option("--depth-error", arguments.depth_error_mm,
                   "Largest systematic depth error, mm; that of the takes if not given")
       .group(group);
+  command
+      .add_option("--lens-error", arguments.lens_error_px,
+                  "Error of the target lens outside its model at the corners, px; 0.3 if not given, "
+                  "0 with --plain")
+      .group(group);
   option("--amplitude-error", arguments.amplitude_error_mm, "Depth error where light is weak, mm");
   option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");
   command.add_flag("--ptu", arguments.pan_tilt, "The board stands still, the pan-tilt unit turns")
@@ -159,6 +169,9 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--threads", arguments->threads, "0: one per core");
   command.add_flag("--clear-floor", arguments->clear_floor,
                    "No chair at the desk: no furniture in the capture volume");
+  command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");
+  command.add_flag("--props", arguments->props,
+                   "The first person carries a stick, a black bag and a chrome ball");
   command.add_flag("--plain", arguments->plain,
                    "No imperfection but noise: the look before docs/studio.md's switches");
   const std::string switches = studio::names_of(studio::Realism::all());

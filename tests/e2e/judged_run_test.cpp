@@ -13,7 +13,7 @@ namespace {
 class JudgedRun : public CommandTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(mixrig("studio " + path("take") + " --scenario walk --rig kinect2 --seed " +
+    ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario walk --rig kinect2 --seed " +
                      std::to_string(seeds::kJudged) + " --size 320x256 --frames 20"),
               0);
   }

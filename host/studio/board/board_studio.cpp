@@ -44,6 +44,7 @@ Result<void> check(const BoardOptions& o) {
   MIXRIG_TRY(check_range("blur", o.blur_px, 0, 10));
   MIXRIG_TRY(check_range("noise", o.noise, 0, 100));
   MIXRIG_TRY(check_range("tolerance", o.tolerance, 0, 2));
+  MIXRIG_TRY(check_range("lens error", o.lens_error_px, 0, 5));
   MIXRIG_TRY(check_range("depth error", o.depth_error_m.value_or(0), 0, 0.1));
   MIXRIG_TRY(check_range("amplitude error", o.amplitude_error_m, -0.1, 0.1));
   MIXRIG_TRY(check_range("pixel error", o.pixel_error_m, -0.1, 0.1));
@@ -64,6 +65,7 @@ BoardInfo make_info(const BoardOptions& o) {
   info.name = fmt::format("board {}, {}", o.seed, name(o.rig));
   info.options = o;
   info.rig = rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance);
+  if (o.lens_error_px > 0) info.rig.target = with_lens_error(info.rig.target, o.lens_error_px);
   TofSensor& tof = info.rig.tof;
   if (o.depth_error_m)
     set_depth_error(tof, *o.depth_error_m);

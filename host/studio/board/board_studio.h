@@ -19,11 +19,12 @@ struct BoardOptions {
   Size size_px{1280, 1024};  ///< target camera, 64..4096 a side
   int threads = 0;           ///< 0: one per core
   BoardPlan board;
-  bool pan_tilt = false;   ///< the board is fixed and the unit turns
-  double blur_px = 0.6;    ///< sigma of every lens, 0..10
-  double noise = 1;        ///< factor on the noise of every sensor, 0..100
-  double tolerance = 0;    ///< of lenses and mounting by seed, as StudioOptions::tolerance
-  bool raw_depth = false;  ///< leave the ToF camera's systematic error in
+  bool pan_tilt = false;     ///< the board is fixed and the unit turns
+  double blur_px = 0.6;      ///< sigma of every lens, 0..10
+  double noise = 1;          ///< factor on the noise of every sensor, 0..100
+  double tolerance = 0;      ///< of lenses and mounting by seed, as StudioOptions::tolerance
+  double lens_error_px = 0;  ///< of the target camera, outside its model, at the corners, 0..5
+  bool raw_depth = false;    ///< leave the ToF camera's systematic error in
   /// Largest systematic depth error, 0..0.1; without it that of the rig's takes.
   std::optional<double> depth_error_m;
   double amplitude_error_m = 0;  ///< of depth where the signal is a tenth of the brightest, +-0.1

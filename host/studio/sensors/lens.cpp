@@ -11,6 +11,12 @@ Eigen::Vector2d distort(const Optics& optics, const Eigen::Vector2d& ideal) {
   const auto& [k1, k2, p1, p2, k3] = optics.distortion;
   const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  if (optics.prism != std::array<double, 2>{}) {
+    const auto& [sx, sy] = optics.prism;
+    Optics without = optics;
+    without.prism = {};
+    return distort(without, ideal) + r2 * r2 * Eigen::Vector2d(sx, sy);
+  }
   return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
           y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
 }

@@ -8,7 +8,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kStep_px = 4, kRays = 32;
+constexpr int kStep_px = 4, kRays = 64;
 constexpr float kReach_m = 0.8F;  ///< from a person's box, within which its light is followed
 
 float phase_per_path_m(double frequency_hz) {

@@ -2,9 +2,9 @@
 // Modulated light that reaches a surface by way of another one.
 #pragma once
 
+#include "host/studio/light/screen_cache.h"
 #include "host/studio/sensors/tof.h"
 #include "host/studio/stage/light.h"
-#include "host/studio/stage/screen_cache.h"
 #include "host/studio/stage/surfels.h"
 
 namespace mixrig::studio {

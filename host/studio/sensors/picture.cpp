@@ -36,14 +36,33 @@ struct Layer {
 void fill(Layer& layer, std::span<const Surfel> surfels, bool is_person, const LampSet& lamps,
           const ShadowCasters& casters) {
   layer.surfels = surfels;
-  for (std::size_t i = 0; i < surfels.size(); ++i)
-    layer.lit[i] = is_person ? LampLight{surfels[i].real, surfels[i].mixed}
-                             : with_person_shadow(surfels[i], lamps, casters);
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const Surfel& s = surfels[i];
+    LampLight& lit = layer.lit[i];
+    lit = is_person ? LampLight{s.real, s.mixed} : with_person_shadow(s, lamps, casters);
+    lit.gloss_real = s.gloss_real, lit.gloss_mixed = s.gloss_mixed;
+    if (casters.reflector != nullptr && s.reflectance > 0)
+      add_person(*casters.reflector, s, lit.gloss_real, lit.gloss_mixed);
+  }
 }
 
-Vec3 radiance(const Surfel& surfel, float lamp_light, const Vec3& tint, const Vec3& ambient) {
+struct SurfelLight {
+  float lamps;
+  const Vec3& bounce;
+  const Vec3& gloss;
+};
+
+Vec3 radiance(const Surfel& surfel, const SurfelLight& light, const Vec3& tint,
+              const Vec3& ambient) {
   if (surfel.glows) return surfel.albedo;
-  return surfel.albedo.cwiseProduct(ambient + lamp_light * tint);
+  return surfel.albedo.cwiseProduct(ambient + light.lamps * tint + light.bounce) + light.gloss;
+}
+
+Vec3 real_radiance(const Surfel& s, const LampLight& lit, const Vec3& tint, const Vec3& ambient) {
+  return radiance(s, {lit.real, s.bounce_real, lit.gloss_real}, tint, ambient);
+}
+Vec3 mixed_radiance(const Surfel& s, const LampLight& lit, const Vec3& tint, const Vec3& ambient) {
+  return radiance(s, {lit.mixed, s.bounce_mixed, lit.gloss_mixed}, tint, ambient);
 }
 
 }  // namespace
@@ -101,16 +120,16 @@ Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& la
     const Surfel* surfel = real.at(i);
     if (surfel == nullptr || surfel->z == kMiss) continue;
     const LampLight& lit = real.light_at(i);
-    pixel.real += radiance(*surfel, lit.real, lamps.tint(), ambient);
+    pixel.real += real_radiance(*surfel, lit, lamps.tint(), ambient);
     pixel.person += is_person ? 1.0F : 0.0F;
     if (!with_object) continue;
-    light_real += ambient + lit.real * lamps.tint();
-    light_mixed += ambient + lit.mixed * lamps.tint();
+    light_real += ambient + lit.real * lamps.tint() + surfel->bounce_real;
+    light_mixed += ambient + lit.mixed * lamps.tint() + surfel->bounce_mixed;
     const bool is_virtual = object.z(i) < surfel->z;
     pixel.silhouette += object.z(i) != kMiss ? 1.0F : 0.0F;
     pixel.mixed += is_virtual
-                       ? radiance(*object.at(i), object.light_at(i).mixed, lamps.tint(), ambient)
-                       : radiance(*surfel, lit.mixed, lamps.tint(), ambient);
+                       ? mixed_radiance(*object.at(i), object.light_at(i), lamps.tint(), ambient)
+                       : mixed_radiance(*surfel, lit, lamps.tint(), ambient);
     ++seen[is_virtual ? Truth::kVirtual : is_person ? Truth::kPerson : Truth::kBackground];
   }
   const float share = 1.0F / static_cast<float>(count);
@@ -133,7 +152,7 @@ Vec3 with_person(const SceneSurfels& surfels, int x, int y, const LampSet& lamps
   bool room_is_lit = false;
   for (int i = 0; i < count; ++i) {
     if (person.z(i) < room.z(i)) {
-      sum += radiance(*person.at(i), person.light_at(i).real, lamps.tint(), ambient);
+      sum += real_radiance(*person.at(i), person.light_at(i), lamps.tint(), ambient);
       continue;
     }
     if (room.surfels.size() <= 1) {
@@ -143,7 +162,7 @@ Vec3 with_person(const SceneSurfels& surfels, int x, int y, const LampSet& lamps
     if (!room_is_lit) fill(room, surfels.room.at(x, y), false, lamps, casters);
     room_is_lit = true;
     if (room.at(i)->z < kMiss)
-      sum += radiance(*room.at(i), room.light_at(i).real, lamps.tint(), ambient);
+      sum += real_radiance(*room.at(i), room.light_at(i), lamps.tint(), ambient);
   }
   return sum / static_cast<float>(count);
 }

@@ -2,27 +2,16 @@
 // Pictures from surfels: lighting, and composition of the layers pixel by pixel.
 #pragma once
 
-#include "host/studio/stage/surfels.h"
+#include "host/studio/light/reflection.h"
 
 namespace mixrig::studio {
-
-/// A scene with its bounding boxes.
-struct Occluder {
-  TraceScene scene;
-  Extent extent;
-
-  explicit Occluder(const TraceDevice& device) : scene(device) {}
-  void set(Mesh& mesh) {
-    scene.set(mesh);
-    extent = extent_of(scene.mesh());
-  }
-};
 
 /// The scenes that cast shadows. The room's shell is not among them: it is convex and contains
 /// everything.
 struct ShadowCasters {
   const Occluder *furniture = nullptr, *object = nullptr, *person = nullptr;
-  bool cull = true;  ///< skip rays that cannot hit a scene's boxes
+  bool cull = true;                      ///< skip rays that cannot hit a scene's boxes
+  const Reflector* reflector = nullptr;  ///< null: nothing is mirrored
 };
 
 /// The three scenes as seen by one camera.
@@ -38,6 +27,7 @@ void light_surfels(SurfelMap& map, const LampSet& lamps, const ShadowCasters& ca
 /// Lamp light on a surfel, without and with the object.
 struct LampLight {
   float real, mixed;
+  Vec3 gloss_real = Vec3::Zero(), gloss_mixed = Vec3::Zero();
 };
 /// Adds the person's shadow to a surfel that was lit without it.
 LampLight with_person_shadow(const Surfel& surfel, const LampSet& lamps,

@@ -9,6 +9,7 @@ namespace mixrig::studio {
 namespace {
 
 constexpr int kBand = 8;
+constexpr float kMirrored = 0.85F;  ///< share of infrared light that a mirror reflects
 
 Rect united(const Rect& a, const Rect& b) {
   if (a.empty()) return b;
@@ -49,11 +50,38 @@ TofCamera::SubRay TofCamera::cast(const TraceScene& scene, const Materials& mate
   Hit hit;
   const Vec3 direction = rays_.direction(u, v);
   if (!scene.intersect(rays_.position, direction, kMiss, hit)) return {kMiss, 0, 0, Vec3::Zero()};
+  if (hit.material.kind == Kind::kMirror) return by_mirror(scene, materials, direction, hit);
   const Vec3 visible = materials.albedo(hit.material, hit.uv, rays_.position + hit.t * direction);
   const float length = direction.norm();
   // The light source is at the lens, so light travels along the ray in both directions.
   return {hit.t * length, materials.infrared(hit.material, visible),
           -hit.normal.dot(direction) / length, hit.normal};
+}
+
+TofCamera::SubRay TofCamera::by_mirror(const TraceScene& scene, const Materials& materials,
+                                       const Vec3& direction, const Hit& mirror) const {
+  const Vec3 at = rays_.position + mirror.t * direction + kShadowOffset_m * mirror.face;
+  const Vec3 on = direction - 2 * direction.dot(mirror.normal) * mirror.normal;
+  Hit hit;
+  if (!scene.intersect(at, on, kMiss, hit)) return {kMiss, 0, 0, Vec3::Zero()};
+  const float length = direction.norm();
+  const float albedo =
+      materials.infrared(hit.material, materials.albedo(hit.material, hit.uv, at + hit.t * on));
+  return {(mirror.t + hit.t) * length, kMirrored * kMirrored * albedo,
+          std::abs(hit.normal.dot(on)) / length, Vec3::Zero()};
+}
+
+Echo TofCamera::outside_echo(const TraceScene& person, const Materials& materials, int x,
+                             int y) const {
+  const std::size_t pixel = static_cast<std::size_t>(y) * sensor_.optics.size_px.width + x;
+  const SubRay& seen = room_rays_[pixel * kSubRays + kSubRays / 2];
+  const bool by_a_mirror = seen.distance_m < kMiss && seen.normal.isZero();
+  if (!by_a_mirror || person.empty()) return room_echo_[pixel];
+  Hit mirror;
+  const Vec3 direction = rays_.direction(static_cast<float>(x), static_cast<float>(y));
+  if (!room_->intersect(rays_.position, direction, kMiss, mirror)) return room_echo_[pixel];
+  const SubRay ray = by_mirror(person, materials, direction, mirror);
+  return ray.distance_m < seen.distance_m ? echo(ray) : room_echo_[pixel];
 }
 
 Echo TofCamera::echo(const SubRay& ray) const {
@@ -63,6 +91,7 @@ Echo TofCamera::echo(const SubRay& ray) const {
 void TofCamera::trace_room(const TraceScene& room, const Materials& materials,
                            const geometry::Pose& world_from_tof, Crew& crew) {
   world_from_tof_ = world_from_tof;
+  room_ = &room;
   rays_ = camera_rays(grid_, world_from_tof);
   const Size size = sensor_.optics.size_px;
   crew.rows(size.height, kBand, [&](int begin, int end) {
@@ -102,7 +131,7 @@ Echo TofCamera::tap_echo(const TraceScene& person, const Materials& materials,
   const std::size_t pixel = static_cast<std::size_t>(y) * sensor_.optics.size_px.width + x;
   switch (region_of(person_z, sensor_.optics.size_px, x, y)) {
     case Region::kOutside:
-      return room_echo_[pixel];
+      return outside_echo(person, materials, x, y);
     case Region::kEdge:
       return mixed_echo(person, materials, x, y);
     case Region::kInside:
@@ -139,7 +168,7 @@ Echo TofCamera::bounced(const TraceScene& person, const Materials& materials, in
     const SubRay before = cast(person, materials, u, v);
     if (before.distance_m < seen.distance_m) seen = before;
   }
-  if (seen.distance_m >= kMiss) return {};
+  if (seen.distance_m >= kMiss || seen.normal.isZero()) return {};
   const Vec3 position = rays_.position + seen.distance_m * rays_.direction(u, v).normalized();
   return seen_from(sensor_, multipath_.at(u, v, position, seen.normal), seen.distance_m,
                    seen.albedo);
@@ -155,7 +184,9 @@ void TofCamera::collect_taps(const Shot& shot, const Materials& materials, const
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
         std::array<Echo, 4>& taps = taps_[pixel];
         taps.fill(room_echo_[pixel]);
-        if (x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1)
+        const bool near = x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1;
+        const SubRay& seen = room_rays_[pixel * kSubRays + kSubRays / 2];
+        if (near || (seen.normal.isZero() && seen.distance_m < kMiss))
           for (std::size_t k = 0; k < 4; ++k)
             taps[k] = tap_echo(shot.person[k], materials, person_z_[k].data(), x, y);
         if (!sensor_.multipath) continue;

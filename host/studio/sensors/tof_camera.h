@@ -35,10 +35,15 @@ class TofCamera {
   static constexpr int kSide = 3, kSubRays = kSide * kSide;
   struct SubRay {
     float distance_m, albedo, cosine;
-    Vec3 normal = Vec3::Zero();  ///< of the surface, for bounced light
+    Vec3 normal = Vec3::Zero();  ///< of the surface; zero by way of a mirror
   };
 
   SubRay cast(const TraceScene& scene, const Materials& materials, float u, float v) const;
+  /// What a ray meets after a mirror: as far as the whole way, as by a surface behind the mirror.
+  SubRay by_mirror(const TraceScene& scene, const Materials& materials, const Vec3& direction,
+                   const Hit& mirror) const;
+  /// Outside the person's silhouette, where a mirror can still show the person.
+  Echo outside_echo(const TraceScene& person, const Materials& materials, int x, int y) const;
   Echo echo(const SubRay& ray) const;
   /// Mean echo of a pixel's sub-rays on person and room, at one tap.
   Echo mixed_echo(const TraceScene& person, const Materials& materials, int x, int y) const;
@@ -58,6 +63,7 @@ class TofCamera {
   RayGrid grid_;
   CameraRays rays_;
   geometry::Pose world_from_tof_;
+  const TraceScene* room_ = nullptr;
   std::vector<SubRay> room_rays_;
   std::vector<Echo> room_echo_;
   Multipath multipath_;

@@ -80,6 +80,8 @@ Layout make_layout(const StudioOptions& options) {
   if (scenario == Scenario::kEdges) layout.room.thin_things = true;
   layout.room.seat = scenario == Scenario::kStill || scenario == Scenario::kTalk;
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
+  layout.room.guest_seat = options.people >= 2;
+  layout.room.mirror = options.realism.mirror;
   layout.room.desk_chair = !options.clear_floor;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
   layout.room.seat_yaw_rad = static_cast<float>(kPi) - 0.35F;

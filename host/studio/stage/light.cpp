@@ -126,6 +126,14 @@ LampMask LampSet::open(const TraceScene& scene, const Extent* extent, const Vec3
   return wanted & ~blocked;
 }
 
+LampMask LampSet::open_middle(const TraceScene& scene, const Vec3& origin, LampMask wanted) const {
+  for (std::size_t l = 0; l < lamps_.size(); ++l) {
+    const LampMask bits = LampMask{0xFFFF} << (16 * l);
+    if ((wanted & bits) != 0 && scene.blocked(origin, lamps_[l].centre)) wanted &= ~bits;
+  }
+  return wanted;
+}
+
 float LampSet::irradiance(const Vec3& position, const Vec3& normal, LampMask open) const {
   float sum = 0;
   for (std::size_t l = 0; l < lamps_.size(); ++l) {

@@ -130,8 +130,14 @@ Wardrobe choose_wardrobe(unsigned seed, bool dark) {
   return w;
 }
 
+Wardrobe wall_coloured(Wardrobe w) {
+  w.shirt = w.trousers = Vec3(0.60F, 0.58F, 0.52F);
+  w.shirt_second = 0.9F * w.shirt;
+  return w;
+}
+
 Materials::Materials(unsigned seed, const Wardrobe& wardrobe, const VirtualObject* object)
-    : seed_(hash_key(seed, 0x5EED)), wardrobe_(wardrobe), object_(object) {}
+    : seed_(hash_key(seed, 0x5EED)), wardrobes_{wardrobe}, object_(object) {}
 
 Vec3 Materials::room(Material material, const Vec2& uv) const {
   const int variant = material.variant;
@@ -144,6 +150,8 @@ Vec3 Materials::room(Material material, const Vec2& uv) const {
       return Vec3::Constant(0.72F + 0.06F * fractal_noise(uv * 25, 2, seed_));
     case Kind::kLamp:
       return Vec3(4.0F, 3.9F, 3.6F);
+    case Kind::kMirror:
+      return Vec3::Constant(0.02F);  // dust
     case Kind::kWood:
       return wood(uv, {0.38F, 0.24F, 0.13F}, seed_ + variant);
     case Kind::kDarkWood:
@@ -169,13 +177,13 @@ Vec3 Materials::room(Material material, const Vec2& uv) const {
   }
 }
 
-Vec3 Materials::face(const Vec2& uv) const {
+Vec3 Materials::face(const Wardrobe& wardrobe, const Vec2& uv) const {
   constexpr float kTurn = 2 * std::numbers::pi_v<float>;
   const float angle = (uv.x() - 0.5F) * kTurn, side = std::abs(angle), v = uv.y();
   const float hairline = side < 0.75F ? 0.80F - 0.05F * side : side < 1.5F ? 0.72F : 0.30F;
   const float strands = 0.8F + 0.4F * value_noise({uv.x() * 160, v * 6}, seed_ + 21);
-  if (v > hairline + 0.02F * std::sin(40 * angle)) return strands * wardrobe_.hair;
-  Vec3 color = wardrobe_.skin * (0.94F + 0.1F * fractal_noise(uv * 30, 2, seed_ + 20));
+  if (v > hairline + 0.02F * std::sin(40 * angle)) return strands * wardrobe.hair;
+  Vec3 color = wardrobe.skin * (0.94F + 0.1F * fractal_noise(uv * 30, 2, seed_ + 20));
   const float cheek = std::hypot((side - 0.62F) / 0.35F, (v - 0.36F) / 0.12F);
   color = mix(color, color.cwiseProduct(Vec3(1.08F, 0.86F, 0.82F)), smooth(1.0F, 0.3F, cheek));
   const float eye = std::hypot((side - 0.36F) / 0.15F, (v - 0.53F) / 0.032F);
@@ -184,49 +192,58 @@ Vec3 Materials::face(const Vec2& uv) const {
                 ? Vec3(0.03F, 0.025F, 0.02F)
                 : Vec3(0.42F, 0.40F, 0.38F);
   if (side > 0.17F && side < 0.56F && std::abs(v - 0.605F + 0.05F * (side - 0.36F)) < 0.013F)
-    color = mix(color, wardrobe_.hair, 0.85F);
+    color = mix(color, wardrobe.hair, 0.85F);
   if (side < 0.27F - 2 * std::abs(v - 0.215F) && std::abs(v - 0.215F) < 0.024F)
     color = color.cwiseProduct(Vec3(0.95F, 0.55F, 0.52F));
   return color;
 }
 
-Vec3 Materials::shirt(Material material, const Vec2& uv) const {
+Vec3 Materials::shirt(const Wardrobe& wardrobe, Material material, const Vec2& uv) const {
   const bool torso = material.variant == 0;
   const Vec2 p(uv.x() * (torso ? 0.95F : 0.3F), uv.y());
   const float weave = 0.93F + 0.14F * fractal_noise(p * 70, 2, seed_ + 30);
-  Vec3 color = wardrobe_.shirt;
-  if (wardrobe_.pattern == 1 && fraction(p.y() / 0.06F) < 0.4F) color = wardrobe_.shirt_second;
-  if (wardrobe_.pattern == 2) {
+  Vec3 color = wardrobe.shirt;
+  if (wardrobe.pattern == 1 && fraction(p.y() / 0.06F) < 0.4F) color = wardrobe.shirt_second;
+  if (wardrobe.pattern == 2) {
     const float bars = (fraction(p.x() / 0.08F) < 0.3F ? 0.4F : 0.0F) +
                        (fraction(p.y() / 0.08F) < 0.3F ? 0.4F : 0.0F);
-    color = mix(color, wardrobe_.shirt_second, bars);
+    color = mix(color, wardrobe.shirt_second, bars);
   }
-  if (wardrobe_.pattern == 3 && torso) {
+  if (wardrobe.pattern == 3 && torso) {
     const Vec2 print((uv.x() - 0.5F) * 0.95F, uv.y() - 0.40F);
     const float star =
         print.norm() * (1.5F + 0.5F * std::cos(5 * std::atan2(print.x(), print.y())));
-    if (star < 0.12F) color = wardrobe_.shirt_second;
+    if (star < 0.12F) color = wardrobe.shirt_second;
   }
   return weave * color;
 }
 
 Vec3 Materials::albedo(Material material, const Vec2& uv, const Vec3& position_m) const {
+  const Wardrobe& wardrobe = wardrobes_[material.person];
   switch (material.kind) {
     case Kind::kSkin:
-      return wardrobe_.skin;
+      return wardrobe.skin;
     case Kind::kFace:
-      return face(uv);
+      return face(wardrobe, uv);
     case Kind::kHair:
-      return wardrobe_.hair * (0.7F + 0.6F * value_noise({uv.x() * 120, uv.y() * 5}, seed_ + 22));
+      return wardrobe.hair * (0.7F + 0.6F * value_noise({uv.x() * 120, uv.y() * 5}, seed_ + 22));
+    case Kind::kStrand:
+      return wardrobe.hair * (0.8F + 0.15F * static_cast<float>(material.variant % 4));
+    case Kind::kStick:
+      return {0.30F, 0.18F, 0.09F};
+    case Kind::kBlack:
+      return Vec3::Constant(0.015F);
+    case Kind::kChrome:
+      return Vec3::Constant(0.03F);
     case Kind::kShirt:
-      return shirt(material, uv);
+      return shirt(wardrobe, material, uv);
     case Kind::kTrousers: {
       const float fade = 0.85F + 0.5F * fractal_noise({uv.x() * 5, uv.y() * 9}, 3, seed_ + 31);
       const float twill = 0.9F + 0.2F * fractal_noise({uv.x() * 60, uv.y() * 160}, 2, seed_ + 32);
-      return fade * twill * wardrobe_.trousers;
+      return fade * twill * wardrobe.trousers;
     }
     case Kind::kShoe:
-      return position_m.z() < 0.022F ? Vec3(0.5F, 0.5F, 0.48F) : wardrobe_.shoes;
+      return position_m.z() < 0.022F ? Vec3(0.5F, 0.5F, 0.48F) : wardrobe.shoes;
     case Kind::kObject: {
       const Image<Rgb8>& texture = object_->meshes[material.variant].texture;
       return sample_texture(texture, uv);
@@ -238,10 +255,16 @@ Vec3 Materials::albedo(Material material, const Vec2& uv, const Vec3& position_m
 
 float Materials::infrared(Material material, const Vec3& visible) const {
   const float luminance = visible.dot(Vec3(0.2126F, 0.7152F, 0.0722F));
+  const Wardrobe& wardrobe = wardrobes_[material.person];
   switch (material.kind) {
     case Kind::kShirt:
     case Kind::kTrousers:
-      return std::min(0.85F, 0.6F * luminance + wardrobe_.infrared_cloth);
+      return std::min(0.85F, 0.6F * luminance + wardrobe.infrared_cloth);
+    case Kind::kBlack:
+      return 0.015F;
+    case Kind::kChrome:
+      return 0.03F;
+    case Kind::kStrand:
     case Kind::kHair:
       return 0.10F + 0.5F * luminance;
     case Kind::kSkin:
@@ -249,6 +272,8 @@ float Materials::infrared(Material material, const Vec3& visible) const {
       return 0.45F + 0.2F * luminance;
     case Kind::kLamp:
       return 0.5F;
+    case Kind::kMirror:
+      return 0.02F;
     default:
       return 0.15F * (material.kind == Kind::kDarkWood ? 0.2F : 1.0F) + 0.8F * luminance;
   }

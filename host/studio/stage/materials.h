@@ -17,11 +17,17 @@ struct Wardrobe {
 /// Random clothes; dark ones for `dark`.
 Wardrobe choose_wardrobe(unsigned seed, bool dark);
 
+/// The same person in shirt and trousers of the colour of the far wall.
+Wardrobe wall_coloured(Wardrobe wardrobe);
+
 /// Albedo of surfaces. Refers to the object's textures (Material::variant is their index); the
 /// object must outlive it.
 class Materials {
  public:
   Materials(unsigned seed, const Wardrobe& wardrobe, const VirtualObject* object);
+
+  /// Another person, with the next Material::person.
+  void add(const Wardrobe& wardrobe) { wardrobes_.push_back(wardrobe); }
 
   /// Linear RGB albedo, 0..1; for Kind::kLamp the emitted light.
   Vec3 albedo(Material material, const Vec2& uv, const Vec3& position_m) const;
@@ -30,11 +36,11 @@ class Materials {
 
  private:
   Vec3 room(Material material, const Vec2& uv) const;
-  Vec3 face(const Vec2& uv) const;
-  Vec3 shirt(Material material, const Vec2& uv) const;
+  Vec3 face(const Wardrobe& wardrobe, const Vec2& uv) const;
+  Vec3 shirt(const Wardrobe& wardrobe, Material material, const Vec2& uv) const;
 
   std::uint64_t seed_;
-  Wardrobe wardrobe_;
+  std::vector<Wardrobe> wardrobes_;
   const VirtualObject* object_;
 };
 

@@ -66,6 +66,14 @@ void add_quad(Mesh& mesh, const Vec3& corner, const Vec3& a, const Vec3& b, Mate
   add_triangle(mesh, v, v + 2, v + 3, material);
 }
 
+void add_flat(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, Material material) {
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  const auto v = add_vertex(mesh, a, normal, {0, 0});
+  add_vertex(mesh, b, normal, {1, 0});
+  add_vertex(mesh, c, normal, {0.5F, 1});
+  add_triangle(mesh, v, v + 1, v + 2, material);
+}
+
 void add_box(Mesh& mesh, const Vec3& centre, const Vec3& size, float yaw_rad, Material material) {
   const float c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   const Vec3 x = size.x() * Vec3(c, s, 0), y = size.y() * Vec3(-s, c, 0),

@@ -33,13 +33,22 @@ enum class Kind : std::uint8_t {
   kShirt,
   kTrousers,
   kShoe,
-  kObject
+  kObject,
+  kMirror,
+  kStrand,
+  kStick,
+  kBlack,
+  kChrome
 };
 struct Material {
   Kind kind = Kind::kPaint;
   std::uint8_t variant = 0;  ///< colour, picture or body part within the kind
+  std::uint8_t person = 0;   ///< whose body or clothes
   bool operator==(const Material&) const = default;
 };
+
+/// Thin enough to be missed between the corners of a pixel.
+inline bool is_thin(Kind kind) { return kind == Kind::kStrand || kind == Kind::kStick; }
 
 struct Mesh {
   std::vector<Vec3> positions, normals;  ///< normals have length 1
@@ -58,6 +67,8 @@ struct Ring {
 
 /// A parallelogram from `corner` along two edges; its normal is a x b, uv in metres.
 void add_quad(Mesh& mesh, const Vec3& corner, const Vec3& a, const Vec3& b, Material material);
+/// One triangle.
+void add_flat(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, Material material);
 /// A box rotated about z by `yaw_rad`; `centre` is the centre of its bottom face.
 void add_box(Mesh& mesh, const Vec3& centre, const Vec3& size, float yaw_rad, Material material);
 /// A smooth closed surface through rings, both ends capped; u is 0..1 around, starting at half_x.

@@ -147,7 +147,7 @@ void add_hand(Mesh& mesh, const Vec3& wrist, const Vec3& along, const Vec3& palm
   }
 }
 
-void add_arm(Mesh& mesh, const Build& build, const Posture& p, const Axes& chest, int side) {
+Vec3 add_arm(Mesh& mesh, const Build& build, const Posture& p, const Axes& chest, int side) {
   const float k = build.scale, g = (0.6F + 0.4F * build.girth) * k, out = side == 0 ? 1.0F : -1.0F;
   const ArmAngles& angles = p.arms[static_cast<std::size_t>(side)];
   const Vec3 neck = p.pelvis + 0.50F * k * chest.up;
@@ -179,6 +179,7 @@ void add_arm(Mesh& mesh, const Build& build, const Posture& p, const Axes& chest
                 {Kind::kShirt, static_cast<std::uint8_t>(1 + side)});
   // The palm of a hanging hand faces the thigh.
   add_hand(mesh, wrist, -lower.up, -out * lower.left, 1, p, k);
+  return wrist - 0.06F * k * lower.up - 0.02F * out * k * lower.left;
 }
 
 void add_torso(Mesh& mesh, const Build& build, const Posture& p, const Axes& hips,
@@ -229,12 +230,14 @@ void add_torso(Mesh& mesh, const Build& build, const Posture& p, const Axes& hip
   add_loft(mesh, rings, 32, {Kind::kShirt, 0});
 }
 
-void add_head(Mesh& mesh, const Build& build, const Posture& p, const Axes& chest) {
+void add_head(Mesh& mesh, const Build& build, const Posture& p, const Axes& chest,
+              BodyPoints& points) {
   const float k = build.scale;
   const Vec3 neck = p.pelvis + 0.56F * k * chest.up;
   const Axes head = turned(chest, Eigen::Quaternionf(Turn(p.head_yaw_rad, Vec3::UnitZ())) *
                                       Eigen::Quaternionf(Turn(p.head_nod_rad, chest.left)));
   const Vec3 chin = neck + k * (0.065F * head.up + 0.022F * head.ahead);
+  points.chin = chin, points.ahead = head.ahead, points.left = head.left, points.up = head.up;
   add_limb(mesh, neck - 0.03F * k * chest.up, chin + 0.05F * k * head.up - 0.02F * k * head.ahead,
            0.056F * k, 0.052F * k, 20, {Kind::kSkin});
   struct Cut {
@@ -279,17 +282,20 @@ void add_head(Mesh& mesh, const Build& build, const Posture& p, const Axes& ches
 
 }  // namespace
 
-void build_person(const Build& build, const Posture& p, Mesh& mesh) {
+BodyPoints build_person(const Build& build, const Posture& p, Mesh& mesh) {
   const Axes world{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   const Axes hips = turned(world, Eigen::Quaternionf(Turn(p.yaw_rad, Vec3::UnitZ())));
   const Axes chest = turned(hips, Eigen::Quaternionf(Turn(p.twist_rad, Vec3::UnitZ())) *
                                       Eigen::Quaternionf(Turn(p.lean_rad, hips.left)));
+  BodyPoints points;
   for (int side = 0; side < 2; ++side) {
     add_leg(mesh, build, p, side);
-    add_arm(mesh, build, p, chest, side);
+    points.hands[static_cast<std::size_t>(side)] = add_arm(mesh, build, p, chest, side);
   }
   add_torso(mesh, build, p, hips, chest);
-  add_head(mesh, build, p, chest);
+  add_head(mesh, build, p, chest, points);
+  points.chest_ahead = chest.ahead, points.chest_up = chest.up;
+  return points;
 }
 
 }  // namespace mixrig::studio

@@ -77,9 +77,10 @@ PersonMotion::OnPath PersonMotion::on_path(double distance_m) const {
       static_cast<float>(std::atan2(turn_ * b * std::cos(angle), -turn_ * a * std::sin(angle)))};
 }
 
-Posture PersonMotion::at(double time_s) const {
-  const bool stays = seated_ || scenario_ == Scenario::kTalk || scenario_ == Scenario::kEdges;
-  return stays ? stay(time_s) : walk(time_s);
+Posture PersonMotion::at(double time_s) const { return walks() ? walk(time_s) : stay(time_s); }
+
+bool PersonMotion::walks() const {
+  return !seated_ && scenario_ != Scenario::kTalk && scenario_ != Scenario::kEdges;
 }
 
 /// Each foot stands still for kStance of the cycle, then swings to its next position.

@@ -49,6 +49,10 @@ class PersonMotion {
  public:
   PersonMotion(Scenario scenario, unsigned seed, const Stage& stage, double start_s);
 
+  /// Whether the person walks, rather than sits or stands.
+  bool walks() const;
+  /// Time of one lap of the path.
+  double lap_s() const { return arc_m_.back() / speed_m_s_; }
   const Build& build() const { return build_; }
   /// Posture at a time of the take; defined for all times.
   Posture at(double time_s) const;

@@ -44,11 +44,11 @@ void add_lamps(Mesh& m) {
   }
 }
 
-/// A picture on the far wall with its frame; `y` is the left edge seen from inside.
-void add_poster(Mesh& m, float y, float z, float width, float height, std::uint8_t variant) {
+/// A picture or mirror on the far wall with its frame; `y` is the left edge seen from inside.
+void add_picture(Mesh& m, float y, float z, float width, float height, Material face) {
   add_box(m, {kRoomX_m - 0.012F, y - width / 2, z - 0.02F}, {0.024F, width + 0.04F, height + 0.04F},
           0, {Kind::kDarkWood});
-  add_quad(m, {kRoomX_m - 0.025F, y, z}, {0, -width, 0}, {0, 0, height}, {Kind::kPoster, variant});
+  add_quad(m, {kRoomX_m - 0.025F, y, z}, {0, -width, 0}, {0, 0, height}, face);
 }
 
 void add_table(Mesh& m, const Vec3& foot, const Vec2& size, float height, float yaw) {
@@ -159,9 +159,12 @@ Mesh build_room(const RoomPlan& plan) {
   add_shell(m);
   add_skirting(m);
   add_lamps(m);
-  add_poster(m, 3.75F, 1.25F, 0.62F, 0.86F, 1);
-  add_poster(m, 2.75F, 1.05F, 0.95F, 0.7F, 2);
-  add_poster(m, 1.35F, 1.30F, 0.5F, 0.7F, 3);
+  add_picture(m, 3.75F, 1.25F, 0.62F, 0.86F, {Kind::kPoster, 1});
+  if (plan.mirror)
+    add_picture(m, 2.75F, 0.95F, 0.95F, 1.1F, {Kind::kMirror});
+  else
+    add_picture(m, 2.75F, 1.05F, 0.95F, 0.7F, {Kind::kPoster, 2});
+  add_picture(m, 1.35F, 1.30F, 0.5F, 0.7F, {Kind::kPoster, 3});
   add_quad(m, {2.35F, 1.35F, 0.004F}, {1.8F, 0, 0}, {0, 1.8F, 0}, {Kind::kCloth, 0});
   add_shelves(m);
   add_cabinet(m);
@@ -169,6 +172,7 @@ Mesh build_room(const RoomPlan& plan) {
   add_door(m);
   add_desk(m, plan.desk_chair);
   if (plan.seat) add_chair(m, plan.seat_foot, plan.seat_yaw_rad);
+  if (plan.guest_seat) add_chair(m, plan.guest_foot, plan.seat_yaw_rad);
   if (plan.thin_things) add_thin_things(m);
   return m;
 }

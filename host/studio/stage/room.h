@@ -15,7 +15,10 @@ struct RoomPlan {
   bool seat = false;        ///< a chair for the person
   Vec3 seat_foot{0, 0, 0};  ///< position on the floor, below its centre
   float seat_yaw_rad = 0;
-  bool desk_chair = true;    ///< reaches into the capture volume
+  bool desk_chair = true;   ///< reaches into the capture volume
+  bool guest_seat = false;  ///< a second chair
+  Vec3 guest_foot{4.35F, 1.0F, 0};
+  bool mirror = false;       ///< on the far wall, in place of the middle picture
   bool thin_things = false;  ///< thin poles and a table seen at a grazing angle
 };
 inline constexpr float kSeatHeight_m = 0.45F;

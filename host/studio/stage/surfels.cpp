@@ -31,6 +31,7 @@ Probe probe(const TraceScene& scene, const Materials& materials, const CameraRay
   s.normal = hit.normal;
   s.origin = result.position + kShadowOffset_m * hit.face;
   s.albedo = materials.albedo(hit.material, hit.uv, result.position);
+  s.kind = hit.material.kind;
   s.glows = hit.material.kind == Kind::kLamp;
   return result;
 }
@@ -66,7 +67,7 @@ CameraRays camera_rays(const RayGrid& grid, const geometry::Pose& world_from_cam
 }
 
 void SurfelMap::build(const TraceScene& scene, const Materials& materials, const CameraRays& rays,
-                      const Rect& rect, Crew& crew) {
+                      const Rect& rect, Crew& crew, const std::vector<std::uint8_t>* thin) {
   rect_ = rect;
   if (rect.empty()) return;
   const int width = rect.x1 - rect.x0, height = rect.y1 - rect.y0;
@@ -107,8 +108,10 @@ void SurfelMap::build(const TraceScene& scene, const Materials& materials, const
         const auto misses = std::count_if(std::begin(corners), std::end(corners),
                                           [](const Probe* p) { return p->surfel.z == kMiss; });
         float z = kMiss;
-        if (misses < 4) {
-          if (agree(corners)) {
+        const bool is_thin = thin != nullptr && !thin->empty() &&
+                             (*thin)[static_cast<std::size_t>(j) * width + at] != 0;
+        if (misses < 4 || is_thin) {
+          if (!is_thin && agree(corners)) {
             surfels.push_back(mean(corners));
             z = surfels.back().z;
           } else {
@@ -127,6 +130,33 @@ float SurfelMap::centre_z(int x, int y) const {
   if (x < rect_.x0 || x >= rect_.x1 || y < rect_.y0 || y >= rect_.y1) return kMiss;
   return rows_[static_cast<std::size_t>(y - rect_.y0)]
       .centre_z[static_cast<std::size_t>(x - rect_.x0)];
+}
+
+std::vector<std::uint8_t> touched_by_thin(const Mesh& mesh, const Optics& optics,
+                                          const geometry::Pose& world_from_camera,
+                                          const Rect& rect) {
+  std::vector<std::uint8_t> marks;
+  if (rect.empty()) return marks;
+  const geometry::Pose camera_from_world = geometry::inverse(world_from_camera);
+  const int width = rect.x1 - rect.x0;
+  for (std::size_t t = 0; t < mesh.materials.size(); ++t) {
+    if (!is_thin(mesh.materials[t].kind)) continue;
+    marks.resize(static_cast<std::size_t>(width) * (rect.y1 - rect.y0));
+    Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d p =
+          camera_from_world * mesh.positions[mesh.indices[3 * t + k]].cast<double>();
+      if (p.z() < 0.1) continue;
+      const Eigen::Vector2d px = project(optics, p);
+      low = low.cwiseMin(px), high = high.cwiseMax(px);
+    }
+    for (int y = std::max(rect.y0, static_cast<int>(std::floor(low.y() + 0.5)));
+         y <= std::min(rect.y1 - 1, static_cast<int>(std::floor(high.y() + 0.5))); ++y)
+      for (int x = std::max(rect.x0, static_cast<int>(std::floor(low.x() + 0.5)));
+           x <= std::min(rect.x1 - 1, static_cast<int>(std::floor(high.x() + 0.5))); ++x)
+        marks[static_cast<std::size_t>(y - rect.y0) * width + (x - rect.x0)] = 1;
+  }
+  return marks;
 }
 
 Rect covered_by(const Mesh& mesh, const Optics& optics, const geometry::Pose& world_from_camera) {

@@ -37,10 +37,15 @@ struct Surfel {
   Vec3 normal;
   Vec3 albedo;
   float z = kMiss;
+  Kind kind = Kind::kPaint;
   bool glows = false;  ///< a lamp's face: albedo is its emitted light
   float real = 0;      ///< lamp light without the virtual object (LampSet::irradiance)
   float mixed = 0;     ///< the same with it
   LampMask open_real = 0, open_mixed = 0;
+  Vec3 bounce_real = Vec3::Zero(), bounce_mixed = Vec3::Zero();  ///< light by way of others
+  /// Mirrored radiance, people apart, already times `reflectance`.
+  Vec3 gloss_real = Vec3::Zero(), gloss_mixed = Vec3::Zero();
+  float reflectance = 0;
 };
 
 /// Columns and rows [x0, x1) x [y0, y1).
@@ -53,8 +58,9 @@ struct Rect {
 class SurfelMap {
  public:
   /// Traces the corner rays of every pixel, and 16 rays if the corners hit different surfaces.
+  /// With `thin`, also in the pixels that it marks, row by row of the rectangle.
   void build(const TraceScene& scene, const Materials& materials, const CameraRays& rays,
-             const Rect& rect, Crew& crew);
+             const Rect& rect, Crew& crew, const std::vector<std::uint8_t>* thin = nullptr);
 
   /// 0, 1 or 16 surfels. Sub-sample i of an edge pixel is at ((i % 4) + 0.5) / 4 - 0.5 across.
   std::span<Surfel> at(int x, int y) { return find(*this, x, y); }
@@ -83,6 +89,11 @@ class SurfelMap {
   Rect rect_;
   std::vector<Row> rows_;
 };
+
+/// Marks the pixels of a rectangle that thin parts of a mesh touch; empty if it has none.
+std::vector<std::uint8_t> touched_by_thin(const Mesh& mesh, const Optics& optics,
+                                          const geometry::Pose& world_from_camera,
+                                          const Rect& rect);
 
 /// Pixels that a mesh can cover, with a margin; all pixels if it reaches behind the camera.
 Rect covered_by(const Mesh& mesh, const Optics& optics, const geometry::Pose& world_from_camera);

@@ -64,5 +64,16 @@ TEST(Lens, fisheye_ray_is_at_the_angle_of_its_radius) {
   EXPECT_FALSE(fisheye_ray(lens, 0, 0, ray));
 }
 
+TEST(Lens, a_prism_moves_the_corner_as_stated_and_is_undone) {
+  const Optics plain = target_optics(RigPreset::kKinect2, {640, 512});
+  const Optics prism = with_lens_error(plain, 0.3);
+  const Eigen::Vector3d corner(319.5 / plain.fx_px, 255.5 / plain.fy_px, 1);
+  EXPECT_NEAR((project(prism, corner) - project(plain, corner)).norm(), 0.3, 0.01);
+  const Eigen::Vector3d halfway(0.5 * corner.x(), 0.5 * corner.y(), 1);
+  EXPECT_NEAR((project(prism, halfway) - project(plain, halfway)).norm(), 0.3 / 16, 1e-3);
+  const Eigen::Vector2d ideal(-0.3, 0.2);
+  EXPECT_LT((undistort(prism, distort(prism, ideal)) - ideal).norm(), 1e-10);
+}
+
 }  // namespace
 }  // namespace mixrig::studio

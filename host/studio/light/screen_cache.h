@@ -68,6 +68,8 @@ class ScreenCache {
     return total > 0 ? sum * (1 / total) : sum;
   }
 
+  const std::vector<Node>& nodes() const { return nodes_; }
+
  private:
   static constexpr float kOff_m = 0.02F;  ///< from the surface, at which a node counts half
 

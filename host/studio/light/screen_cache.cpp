@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Directions for the values of a cache.
-#include "host/studio/stage/screen_cache.h"
+#include "host/studio/light/screen_cache.h"
 
 #include <cmath>
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The people of a take.
+#include "host/studio/people/cast.h"
+
+#include "host/studio/people/attire.h"
+#include "host/studio/stage/layout.h"
+
+namespace mixrig::studio {
+namespace {
+
+constexpr unsigned kSecond = 7001, kThird = 7002;  ///< added to the seed
+
+}  // namespace
+
+Cast::Cast(const StudioOptions& options, const Layout& layout, double start_s) : options_(options) {
+  people_.emplace_back(options.scenario, options.seed, layout.stage, start_s);
+  Stage stage = layout.stage;
+  if (options.people >= 2) {
+    stage.spot = {layout.room.guest_foot.x(), layout.room.guest_foot.y()};
+    people_.emplace_back(Scenario::kStill, options.seed + kSecond, stage, start_s);
+  }
+  if (options.people < 3) return;
+  stage = layout.stage;
+  // Around those who sit or stand on the first one's path.
+  if (!people_.front().walks()) stage.path_half_m *= 1.5F;
+  const PersonMotion alone(Scenario::kWalk, options.seed, stage, start_s);
+  people_.emplace_back(Scenario::kWalk, options.seed, stage, start_s + 0.5 * alone.lap_s());
+}
+
+void Cast::dress(const StudioOptions& options, Materials& materials) {
+  const bool dark = options.scenario == Scenario::kDark;
+  if (options.people >= 2) materials.add(choose_wardrobe(options.seed + kSecond, dark));
+  if (options.people >= 3)
+    materials.add(wall_coloured(choose_wardrobe(options.seed + kThird, dark)));
+}
+
+void Cast::build(double time_s, Mesh& mesh) const {
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const std::size_t first = mesh.materials.size();
+    const PersonMotion& person = people_[i];
+    const Posture posture = person.at(time_s);
+    const BodyPoints points = build_person(person.build(), posture, mesh);
+    const Realism& realism = options_.realism;
+    if (realism.loose_clothes && person.walks()) add_coat(person.build(), posture, points, mesh);
+    if (realism.hair)
+      add_strands(person.build(), points, options_.seed + static_cast<unsigned>(i), mesh);
+    if (options_.props && i == 0) add_props(posture, points, mesh);
+    for (std::size_t t = first; t < mesh.materials.size(); ++t)
+      mesh.materials[t].person = static_cast<std::uint8_t>(i);
+  }
+}
+
+}  // namespace mixrig::studio

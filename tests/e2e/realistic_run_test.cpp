@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mixrig run` on takes of the judged look (docs/studio.md), one a rig, against bounds of its own.
+// The seeds are above 1000, which no tuning may look at.
+#include <gtest/gtest.h>
+
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+struct Realistic {
+  const char* rig;
+  int seed;
+  double least_key_iou, most_order_wrong_pct, most_light_rmse, most_depth_bad_pct;
+};
+void PrintTo(const Realistic& row, std::ostream* out) { *out << row.rig; }
+
+class RealisticRun : public CommandTest, public ::testing::WithParamInterface<Realistic> {};
+
+TEST_P(RealisticRun, MeetsItsBounds) {
+  const Realistic& row = GetParam();
+  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario walk --rig " + row.rig + " --seed " +
+                   std::to_string(row.seed) + " --frames 16 --size 320x256"),
+            0);
+  ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
+                   path("out") + " --backend cpu --format none --json " + path("report.json")),
+            0);
+  const auto error = report("report.json").at("error");
+  EXPECT_GE(error.at("key_iou").get<double>(), row.least_key_iou);
+  EXPECT_LE(error.at("order_wrong_pct").get<double>(), row.most_order_wrong_pct);
+  EXPECT_LE(error.at("light_rmse").get<double>(), row.most_light_rmse);
+  EXPECT_LE(error.at("depth_bad_pct").get<double>(), row.most_depth_bad_pct);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, RealisticRun,
+                         ::testing::Values(Realistic{"sr3000", 1041, 0.5, 20, 0.2, 30},
+                                           Realistic{"kinect2", 1042, 0.5, 20, 0.2, 30},
+                                           Realistic{"helios2", 1043, 0.5, 20, 0.2, 30}));
+
+}  // namespace
+}  // namespace mixrig::test
