@@ -157,7 +157,7 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
         truth.depth_m.at(x, y) = z < kMiss ? z : 0;
         truth.background_depth_m.at(x, y) = behind < kMiss ? behind : 0;
         truth.matte.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * p.person));
-        truth.light.at(x, y) = p.light;
+        truth.light.at(x, y) = std::min(p.light, 1.0F);  // takes cannot tell more
         truth.composite.at(x, y) = srgb_from_linear(Vec3(exposure * p.mixed));
         truth.labels.at(x, y) =
             static_cast<std::uint8_t>(p.layer | (seen ? Truth::kTofSees : 0) |

@@ -160,7 +160,7 @@ struct Truth {
   Image<float> depth_m;                           ///< z of the real scene at the pixel centre
   Image<float> background_depth_m;                ///< the same without people
   Image<std::uint8_t> matte;                      ///< coverage by people, 255 = all
-  Image<float> light;          ///< luminance of the light with the object / without it
+  Image<float> light;          ///< luminance of the light with the object / without it, at most 1
   Image<Rgb8> composite;       ///< noise-free picture with the object in it, sRGB
   Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
   std::optional<Eigen::Vector2d> person_on_floor_m;  ///< vertically below the pelvis, world x y

@@ -10,6 +10,8 @@ namespace {
 
 constexpr unsigned kSecond = 7001, kThird = 7002;  ///< added to the seed
 
+const Eigen::Vector2f kBehind_m(3.95F, 2.95F);  ///< where the third stands, if not walking
+
 }  // namespace
 
 Cast::Cast(const StudioOptions& options, const Layout& layout, double start_s) : options_(options) {
@@ -21,8 +23,11 @@ Cast::Cast(const StudioOptions& options, const Layout& layout, double start_s) :
   }
   if (options.people < 3) return;
   stage = layout.stage;
-  // Around those who sit or stand on the first one's path.
-  if (!people_.front().walks()) stage.path_half_m *= 1.5F;
+  if (!people_.front().walks()) {  // and would block the path
+    stage.spot = kBehind_m;
+    people_.emplace_back(Scenario::kTalk, (options.seed + kThird) | 1U, stage, start_s);
+    return;
+  }
   const PersonMotion alone(Scenario::kWalk, options.seed, stage, start_s);
   people_.emplace_back(Scenario::kWalk, options.seed, stage, start_s + 0.5 * alone.lap_s());
 }

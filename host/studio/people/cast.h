@@ -10,7 +10,8 @@ namespace mixrig::studio {
 struct Layout;
 
 /// One to three people. The first is the person of the scenario; the second sits; the third walks
-/// half a lap away, in clothes of the wall's colour. Immutable and thread-safe.
+/// half a lap away, or stands where the first does not walk, in clothes of the wall's colour.
+/// Immutable and thread-safe.
 class Cast {
  public:
   Cast(const StudioOptions& options, const Layout& layout, double start_s);
