@@ -33,9 +33,9 @@ TEST_P(RealisticRun, MeetsItsBounds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, RealisticRun,
-                         ::testing::Values(Realistic{"sr3000", 1041, 0.5, 20, 0.2, 30},
-                                           Realistic{"kinect2", 1042, 0.5, 20, 0.2, 30},
-                                           Realistic{"helios2", 1043, 0.5, 20, 0.2, 30}));
+                         ::testing::Values(Realistic{"sr3000", 1041, 0.91, 3, 0.035, 40},
+                                           Realistic{"kinect2", 1042, 0.82, 8, 0.025, 12},
+                                           Realistic{"helios2", 1043, 0.94, 2.5, 0.025, 12}));
 
 }  // namespace
 }  // namespace mixrig::test
