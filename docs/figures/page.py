@@ -87,7 +87,7 @@ class Page:
             for name, group in (("**camera still**", STILL), ("**camera moves**", MOVING)):
                 rows.append([name] + columns_of(self.of("true", group, [rig])))
             out += (f"### {rig}\n" + self.conditions(
-                "true calibration, true lamps, `mixrig studio --scenario S --rig "
+                "true calibration, true lamps, `mixrig studio --plain --scenario S --rig "
                 f"{rig} --seed N --frames {FRAMES[STILL[0]]} ({FRAMES[MOVING[0]]} moving) --size "
                 f"{SIZE}`, `mixrig run --backend cpu --baselines`", self.chosen) +
                     table(["scenario"] + [c[0] for c in COLUMNS], rows) + "\n")
@@ -113,7 +113,7 @@ class Page:
                  ("contested PSNR, dB", 2, "error.contested.color_psnr_db")]
         return self.condition_table(
             ["known", "estimated"], ["walk", "pan"], paths,
-            f"cells: true / estimated; `--tolerance 1`; `mixrig studio --scenario board --views "
+            f"cells: true / estimated; `--tolerance 1`; `mixrig studio --plain --scenario board --views "
             f"{BOARD_VIEWS} --tolerance 1 --size {SIZE}`, `mixrig calibrate rig`, `mixrig run "
             "--calibration`; poses are the true ones", self.calibrated)
 

@@ -55,13 +55,12 @@ class Workshop:
         file = self.runs / "load.txt"
         return float(file.read_text()) if file.exists() else 0.0
 
-    def take(self, scenario, rig, seed, size=SIZE, frames=None, tolerance=False, plain=()):
+    def take(self, scenario, rig, seed, size=SIZE, frames=None, tolerance=False):
         frames = frames or FRAMES[scenario]
         name = f"{scenario}-{rig}-{seed}-{frames}-{size}" + ("-tolerance1" if tolerance else "")
-        out = self.takes / (name + "".join(plain))
+        out = self.takes / name
         if not (out / "take.toml").exists():
-            self.call("studio", out, *studio_words(scenario, rig, seed, frames, size, tolerance),
-                      *plain)
+            self.call("studio", out, *studio_words(scenario, rig, seed, frames, size, tolerance))
         return out
 
     def calibration(self, rig, seed):
@@ -69,7 +68,7 @@ class Workshop:
         out = self.runs / f"calibration-{rig}-{seed}.toml"
         boards = self.takes / f"boards-{rig}-{seed}"
         if not (boards / "views.toml").exists():
-            self.call("studio", boards, "--scenario", "board", "--views", BOARD_VIEWS, "--rig", rig,
+            self.call("studio", boards, "--plain", "--scenario", "board", "--views", BOARD_VIEWS, "--rig", rig,
                       "--seed", seed, "--tolerance", 1, "--size", SIZE)
         if not out.exists():
             self.call("calibrate", "rig", boards, "--out", out)
@@ -101,7 +100,7 @@ class Workshop:
 
 
 def studio_words(scenario, rig, seed, frames, size, tolerance):
-    return ["--scenario", scenario, "--rig", rig, "--seed", seed, "--frames", frames, "--size",
+    return ["--plain", "--scenario", scenario, "--rig", rig, "--seed", seed, "--frames", frames, "--size",
             size] + (["--tolerance", 1] if tolerance else [])
 
 
