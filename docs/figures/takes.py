@@ -68,8 +68,8 @@ class Workshop:
         out = self.runs / f"calibration-{rig}-{seed}.toml"
         boards = self.takes / f"boards-{rig}-{seed}"
         if not (boards / "views.toml").exists():
-            self.call("studio", boards, "--plain", "--scenario", "board", "--views", BOARD_VIEWS, "--rig", rig,
-                      "--seed", seed, "--tolerance", 1, "--size", SIZE)
+            self.call("studio", boards, "--plain", "--scenario", "board", "--views", BOARD_VIEWS,
+                      "--rig", rig, "--seed", seed, "--tolerance", 1, "--size", SIZE)
         if not out.exists():
             self.call("calibrate", "rig", boards, "--out", out)
         return out
