@@ -39,6 +39,7 @@ struct VirtualObject {
   geometry::Pose world_from_object;
   double scale = 1.0;
   bool casts_shadow = true;
+  bool in_set = false;  ///< part of the set: it stays where objects are hidden
 };
 
 /// As scene::Lamp.

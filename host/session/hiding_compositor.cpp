@@ -7,8 +7,8 @@ Result<void> HidingCompositor::open(const render::CompositorSetup& setup, Backen
                                     bool hides) {
   backend_ = backend;
   empty_setup_ = setup;
-  empty_setup_.objects.clear();
-  has_objects_ = !setup.objects.empty();
+  has_objects_ =
+      std::erase_if(empty_setup_.objects, [](const auto& object) { return !object.in_set; }) > 0;
   MIXRIG_ASSIGN(whole_, make_compositor(setup, backend));
   return hides && has_objects_ ? open_empty() : Result<void>();
 }

@@ -36,7 +36,7 @@ class HidingCompositor {
   Result<void> open_empty();
 
   BackendChoice backend_;
-  render::CompositorSetup empty_setup_;  ///< without objects
+  render::CompositorSetup empty_setup_;  ///< without objects, but with the set
   bool has_objects_ = false;
   std::unique_ptr<render::Compositor> whole_, empty_;
   render::Compositor* used_ = nullptr;  ///< one of both

@@ -55,6 +55,8 @@ void add_objects(Session& session) {
     out.world_from_object = object->world_from_object;
     out.scale = object->scale;
     out.casts_shadow = object->casts_shadow;
+    out.in_set = session.scene.set && session.scene.set->model &&
+                 object == &session.scene.set->model.value();
     session.setup.objects.push_back(std::move(out));
   }
 }

@@ -179,6 +179,20 @@ TEST_F(CameraPoseTest, WithoutAPoseTheObjectIsHiddenWhereTheSceneSaysSo) {
   EXPECT_EQ(shown_.at(18).pose.loss, PoseLoss::kGap);
 }
 
+TEST_F(CameraPoseTest, WithoutAPoseTheSetStaysWhereObjectsAreHidden) {
+  use(std::make_unique<PosedSource>(40, nullptr));
+  use_trajectory(write_trajectory(0, 2, 0.65, 0.85));
+  session_.scene.camera.when_lost = scene::WhenLost::kHide;
+  session_.setup.objects.front().in_set = true;
+  ASSERT_TRUE(run_it());
+  int lost = 0;
+  for (const auto& [number, shown] : shown_) {
+    EXPECT_GT(shown.virtual_px, 0) << number;
+    lost += shown.pose.ok() ? 0 : 1;
+  }
+  EXPECT_GT(lost, 0);
+}
+
 TEST_F(CameraPoseTest, APoseOlderThanTheSceneAcceptsIsLost) {
   use(std::make_unique<PosedSource>(40, nullptr));
   use_trajectory(write_trajectory(0, 2));
