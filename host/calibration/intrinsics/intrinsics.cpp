@@ -129,9 +129,11 @@ Result<void> judge(Intrinsics& out) {
   return {};
 }
 
-/// Refuses views that two cameras explain far better than one, and names the smaller group.
-Result<void> check_one_camera(const Intrinsics& out, const std::vector<std::size_t>& which) {
-  const auto split = split_in_two(out.bundle);
+/// Refuses views that two cameras explain far better than one, and names the smaller group. Both
+/// begin at `from`.
+Result<void> check_one_camera(const Intrinsics& out, const Bundle& from,
+                              const std::vector<std::size_t>& which) {
+  const auto split = split_in_two(from);
   if (!split || !tells_apart(*split, out.sigma_px)) return {};
   const auto seconds = std::count(split->second.begin(), split->second.end(), 1);
   const char fewer = 2 * static_cast<std::size_t>(seconds) <= which.size() ? 1 : 0;
@@ -207,8 +209,13 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
     return refuse("the board is not as stated: its points miss by " + number(rms) +
                   " px in every view: check its columns, rows and sizes");
   MIXRIG_TRY(sum_up(out));
-  MIXRIG_TRY(check_one_camera(out, which));
-  MIXRIG_TRY(judge(out));
+  MIXRIG_TRY(check_one_camera(out, out.bundle, which));
+  if (auto judged = judge(out); !judged) {
+    // Two cameras can pull one so far off that neither is found from there.
+    if (Bundle again = out.bundle; start(again, size_px))
+      MIXRIG_TRY(check_one_camera(out, again, which));
+    return judged.error();
+  }
   out.camera = geometry::make_camera(options.kind, size_px, out.bundle.intrinsics);
   fill_view_fits(out, which);
   return out;
