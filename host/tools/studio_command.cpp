@@ -139,9 +139,10 @@ void add_board_options(Command command, Arguments& arguments) {
                   "Largest systematic depth error, mm; that of the takes if not given")
       .group(group);
   command
-      .add_option("--lens-error", arguments.lens_error_px,
-                  "Error of the target lens outside its model at the corners, px; 0.3 if not given, "
-                  "0 with --plain")
+      .add_option(
+          "--lens-error", arguments.lens_error_px,
+          "Error of the target lens outside its model at the corners, px; 0.3 if not given, "
+          "0 with --plain")
       .group(group);
   option("--amplitude-error", arguments.amplitude_error_mm, "Depth error where light is weak, mm");
   option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");

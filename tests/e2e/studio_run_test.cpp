@@ -40,6 +40,7 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   const auto& error = report.at("error");
   EXPECT_GE(error.at("key_iou").get<double>(), row.least_key_iou);
   EXPECT_LE(error.at("order_wrong_pct").get<double>(), 2.0);
+  EXPECT_LE(error.at("light_rmse").get<double>(), 0.06);
   EXPECT_LE(error.at("light_shadow_rmse").get<double>(), kMostShadowRmse);
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);
   EXPECT_LE(report.at("rss_mb").get<double>(), 400.0);

@@ -10,11 +10,11 @@
 namespace mixrig::test {
 namespace {
 
-class JudgedRun : public CommandTest {
+class BaselinesRun : public CommandTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario walk --rig kinect2 --seed " +
-                     std::to_string(seeds::kJudged) + " --size 320x256 --frames 20"),
+    ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario talk --rig kinect2 --seed " +
+                     std::to_string(seeds::kBaselines) + " --size 320x256 --frames 20"),
               0);
   }
   nlohmann::json run(const std::string& scene, const std::string& words = "") const {
@@ -35,7 +35,7 @@ class JudgedRun : public CommandTest {
 
 double of(const nlohmann::json& errors, const char* key) { return errors.at(key).get<double>(); }
 
-TEST_F(JudgedRun, PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure) {
+TEST_F(BaselinesRun, PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure) {
   const std::string scene = path("take/scene.toml");
   const nlohmann::json report = run(scene, "--baselines");
   const auto& error = report.at("error");
