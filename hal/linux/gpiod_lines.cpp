@@ -20,7 +20,7 @@ namespace mixrig::device {
 namespace {
 
 constexpr const char* kConsumer = "mixrig";
-constexpr timespec kWait{0, 100'000'000};
+constexpr timespec kEdgeWait{0, 100'000'000};
 
 struct CloseChip {
   void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
@@ -98,7 +98,7 @@ class GpiodInput final : public TriggerInput {
   void work() {
     std::uint64_t sequence = 0;
     while (!stop_) {
-      const int ready = gpiod_line_event_wait(line(), &kWait);
+      const int ready = gpiod_line_event_wait(line(), &kEdgeWait);
       gpiod_line_event event{};
       if (ready == 0) continue;
       if (ready < 0 || gpiod_line_event_read(line(), &event) < 0) {

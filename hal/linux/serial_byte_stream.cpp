@@ -14,7 +14,7 @@ namespace mixrig::device {
 
 namespace {
 
-constexpr unsigned kWriteTimeoutMs = 1000;
+constexpr unsigned kSerialWriteTimeoutMs = 1000;
 
 Error serial_error(ErrorCode code, const std::string& what, sp_return status) {
   return system_error(code, what, status == SP_ERR_FAIL ? sp_last_error_code() : 0);
@@ -58,7 +58,7 @@ Result<std::size_t> SerialByteStream::read(std::span<std::uint8_t> out, Duration
 }
 
 Result<void> SerialByteStream::write(std::span<const std::uint8_t> bytes) {
-  const sp_return n = sp_blocking_write(port_, bytes.data(), bytes.size(), kWriteTimeoutMs);
+  const sp_return n = sp_blocking_write(port_, bytes.data(), bytes.size(), kSerialWriteTimeoutMs);
   if (n < 0) return serial_error(ErrorCode::kDevice, "lost " + name_ + ": unplugged?", n);
   if (static_cast<std::size_t>(n) != bytes.size()) {
     return Error{ErrorCode::kTimeout, name_ + " accepts no bytes: does it hang?"};

@@ -16,9 +16,9 @@
 namespace mixrig::device {
 namespace {
 
-constexpr int kBuffers = 10;
-constexpr Duration kWait = std::chrono::milliseconds(100);
-constexpr Duration kLookAgain = std::chrono::milliseconds(250);
+constexpr int kTofBuffers = 10;
+constexpr Duration kTofWait = std::chrono::milliseconds(100);
+constexpr Duration kTofLookAgain = std::chrono::milliseconds(250);
 constexpr Duration kSilence = std::chrono::seconds(1);
 constexpr std::uint8_t kSubclass = 0x54, kProtocol = 0x01, kDescribe = 0x10, kStream = 0x11;
 
@@ -71,7 +71,7 @@ Result<void> TofUsbCamera::open() {
   info_.rate_hz = description_.rate_hz;
   info_.stamp_clock = StampClock::kDevice;
   const std::size_t bytes = description_.size.area() * 2;
-  pool_.emplace(kBuffers, bytes, description_.amplitude ? bytes : 0);
+  pool_.emplace(kTofBuffers, bytes, description_.amplitude ? bytes : 0);
   decoder_.emplace(description_, *pool_);
   return {};
 }
@@ -118,7 +118,7 @@ void TofUsbCamera::work() {
     decoder_->feed(bytes, last_bytes_at_, sink_);
   };
   while (!stop_) {
-    BulkState state = pipe_->pump(kWait, take);
+    BulkState state = pipe_->pump(kTofWait, take);
     // A camera that has not sent anything yet may be waiting for its trigger.
     if (state == BulkState::kFlowing && streams_ && clock_.now() - last_bytes_at_ > kSilence)
       state = BulkState::kStalled;
@@ -145,7 +145,7 @@ void TofUsbCamera::recover(BulkState state) {
       return publish_health(DeviceState::kStreaming);
     }
     pipe_->close();
-    clock_.sleep_until(clock_.now() + kLookAgain);
+    clock_.sleep_until(clock_.now() + kTofLookAgain);
   }
 }
 

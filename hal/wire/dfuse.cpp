@@ -25,8 +25,8 @@ constexpr int kMaxPolls = 200;
 constexpr Duration kLongestPoll = std::chrono::seconds(3);
 constexpr std::size_t kMaxSectors = 1024;
 
-Error refused(const std::string& what) {
-  return Error{ErrorCode::kDevice, "USB bootloader refused to " + what};
+Error dfu_refused(const std::string& what) {
+  return Error{ErrorCode::kDevice, "USB bootloader dfu_refused to " + what};
 }
 
 /// Reads a number and removes it from `text`; false where there is none.
@@ -93,7 +93,7 @@ std::vector<FlashSector> parse_memory_layout(std::string_view text) {
 Result<Dfuse::Status> Dfuse::get_status() {
   std::array<std::uint8_t, 6> bytes{};
   MIXRIG_ASSIGN(const std::size_t n, usb_.receive(kGetStatus, 0, bytes));
-  if (n != bytes.size()) return refused("report its state");
+  if (n != bytes.size()) return dfu_refused("report its state");
   const int poll_ms = bytes[1] | bytes[2] << 8 | bytes[3] << 16;
   return Status{bytes[0], bytes[4],
                 std::min<Duration>(std::chrono::milliseconds(poll_ms), kLongestPoll)};
@@ -107,7 +107,7 @@ Result<void> Dfuse::become_idle() {
     const std::uint8_t request = status.state == kErrorState ? kClearStatus : kAbort;
     MIXRIG_TRY(usb_.send(request, 0, {}));
   }
-  return refused("become idle: unplug it and try again");
+  return dfu_refused("become idle: unplug it and try again");
 }
 
 /// The device carries out a download when its status is read: it is busy first, then idle or in
@@ -117,7 +117,7 @@ Result<void> Dfuse::finish_download(const char* what) {
     MIXRIG_ASSIGN(const Status status, get_status());
     if (status.status != 0 || status.state == kErrorState) {
       MIXRIG_TRY(usb_.send(kClearStatus, 0, {}));
-      return refused(std::string(what) + ", status " + std::to_string(status.status));
+      return dfu_refused(std::string(what) + ", status " + std::to_string(status.status));
     }
     if (status.state == kDownloadIdle) return {};
     clock_.sleep_until(clock_.now() + status.poll);
@@ -149,7 +149,7 @@ Result<void> Dfuse::erase(const FlashSector& sector) {
   // The device would erase whichever sector contains the address.
   const bool known = std::find(sectors_.begin(), sectors_.end(), sector) != sectors_.end();
   return known ? command(kErase, sector.address, "erase flash")
-               : refused("erase an address range that is no sector");
+               : dfu_refused("erase an address range that is no sector");
 }
 
 Result<void> Dfuse::write(std::uint32_t address, std::span<const std::uint8_t> data) {
@@ -171,7 +171,7 @@ Result<void> Dfuse::read(std::uint32_t address, std::span<std::uint8_t> out) {
   while (!out.empty()) {
     const std::size_t size = std::min(out.size(), usb_.dfu().transfer_size);
     MIXRIG_ASSIGN(const std::size_t n, usb_.receive(kUpload, block++, out.first(size)));
-    if (n != size) return refused("read flash (read protection?)");
+    if (n != size) return dfu_refused("read flash (read protection?)");
     out = out.subspan(size);
   }
   return become_idle();

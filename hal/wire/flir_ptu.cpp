@@ -14,8 +14,8 @@ namespace {
 constexpr Duration kAnswer = std::chrono::seconds(1);
 // The unit computes and stores changes of acceleration and of limits before it answers.
 constexpr Duration kSlowAnswer = std::chrono::seconds(10);
-constexpr Duration kQuiet = std::chrono::milliseconds(60);
-constexpr int kTries = 4;       // of an exchange without an answer
+constexpr Duration kPtuQuiet = std::chrono::milliseconds(60);
+constexpr int kPtuTries = 4;    // of an exchange without an answer
 constexpr int kQueryTries = 8;  // of a query until its answer is valid
 constexpr double kRadPerArcsecond = std::numbers::pi / (180.0 * 3600.0);
 
@@ -140,7 +140,7 @@ Result<double> FlirPtu::query(std::string_view text, PtuAxis axis) {
 }
 
 Result<PtuReply> FlirPtu::exchange(std::string_view text, Duration timeout) {
-  for (int i = 0; i + 1 < kTries; ++i) {
+  for (int i = 0; i + 1 < kPtuTries; ++i) {
     auto reply = exchange_once(text, timeout);
     if (reply || reply.error().code != ErrorCode::kTimeout) return reply;
   }
@@ -217,7 +217,7 @@ Result<void> FlirPtu::drain() {
   std::array<std::uint8_t, 256> bytes;
   const HostTime end = clock_.now() + kAnswer;
   while (clock_.now() < end) {
-    MIXRIG_ASSIGN(const std::size_t count, stream_->read(bytes, kQuiet));
+    MIXRIG_ASSIGN(const std::size_t count, stream_->read(bytes, kPtuQuiet));
     for (std::size_t i = 0; i < count; ++i) (void)parser_.feed(static_cast<char>(bytes[i]));
     if (count == 0) break;
   }

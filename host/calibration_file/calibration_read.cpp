@@ -12,7 +12,7 @@ namespace {
 using config::Range;
 using config::Table;
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxCalibrationBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxKnots = 1000;
 constexpr int kMaxPanTiltParameters = 64;
 constexpr Range kDirection{-2, 2}, kPlace_m{-1e6, 1e6}, kDepthError_m{-1e3, 1e3};
@@ -102,7 +102,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
 }
 
 Result<Calibration> read_calibration(const std::filesystem::path& path) {
-  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxBytes));
+  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxCalibrationBytes));
   return parse_calibration(text, path.string());
 }
 

@@ -8,7 +8,8 @@
 namespace mixrig::calibration_file {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{4} << 20;  ///< mrcal packs its inputs into the file
+constexpr std::size_t kMaxExchangeBytes = std::size_t{4}
+                                          << 20;  ///< mrcal packs its inputs into the file
 
 }  // namespace
 
@@ -21,7 +22,7 @@ FileKind sniff(const std::string& text) {
 }
 
 Result<std::vector<ForeignCamera>> read_cameras(const std::filesystem::path& path) {
-  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxBytes));
+  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxExchangeBytes));
   const std::string name = path.string();
   const FileKind kind = sniff(text);
   if (kind == FileKind::kKalibr) return parse_kalibr(text, name);

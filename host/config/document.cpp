@@ -12,7 +12,7 @@
 namespace mixrig::config {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ Document& Document::operator=(Document&&) noexcept = default;
 Document::~Document() = default;
 
 Result<Document> Document::read(const std::filesystem::path& path) {
-  MIXRIG_ASSIGN(const std::string text, read_text(path, kMaxBytes));
+  MIXRIG_ASSIGN(const std::string text, read_text(path, kMaxDocumentBytes));
   return parse(text, path.string());
 }
 

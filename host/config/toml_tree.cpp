@@ -10,7 +10,7 @@
 namespace mixrig::config {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxTomlBytes = std::size_t{1} << 20;
 constexpr int kMaxKeyParts = 16;
 
 /// toml++ limits the depth of brackets but not of dotted keys, and frees a tree by recursion: a key
@@ -60,7 +60,8 @@ Error bad_text(const std::string& name, long line, const std::string& why) {
 }  // namespace
 
 Result<Node> parse_toml(std::string_view text, const std::string& name) {
-  if (text.size() > kMaxBytes) return bad_text(name, 1, "larger than 1 MiB: give the right file");
+  if (text.size() > kMaxTomlBytes)
+    return bad_text(name, 1, "larger than 1 MiB: give the right file");
   if (const int line = line_of_deep_key(text); line != 0)
     return bad_text(name, line, "a key of more than 16 parts: remove it");
   try {

@@ -7,7 +7,7 @@
 namespace mixrig::live {
 namespace {
 
-constexpr Duration kWait = std::chrono::milliseconds(50);
+constexpr Duration kSessionWait = std::chrono::milliseconds(50);
 constexpr Duration kStatusEvery = std::chrono::milliseconds(250);
 constexpr Duration kTickPeriod = std::chrono::milliseconds(10);
 constexpr Duration kAfterError = std::chrono::milliseconds(200);
@@ -179,7 +179,7 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
     (void)trigger_clock_.add(status->now, status->asked, status->answered);
   }
   std::array<device::TriggerTick, 16> ticks;
-  const auto count = devices_.trigger->read_ticks(ticks, kWait);
+  const auto count = devices_.trigger->read_ticks(ticks, kSessionWait);
   if (!count) return false;
   for (std::size_t i = 0; i < *count; ++i) {
     std::optional<HostTime> at;
@@ -214,7 +214,7 @@ void LiveSession::run_pan_tilt() {
 
 void LiveSession::run_sync() {
   while (!stop_) {
-    const auto event = events_.pop(kWait);
+    const auto event = events_.pop(kSessionWait);
     const std::lock_guard lock(mutex_);
     if (event) {
       on_event(*event);

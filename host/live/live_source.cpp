@@ -9,7 +9,7 @@
 namespace mixrig::live {
 namespace {
 
-constexpr Duration kWait = std::chrono::milliseconds(100);
+constexpr Duration kSetWait = std::chrono::milliseconds(100);
 constexpr Duration kPatience = std::chrono::seconds(5);
 
 class LiveSource final : public capture::CaptureSource {
@@ -59,7 +59,7 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
   while (!stop_) {
     // Read before the queue: sets that were made before the cameras ended are still delivered.
     const bool ended = session_.ended();
-    const auto set = session_.next(ended ? Duration(0) : kWait);
+    const auto set = session_.next(ended ? Duration(0) : kSetWait);
     if (!set) {
       if (ended) return false;
       if (clock_.now() < give_up) continue;

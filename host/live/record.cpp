@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr Duration kWait = std::chrono::milliseconds(200);
+constexpr Duration kRecordWait = std::chrono::milliseconds(200);
 constexpr Duration kFirstFrameTimeout = std::chrono::seconds(5);  // until the first frame
 constexpr int kFramesPerDiskCheck = 10;                           // at the free disk
 constexpr long kReserve_bytes = 4L << 20;                         // index and manifest of a take
@@ -151,7 +151,7 @@ Result<std::string> record_sets(LiveSession& session, Recorder& recorder,
         free_bytes(options.out) < options.least_free_bytes)
       return std::string("disk almost full");
     const bool over = session.ended();
-    const auto set = session.next(over ? Duration(0) : kWait);
+    const auto set = session.next(over ? Duration(0) : kRecordWait);
     if (!set && over) return std::string("end of the cameras");
     if (!set) continue;
     const bool first = recorder.frames() == 0;

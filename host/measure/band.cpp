@@ -6,8 +6,6 @@
 namespace mixrig::measure {
 namespace {
 
-bool known(float z_m) { return std::isfinite(z_m) && z_m > 0.0F; }
-
 /// Marks both pixels of every pair of 4-neighbours that `differ`.
 template <typename T, typename Differ>
 Image<std::uint8_t> borders(ImageView<const T> picture, const Differ& differ) {
@@ -66,7 +64,7 @@ Image<std::uint8_t> widened(ImageView<const std::uint8_t> marks, int radius_px) 
 
 Image<std::uint8_t> step_band(ImageView<const float> depth_m, float step_m, int radius_px) {
   const auto step = [step_m](float a, float b) {
-    return known(a) && known(b) && std::abs(a - b) > step_m;
+    return is_known(a) && is_known(b) && std::abs(a - b) > step_m;
   };
   return widened(borders(depth_m, step), radius_px);
 }

@@ -2,6 +2,7 @@
 // Bands around borders in a picture: where a compositor can be wrong.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "hal/base/image.h"
@@ -10,6 +11,9 @@ namespace mixrig::measure {
 
 /// A matte of at least this is a person.
 inline constexpr int kHalfMatte = 128;
+
+/// A depth that was measured: 0, negative and not finite are unknown.
+inline bool is_known(float z_m) { return std::isfinite(z_m) && z_m > 0.0F; }
 
 /// 1 within `radius_px` (Euclidean, between pixel centres) of a pixel whose mark is not 0. Else 0.
 Image<std::uint8_t> widened(ImageView<const std::uint8_t> marks, int radius_px);

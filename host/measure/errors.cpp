@@ -4,14 +4,13 @@
 #include <cmath>
 #include <string>
 
+#include "host/measure/band.h"
 #include "host/measure/srgb.h"
 
 namespace mixrig::measure {
 namespace {
 
 constexpr float kBad_m = 0.1F;
-
-bool known(float z_m) { return std::isfinite(z_m) && z_m > 0.0F; }
 
 std::string text(Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
@@ -40,10 +39,10 @@ void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
     for (int x = 0; x < t.labels.size.width; ++x) {
       const float z = r.warped_depth_m.row(y)[x];
       const float true_z = t.depth_m.row(y)[x];
-      if ((t.labels.row(y)[x] & kTofSees) == 0 || !known(true_z)) continue;
+      if ((t.labels.row(y)[x] & kTofSees) == 0 || !is_known(true_z)) continue;
       const float error_m = std::abs(z - true_z);
-      if (known(z)) sums.depth_abs_m.add(error_m);
-      const bool bad = !known(z) || error_m > kBad_m;
+      if (is_known(z)) sums.depth_abs_m.add(error_m);
+      const bool bad = !is_known(z) || error_m > kBad_m;
       sums.depth_bad.add(bad ? 1.0 : 0.0);
       if (band.row(y)[x] != 0) sums.band_bad.add(bad ? 1.0 : 0.0);
     }

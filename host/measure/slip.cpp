@@ -6,7 +6,7 @@
 namespace mixrig::measure {
 namespace {
 
-constexpr double kNearest_m = 0.01;
+constexpr double kNearestSlip_m = 0.01;
 constexpr double kChi2Of95Pct = 5.991;  ///< of two degrees of freedom
 
 }  // namespace
@@ -23,7 +23,7 @@ std::optional<PixelPoint> pixel_of(const Point3& world_m, const CameraPlace& wor
       2 * (x * y - w * z) * d[0] + (1 - 2 * (x * x + z * z)) * d[1] + 2 * (y * z + w * x) * d[2];
   const double forward =
       2 * (x * z + w * y) * d[0] + 2 * (y * z - w * x) * d[1] + (1 - 2 * (x * x + y * y)) * d[2];
-  if (!(forward >= kNearest_m)) return std::nullopt;
+  if (!(forward >= kNearestSlip_m)) return std::nullopt;
   return PixelPoint{view.fx_px * right / forward + view.cx_px,
                     view.fy_px * down / forward + view.cy_px};
 }

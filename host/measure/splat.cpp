@@ -6,7 +6,7 @@
 namespace mixrig::measure {
 namespace {
 
-constexpr double kNearest_m = 0.05;
+constexpr double kNearestSplat_m = 0.05;
 
 /// Distance of a sample's ray from its neighbours' along either axis, per metre of z.
 double spacing(ImageView<const Ray> rays, int x, int y) {
@@ -45,7 +45,7 @@ void splat(ImageView<const float> z_m, ImageView<const Ray> rays, const Motion& 
       const double qx = r[0] * px + r[1] * py + r[2] * z + t[0];
       const double qy = r[3] * px + r[4] * py + r[5] * z + t[1];
       const double qz = r[6] * px + r[7] * py + r[8] * z + t[2];
-      if (qz < kNearest_m) continue;
+      if (qz < kNearestSplat_m) continue;
       const double u = view.fx_px * qx / qz + view.cx_px, v = view.fy_px * qy / qz + view.cy_px;
       if (!(std::abs(u) < 1e5 && std::abs(v) < 1e5)) continue;
       const double side_px = std::fmin(spacing(rays, x, y) * z / qz * view.fx_px, 1e3);

@@ -18,7 +18,7 @@ namespace mixrig::scene {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
 constexpr int kMaxNodeDepth = 64;
 
@@ -153,7 +153,7 @@ Result<Model> parse_model(std::span<const std::uint8_t> bytes, const fs::path& f
 }
 
 Result<Model> load_gltf(const fs::path& path) {
-  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxFileBytes));
+  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxModelBytes));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   auto model = parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."));
   if (model) return model;

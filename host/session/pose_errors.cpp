@@ -11,7 +11,7 @@ namespace mixrig::session {
 namespace {
 
 /// Three digits, as the sketch is accurate to.
-double rounded(double value) {
+double in_three_digits(double value) {
   if (!(value > 0)) return 0;
   const double scale = std::pow(10.0, 2 - std::floor(std::log10(value)));
   return std::round(value * scale) / scale;
@@ -22,10 +22,10 @@ double rms(double sum_of_squares, std::uint64_t count) {
 }
 
 nlohmann::json summary(const measure::QuantileSketch& sketch, double sum_of_squares) {
-  return {{"rms", rounded(rms(sum_of_squares, sketch.count()))},
-          {"p50", rounded(sketch.quantile(0.5))},
-          {"p95", rounded(sketch.quantile(0.95))},
-          {"max", rounded(sketch.max())}};
+  return {{"rms", in_three_digits(rms(sum_of_squares, sketch.count()))},
+          {"p50", in_three_digits(sketch.quantile(0.5))},
+          {"p95", in_three_digits(sketch.quantile(0.95))},
+          {"max", in_three_digits(sketch.max())}};
 }
 
 }  // namespace

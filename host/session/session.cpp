@@ -97,7 +97,7 @@ Error at_key(const Session& session, const char* key, Error error) {
   return error;
 }
 
-std::string text(const geometry::Pinhole& view) {
+std::string view_text(const geometry::Pinhole& view) {
   return fmt::format("{}x{} (f {:.1f} {:.1f}, c {:.1f} {:.1f} px)", view.size_px.width,
                      view.size_px.height, view.fx_px, view.fy_px, view.cx_px, view.cy_px);
 }
@@ -149,8 +149,8 @@ Result<std::optional<model::StaticBackground>> background_of(Session& session,
                        "again from a take with poses"};
     if (!moves && !(background->view == session.setup.view))
       return Error{ErrorCode::kData, "background " + wanted.model->string() +
-                                         " was learned in the view " + text(background->view) +
-                                         ", this take's is " + text(session.setup.view) +
+                                         " was learned in the view " + view_text(background->view) +
+                                         ", this take's is " + view_text(session.setup.view) +
                                          ": scan it again with this rig and size"};
   } else if (wanted.learn) {
     auto learned = learn_background(*session.source, session.setup, *wanted.learn, session.backend,

@@ -10,7 +10,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 4;
+constexpr int kDrawBand = 4;
 constexpr float kFullWell_e = 12000, kReadNoise_e = 8;  ///< colour sensor at exposure 1
 constexpr int kMostShift_px = 24;                       ///< of the picture during an exposure
 
@@ -35,7 +35,7 @@ bool Studio::State::visible_to_tof(const Vec3& point, const TraceScene& scene) c
 void Studio::State::draw_color(Frame& frame) {
   frame.color.reset(options.size_px);
   const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(options.size_px.height, kBand, [&](int begin, int end) {
+  crew.rows(options.size_px.height, kDrawBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < options.size_px.width; ++x) {
         const Vec3 light =
@@ -68,7 +68,7 @@ void Studio::State::expose_plate(const CameraPlace& place, double time_s) {
     plate.person.build(person.scene, materials, camera_rays(plate_rays, place.world_from_target),
                        nothing, crew);
   const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kDrawBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const Vec3 c = exposure * compose_pixel(plate, x, y, lamps, ambient, casters, false).real;
@@ -103,7 +103,7 @@ void Studio::State::draw_slice(const CameraPlace& place, double time_s, int firs
   if (options.props && casters.reflector != nullptr)
     mirror_surfels(plate.person, reflector, false, crew);
   const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(std::max(0, rect.y1 - rect.y0), kBand, [&](int begin, int end) {
+  crew.rows(std::max(0, rect.y1 - rect.y0), kDrawBand, [&](int begin, int end) {
     for (int y = rect.y0 + begin; y < rect.y0 + end; ++y)
       for (int x = rect.x0; x < rect.x1; ++x) {
         const Rgbf& behind = still.at(x, y);
@@ -121,7 +121,7 @@ void Studio::State::add_slice(const CameraPlace& place, double frame_s, int numb
   if (info.camera_moves)
     mid_from_then = geometry::inverse(place.world_from_target) *
                     camera_at(layout, options, frame_s + shutter.time_s(number)).world_from_target;
-  crew.rows(std::max(0, rows.end - rows.first), kBand, [&](int begin, int end) {
+  crew.rows(std::max(0, rows.end - rows.first), kDrawBand, [&](int begin, int end) {
     for (int y = rows.first + begin; y < rows.first + end; ++y) {
       const float weight = shutter.weight(y, number);
       for (int x = 0; x < size.width; ++x) {
@@ -142,7 +142,7 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
   truth.light.reset(size), truth.composite.reset(size), truth.labels.reset(size);
   const CameraRays rays = camera_rays(view_rays, place.world_from_target);
   const auto exposure = static_cast<float>(info.light.exposure);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kDrawBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const Pixel p = compose_pixel(view, x, y, lamps, ambient, casters, true);

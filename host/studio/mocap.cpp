@@ -2,8 +2,8 @@
 #include "host/studio/mocap.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/noise.h"
 #include "host/studio/stage/layout.h"
 #include "host/studio/studio.h"
@@ -11,7 +11,6 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kMargin_s = 0.5;  ///< recorded before and after the take
 constexpr std::uint64_t kSystemKey = 0x30CA9, kSampleKey = 0x30CA5, kMarkerKey = 0x30CA3;
 

@@ -3,12 +3,11 @@
 #include "host/studio/rig.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "hal/base/angles.h"
 
 namespace mixrig::studio {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
 
 Optics optics_of(Size size, double field_deg, std::array<double, 5> distortion, double off_x = 0,
                  double off_y = 0) {

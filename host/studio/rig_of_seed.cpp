@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/noise.h"
+#include "host/studio/sensors/tof.h"
 
 namespace mixrig::studio {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
-constexpr double kLight_m_s = 299792458.0;
 
 /// Deviations from the preset: uniform values in [-size, size]. The values of a seed differ by
 /// `size` alone.

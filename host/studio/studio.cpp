@@ -16,7 +16,7 @@ namespace mixrig::studio {
 namespace {
 
 constexpr int kEmptyFrames = 25;
-constexpr int kBand = 4;
+constexpr int kStudioBand = 4;
 
 Result<void> check(const StudioOptions& o) {
   const auto wrong = [](std::string what) {
@@ -185,7 +185,7 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
   light_surfels(view.object, lamps, casters, true, false, crew);
   if (options.realism.bounce) bounce_surfels(view.object, object_bounce, crew);
   room_visible.reset(options.size_px);
-  crew.rows(all.y1, kBand, [&](int begin, int end) {
+  crew.rows(all.y1, kStudioBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < all.x1; ++x) {
         const float z = view.room.centre_z(x, y);

@@ -3,12 +3,12 @@
 #include "host/studio_io/board_set.h"
 
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
@@ -21,7 +21,6 @@ using config::Writer;
 using nlohmann::json;
 
 constexpr int kDigits = 6;  ///< of numbers in views.toml
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kTruthFrom_m = 0.5, kTruthTo_m = 4.0, kTruthStep_m = 0.01;
 
 std::string numbered(const char* folder, int number) {
@@ -56,8 +55,7 @@ std::string manifest(const studio::BoardInfo& info) {
   tof.set("depth_unit_m", config::rounded(rig.tof.unit_m, kDigits)).set("depth_kind", "distance");
   root.add("camera", std::move(tof));
   pan_tilt.set("angles", "ptu.csv");
-  pan_tilt.set("step_deg",
-               config::rounded(rig.pan_tilt.step_rad * 180 / std::numbers::pi, kDigits));
+  pan_tilt.set("step_deg", config::rounded(rig.pan_tilt.step_rad / kDeg, kDigits));
   if (info.options.pan_tilt) root.set("pan_tilt", std::move(pan_tilt));
   return root.text();
 }

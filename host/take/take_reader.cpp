@@ -29,6 +29,8 @@ constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
 constexpr double kMaxPairDifference_s = 0.02;  // the default of TUM's own tools
 constexpr double kMaxPoseGap_s = 0.1;
 
+}  // namespace
+
 /// Index of each part of a frame in its stream.
 struct FrameIndex {
   int color = 0, depth = 0;
@@ -37,11 +39,9 @@ struct FrameIndex {
 };
 
 /// Colour and depth of TUM lists that belong together, and their files.
-struct Lists {
+struct TumLists {
   std::vector<StampedFile> color, depth;
 };
-
-}  // namespace
 
 struct TakeReader::State {
   Manifest manifest;
@@ -55,9 +55,9 @@ struct TakeReader::State {
   TakeInfo& info() { return manifest.info; }
   Result<void> open_streams();
   Result<std::unique_ptr<PictureStream>> open_stream(const StreamInfo& stream, PixelKind kind);
-  Result<Lists> read_lists();
+  Result<TumLists> read_lists();
   Result<void> index_numbered();
-  Result<void> index_lists(const Lists& lists);
+  Result<void> index_lists(const TumLists& lists);
   Result<std::vector<StampedPose>> read_poses();
   Result<void> read_tables();
   void take_times_from_ticks();
@@ -78,8 +78,8 @@ Result<std::unique_ptr<PictureStream>> TakeReader::State::open_stream(const Stre
       }));
 }
 
-Result<Lists> TakeReader::State::read_lists() {
-  Lists lists;
+Result<TumLists> TakeReader::State::read_lists() {
+  TumLists lists;
   for (const auto& [stream, files] :
        {std::pair(&info().color, &lists.color), std::pair(&info().depth, &lists.depth)}) {
     const fs::path path = info().root / stream->path;
@@ -92,7 +92,7 @@ Result<Lists> TakeReader::State::read_lists() {
 
 Result<void> TakeReader::State::open_streams() {
   if (is_list(info().color)) {
-    MIXRIG_ASSIGN(const Lists lists, read_lists());
+    MIXRIG_ASSIGN(const TumLists lists, read_lists());
     const auto stream_of = [root = info().root](std::vector<StampedFile> files) {
       return std::make_unique<PictureFiles>([root, files = std::move(files)](int index) {
         return root / files[static_cast<std::size_t>(index)].path;
@@ -193,7 +193,7 @@ Result<void> TakeReader::State::index_numbered() {
   return {};
 }
 
-Result<void> TakeReader::State::index_lists(const Lists& lists) {
+Result<void> TakeReader::State::index_lists(const TumLists& lists) {
   std::vector<StampedPose> poses;
   if (!manifest.pose_file.empty()) {
     MIXRIG_ASSIGN(poses, read_poses());
@@ -277,9 +277,9 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
         ErrorCode::kData,
         "take '" + path.string() + "' has no frame with colour, depth and pose: check its streams"};
   const geometry::Pose& first = state->frames.front().world_from_target;
-  info.moves = std::any_of(
-      state->frames.begin(), state->frames.end(),
-      [&](const FrameIndex& f) { return capture::moved(first, f.world_from_target); });
+  info.moves = std::any_of(state->frames.begin(), state->frames.end(), [&](const FrameIndex& f) {
+    return capture::moved(first, f.world_from_target);
+  });
   const int longest = std::max(info.color.count, info.depth.count);
   if (longest > info.frames)
     log_warning("take", path.string() + ": " + std::to_string(longest - info.frames) +

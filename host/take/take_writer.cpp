@@ -34,6 +34,8 @@ Result<void> make_folder(const fs::path& path) {
 
 std::string number_name(int number) { return fmt::format("{:06d}.png", number); }
 
+}  // namespace
+
 /// One 16-bit or colour stream, as pictures or as a Matroska file.
 class StreamWriter {
  public:
@@ -72,6 +74,8 @@ class StreamWriter {
   int count_ = 0;
   std::unique_ptr<MatroskaWriter> matroska_;
 };
+
+namespace {
 
 /// Floats in steps of `unit`, rounded; not finite, negative or too large becomes `unknown`.
 void to_steps(const Image<float>& image, double unit, int unknown, Image<std::uint16_t>& steps) {

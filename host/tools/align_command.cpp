@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
 #include "host/report/plot.h"
@@ -15,12 +16,10 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct AlignArguments {
   std::string a, b, json, plot;
   trajectory::AlignOptions options;
 };
-
-constexpr double kDegrees = 57.29577951308232;
 
 /// Exactly the documented keys; null where a value is not observable.
 nlohmann::json report_of(const estimation::Estimate<trajectory::Alignment>& estimate) {
@@ -33,8 +32,8 @@ nlohmann::json report_of(const estimation::Estimate<trajectory::Alignment>& esti
   report["time_offset_s"] = v.time_offset_s;
   report["time_offset_sigma_s"] = v.time_offset_sigma_s;
   report["rotation_xyzw"] = {v.a_from_b.x(), v.a_from_b.y(), v.a_from_b.z(), v.a_from_b.w()};
-  report["rotation_sigma_deg"] = v.rotation_sigma_rad * kDegrees;
-  report["median_residual_deg"] = v.median_residual_rad * kDegrees;
+  report["rotation_sigma_deg"] = v.rotation_sigma_rad / kDeg;
+  report["median_residual_deg"] = v.median_residual_rad / kDeg;
   return report;
 }
 
@@ -44,9 +43,9 @@ void print(const estimation::Estimate<trajectory::Alignment>& estimate) {
               v.time_offset_sigma_s);
   std::printf("rotation      A from B  xyzw %.6f %.6f %.6f %.6f  (sigma %.4f deg)\n",
               v.a_from_b.x(), v.a_from_b.y(), v.a_from_b.z(), v.a_from_b.w(),
-              v.rotation_sigma_rad * kDegrees);
+              v.rotation_sigma_rad / kDeg);
   std::printf("residual      median %.4f deg over %zu relative rotations\n",
-              v.median_residual_rad * kDegrees, v.residuals.size());
+              v.median_residual_rad / kDeg, v.residuals.size());
   const auto& lever = v.lever_and_scale;
   if (lever.usable()) {
     const auto sigma = [&](int i) { return std::sqrt(lever.covariance(i, i)); };
@@ -67,7 +66,7 @@ Result<void> write_plot(const std::string& path, const trajectory::Alignment& al
                     {{"residual", {}}}};
   const double start_s = alignment.residuals.empty() ? 0 : alignment.residuals.front().t_s;
   for (const auto& r : alignment.residuals)
-    plot.series[0].points.push_back({r.t_s - start_s, r.angle_rad * kDegrees, {}});
+    plot.series[0].points.push_back({r.t_s - start_s, r.angle_rad / kDeg, {}});
   return image_io::write_png(path, report::draw(plot, {960, 480}));
 }
 
@@ -78,7 +77,7 @@ Result<trajectory::Trajectory> read(const std::string& path) {
   return trajectory;
 }
 
-Result<nlohmann::json> act(const Arguments& arguments) {
+Result<nlohmann::json> act(const AlignArguments& arguments) {
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
   MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
   const auto estimate = trajectory::align(a, b, arguments.options);
@@ -98,7 +97,7 @@ Result<nlohmann::json> act(const Arguments& arguments) {
 }  // namespace
 
 void add_align_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<AlignArguments>();
   Command command = app.add_subcommand(
       "align", "time offset and rotation between two trajectories of one rigid body");
   command.add_option("A", arguments->a, "trajectory, TUM or CSV: t x y z qx qy qz qw").required();

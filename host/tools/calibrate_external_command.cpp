@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "host/calibration_file/calibration.h"
 #include "host/mocap/external.h"
 #include "host/tools/command.h"
@@ -14,8 +15,6 @@
 
 namespace mixrig::tools {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 nlohmann::json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -40,7 +39,7 @@ nlohmann::json report_of(const mocap::ExternalCalibration& calibration) {
   if (!pose.usable()) return report;
   const auto& q = pose.value.rotation;
   report["rotation_xyzw"] = {q.x(), q.y(), q.z(), q.w()};
-  report["rotation_sigma_deg"] = vector_json(kDegrees * sigmas(pose.covariance, 0));
+  report["rotation_sigma_deg"] = vector_json(sigmas(pose.covariance, 0) / kDeg);
   return report;
 }
 
@@ -52,7 +51,7 @@ void print(const mocap::ExternalCalibration& calibration) {
               sigma_mm.x(), sigma_mm.y(), sigma_mm.z());
   if (pose.usable()) {
     const auto& q = pose.value.rotation;
-    const Eigen::Vector3d deg = kDegrees * sigmas(pose.covariance, 0);
+    const Eigen::Vector3d deg = sigmas(pose.covariance, 0) / kDeg;
     std::printf("rotation        xyzw %.6f %.6f %.6f %.6f  (sigma %.3f %.3f %.3f deg)\n", q.x(),
                 q.y(), q.z(), q.w(), deg.x(), deg.y(), deg.z());
   } else {

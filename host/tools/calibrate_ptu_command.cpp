@@ -2,10 +2,10 @@
 // mixrig calibrate ptu: axes of the pan-tilt unit and the camera on it.
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "host/calibration/calibrate_ptu.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -14,8 +14,6 @@ namespace mixrig::tools {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDeg = std::numbers::pi / 180;
 
 struct PtuArguments {
   std::string set, out, camera, calibration;

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "host/calibration/rig/calibrate_rig.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -15,8 +15,6 @@ namespace mixrig::tools {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDeg = std::numbers::pi / 180;
 
 struct RigArguments {
   std::string set, out, camera;

@@ -15,7 +15,7 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct DiagArguments {
   std::string rig;
   double watch_s = 5;
   bool no_move = false, no_network = false;
@@ -41,7 +41,7 @@ nlohmann::json to_json(const std::vector<live::Check>& checks) {
   return {{"verdict", std::string(name(live::worst(checks)))}, {"checks", rows}};
 }
 
-Result<nlohmann::json> diag(const Arguments& arguments) {
+Result<nlohmann::json> diag(const DiagArguments& arguments) {
   SystemClock clock;
   live::RigConfig config;
   if (arguments.rig.empty()) {
@@ -61,7 +61,7 @@ Result<nlohmann::json> diag(const Arguments& arguments) {
 }  // namespace
 
 void add_diag_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DiagArguments>();
   Command command = app.add_subcommand("diag", "open every device, watch it, and judge its health");
   command.add_option("--rig", arguments->rig, "rig.toml; if not given, the connected devices");
   command.add_option("--watch", arguments->watch_s, "seconds").show_default().range(0.5, 3600.0);

@@ -22,7 +22,7 @@ namespace {
 
 using device::BootloaderInfo;
 
-struct Arguments {
+struct FlashArguments {
   std::string image, port = "/dev/ttyUSB0", usb, kept;
   bool verify_only = false, restore = false;
 };
@@ -36,7 +36,7 @@ struct Target {
   BootloaderInfo info;
 };
 
-std::string kept_path(const Arguments& arguments) {
+std::string kept_path(const FlashArguments& arguments) {
   if (!arguments.kept.empty()) return arguments.kept;
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
@@ -64,7 +64,7 @@ device::FlashProgress progress_bars() {
   };
 }
 
-Result<Target> open_target(const Arguments& arguments, Clock& clock) {
+Result<Target> open_target(const FlashArguments& arguments, Clock& clock) {
   Target target;
   if (!arguments.usb.empty()) {
     MIXRIG_ASSIGN(target.usb, device::open_dfu_device(arguments.usb));
@@ -88,7 +88,7 @@ struct Wanted {
 };
 
 /// An image that passed all checks, or the kept firmware.
-Result<Wanted> find_wanted(const Arguments& arguments) {
+Result<Wanted> find_wanted(const FlashArguments& arguments) {
   if (!arguments.restore) {
     MIXRIG_ASSIGN(device::FirmwareImage image, device::load_image(arguments.image));
     std::printf("%s: firmware %s, %zu bytes, crc %08x\n", arguments.image.c_str(),
@@ -108,7 +108,7 @@ Result<Wanted> find_wanted(const Arguments& arguments) {
 }
 
 /// Returns whether flash held bootable firmware, which was kept.
-Result<bool> keep_previous(const Arguments& arguments, const device::PreviousFlash& previous) {
+Result<bool> keep_previous(const FlashArguments& arguments, const device::PreviousFlash& previous) {
   if (previous.blank || !device::worth_keeping(previous.bytes)) {
     std::printf("nothing bootable in flash: nothing kept\n");
     return false;
@@ -126,7 +126,7 @@ Error start_old_firmware(Target& target, Error error) {
 }
 
 /// Writes the content unless flash already holds it; keeps the old content first.
-Result<nlohmann::json> keep_and_write(Target& target, const Arguments& arguments,
+Result<nlohmann::json> keep_and_write(Target& target, const FlashArguments& arguments,
                                       const Wanted& wanted) {
   const device::FlashProgress progress = progress_bars();
   MIXRIG_ASSIGN(const device::PreviousFlash previous,
@@ -154,7 +154,7 @@ int print_noise(const Target& target) {
 }
 
 /// Leaves the bootloader; over a serial line, queries the firmware that runs then.
-Result<nlohmann::json> start_firmware(Target& target, Clock& clock, const Arguments& arguments,
+Result<nlohmann::json> start_firmware(Target& target, Clock& clock, const FlashArguments& arguments,
                                       const Wanted& wanted) {
   MIXRIG_TRY(target.bootloader->go(protocol::kFlashBase));
   if (!target.stream || !wanted.must_answer) return nlohmann::json(nullptr);
@@ -168,7 +168,7 @@ Result<nlohmann::json> start_firmware(Target& target, Clock& clock, const Argume
   return nlohmann::json{{"version", info.version}, {"image_crc", info.image_crc}};
 }
 
-Result<nlohmann::json> flash(const Arguments& arguments) {
+Result<nlohmann::json> flash(const FlashArguments& arguments) {
   if (arguments.image.empty() != arguments.restore) {
     return Error{ErrorCode::kUsage, "flash: give an IMAGE, or --restore without one"};
   }
@@ -193,7 +193,7 @@ Result<nlohmann::json> flash(const Arguments& arguments) {
 }  // namespace
 
 void add_flash_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<FlashArguments>();
   Command command = app.add_subcommand("flash", "write firmware into the trigger controller");
   command.add_option("image", arguments->image, "firmware/trigger.bin of the build");
   const Option port =

@@ -18,12 +18,12 @@ namespace {
 
 constexpr Duration kNotifyEvery = std::chrono::seconds(1);
 
-struct Arguments {
+struct RecordArguments {
   std::string rig = "rig.toml", out, format = "mkv";
   double duration_s = 10, keep_free_mb = 512;
 };
 
-Result<nlohmann::json> record(const Arguments& arguments) {
+Result<nlohmann::json> record(const RecordArguments& arguments) {
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
   MIXRIG_ASSIGN(
@@ -59,7 +59,7 @@ Result<nlohmann::json> record(const Arguments& arguments) {
 }  // namespace
 
 void add_record_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RecordArguments>();
   Command command = app.add_subcommand("record", "record a take from the devices of a rig");
   command.add_option("OUT", arguments->out, "folder of the take").required();
   command.add_option("--rig", arguments->rig, "rig.toml").show_default();

@@ -13,12 +13,12 @@
 namespace mixrig::tools {
 namespace {
 
-struct RigArguments {
+struct RigFileArguments {
   std::string out = "rig.toml";
   bool force = false, no_network = false;
 };
 
-Result<nlohmann::json> init(const RigArguments& arguments) {
+Result<nlohmann::json> init(const RigFileArguments& arguments) {
   if (std::filesystem::exists(arguments.out) && !arguments.force)
     return Error{ErrorCode::kUsage,
                  "'" + arguments.out + "' exists: name another file, or use --force"};
@@ -37,7 +37,7 @@ Result<nlohmann::json> init(const RigArguments& arguments) {
 }  // namespace
 
 void add_rig_command(Command app, Context& context) {
-  auto arguments = std::make_shared<RigArguments>();
+  auto arguments = std::make_shared<RigFileArguments>();
   Command rig = app.add_subcommand("rig", "describe the devices of a rig");
   rig.require_subcommand();
   Command command = rig.add_subcommand("init", "write a rig.toml of what is plugged in");

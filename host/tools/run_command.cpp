@@ -13,13 +13,13 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct RunArguments {
   SessionArguments session;
   std::string out, frames, format = "png";
   bool layers = false, inspect = false, baselines = false;
 };
 
-Result<nlohmann::json> run(const Arguments& arguments) {
+Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
   session::RunOptions options;
   if (!arguments.out.empty()) options.out = arguments.out;
@@ -46,7 +46,7 @@ Result<nlohmann::json> run(const Arguments& arguments) {
 }  // namespace
 
 void add_run_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RunArguments>();
   Command command = app.add_subcommand(
       "run", "composite a scene into a take; write pictures, contact sheet and report");
   add_session_options(command, arguments->session);

@@ -20,7 +20,7 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct ScanArguments {
   SessionArguments session;
   std::string take, frames, out;
 };
@@ -74,7 +74,7 @@ void print(const model::StaticBackground& background) {
     std::printf("no floor found\n");
 }
 
-Result<nlohmann::json> scan(const Arguments& arguments) {
+Result<nlohmann::json> scan(const ScanArguments& arguments) {
   MIXRIG_ASSIGN(const auto size, view_size(arguments.session));
   MIXRIG_ASSIGN(const session::FrameRange range, parse_range(arguments.frames, "--frames"));
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(arguments.take));
@@ -95,7 +95,7 @@ Result<nlohmann::json> scan(const Arguments& arguments) {
 }  // namespace
 
 void add_scan_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ScanArguments>();
   Command command = app.add_subcommand(
       "scan",
       "learn the empty room from frames of a take; the camera may move where they have poses");

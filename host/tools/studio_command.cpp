@@ -14,7 +14,7 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct StudioArguments {
   std::string out, scenario = "walk", rig = "kinect2", size = "1280x1024", format = "png";
   std::string board = "checkerboard", squares = "10x7";
   int seed = 1, frames = 60, threads = 0, views = 20;
@@ -31,7 +31,7 @@ constexpr const char* kBoardScenario = "board";
 constexpr double kLensError_px = 0.3;  ///< of the judged look, at the corners
 
 /// The judged look has every switch on.
-Result<studio::Realism> realism_of(const Arguments& arguments) {
+Result<studio::Realism> realism_of(const StudioArguments& arguments) {
   if (arguments.plain && !(arguments.only.empty() && arguments.without.empty()))
     return Error{ErrorCode::kUsage, "--plain leaves no switch to --only and --without: drop one"};
   if (arguments.plain) return studio::Realism{};
@@ -43,7 +43,7 @@ Result<studio::Realism> realism_of(const Arguments& arguments) {
   return studio::minus(on, off);
 }
 
-Result<studio::StudioOptions> options_of(const Arguments& arguments) {
+Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   studio::StudioOptions options;
   MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(arguments.scenario));
   MIXRIG_ASSIGN(options.rig, studio::parse_rig(arguments.rig));
@@ -61,7 +61,7 @@ Result<studio::StudioOptions> options_of(const Arguments& arguments) {
   return options;
 }
 
-Result<studio::BoardOptions> board_options_of(const Arguments& arguments) {
+Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) {
   studio::BoardOptions options;
   MIXRIG_ASSIGN(options.rig, studio::parse_rig(arguments.rig));
   MIXRIG_ASSIGN(options.size_px, parse_size(arguments.size, "--size"));
@@ -88,7 +88,7 @@ Result<studio::BoardOptions> board_options_of(const Arguments& arguments) {
   return options;
 }
 
-Result<nlohmann::json> render_board(const Arguments& arguments) {
+Result<nlohmann::json> render_board(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(const studio::BoardOptions options, board_options_of(arguments));
   Progress bar("studio", options.views);
   MIXRIG_ASSIGN(const studio::BoardInfo info,
@@ -104,7 +104,7 @@ Result<take::StreamFormat> format_of(const std::string& format) {
   return Error{ErrorCode::kUsage, "unknown --format \"" + format + "\": use png or mkv"};
 }
 
-Result<nlohmann::json> render(const Arguments& arguments) {
+Result<nlohmann::json> render(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(arguments));
   MIXRIG_ASSIGN(const take::StreamFormat format, format_of(arguments.format));
   Progress bar("studio", options.frames);
@@ -121,7 +121,7 @@ Result<nlohmann::json> render(const Arguments& arguments) {
                         {"size", arguments.size}};
 }
 
-void add_board_options(Command command, Arguments& arguments) {
+void add_board_options(Command command, StudioArguments& arguments) {
   const char* group = "Scenario board";
   const auto option = [&](const char* name, auto& value, const char* what) {
     command.add_option(name, value, what).group(group).show_default();
@@ -153,7 +153,7 @@ void add_board_options(Command command, Arguments& arguments) {
 }  // namespace
 
 void add_studio_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<StudioArguments>();
   Command command =
       app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();

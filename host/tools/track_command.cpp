@@ -18,7 +18,7 @@
 namespace mixrig::tools {
 namespace {
 
-struct Arguments {
+struct TrackArguments {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
   int body = 0;
   std::optional<double> duration_s;
@@ -50,7 +50,7 @@ Result<stream::NatNetVersion> parse_version(const std::string& text) {
   return version;
 }
 
-Result<Frames> receive(const Arguments& arguments, stream::NatNetVersion version) {
+Result<Frames> receive(const TrackArguments& arguments, stream::NatNetVersion version) {
   MIXRIG_ASSIGN(const auto address, stream::parse_natnet_address(arguments.mocap));
   const SystemClock clock;
   MIXRIG_ASSIGN(auto receiver, stream::NatNetReceiver::open(address, version, clock));
@@ -61,7 +61,7 @@ Result<Frames> receive(const Arguments& arguments, stream::NatNetVersion version
   return Frames{std::move(frames), receiver.counts()};
 }
 
-Result<Frames> read_frames(const Arguments& arguments) {
+Result<Frames> read_frames(const TrackArguments& arguments) {
   const std::filesystem::path path = arguments.mocap;
   if (path.extension() == ".csv") {
     MIXRIG_ASSIGN(auto frames, mocap::read_mocap_csv(path));
@@ -77,7 +77,7 @@ Result<Frames> read_frames(const Arguments& arguments) {
   return Frames{*std::move(frames), {}};
 }
 
-Result<mocap::TrackOptions> track_options(const Arguments& arguments) {
+Result<mocap::TrackOptions> track_options(const TrackArguments& arguments) {
   mocap::TrackOptions options;
   options.up = arguments.up == "z" ? mocap::Up::kZ : mocap::Up::kY;
   options.body_id = arguments.body;
@@ -93,7 +93,7 @@ Result<mocap::TrackOptions> track_options(const Arguments& arguments) {
   return options;
 }
 
-Result<std::optional<mocap::Constellation>> constellation_of(const Arguments& arguments) {
+Result<std::optional<mocap::Constellation>> constellation_of(const TrackArguments& arguments) {
   if (arguments.constellation.empty()) return std::optional<mocap::Constellation>();
   MIXRIG_ASSIGN(auto body, mocap::read_constellation(arguments.constellation));
   return std::optional(std::move(body));
@@ -118,7 +118,7 @@ void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCou
     std::printf("%d without: %s\n", count, reason.c_str());
 }
 
-Result<nlohmann::json> track(const Arguments& arguments) {
+Result<nlohmann::json> track(const TrackArguments& arguments) {
   MIXRIG_ASSIGN(const auto options, track_options(arguments));
   MIXRIG_ASSIGN(const auto body, constellation_of(arguments));
   MIXRIG_ASSIGN(const Frames all, read_frames(arguments));
@@ -141,7 +141,7 @@ Result<nlohmann::json> track(const Arguments& arguments) {
 }  // namespace
 
 void add_track_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TrackArguments>();
   Command command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
   command
       .add_option("--mocap", arguments->mocap,

@@ -19,7 +19,7 @@ namespace {
 using device::McuTrigger;
 using std::chrono::microseconds;
 
-struct Arguments {
+struct TriggerArguments {
   std::string port = "/dev/ttyUSB0";
   int channel = 0;
   int divider = 0;
@@ -28,7 +28,7 @@ struct Arguments {
   double duration_s = 0;
 };
 
-Result<std::unique_ptr<McuTrigger>> open_trigger(const Arguments& arguments, Clock& clock) {
+Result<std::unique_ptr<McuTrigger>> open_trigger(const TriggerArguments& arguments, Clock& clock) {
   MIXRIG_ASSIGN(auto stream, device::open_byte_stream(arguments.port));
   return McuTrigger::open(std::move(stream), clock, arguments.port);
 }
@@ -92,7 +92,7 @@ nlohmann::json status_json(const device::TriggerInfo& info, const device::Trigge
           {"faults", faults}};
 }
 
-Result<nlohmann::json> show_status(const Arguments& arguments) {
+Result<nlohmann::json> show_status(const TriggerArguments& arguments) {
   SystemClock clock;
   MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   MIXRIG_ASSIGN(const device::TriggerStatus status, trigger->status());
@@ -122,7 +122,7 @@ Result<Duration> whole_slots(double ms, const char* option) {
   return Duration(microseconds(static_cast<std::int64_t>(std::round(slots)) * 100));
 }
 
-Result<nlohmann::json> set_channel(const Arguments& arguments) {
+Result<nlohmann::json> set_channel(const TriggerArguments& arguments) {
   device::TriggerChannel channel{arguments.divider, {}, {}, arguments.active_low};
   MIXRIG_ASSIGN(channel.phase, whole_slots(arguments.phase_ms, "--phase"));
   MIXRIG_ASSIGN(channel.width, whole_slots(arguments.width_ms, "--width"));
@@ -134,7 +134,7 @@ Result<nlohmann::json> set_channel(const Arguments& arguments) {
   return report;
 }
 
-Result<nlohmann::json> start_or_stop(const Arguments& arguments, bool start) {
+Result<nlohmann::json> start_or_stop(const TriggerArguments& arguments, bool start) {
   SystemClock clock;
   MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   if (start) {
@@ -148,7 +148,7 @@ Result<nlohmann::json> start_or_stop(const Arguments& arguments, bool start) {
 }
 
 /// One line per second: tick number, reports received, relation of the clocks.
-Result<nlohmann::json> monitor(const Arguments& arguments) {
+Result<nlohmann::json> monitor(const TriggerArguments& arguments) {
   SystemClock clock;
   MIXRIG_ASSIGN(const auto trigger, open_trigger(arguments, clock));
   print_info(trigger->info());
@@ -187,10 +187,11 @@ Result<nlohmann::json> monitor(const Arguments& arguments) {
   return report;
 }
 
-using Action = Result<nlohmann::json> (*)(const Arguments&);
+using Action = Result<nlohmann::json> (*)(const TriggerArguments&);
 
-Command add_action(Command parent, Context& context, const std::shared_ptr<Arguments>& arguments,
-                   const char* name, const char* what, Action action) {
+Command add_action(Command parent, Context& context,
+                   const std::shared_ptr<TriggerArguments>& arguments, const char* name,
+                   const char* what, Action action) {
   Command command = parent.add_subcommand(name, what);
   command.add_option("--port", arguments->port, "serial port, or unix:SOCKET");
   command.callback([&context, arguments, action] {
@@ -202,7 +203,7 @@ Command add_action(Command parent, Context& context, const std::shared_ptr<Argum
 }  // namespace
 
 void add_trigger_command(Command app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TriggerArguments>();
   Command trigger = app.add_subcommand("trigger", "the controller that triggers the cameras");
   trigger.require_subcommand();
   Command status =
@@ -217,9 +218,9 @@ void add_trigger_command(Command app, Context& context) {
   set.add_option("--width", arguments->width_ms, "ms that the pulse lasts");
   set.add_flag("--active-low", arguments->active_low, "the idle level of the line is high");
   add_action(trigger, context, arguments, "start", "run all channels",
-             [](const Arguments& w) { return start_or_stop(w, true); });
+             [](const TriggerArguments& w) { return start_or_stop(w, true); });
   add_action(trigger, context, arguments, "stop", "stop; lines go inactive",
-             [](const Arguments& w) { return start_or_stop(w, false); });
+             [](const TriggerArguments& w) { return start_or_stop(w, false); });
   Command watch =
       add_action(trigger, context, arguments, "monitor", "ticks and clock, live", monitor);
   watch.add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given");

@@ -8,19 +8,19 @@ namespace {
 
 using namespace render::gles;
 
-constexpr Size kView{64, 64};
+constexpr Size kKeyView{64, 64};
 
 /// A wall at 4 m (w = 0.25, limit 0.3), dark red; people are bright green.
 class KeyPassTest : public GlTest {
  protected:
   KeyPassTest() {
-    tables_.view_size = kView;
+    tables_.view_size = kKeyView;
     tables_.has_background = true;
-    tables_.key_limit_w.reset(kView, 0.3F);
+    tables_.key_limit_w.reset(kKeyView, 0.3F);
     tables_.warp.view = {{64, 64}, {31.5F, 31.5F}};
-    w_.reset(kView, 0.25F);
-    plate_.reset(kView, kWall);
-    learned_.reset(kView, {kWallLinear, 0, 0});
+    w_.reset(kKeyView, 0.25F);
+    plate_.reset(kKeyView, kWall);
+    learned_.reset(kKeyView, {kWallLinear, 0, 0});
   }
   /// A person at 2 m: w in [x0, x1) x [y0, y1), and what the plate shows there.
   void put(int x0, int y0, int x1, int y1, bool depth = true, bool color = true) {

@@ -15,16 +15,16 @@ namespace {
 using namespace render::gles;
 
 // The wall stands at 3 m, 32 x 32 pixels, f = 32: a pixel is 3 / 32 m of wall.
-constexpr Size kView{32, 32};
+constexpr Size kLightView{32, 32};
 constexpr float kWallM = 3;
 
 class LightPassTest : public GlTest {
  protected:
   LightPassTest() {
-    tables_.view_size = kView;
+    tables_.view_size = kLightView;
     tables_.warp.view = {{32, 32}, {15.5F, 15.5F}};
     tables_.has_background = true;
-    tables_.background_normal.reset(kView, {0, 0, -127, 0});
+    tables_.background_normal.reset(kLightView, {0, 0, -127, 0});
     setup_.light.ambient = glm::vec3(0.25F);
     setup_.light.lamps.resize(1);
     // Lamp at the camera's left, looking along z; its map spans 2 m to either side at 1 m.
@@ -51,7 +51,7 @@ class LightPassTest : public GlTest {
     EXPECT_TRUE(shadow && light);
     EXPECT_TRUE(shadow->draw(params_, meshes_));
     light->set_lamps(params_);
-    const Image<float> wall(kView, wall_m_);
+    const Image<float> wall(kLightView, wall_m_);
     light->draw_background(make_texture(wall.view(), GL_R32F), shadow->maps());
     return read(light->background_light());
   }
@@ -118,11 +118,12 @@ TEST_F(LightPassTest, person_takes_the_shadow_of_its_own_surface) {
   ASSERT_TRUE(shadow && light);
   ASSERT_TRUE(shadow->draw(params_, meshes_));
   light->set_lamps(params_);
-  const Image<float> wall_m(kView, kWallM), person_w(kView, 1.0F);  // a person at 1 m, before all
+  const Image<float> wall_m(kLightView, kWallM),
+      person_w(kLightView, 1.0F);  // a person at 1 m, before all
   light->draw_background(make_texture(wall_m.view(), GL_R32F), shadow->maps());
   // Left half person, right half background.
   const auto matte = make_image<std::uint8_t>(
-      kView, [](int x, int) { return static_cast<std::uint8_t>(x < 16 ? 255 : 0); });
+      kLightView, [](int x, int) { return static_cast<std::uint8_t>(x < 16 ? 255 : 0); });
   const Image<float> blocks({4, 4}, static_cast<float>(kMayShowPeople));
   light->draw_people(make_texture(blocks.view(), GL_R32F), make_texture(matte.view(), GL_R8),
                      make_texture(person_w.view(), GL_R32F), shadow->maps());

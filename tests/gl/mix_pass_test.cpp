@@ -12,7 +12,7 @@ namespace {
 
 using namespace render::gles;
 
-constexpr Size kView{16, 16};
+constexpr Size kMixView{16, 16};
 
 float srgb_byte(float linear) {
   return 255 *
@@ -29,23 +29,23 @@ class MixPassTest : public GlTest {
   };
   Out draw() {
     render::Tables tables;
-    tables.view_size = kView;
+    tables.view_size = kMixView;
     tables.has_background = true;
     render::CompositorSetup setup;
     setup.objects.resize(1);
-    const Image<Rgbf> learned_color(kView, {0.2F, 0.2F, 0.2F});
+    const Image<Rgbf> learned_color(kMixView, {0.2F, 0.2F, 0.2F});
     setup.background.color = learned_color;
     auto pass = MixPass::create(tables, setup);
     EXPECT_TRUE(pass);
-    const Image<std::uint8_t> matte_bytes(kView, matte);
-    const Texture plate = make_texture(Image<Rgb8>(kView, plate_bytes).view(), GL_SRGB8);
-    const Texture visible_w = make_texture(Image<float>(kView, w).view(), GL_R32F);
+    const Image<std::uint8_t> matte_bytes(kMixView, matte);
+    const Texture plate = make_texture(Image<Rgb8>(kMixView, plate_bytes).view(), GL_SRGB8);
+    const Texture visible_w = make_texture(Image<float>(kMixView, w).view(), GL_R32F);
     const Texture mattes = make_texture(matte_bytes.view(), GL_R8);
-    const Texture wall = make_texture(Image<float>(kView, wall_m).view(), GL_R32F);
+    const Texture wall = make_texture(Image<float>(kMixView, wall_m).view(), GL_R32F);
     const Texture learned = make_texture(learned_color.view(), GL_RGB16F);
-    const Texture lights = make_texture(Image<float>(kView, light).view(), GL_R32F);
-    Texture virtual_color = make_texture(kView, GL_RGBA16F);
-    Texture virtual_w = make_texture(Image<float>(kView, 1 / virtual_m).view(), GL_R32F);
+    const Texture lights = make_texture(Image<float>(kMixView, light).view(), GL_R32F);
+    Texture virtual_color = make_texture(kMixView, GL_RGBA16F);
+    Texture virtual_w = make_texture(Image<float>(kMixView, 1 / virtual_m).view(), GL_R32F);
     auto target = make_target({&virtual_color});
     EXPECT_TRUE(target);
     bind(*target);
@@ -59,9 +59,9 @@ class MixPassTest : public GlTest {
     read_backs[1].start_float(pass->target(), kMixDepth);
     read_backs[2].start_float(pass->target(), kMixSegmented);
     read_backs[3].start_byte(pass->target(), kMixLayer);
-    Image<Rgb8> color(kView);
-    Image<float> mixed(kView), segmented(kView);
-    Image<std::uint8_t> alpha(kView), layer(kView);
+    Image<Rgb8> color(kMixView);
+    Image<float> mixed(kMixView), segmented(kMixView);
+    Image<std::uint8_t> alpha(kMixView), layer(kMixView);
     EXPECT_TRUE(read_backs[0].fetch(color, alpha));
     EXPECT_TRUE(read_backs[1].fetch(mixed));
     EXPECT_TRUE(read_backs[2].fetch(segmented));

@@ -10,7 +10,7 @@ namespace {
 using namespace render::gles;
 
 // A point (x, y, z) lands at (16 x / z + 7.5, 16 y / z + 7.5) of 16 x 16 pixels.
-constexpr render::PinholeParams kView{{16, 16}, {7.5F, 7.5F}};
+constexpr render::PinholeParams kVirtualView{{16, 16}, {7.5F, 7.5F}};
 
 class VirtualPassTest : public GlTest {
  protected:
@@ -22,7 +22,7 @@ class VirtualPassTest : public GlTest {
     params.virtual_rect = rect;
     std::vector<GpuMesh> meshes;
     for (const Quad* quad : quads) {
-      params.draws.push_back(draw_of(*quad, kView));
+      params.draws.push_back(draw_of(*quad, kVirtualView));
       meshes.emplace_back(quad->view);
     }
     const auto drawn = pass->draw(params, meshes);

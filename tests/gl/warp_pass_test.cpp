@@ -13,15 +13,15 @@ namespace {
 using namespace render::gles;
 
 // ToF pixel x looks along ray (x - 3.5) / 8; without translation it lands at u = 4 x + 1.5.
-constexpr Size kTof{8, 8}, kView{32, 32};
+constexpr Size kWarpTof{8, 8}, kWarpView{32, 32};
 
 class WarpPassTest : public GlTest {
  protected:
   WarpPassTest() {
-    tables_.tof_size = kTof;
-    tables_.view_size = kView;
-    tables_.tof_ray =
-        make_image<glm::vec2>(kTof, [](int x, int y) { return (glm::vec2(x, y) - 3.5F) / 8.0F; });
+    tables_.tof_size = kWarpTof;
+    tables_.view_size = kWarpView;
+    tables_.tof_ray = make_image<glm::vec2>(
+        kWarpTof, [](int x, int y) { return (glm::vec2(x, y) - 3.5F) / 8.0F; });
     tables_.warp.view = {{32, 32}, {15.5F, 15.5F}};
   }
   Image<glm::vec4> draw(const Image<float>& depth_m) {
@@ -38,7 +38,7 @@ class WarpPassTest : public GlTest {
 };
 
 TEST_F(WarpPassTest, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
-  const auto w = draw(Image<float>(kTof, 2.0F));
+  const auto w = draw(Image<float>(kWarpTof, 2.0F));
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const bool inside = x >= 2 && x <= 29 && y >= 2 && y <= 29;
@@ -49,8 +49,8 @@ TEST_F(WarpPassTest, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
 TEST_F(WarpPassTest, tilted_plane_is_exact) {
   tables_.correct.step_min_m = 10;  // one surface
   const auto plane = [](glm::vec2 ray) { return 0.5F + 0.2F * ray.x - 0.1F * ray.y; };
-  const auto w = draw(
-      make_image<float>(kTof, [&](int x, int y) { return 1 / plane(tables_.tof_ray.at(x, y)); }));
+  const auto w = draw(make_image<float>(
+      kWarpTof, [&](int x, int y) { return 1 / plane(tables_.tof_ray.at(x, y)); }));
   float worst = 0;
   // Outermost samples are smoothed with their inner neighbours only.
   for (int y = 6; y < 26; ++y)
@@ -60,7 +60,7 @@ TEST_F(WarpPassTest, tilted_plane_is_exact) {
 }
 
 TEST_F(WarpPassTest, step_lies_half_a_tof_pixel_past_the_samples) {
-  const auto w = draw(make_image<float>(kTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
+  const auto w = draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
   // Samples 3 and 4 land at 13.5 and 17.5: each owns two view pixels of the cut cell.
   EXPECT_NEAR(w.at(13, 15).r, 0.5F, 1e-6F);
   EXPECT_NEAR(w.at(14, 15).r, -0.5F, 1e-6F);  // negative: a cut cell drew it
@@ -71,7 +71,7 @@ TEST_F(WarpPassTest, step_lies_half_a_tof_pixel_past_the_samples) {
 }
 
 TEST_F(WarpPassTest, pole_of_one_sample_keeps_its_width) {
-  const auto w = draw(make_image<float>(kTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
+  const auto w = draw(make_image<float>(kWarpTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
   int width = 0;
   for (int x = 0; x < 32; ++x) width += std::abs(w.at(x, 15).r) > 0.9F;
   EXPECT_EQ(width, 4);
@@ -80,12 +80,13 @@ TEST_F(WarpPassTest, pole_of_one_sample_keeps_its_width) {
 TEST_F(WarpPassTest, nearest_surface_wins_and_gaps_stay_unknown) {
   // The ToF camera stands 0.25 m to the left: a point at z moves right by 32 x 0.25 / z.
   tables_.warp.camera_from_tof[3] = glm::vec4(0.25F, 0, 0, 1);
-  const auto w = draw(make_image<float>(kTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
+  const auto w = draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
   // Near half ends at 15.5 + 8 = 23.5, far half starts at 15.5 + 2 = 17.5: near covers it.
   EXPECT_NEAR(std::abs(w.at(23, 15).r), 1.0F, 1e-6F);
   EXPECT_NEAR(std::abs(w.at(24, 15).r), 0.25F, 1e-6F);
   tables_.warp.camera_from_tof[3] = glm::vec4(-0.25F, 0, 0, 1);
-  const auto gap = draw(make_image<float>(kTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
+  const auto gap =
+      draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
   // Near half ends at 7.5, far half starts at 13.5: the camera saw nothing between.
   EXPECT_NEAR(std::abs(gap.at(7, 15).r), 1.0F, 1e-6F);
   for (int x = 8; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
@@ -94,7 +95,7 @@ TEST_F(WarpPassTest, nearest_surface_wins_and_gaps_stay_unknown) {
 
 TEST_F(WarpPassTest, unknown_samples_and_points_behind_the_camera_draw_nothing) {
   tables_.warp.camera_from_tof[3] = glm::vec4(0, 0, -2, 1);
-  const auto w = draw(make_image<float>(kTof, [](int x, int y) {
+  const auto w = draw(make_image<float>(kWarpTof, [](int x, int y) {
     return y < 4 ? 1.0F : x < 4 ? 0.0F : 3.0F;
   }));
   for (int y = 0; y < 32; ++y)

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
 /// How a case differs from a body of five markers over 20 cm, seen with 0.5 mm of noise.
-struct Scene {
+struct ConstellationScene {
   double skew_m = 0.04;  ///< how far the third corner of the base is from making it isosceles
   double apex_m = 0.05;  ///< height of the other markers over the base
   int markers = 5;
@@ -22,10 +22,10 @@ struct Scene {
   double scale = 1;
 };
 
-constexpr double kSigma_m = 5e-4;
+constexpr double kConstellationSigma_m = 5e-4;
 
 /// An isosceles base with both other markers on its plane of symmetry, but for `skew_m`.
-Points body_of(const Scene& s) {
+Points body_of(const ConstellationScene& s) {
   Points body = {{-0.1, 0, 0},
                  {0.1, 0, 0},
                  {s.skew_m, 0.15, 0},
@@ -36,10 +36,10 @@ Points body_of(const Scene& s) {
   return body;
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const ConstellationScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   const Points body = body_of(scene);
-  const double sigma_m = kSigma_m * scene.scale;
+  const double sigma_m = kConstellationSigma_m * scene.scale;
   const geometry::Pose truth = random.pose(2 * scene.scale);
   Points used, seen;
   for (std::size_t i = scene.missing; i < body.size(); ++i) {
@@ -75,7 +75,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_constellation_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const ConstellationScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"match_constellation", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using geometry::Pose;
 
 /// How a case differs from ten views within +-30 deg and 1 m, noise 1 mrad and 1 mm.
-struct Scene {
+struct HandEyeScene {
   Vector3d turn_rad = {0.5, 0.5, 0.5};  ///< greatest rotation of the hand about each axis
   Vector3d base_rad = {0, 0, 0};        ///< rotation that all views share
   double scale = 1;
@@ -19,7 +19,7 @@ struct Scene {
   bool nan = false;
 };
 
-constexpr double kSigma_rad = 1e-3, kSigma_m = 1e-3;
+constexpr double kHandEyeSigma_rad = 1e-3, kHandEyeSigma_m = 1e-3;
 
 Residuals chain_model(const std::vector<Pose>& hands, const std::vector<Pose>& eyes,
                       const estimation::HandEye& truth, double sigma_m) {
@@ -30,14 +30,14 @@ Residuals chain_model(const std::vector<Pose>& hands, const std::vector<Pose>& e
     Reals r;
     for (std::size_t i = 0; i < hands.size(); ++i)
       add_pose_residuals(product(moved(hands[i], none), hand_from_eye), world_from_target,
-                         moved(eyes[i], none), Real(kSigma_rad), Real(sigma_m), r);
+                         moved(eyes[i], none), Real(kHandEyeSigma_rad), Real(sigma_m), r);
     return r;
   };
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const HandEyeScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
-  const double sigma_m = kSigma_m * scene.scale;
+  const double sigma_m = kHandEyeSigma_m * scene.scale;
   const estimation::HandEye truth{{random.rotation(), scene.scale * Vector3d(0.05, 0.02, 0.1)},
                                   {random.rotation(), scene.scale * Vector3d(0.5, 1, 2)}};
   std::vector<Pose> hands, eyes;
@@ -46,7 +46,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
     const Pose hand{estimation::rotation_exp(turn) * estimation::rotation_exp(scene.base_rad),
                     scene.scale * random.in_box(0.5)};
     Pose eye = geometry::inverse(hand * truth.hand_from_eye) * truth.world_from_target;
-    eye.rotation = estimation::rotation_exp(random.normal3(kSigma_rad)) * eye.rotation;
+    eye.rotation = estimation::rotation_exp(random.normal3(kHandEyeSigma_rad)) * eye.rotation;
     eye.translation_m += random.normal3(sigma_m);
     if (i < scene.outliers) eye = {random.rotation(), scene.scale * random.in_box(2)};
     if (scene.nan && i == 0) eye.translation_m.x() = NAN;
@@ -56,7 +56,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
   estimation::Estimate<estimation::HandEye> estimate;
   Trial trial = timed(
       [&] {
-        return estimation::solve_hand_eye(hands, eyes, {kSigma_rad, sigma_m});
+        return estimation::solve_hand_eye(hands, eyes, {kHandEyeSigma_rad, sigma_m});
       },
       estimate);
   if (!estimate.usable()) return trial;
@@ -70,7 +70,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_hand_eye_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const HandEyeScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"solve_hand_eye", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

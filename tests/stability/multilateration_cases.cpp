@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
 /// How a case differs from eight centres in a cube of 2 m, a point 2 m away, 2 mm of noise.
-struct Scene {
+struct RangeScene {
   Vector3d stretch = {1, 1, 1};
   Vector3d point = {0.7, -0.4, 2};
   double scale = 1;
@@ -22,16 +22,16 @@ struct Scene {
   bool nan = false;
 };
 
-constexpr double kSigma_m = 2e-3;
+constexpr double kRangeSigma_m = 2e-3;
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const RangeScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   Points centres = random.cloud(scene.centres, 1.0);
   for (Vector3d& c : centres) c = scene.origin + scene.scale * c.cwiseProduct(scene.stretch);
   if (scene.doubled)
     centres.insert(centres.end(), centres.begin(), centres.begin() + scene.centres);
   const Vector3d truth = scene.origin + scene.scale * scene.point;
-  const double sigma = kSigma_m * scene.scale;
+  const double sigma = kRangeSigma_m * scene.scale;
   std::vector<double> ranges;
   for (const Vector3d& c : centres) ranges.push_back((truth - c).norm() + sigma * random.normal());
   for (int i = 0; i < scene.outliers; ++i) ranges[i] = scene.scale * random.uniform(0.5, 4);
@@ -60,7 +60,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_multilateration_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const RangeScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"multilaterate", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

@@ -12,7 +12,7 @@ using geometry::Pose;
 
 /// How a case differs from sixteen views within +-40 deg of pan and +-25 deg of tilt of a target
 /// 1.6 m away, noise 0.3 mrad and 0.3 mm.
-struct Scene {
+struct PanTiltScene {
   double pan_rad = 0.7, tilt_rad = 0.44;
   double skew_rad = 0.007;
   double scale = 1;  ///< of all lengths
@@ -23,9 +23,9 @@ struct Scene {
   bool nan = false;
 };
 
-constexpr double kSigma_rad = 3e-4, kSigma_m = 3e-4;
+constexpr double kPanTiltSigma_rad = 3e-4, kPanTiltSigma_m = 3e-4;
 
-estimation::PanTiltCalibration truth_of(const Scene& scene) {
+estimation::PanTiltCalibration truth_of(const PanTiltScene& scene) {
   estimation::PanTiltCalibration truth;
   truth.chain = {
       scene.skew_rad,
@@ -38,9 +38,10 @@ estimation::PanTiltCalibration truth_of(const Scene& scene) {
   return truth;
 }
 
-std::vector<PanTiltView> views_of(const Scene& scene, const estimation::PanTiltCalibration& truth,
+std::vector<PanTiltView> views_of(const PanTiltScene& scene,
+                                  const estimation::PanTiltCalibration& truth,
                                   RandomGeometry& random) {
-  const double sigma_m = kSigma_m * scene.scale;
+  const double sigma_m = kPanTiltSigma_m * scene.scale;
   std::vector<PanTiltView> views;
   for (int i = 0; i < scene.views; ++i) {
     PanTiltView view;
@@ -51,10 +52,10 @@ std::vector<PanTiltView> views_of(const Scene& scene, const estimation::PanTiltC
         view.tilt_rad + scene.angle_sigma_rad * random.normal() / truth.chain.tilt_scale);
     Pose& seen = view.camera_from_target;
     seen = geometry::inverse(camera) * truth.base_from_target;
-    seen.rotation = estimation::rotation_exp(random.normal3(kSigma_rad)) * seen.rotation;
+    seen.rotation = estimation::rotation_exp(random.normal3(kPanTiltSigma_rad)) * seen.rotation;
     seen.translation_m += random.normal3(sigma_m);
     if (i < scene.outliers) seen = {random.rotation(), scene.scale * random.in_box(2)};
-    view.covariance.diagonal() << Vector3d::Constant(kSigma_rad * kSigma_rad),
+    view.covariance.diagonal() << Vector3d::Constant(kPanTiltSigma_rad * kPanTiltSigma_rad),
         Vector3d::Constant(sigma_m * sigma_m);
     if (scene.swapped) std::swap(view.pan_rad, view.tilt_rad);
     if (scene.nan && i == 0) seen.translation_m.x() = NAN;
@@ -95,13 +96,13 @@ Residuals chain_model(const std::vector<PanTiltView>& views,
       camera.t[1] += offset;
       camera = turned(Real(0), Real(1), (Real(c.pan_scale) + x[2]) * view.pan_rad, camera);
       const Motion eye = moved(view.camera_from_target, Reals(6, Real(0)));
-      add_pose_residuals(camera, base_from_target, eye, Real(kSigma_rad), Real(sigma_m), r);
+      add_pose_residuals(camera, base_from_target, eye, Real(kPanTiltSigma_rad), Real(sigma_m), r);
     }
     return r;
   };
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const PanTiltScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   const auto truth = truth_of(scene);
   const auto views = views_of(scene, truth, random);
@@ -116,14 +117,14 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
       estimation::pose_error(chain.head_from_camera, truth.chain.head_from_camera),
       estimation::pose_error(estimate.value.base_from_target, truth.base_from_target);
   if (scene.outliers == 0 && scene.angle_sigma_rad == 0)
-    residuals = chain_model(views, truth, kSigma_m * scene.scale);
+    residuals = chain_model(views, truth, kPanTiltSigma_m * scene.scale);
   return trial;
 }
 
 }  // namespace
 
 void add_pan_tilt_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const PanTiltScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"calibrate_pan_tilt", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

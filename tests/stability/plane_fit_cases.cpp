@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
 /// How a case differs from forty points on a square of 2 m under 1 mm noise along the normal.
-struct Scene {
+struct PlaneScene {
   double width = 1;  ///< of the second axis
   double scale = 1;
   Vector3d origin = {0, 0, 0};
@@ -19,12 +19,12 @@ struct Scene {
   bool nan = false;
 };
 
-constexpr double kSigma_m = 1e-3;
+constexpr double kPlaneSigma_m = 1e-3;
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const PlaneScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   const Eigen::Matrix3d axes = random.rotation().toRotationMatrix();
-  const double sigma = kSigma_m * scene.scale;
+  const double sigma = kPlaneSigma_m * scene.scale;
   Points flat, points;
   for (int i = 0; i < scene.points; ++i) {
     const Vector3d at(random.uniform(-1, 1), scene.width * random.uniform(-1, 1),
@@ -65,7 +65,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_plane_fit_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const PlaneScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"fit_plane_robust", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

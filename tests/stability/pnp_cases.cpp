@@ -11,7 +11,7 @@ using estimation::Bearing;
 using Points = std::vector<Vector3d>;
 
 /// How a case differs from fifteen points in a cube of 2 m at 5 m, f = 600 px, 0.5 px noise.
-struct Scene {
+struct PnpScene {
   Vector3d stretch = {1, 1, 1};
   int points = 15;
   double depth = 5;
@@ -24,7 +24,7 @@ struct Scene {
   bool flipped = false;  ///< directions opposite to the points
 };
 
-constexpr double kSigma_px = 0.5, kFocal_px = 600;
+constexpr double kPnpSigma_px = 0.5, kPnpFocal_px = 600;
 
 /// Pixels of a pinhole, or the two angles across a direction for the fisheye, in 50 digits.
 Residuals pixel_model(const Points& points, const std::vector<Vector3d>& rays,
@@ -37,11 +37,12 @@ Residuals pixel_model(const Points& points, const std::vector<Vector3d>& rays,
       const Vector3d& d = rays[i];
       if (!fisheye) {
         for (int k = 0; k < 2; ++k)
-          r.push_back(Real(kFocal_px) * (q[k] / q[2] - Real(d[k]) / Real(d.z())) / Real(kSigma_px));
+          r.push_back(Real(kPnpFocal_px) * (q[k] / q[2] - Real(d[k]) / Real(d.z())) /
+                      Real(kPnpSigma_px));
         continue;
       }
       const Vector3d u = d.unitOrthogonal(), v = d.cross(u);
-      const Real n = length(q) * Real(kSigma_px) / Real(kFocal_px);
+      const Real n = length(q) * Real(kPnpSigma_px) / Real(kPnpFocal_px);
       r.push_back((q[0] * u.x() + q[1] * u.y() + q[2] * u.z()) / n);
       r.push_back((q[0] * v.x() + q[1] * v.y() + q[2] * v.z()) / n);
     }
@@ -49,14 +50,14 @@ Residuals pixel_model(const Points& points, const std::vector<Vector3d>& rays,
   };
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const PnpScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   Points points = random.cloud(scene.points, 1.0);
   geometry::Pose truth{estimation::rotation_exp(scene.turn_rad), {}};
   for (Vector3d& p : points) p = scene.origin + scene.scale * p.cwiseProduct(scene.stretch);
   truth.translation_m = scene.scale * Vector3d(0.1, -0.2, scene.all_around ? 0.1 : scene.depth) -
                         truth.rotation * scene.origin;
-  const geometry::CameraModel camera{{{640, 480}, kFocal_px, kFocal_px, 0, 0}, {}};
+  const geometry::CameraModel camera{{{640, 480}, kPnpFocal_px, kPnpFocal_px, 0, 0}, {}};
   std::vector<Bearing> bearings;
   std::vector<Vector3d> rays;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -64,13 +65,13 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
     Bearing bearing;
     if (scene.all_around || static_cast<int>(i) < scene.outliers) {
       const bool wrong = static_cast<int>(i) < scene.outliers;
-      const double sigma = kSigma_px / kFocal_px;
+      const double sigma = kPnpSigma_px / kPnpFocal_px;
       const Vector3d d = wrong ? random.in_box(1) + Vector3d(0, 0, 2) : seen.normalized();
       bearing = estimation::bearing_of(d + random.normal3(sigma), sigma);
     } else {
       const Eigen::Vector2d px = camera.pinhole.project(seen) +
-                                 kSigma_px * Eigen::Vector2d(random.normal(), random.normal());
-      bearing = *estimation::bearing_of(camera, px, kSigma_px);
+                                 kPnpSigma_px * Eigen::Vector2d(random.normal(), random.normal());
+      bearing = *estimation::bearing_of(camera, px, kPnpSigma_px);
     }
     if (scene.nan && i == 1) bearing.direction.x() = NAN;
     if (scene.flipped) bearing.direction = -bearing.direction;
@@ -91,7 +92,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_pnp_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const PnpScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"solve_pnp", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 
 /// How a case differs from ten points in a cube of 2 m under 1 mm of noise.
-struct Scene {
+struct RigidScene {
   Vector3d stretch = {1, 1, 1};  ///< of the cloud
   double scale = 1;              ///< of cloud and noise
   Vector3d origin = {0, 0, 0};   ///< of the cloud
@@ -23,13 +23,13 @@ struct Scene {
   bool with_scale = false;  ///< similarity_fit, true scale 1.7
 };
 
-constexpr double kSigma_m = 1e-3;
+constexpr double kRigidSigma_m = 1e-3;
 
 /// Both sets and how they came about.
 struct Data {
   Points a, b;
   estimation::Similarity truth;
-  double sigma_m = kSigma_m;
+  double sigma_m = kRigidSigma_m;
 
   Vector3d centre() const {
     Vector3d sum = Vector3d::Zero();
@@ -38,9 +38,9 @@ struct Data {
   }
 };
 
-Data data_of(const Scene& scene, std::uint64_t seed) {
+Data data_of(const RigidScene& scene, std::uint64_t seed) {
   RandomGeometry random(seed);
-  Data d{random.cloud(scene.points, 1.0), {}, {}, kSigma_m * scene.scale};
+  Data d{random.cloud(scene.points, 1.0), {}, {}, kRigidSigma_m * scene.scale};
   d.truth.pose = random.pose(2 * scene.scale);
   if (scene.with_scale) d.truth.scale = 1.7;
   if (scene.turn_rad) d.truth.pose.rotation = estimation::rotation_exp(*scene.turn_rad);
@@ -71,7 +71,7 @@ Residuals model_of(const Data& d, bool with_scale) {
   };
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const RigidScene& scene, std::uint64_t seed, Residuals& residuals) {
   const Data d = data_of(scene, seed);
   const estimation::RigidFitOptions options{d.sigma_m, {}};
   PoseChart chart{d.centre(), {}};
@@ -101,7 +101,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_rigid_fit_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const RigidScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({scene.with_scale ? "similarity_fit" : "rigid_fit", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using estimation::PointView;
 
 /// How a case differs from four pinhole views, 1 m apart, of a point 4 m away, 0.5 px noise.
-struct Scene {
+struct RayScene {
   int views = 4;
   double baseline = 1;
   Vector3d direction = {1, 0, 0};  ///< of the baseline; z is towards the point
@@ -22,7 +22,7 @@ struct Scene {
   bool behind = false;
 };
 
-constexpr double kSigma_px = 0.5, kFocal_px = 600;
+constexpr double kRaySigma_px = 0.5, kRayFocal_px = 600;
 
 /// Pinhole pixels of the point in 50 digits: the reference does not use bearings.
 Residuals pixel_model(const std::vector<geometry::Pose>& cameras,
@@ -33,16 +33,16 @@ Residuals pixel_model(const std::vector<geometry::Pose>& cameras,
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const Reals q = mapped_back(moved(cameras[i], Reals(6, Real(0))), p);
       for (int k = 0; k < 2; ++k)
-        r.push_back((Real(kFocal_px) * q[k] / q[2] - Real(pixels[i][k])) / Real(kSigma_px));
+        r.push_back((Real(kRayFocal_px) * q[k] / q[2] - Real(pixels[i][k])) / Real(kRaySigma_px));
     }
     return r;
   };
 }
 
-Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
+Trial run(const RayScene& scene, std::uint64_t seed, Residuals& residuals) {
   RandomGeometry random(seed);
   const Vector3d truth = scene.origin + scene.scale * Vector3d(0.1, 0.2, scene.depth);
-  const geometry::CameraModel camera{{{640, 480}, kFocal_px, kFocal_px, 0, 0}, {}};
+  const geometry::CameraModel camera{{{640, 480}, kRayFocal_px, kRayFocal_px, 0, 0}, {}};
   std::vector<geometry::Pose> cameras;
   std::vector<Eigen::Vector2d> pixels;
   std::vector<PointView> views;
@@ -53,10 +53,10 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
                         scene.origin + scene.scale * side};
     const Vector3d seen = geometry::inverse(pose) * truth;
     Eigen::Vector2d px = camera.pinhole.project(seen) +
-                         kSigma_px * Eigen::Vector2d(random.normal(), random.normal());
+                         kRaySigma_px * Eigen::Vector2d(random.normal(), random.normal());
     if (i < scene.outliers) px += Eigen::Vector2d(random.uniform(40, 90), random.uniform(40, 90));
     if (scene.outliers == scene.views) px = {random.uniform(-300, 300), random.uniform(-200, 200)};
-    auto bearing = *estimation::bearing_of(camera, px, kSigma_px);
+    auto bearing = *estimation::bearing_of(camera, px, kRaySigma_px);
     if (scene.behind) bearing.direction = -bearing.direction;
     if (scene.nan && i == 0) bearing.direction.y() = NAN;
     cameras.push_back(pose);
@@ -74,7 +74,7 @@ Trial run(const Scene& scene, std::uint64_t seed, Residuals& residuals) {
 }  // namespace
 
 void add_triangulation_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const Scene& scene,
+  const auto add = [&](const std::string& name, Expect expect, const RayScene& scene,
                        const std::string& axis = {}, double at = NAN) {
     cases.push_back({"triangulate", name, expect,
                      [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },

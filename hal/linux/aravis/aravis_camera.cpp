@@ -23,7 +23,7 @@ constexpr int kLibraryBuffers = 8, kBuffers = 10;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
 constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
-constexpr Duration kLookAgain = std::chrono::milliseconds(250);
+constexpr Duration kAravisLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
 struct Unref {
@@ -222,7 +222,7 @@ void AravisCamera::come_back() {
   }
   log_warning("aravis", info_.uri + ": lost; looking for it");
   while (!stop_) {
-    clock_.sleep_until(clock_.now() + kLookAgain);
+    clock_.sleep_until(clock_.now() + kAravisLookAgain);
     const std::lock_guard lock(mutex_);
     if (!connect() || !set_up() || !start_stream()) continue;
     health_.state = DeviceState::kStreaming;

@@ -10,7 +10,7 @@
 namespace mixrig::device {
 namespace {
 
-constexpr int kBuffers = 10;
+constexpr int kCameraBuffers = 10;
 constexpr Duration kWait = std::chrono::milliseconds(100);
 constexpr Duration kLookAgain = std::chrono::milliseconds(250);
 
@@ -29,7 +29,7 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const std::string& path,
   // A camera that is plugged in again must deliver what was negotiated first.
   camera->request_.size = camera->info_.size;
   camera->request_.format = camera->info_.format;
-  camera->pool_.emplace(kBuffers, camera->layout_.picture_bytes);
+  camera->pool_.emplace(kCameraBuffers, camera->layout_.picture_bytes);
   return camera;
 }
 

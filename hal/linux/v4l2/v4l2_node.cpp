@@ -21,7 +21,7 @@
 namespace mixrig::device {
 namespace {
 
-constexpr std::uint32_t kBuffers = 4;
+constexpr std::uint32_t kNodeBuffers = 4;
 
 double rate(const v4l2_fract& interval) {
   return interval.numerator > 0 ? static_cast<double>(interval.denominator) / interval.numerator
@@ -161,7 +161,7 @@ double V4l2Node::set_rate(double rate_hz) const {
 
 Result<void> V4l2Node::start_streaming() {
   v4l2_requestbuffers request{};
-  request.count = kBuffers;
+  request.count = kNodeBuffers;
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (ioctl_again(fd_, VIDIOC_REQBUFS, &request) < 0) return failed("requesting buffers");

@@ -8,7 +8,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr double kHuber = 2.5;  // sigmas
+constexpr double kCornerHuber = 2.5;  // sigmas
 
 /// Derivatives of a pixel by the shared parameters and the pose of the view.
 struct Derivatives {
@@ -63,7 +63,7 @@ ViewFunction corner_terms(const BoardPrint& print, const SeenCorners& corners,
         if (!differentiate(model, layout, print, c, view, corner.uv, d)) continue;
         const Eigen::Vector2d miss = (d.px - corner.px) / sigma_px[c];
         const double length = miss.norm();
-        const double weight = length > kHuber ? std::sqrt(kHuber / length) : 1;
+        const double weight = length > kCornerHuber ? std::sqrt(kCornerHuber / length) : 1;
         for (int k = 0; k < 2; ++k) {
           auto row = sum.next();
           row.head(n + 6) = weight / sigma_px[c] * d.rows.row(k).transpose();

@@ -14,7 +14,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr int kLeastViews = 4, kMostFolds = 8, kPlace = 5;
+constexpr int kLeastDepthViews = 4, kMostFolds = 8, kPlace = 5;
 constexpr double kHuber_m = 0.01;
 
 /// Evenly spaced knots over the distances; the outermost 0.5 % of the samples lie outside.
@@ -179,9 +179,9 @@ Result<DepthFit> fit_depth_error(const std::vector<DepthSample>& samples) {
   const auto refuse = [](const std::string& what) {
     return Error{ErrorCode::kData, "the depth error cannot be found: " + what};
   };
-  if (views.size() < kLeastViews || samples.size() < 50)
+  if (views.size() < kLeastDepthViews || samples.size() < 50)
     return refuse("the depth camera sees the board in " + std::to_string(views.size()) +
-                  " views: hold it before the camera at least " + std::to_string(kLeastViews) +
+                  " views: hold it before the camera at least " + std::to_string(kLeastDepthViews) +
                   " times, at all distances");
   const auto [low, high] = std::minmax_element(distances.begin(), distances.end());
   if (*high - *low < 0.1)

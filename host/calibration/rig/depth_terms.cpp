@@ -14,7 +14,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr double kHuber = 3;  // sigmas
+constexpr double kDepthHuber = 3;  // sigmas
 
 /// Spline basis by distance, tabulated.
 class Basis {
@@ -107,7 +107,7 @@ Eigen::MatrixXd depth_sums(const Scene& scene, const std::vector<Sample>& sample
       continue;
     const double sigma = scatter.paper_m + s.ink * (scatter.ink_m - scatter.paper_m);
     const double miss = d.miss_m / sigma;
-    const double scale = std::abs(miss) > kHuber ? std::sqrt(kHuber / std::abs(miss)) : 1;
+    const double scale = std::abs(miss) > kDepthHuber ? std::sqrt(kDepthHuber / std::abs(miss)) : 1;
     auto row = sum.next();
     const BoardPoint point = board_point(scene.model, scene.print.columns, scene.print.rows, s.uv);
     // The ray of the pixel is fixed: the board point on it slides over the board as the board

@@ -10,7 +10,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr double kHuber = 3;  // sigmas
+constexpr double kLightHuber = 3;  // sigmas
 
 double miss_of(const Sample& s, const Light& light, const Image<float>& picture) {
   return picture.at(s.x, s.y) - (1 - s.ink) * s.light.dot(light.head<kLight>()) -
@@ -53,7 +53,7 @@ LightFit solve_light(const std::vector<Sample>& samples, const Image<float>& pic
     LightSum sums;
     for (const Sample& s : samples) {
       const double miss = round > 0 ? std::abs(miss_of(s, fit.light, picture)) : 0;
-      const double weight = miss > kHuber * fit.sigma ? kHuber * fit.sigma / miss : 1;
+      const double weight = miss > kLightHuber * fit.sigma ? kLightHuber * fit.sigma / miss : 1;
       sums.add(s.light, s.ink, weight, picture.at(s.x, s.y));
     }
     auto h = sums.products();

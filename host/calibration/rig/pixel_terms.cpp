@@ -12,7 +12,7 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr double kHuber = 3;          // sigmas
+constexpr double kPixelHuber = 3;     // sigmas
 constexpr double kLeastShare = 0.85;  // of the variance that a picture of the board explains
 constexpr long kLeastPixels = 200;
 
@@ -27,7 +27,7 @@ Eigen::MatrixXd grey_sums(const Scene& scene, const std::vector<Sample>& samples
     const double paper = s.light.dot(light.head<kLight>());
     const double ink = s.light.dot(light.tail<kLight>());
     const double miss = (paper + s.ink * (ink - paper) - picture.at(s.x, s.y)) / sigma;
-    const double weight = std::abs(miss) > kHuber ? kHuber / std::abs(miss) : 1;
+    const double weight = std::abs(miss) > kPixelHuber ? kPixelHuber / std::abs(miss) : 1;
     if (!s.edge || !project_board_point(scene, s.uv, projected)) {
       plain.add(s.light, s.ink, weight / (sigma * sigma), sigma * miss);
       continue;

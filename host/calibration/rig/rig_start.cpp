@@ -18,8 +18,8 @@
 namespace mixrig::calibration {
 namespace {
 
-constexpr int kLeastViews = 5, kLeastCorners = 8;
-constexpr double kBadView = 8, kTypical_px = 0.1;
+constexpr int kLeastStartViews = 5, kLeastStartCorners = 8;
+constexpr double kBadStartView = 8, kTypical_px = 0.1;
 
 std::optional<int> dictionary_of(const std::string& name) {
   if (name == "4X4_50") return cv::aruco::DICT_4X4_50;
@@ -80,7 +80,7 @@ void drop_contradicting(RigData& data, const RigModel& model, std::size_t camera
   }
   const double typical = std::max(upper_median(misses), kTypical_px);
   for (std::size_t i = 0; i < shared.size(); ++i) {
-    if (misses[i] < kBadView * typical) continue;
+    if (misses[i] < kBadStartView * typical) continue;
     std::vector<SeenCorner>& corners = data.corners[shared[i]][camera];
     data.misfound[camera].views.push_back(shared[i]);
     data.misfound[camera].corners += static_cast<int>(corners.size());
@@ -157,7 +157,7 @@ Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>
         for (std::size_t k = 0; k < seen.ids.size(); ++k)
           data.corners[view][c].push_back(
               {{seen.ids[k] % inner + 1.0, seen.ids[k] / inner + 1.0}, seen.px[k]});
-        if (static_cast<int>(seen.ids.size()) < kLeastCorners) data.corners[view][c].clear();
+        if (static_cast<int>(seen.ids.size()) < kLeastStartCorners) data.corners[view][c].clear();
       }
       const std::lock_guard lock(mutex);
       progress(++done, set.views);
@@ -212,10 +212,10 @@ Result<RigModel> start_rig(RigData& data, Crew& crew) {
     const ViewCamera& camera = data.set.cameras[c];
     std::vector<int> views = seen_by(data, c);
     const std::string who = "camera \"" + camera.name + "\"";
-    if (static_cast<int>(views.size()) < kLeastViews)
+    if (static_cast<int>(views.size()) < kLeastStartViews)
       return data_error(who + " sees the board in " + std::to_string(views.size()) + " of " +
                         std::to_string(data.set.views) + " views, but " +
-                        std::to_string(kLeastViews) +
+                        std::to_string(kLeastStartViews) +
                         " are needed: check the board's squares in views.toml, light and "
                         "sharpness, and that the whole board is in the picture");
     auto single = solve_lens(data, c, crew);

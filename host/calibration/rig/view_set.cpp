@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <sstream>
 
 #include <fmt/format.h>
 
+#include "hal/base/angles.h"
 #include "hal/base/srgb.h"
 #include "host/calibration/board/detect_board.h"
 #include "host/config/table.h"
@@ -84,7 +84,6 @@ float linear(std::uint8_t value) { return linear_from_srgb(static_cast<float>(va
 
 Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const std::string& name,
                                                   int views) {
-  constexpr double kDeg = std::numbers::pi / 180;
   const auto wrong = [&](int line, const std::string& why) {
     return Error{ErrorCode::kFormat, name + ":" + std::to_string(line) + ": " + why};
   };
@@ -128,8 +127,7 @@ Result<ViewSet> read_view_set(const std::filesystem::path& folder) {
   if (set.cameras.empty()) root.fail("camera", "there must be a [[camera]]");
   const config::Table unit = root.table("pan_tilt");
   const std::string angles = unit.present() ? unit.text("angles") : "";
-  if (unit.present())
-    set.step_rad = unit.number_or("step_deg", 0, {0, 10}) * std::numbers::pi / 180;
+  if (unit.present()) set.step_rad = unit.number_or("step_deg", 0, {0, 10}) * kDeg;
   MIXRIG_TRY(document.finish());
   if (angles.empty()) return set;
   MIXRIG_ASSIGN(const std::string text, config::read_text(folder / angles, kMostAngleBytes));

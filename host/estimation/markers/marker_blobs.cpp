@@ -31,8 +31,8 @@ void flood(ImageView<const std::uint8_t> picture, int threshold, Pixel seed,
   }
 }
 
-/// Moments of a region, relative to its first pixel.
-struct Moments {
+/// BlobMoments of a region, relative to its first pixel.
+struct BlobMoments {
   double mass = 0;
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();  // of the shape, unweighted
@@ -41,9 +41,9 @@ struct Moments {
   bool at_border = false;
 };
 
-Moments moments_of(ImageView<const std::uint8_t> picture, int threshold,
-                   const std::vector<Pixel>& region) {
-  Moments m;
+BlobMoments moments_of(ImageView<const std::uint8_t> picture, int threshold,
+                       const std::vector<Pixel>& region) {
+  BlobMoments m;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Pixel& p : region) {
     const double weight = picture.at(p.x, p.y) - threshold;
@@ -68,7 +68,7 @@ Moments moments_of(ImageView<const std::uint8_t> picture, int threshold,
   return m;
 }
 
-std::string fault_of(const Moments& m, int area_px, const BlobOptions& options) {
+std::string fault_of(const BlobMoments& m, int area_px, const BlobOptions& options) {
   if (area_px < options.min_area_px) return "the blob is too small";
   if (area_px > options.max_area_px) return "the blob is too large";
   if (m.at_border) return "the blob is cut by the border of the picture";
@@ -91,7 +91,7 @@ std::vector<Estimate<MarkerBlob>> find_marker_blobs(ImageView<const std::uint8_t
       if (seen.at(x, y) || picture.at(x, y) <= options.threshold) continue;
       flood(picture, options.threshold, {x, y}, seen, region);
       const int area_px = static_cast<int>(region.size());
-      const Moments m = moments_of(picture, options.threshold, region);
+      const BlobMoments m = moments_of(picture, options.threshold, region);
       Estimate<MarkerBlob> blob;
       if (auto fault = fault_of(m, area_px, options); !fault.empty()) {
         blob = Estimate<MarkerBlob>::degenerate(fault);

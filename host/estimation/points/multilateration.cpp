@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
 /// A position, where it was linearised, and the other side of the centres' plane.
-struct Fix {
+struct RangeFix {
   Vector3d position;
   Matrix3d information;  // of unit weight
   double cost;           // sum of squared range residuals, m^2
@@ -82,9 +82,9 @@ std::vector<Vector3d> starts_of(Points centres, std::span<const double> ranges,
 }
 
 /// All distinct local minima from the starts, best first (or nearest to the hint first).
-std::vector<Fix> minima(Points centres, std::span<const double> ranges,
-                        std::span<const int> indices, const std::optional<Vector3d>& near_m) {
-  std::vector<Fix> found;
+std::vector<RangeFix> minima(Points centres, std::span<const double> ranges,
+                             std::span<const int> indices, const std::optional<Vector3d>& near_m) {
+  std::vector<RangeFix> found;
   const PointSpread frame = spread_of(centres, indices);
   if (!(frame.spread_m[1] > 1e-7 * frame.spread_m[2])) return found;
   const double scale_m = frame.spread_m[2];
@@ -94,14 +94,14 @@ std::vector<Fix> minima(Points centres, std::span<const double> ranges,
     const auto solution =
         detail::minimise<3>(RangeResiduals{centres, ranges, indices, start, scale_m});
     if (!solution.finite()) continue;
-    const Fix fix{start + scale_m * solution.x, solution.information(),
-                  solution.cost() * scale_m * scale_m, std::nullopt, 0};
+    const RangeFix fix{start + scale_m * solution.x, solution.information(),
+                       solution.cost() * scale_m * scale_m, std::nullopt, 0};
     bool known = false;
-    for (const Fix& other : found)
+    for (const RangeFix& other : found)
       known = known || (other.position - fix.position).norm() < 1e-6 * scale_m;
     if (!known) found.push_back(fix);
   }
-  std::sort(found.begin(), found.end(), [&](const Fix& a, const Fix& b) {
+  std::sort(found.begin(), found.end(), [&](const RangeFix& a, const RangeFix& b) {
     if (!near_m) return a.cost < b.cost;
     return (a.position - *near_m).squaredNorm() < (b.position - *near_m).squaredNorm();
   });
@@ -137,8 +137,8 @@ Matrix3d with_curvature(const Matrix3d& covariance, const Vector3d& arm, double 
 }
 
 /// Why the fix cannot be trusted although it fits, empty if it can.
-std::string side_fault(const Fix& fix, const PointSpread& frame, double sigma_m, std::size_t count,
-                       const MultilaterationOptions& options) {
+std::string side_fault(const RangeFix& fix, const PointSpread& frame, double sigma_m,
+                       std::size_t count, const MultilaterationOptions& options) {
   // A height h over the plane of the centres changes a range r by h^2 / 2r only. Noise of z
   // standard deviations therefore moves a point of the plane by up to sqrt(2 z) of this blur: here
   // z = 3.5. If the centres spread across the plane by more than the blur, they determine the
@@ -166,22 +166,23 @@ Estimate<Vector3d> multilaterate(Points centres_m, std::span<const double> range
   const auto solve = [&](std::span<const int> indices) {
     return minima(centres_m, ranges_m, indices, options.near_m);
   };
-  const auto fit = [&](std::span<const int> indices) -> std::optional<Fix> {
+  const auto fit = [&](std::span<const int> indices) -> std::optional<RangeFix> {
     const auto all = solve(indices);
     return all.empty() ? std::nullopt : std::optional(all.front());
   };
-  const auto cost = [&](const Fix& fix, int i) {
+  const auto cost = [&](const RangeFix& fix, int i) {
     const double residual = unit * ((fix.position - centres_m[i]).norm() - ranges_m[i]);
     return residual * residual;
   };
-  auto found = fit_with_consensus<Fix>({n, 3, 1, 3}, options.sigma_m.has_value(), fit, solve, cost);
+  auto found =
+      fit_with_consensus<RangeFix>({n, 3, 1, 3}, options.sigma_m.has_value(), fit, solve, cost);
   std::vector<int> everything(n);
   std::iota(everything.begin(), everything.end(), 0);
   const PointSpread frame = spread_of(centres_m, found.model ? found.inliers : everything);
   if (!(frame.spread_m[1] > 1e-7 * frame.spread_m[2]))
     return Answer::degenerate("the centres lie on one line: a whole circle fits");
   if (!found.model) return Answer::degenerate(found.reason);
-  const Fix& fix = *found.model;
+  const RangeFix& fix = *found.model;
   const auto sigma_m =
       noise_sigma(options.sigma_m, found.cost, static_cast<int>(found.inliers.size()) - 3,
                   1e-15 * (fix.position.norm() + frame.spread_m[2]));

@@ -15,16 +15,16 @@ using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
 /// First and second moments of the weighted points.
-struct Moments {
+struct PairMoments {
   Vector3d mean_a = Vector3d::Zero(), mean_b = Vector3d::Zero();
   Matrix3d scatter_a = Matrix3d::Zero();  // sum of w a a^T about the mean
   Matrix3d cross = Matrix3d::Zero();      // sum of w b a^T about the means
   double weight = 0, trace_b = 0;         // trace: sum of w |b - mean|^2
 };
 
-Moments moments_of(Points a, Points b, std::span<const double> weights,
-                   std::span<const int> indices) {
-  Moments m;
+PairMoments moments_of(Points a, Points b, std::span<const double> weights,
+                       std::span<const int> indices) {
+  PairMoments m;
   const auto weight = [&](int i) { return weights.empty() ? 1.0 : weights[i]; };
   // Means of differences to one point: no precision is lost far from the origin.
   const Vector3d a0 = a[indices[0]], b0 = b[indices[0]];
@@ -46,7 +46,7 @@ Moments moments_of(Points a, Points b, std::span<const double> weights,
 
 struct Solution {
   Similarity transform;
-  Moments moments;
+  PairMoments moments;
   Vector3d singular_values;  // of the cross moments
   bool mirrored;             // the best orthogonal matrix is a reflection
 };

@@ -12,16 +12,16 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Views = std::span<const PointView>;
+using PointViews = std::span<const PointView>;
 
-struct Fix {
+struct RayFix {
   Vector3d position;
   Matrix3d information;  // in units of depth_m
   double depth_m;        // mean distance to the cameras
 };
 
 struct ReprojectionResiduals {
-  Views views;
+  PointViews views;
   std::span<const int> indices;
   Vector3d start;
   double scale_m;
@@ -53,7 +53,7 @@ constexpr double kDegenerateDepthShare = 1.0 / 6.0;
 /// Least squares of the distances to the rays, each weighted by its precision over the distance of
 /// the round before: converges to the reprojection error in most configurations (Cortes Reina 2015,
 /// eq. 53 to 57).
-std::optional<Vector3d> linear_start(Views views, std::span<const int> indices) {
+std::optional<Vector3d> linear_start(PointViews views, std::span<const int> indices) {
   const Vector3d origin = views[indices[0]].world_from_camera.translation_m;
   Vector3d x = Vector3d::Zero();
   for (int round = 0; round < 4; ++round) {
@@ -76,7 +76,7 @@ std::optional<Vector3d> linear_start(Views views, std::span<const int> indices) 
   return Vector3d(origin + x);
 }
 
-std::optional<Fix> solve(Views views, std::span<const int> indices) {
+std::optional<RayFix> solve(PointViews views, std::span<const int> indices) {
   const auto start = linear_start(views, indices);
   if (!start) return std::nullopt;
   double depth_m = 0;
@@ -84,7 +84,7 @@ std::optional<Fix> solve(Views views, std::span<const int> indices) {
   depth_m /= static_cast<double>(indices.size());
   const auto solution = detail::minimise<3>(ReprojectionResiduals{views, indices, *start, depth_m});
   if (!(depth_m > 0) || !solution.finite()) return std::nullopt;
-  return Fix{*start + depth_m * solution.x, solution.information(), depth_m};
+  return RayFix{*start + depth_m * solution.x, solution.information(), depth_m};
 }
 
 double squared_residual(const PointView& view, const Vector3d& point) {
@@ -94,7 +94,7 @@ double squared_residual(const PointView& view, const Vector3d& point) {
 }
 
 /// Greatest distance between two of the cameras, m.
-double baseline_of(Views views, std::span<const int> indices) {
+double baseline_of(PointViews views, std::span<const int> indices) {
   double longest = 0;
   for (int i : indices)
     longest = std::max(longest, (views[i].world_from_camera.translation_m -
@@ -103,7 +103,7 @@ double baseline_of(Views views, std::span<const int> indices) {
   return longest;
 }
 
-std::string input_fault(Views views) {
+std::string input_fault(PointViews views) {
   if (views.size() < 2) return "fewer than 2 views";
   for (std::size_t i = 0; i < views.size(); ++i) {
     const PointView& v = views[i];
@@ -117,7 +117,7 @@ std::string input_fault(Views views) {
 }
 
 /// Whether the point lies opposite to where most of the views look.
-bool is_behind(Views views, const ConsensusFit<Fix>& found) {
+bool is_behind(PointViews views, const ConsensusFit<RayFix>& found) {
   for (int i : found.inliers) {
     const Vector3d ray = views[i].world_from_camera.rotation * views[i].bearing.direction;
     if (ray.dot(found.model->position - views[i].world_from_camera.translation_m) <= 0) return true;
@@ -127,25 +127,27 @@ bool is_behind(Views views, const ConsensusFit<Fix>& found) {
 
 }  // namespace
 
-Estimate<Vector3d> triangulate(Views views) {
+Estimate<Vector3d> triangulate(PointViews views) {
   using Answer = Estimate<Vector3d>;
   if (auto fault = input_fault(views); !fault.empty()) return Answer::degenerate(fault);
   const int n = static_cast<int>(views.size());
   const auto fit = [&](std::span<const int> indices) { return solve(views, indices); };
   const auto sample = [&](std::span<const int> indices) {
     const auto start = linear_start(views, indices);
-    return start ? std::vector<Fix>{{*start, {}, 0}} : std::vector<Fix>{};
+    return start ? std::vector<RayFix>{{*start, {}, 0}} : std::vector<RayFix>{};
   };
-  const auto cost = [&](const Fix& fix, int i) { return squared_residual(views[i], fix.position); };
+  const auto cost = [&](const RayFix& fix, int i) {
+    return squared_residual(views[i], fix.position);
+  };
   std::vector<int> everything(n);
   std::iota(everything.begin(), everything.end(), 0);
   if (baseline_of(views, everything) == 0)
     return Answer::degenerate("all views are from one place: no baseline");
-  auto found = fit_with_consensus<Fix>({n, 2, 2, 3}, true, fit, sample, cost);
+  auto found = fit_with_consensus<RayFix>({n, 2, 2, 3}, true, fit, sample, cost);
   if (!found.model)
     return Answer::degenerate(solve(views, everything) ? found.reason : "the rays are parallel");
   if (is_behind(views, found)) return Answer::degenerate("the rays meet behind a camera");
-  const Fix& fix = *found.model;
+  const RayFix& fix = *found.model;
   const auto judged = judge(fix.information / (fix.depth_m * fix.depth_m),
                             Vector3d::Constant(fix.depth_m), kDegenerateDepthShare);
   if (judged.verdict.standing == Standing::kDegenerate)

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using geometry::Pose;
 using Sights = std::span<const RangedSight>;
 
-struct PoseFit {
+struct HeadFit {
   Pose world_from_camera;
   Eigen::MatrixXd information;
 };
@@ -70,12 +70,12 @@ std::optional<Pose> start_of(Sights sights, std::span<const int> indices) {
   return align_points(in_camera, in_world, indices);
 }
 
-std::optional<PoseFit> solve(Sights sights, std::span<const int> indices, double sigma_m) {
+std::optional<HeadFit> solve(Sights sights, std::span<const int> indices, double sigma_m) {
   const auto start = start_of(sights, indices);
   if (!start) return std::nullopt;
   double scale_m = 0;
   for (int i : indices) scale_m = std::max(scale_m, sights[i].range_m);
-  PoseFit fix{*start, {}};
+  HeadFit fix{*start, {}};
   // The second pass starts at the minimum, so its Jacobian is that of pose_error().
   for (int pass = 0; pass < 2; ++pass) {
     const auto solution = detail::minimise<6>(
@@ -128,12 +128,12 @@ Estimate<Pose> locate_camera(Sights sights, double sigma_range_m) {
   };
   const auto sample = [&](std::span<const int> indices) {
     const auto start = start_of(sights, indices);
-    return start ? std::vector<PoseFit>{{*start, {}}} : std::vector<PoseFit>{};
+    return start ? std::vector<HeadFit>{{*start, {}}} : std::vector<HeadFit>{};
   };
-  const auto cost = [&](const PoseFit& fix, int i) {
+  const auto cost = [&](const HeadFit& fix, int i) {
     return squared_residual(sights[i], fix.world_from_camera, sigma_range_m);
   };
-  auto found = fit_with_consensus<PoseFit>({n, 3, 3, 6}, true, fit, sample, cost);
+  auto found = fit_with_consensus<HeadFit>({n, 3, 3, 6}, true, fit, sample, cost);
   if (!found.model) return Answer::degenerate(found.reason);
   double reach_m = 0;
   for (int i : found.inliers) reach_m = std::max(reach_m, sights[i].range_m);

@@ -20,7 +20,7 @@ using detail::PoseT;
 using Eigen::Vector3d;
 using geometry::Pose;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Views = std::span<const PanTiltView>;
+using ChainViews = std::span<const PanTiltView>;
 
 constexpr int kParameters = 16;
 
@@ -95,7 +95,7 @@ struct Fit {
 };
 
 /// A target seen by one camera: the hand-eye problem of ideal axes, with generous noise.
-Estimate<HandEye> ideal_chain(Views views, double scale_m) {
+Estimate<HandEye> ideal_chain(ChainViews views, double scale_m) {
   std::vector<Pose> hands, eyes;
   for (const PanTiltView& view : views) {
     hands.push_back(base_from_head({}, view.pan_rad, view.tilt_rad));
@@ -127,7 +127,7 @@ std::optional<Fit> solve(std::span<const WhiteView> views, std::span<const int> 
   return Fit{start, unit.asDiagonal() * information * unit.asDiagonal()};
 }
 
-std::string input_fault(Views views, double angle_sigma_rad) {
+std::string input_fault(ChainViews views, double angle_sigma_rad) {
   if (views.size() < 4) return "fewer than 4 views";
   if (!(angle_sigma_rad >= 0)) return "the repeatability must not be negative";
   double pan[2] = {INFINITY, -INFINITY}, tilt[2] = {INFINITY, -INFINITY};
@@ -163,7 +163,8 @@ Eigen::Matrix<double, 6, 2> angle_slope(const PanTiltView& view, const Pose& hea
   return slope;
 }
 
-std::vector<WhiteView> whitened(Views views, const Pose& head_from_camera, double angle_sigma_rad) {
+std::vector<WhiteView> whitened(ChainViews views, const Pose& head_from_camera,
+                                double angle_sigma_rad) {
   std::vector<WhiteView> white;
   for (const PanTiltView& view : views) {
     const auto slope = angle_slope(view, head_from_camera);
@@ -201,7 +202,7 @@ Pose base_from_camera(const PanTiltChain& chain, double pan_rad, double tilt_rad
   return base_from_head(chain, pan_rad, tilt_rad) * chain.head_from_camera;
 }
 
-Estimate<PanTiltCalibration> calibrate_pan_tilt(Views views, double angle_sigma_rad) {
+Estimate<PanTiltCalibration> calibrate_pan_tilt(ChainViews views, double angle_sigma_rad) {
   using Answer = Estimate<PanTiltCalibration>;
   if (auto fault = input_fault(views, angle_sigma_rad); !fault.empty())
     return Answer::degenerate(fault);

@@ -6,15 +6,14 @@
 #include <limits>
 
 #include "host/render/cpu/bilinear.h"
+#include "host/render/cpu/draw_quads.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr int kGrain = 16;
+constexpr int kBackgroundGrain = 16;
 constexpr std::size_t kRun = MovingBackground::kMostColumns;
 constexpr std::uint16_t kUnknownColor = 65535;
-
-Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
 /// Largest of `from` within `radius` along a row.
 void most_within(const float* from, int width, int radius, float* to) {
@@ -122,7 +121,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   model_.grid.warp.camera_from_tof = pose.camera_from_model;
   warp(crew, model_.grid, grid_, scratch_, w_);
   const int height = depth_m_.height(), width = depth_m_.width();
-  crew.rows(height, kGrain, [&](int begin, int end) {
+  crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     Run run;
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < width; x += static_cast<int>(kRun)) {
@@ -132,7 +131,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
       most_within(w_.row(y), width, model_.limit_radius_px, row_most_w_.row(y));
     }
   });
-  crew.rows(height, kGrain, [&](int begin, int end) {
+  crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) limit_row(y, tables.key_limit_w.row(y));
   });
 }

@@ -10,6 +10,7 @@
 #include "hal/base/parallel.h"
 #include "host/render/cpu/background.h"
 #include "host/render/cpu/correct.h"
+#include "host/render/cpu/draw_quads.h"
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/mix.h"
@@ -28,8 +29,6 @@ namespace mixrig::render {
 namespace {
 
 using namespace cpu;  // NOLINT(google-build-using-namespace)
-
-Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
 /// Adds wall time to stages, from one lap to the next.
 class StopWatch {

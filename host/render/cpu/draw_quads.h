@@ -15,6 +15,7 @@ struct Vertex {
 
 /// Blocks of 4x4 pixels are written whole: the view's image has this margin to the right and below.
 inline constexpr int kViewMargin = 3;
+inline Size with_margin(Size size) { return {size.width + kViewMargin, size.height + kViewMargin}; }
 
 /// The view rows of a band. Blocks start at `last_y` at most, so that no band writes another's
 /// rows.

@@ -13,7 +13,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr int kGrain = 16;
+constexpr int kLightGrain = 16;
 constexpr std::uint16_t kLit = 65535;
 
 /// Background of one tile is tested together for shadows. A register divides its width.
@@ -362,14 +362,14 @@ void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& laye
 void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,
                   const Image<std::uint8_t>& matte, LightLayer& light) {
   const int columns = light.tile_w.width(), rows = light.tile_w.height();
-  crew.rows(rows, kGrain, [&](int begin, int end) {
+  crew.rows(rows, kLightGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < columns; ++x) light.tile_w.row(y)[x] = mean_w(view_w, matte, x, y);
   });
   crew.rows(rows, 4, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) light_tiles(input, y, light);
   });
-  crew.rows(matte.height(), kGrain, [&](int begin, int end) {
+  crew.rows(matte.height(), kLightGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       std::copy_n(light.background.row(y), matte.width(), light.visible.row(y));
       for (int x = 0; x < matte.width(); ++x)

@@ -16,16 +16,16 @@ constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
 static_assert(kPixelSamples == 4, "the samples of a pixel fill an F4");
 constexpr F4 kColumn = {0, 1, 0, 1}, kRow = {0, 0, 1, 1};
 
-F4 sqrt(F4 f) {
+F4 sqrt4(F4 f) {
   for (int i = 0; i < 4; ++i) f[i] = std::sqrt(f[i]);
   return f;
 }
-I4 to_int(F4 f) { return __builtin_convertvector(f, I4); }
-F4 to_float(I4 i) { return __builtin_convertvector(i, F4); }
+I4 to_int4(F4 f) { return __builtin_convertvector(f, I4); }
+F4 to_float4(I4 i) { return __builtin_convertvector(i, F4); }
 /// Largest whole number that is not above; the value must fit.
-F4 floor(F4 f) {
-  const F4 whole = to_float(to_int(f));
-  return whole + to_float(whole > f);  // true is -1
+F4 floor4(F4 f) {
+  const F4 whole = to_float4(to_int4(f));
+  return whole + to_float4(whole > f);  // true is -1
 }
 
 /// A vector of each of the four samples.
@@ -60,9 +60,9 @@ struct Neighbours {
   F4 share;
 };
 Neighbours neighbours(F4 value, int size) {
-  const F4 at = (value - floor(value)) * static_cast<float>(size) - 0.5F;
-  const F4 low = floor(at);
-  const I4 first = to_int(low), second = first + 1;  // from -1 to size
+  const F4 at = (value - floor4(value)) * static_cast<float>(size) - 0.5F;
+  const F4 low = floor4(at);
+  const I4 first = to_int4(low), second = first + 1;  // from -1 to size
   return {first < 0 ? first + size : first, second >= size ? second - size : second, at - low};
 }
 
@@ -126,7 +126,7 @@ void add(const Draw& draw, const VirtualScratch::Item& item, int x, int y, F4 w,
   const std::uint32_t* i = &mesh.indices[item.first_index];
   const Vector4 n = draw.params.camera_from_object_normal *
                     mix(weights, mesh.normals[i[0]], mesh.normals[i[1]], mesh.normals[i[2]]);
-  F4 scale = counted / sqrt(dot(n, n));
+  F4 scale = counted / sqrt4(dot(n, n));
   if (mesh.double_sided) scale = dot(n, rays(draw.params.view, x, y)) > 0 ? -scale : scale;
   const auto total = [&](F4 f) {
     const F4 part = counted > 0 ? f * scale : F4{};

@@ -8,12 +8,12 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr float kMost = std::numeric_limits<float>::max();
+constexpr float kLitAll_w = std::numeric_limits<float>::max();
 
 /// A filter of `radius_texel` around a place in a map, for each point.
 struct FilterLanes {
   FloatLanes x_texel, y_texel, radius_texel;
-  FloatLanes w;  ///< of the point in lamp axes, 1/m; kMost where it sees all of the lamp
+  FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w where it sees all of the lamp
 };
 
 /// Reads the taps of filters.
@@ -63,7 +63,7 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   const IntLanes inside = behind & (u > -radius) & (v > -radius) & (u < last) & (v < last);
   return {inside ? u : FloatLanes{}, inside ? v : FloatLanes{},
           inside ? max(radius, FloatLanes{} + kLeastRadiusTexel) : FloatLanes{},
-          inside ? w : FloatLanes{} + kMost};
+          inside ? w : FloatLanes{} + kLitAll_w};
 }
 
 /// Makes the filters as wide as the penumbra of what lies before each point.
@@ -80,7 +80,7 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   const FloatLanes blocker_w = count / (found ? sum_m : FloatLanes{} + 1.0F);
   const FloatLanes radius = (blocker_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m);
   filter.radius_texel = max(found ? radius : FloatLanes{}, FloatLanes{} + kLeastRadiusTexel);
-  filter.w = found ? filter.w : FloatLanes{} + kMost;
+  filter.w = found ? filter.w : FloatLanes{} + kLitAll_w;
 }
 
 }  // namespace
@@ -91,10 +91,10 @@ FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const Vector
   const FloatLanes all = FloatLanes{} + 1.0F;
   if (map.empty()) return all;
   FilterLanes filter = place(lamp, position_m, normal);
-  if (!any(filter.w < kMost)) return all;
+  if (!any(filter.w < kLitAll_w)) return all;
   const TapReader reader(map.w);
   find_blockers(lamp, reader, filter);
-  if (!any(filter.w < kMost)) return all;
+  if (!any(filter.w < kLitAll_w)) return all;
   FloatLanes lit{};
   for (const glm::vec2 tap : kTaps) lit -= to_float(reader.read(filter, tap) <= filter.w);
   return lit / static_cast<float>(kShadowTapCount);
@@ -102,7 +102,8 @@ FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const Vector
 
 bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners_m) {
   if (map.empty()) return false;
-  float x0 = kMost, y0 = kMost, x1 = -kMost, y1 = -kMost, z0 = kMost, z1 = -kMost;
+  float x0 = kLitAll_w, y0 = kLitAll_w, x1 = -kLitAll_w, y1 = -kLitAll_w, z0 = kLitAll_w,
+        z1 = -kLitAll_w;
   for (const glm::vec3& corner_m : corners_m) {
     const glm::vec3 p = transform(lamp.lamp_from_camera, corner_m);
     z0 = std::min(z0, p.z), z1 = std::max(z1, p.z);

@@ -9,7 +9,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 16;
+constexpr int kBoardCameraBand = 16;
 
 /// Share of a pixel's response left of x: a unit square convolved with a Gaussian.
 double response(double x, double blur_px) {
@@ -138,11 +138,11 @@ void BoardCamera::trace(const TraceScene& board, const BoardPattern& pattern,
   std::vector<BoardPixel> centres(size_.area());
   pixels.resize(size_.area());
   const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * size_.width + x; };
-  crew.rows(size_.height, kBand, [&](int begin, int end) {
+  crew.rows(size_.height, kBoardCameraBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size_.width; ++x) centres[index(x, y)] = centre(view, x, y);
   });
-  crew.rows(size_.height, kBand, [&](int begin, int end) {
+  crew.rows(size_.height, kBoardCameraBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size_.width; ++x) {
         BoardPixel& pixel = pixels[index(x, y)];

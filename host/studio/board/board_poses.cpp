@@ -6,13 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/lens.h"
 #include "host/studio/sensors/noise.h"
 
 namespace mixrig::studio {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr int kOffAxisEvery = 5;
 constexpr double kFar_m = 2.4;
 

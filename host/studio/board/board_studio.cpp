@@ -19,8 +19,8 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 8;
-constexpr float kFullWell_e = 12000, kReadNoise_e = 8;
+constexpr int kBoardBand = 8;
+constexpr float kBoardFullWell_e = 12000, kBoardReadNoise_e = 8;
 constexpr float kPaper = 0.80F, kInk = 0.06F, kPaperInfrared = 0.75F, kInkInfrared = 0.10F;
 constexpr float kRoomLight = 0.55F;  ///< irradiance on the room behind the board
 constexpr int kLightSide = 9;        ///< samples of the light on the board, per side
@@ -246,7 +246,7 @@ void BoardStudio::State::draw_color(BoardCamera& camera, const geometry::Pose& t
   const auto exposure = static_cast<float>(light.exposure);
   const auto noise = static_cast<float>(info.options.noise);
   picture.reset(size);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kBoardBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         if (camera.ray(x, y).isZero()) continue;
@@ -261,10 +261,10 @@ void BoardStudio::State::draw_color(BoardCamera& camera, const geometry::Pose& t
         const std::uint64_t bits = hash_key(hash_key(info.options.seed, 0xB0C0 + salt),
                                             static_cast<std::uint64_t>(view.number), index);
         for (int c = 0; c < 3; ++c) {
-          const float charge = kFullWell_e * exposure * color[c];
-          color[c] = (charge + noise * std::sqrt(charge + kReadNoise_e * kReadNoise_e) *
+          const float charge = kBoardFullWell_e * exposure * color[c];
+          color[c] = (charge + noise * std::sqrt(charge + kBoardReadNoise_e * kBoardReadNoise_e) *
                                    normal(bits >> (12 * c))) /
-                     kFullWell_e;
+                     kBoardFullWell_e;
         }
         picture.at(x, y) = srgb_from_linear(color);
       }
@@ -302,7 +302,7 @@ void BoardStudio::State::draw_tof(BoardView& view) {
   const Size size = tof.size_px();
   view.tof_distance_m.reset(size), view.tof_amplitude.reset(size);
   const float counts_per_e = 65535.0F / sensor.full_well_e;
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kBoardBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t index = static_cast<std::size_t>(y) * size.width + x;

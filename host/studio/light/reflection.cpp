@@ -8,7 +8,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 4;
+constexpr int kReflectionBand = 4;
 constexpr int kRays = 64, kFewRays = 32;
 /// Slopes of varnish across the mirrored ray; the mean of these rays is what is seen in it.
 constexpr std::array<std::array<float, 2>, 4> kSlopes{
@@ -87,7 +87,7 @@ float reflectance(const Reflector& reflector, Kind kind, float cosine) {
 
 void mirror_surfels(SurfelMap& map, const Reflector& r, bool with_object, Crew& crew) {
   const Rect rect = map.rect();
-  crew.rows(std::max(0, rect.y1 - rect.y0), kBand, [&](int begin, int end) {
+  crew.rows(std::max(0, rect.y1 - rect.y0), kReflectionBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (Surfel& s : map.row(rect.y0 + y)) {
         if (s.z == kMiss) continue;
@@ -180,7 +180,7 @@ Vec3 BounceCache::mean() const {
 
 void bounce_surfels(SurfelMap& map, const BounceCache& cache, Crew& crew) {
   const Rect rect = map.rect();
-  crew.rows(std::max(0, rect.y1 - rect.y0), kBand, [&](int begin, int end) {
+  crew.rows(std::max(0, rect.y1 - rect.y0), kReflectionBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (Surfel& s : map.row(rect.y0 + y)) {
         if (s.z == kMiss || s.glows) continue;

@@ -11,7 +11,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 8;
+constexpr int kColorBand = 8;
 constexpr int kReach_px = 8;  ///< largest radius of a circle of confusion
 
 /// Share of a disc of radius r around a pixel that falls on a pixel `d` away, up to a factor.
@@ -70,7 +70,7 @@ void defocus(const ColorSensor& sensor, float f_px, const Image<Rgbf>& light,
     }
   const int reach = static_cast<int>(std::ceil(widest + 0.5F));
   blurred.reset(size);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kColorBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const float own = radius.at(x, y), z = z_m.at(x, y);
@@ -96,7 +96,7 @@ void expose(const ColorSensor& sensor, const Image<Rgbf>& light, std::uint64_t k
             const NormalTable& normal, Crew& crew, Image<float>& raw) {
   const Size size = light.size();
   raw.reset(size);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kColorBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const int channel = bayer_channel(x, y);
@@ -146,7 +146,7 @@ void halve_chroma(Image<Rgb8>& picture, Crew& crew) {
     return 0.299F * static_cast<float>(c.r) + 0.587F * static_cast<float>(c.g) +
            0.114F * static_cast<float>(c.b);
   };
-  crew.rows(picture.height(), kBand, [&](int begin, int end) {
+  crew.rows(picture.height(), kColorBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x + 1 < picture.width(); x += 2) {
         Rgb8& a = picture.at(x, y);
@@ -181,7 +181,7 @@ ColorCamera::ColorCamera(const Optics& optics, const Realism& realism, unsigned 
     : optics_(optics), realism_(realism), seed_(seed), rays_(optics) {}
 
 void ColorCamera::attenuate(Image<Rgbf>& light, float exposure, Crew& crew) const {
-  crew.rows(light.height(), kBand, [&](int begin, int end) {
+  crew.rows(light.height(), kColorBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < light.width(); ++x) {
         float share = exposure;
@@ -209,7 +209,7 @@ void ColorCamera::develop(Image<Rgbf>& light, const Image<float>& z_m, int numbe
     balance(raw_, sensor_.response, gain);
   }
   picture.reset(light.size());
-  crew.rows(light.height(), kBand, [&](int begin, int end) {
+  crew.rows(light.height(), kColorBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < light.width(); ++x) {
         Vec3 c;

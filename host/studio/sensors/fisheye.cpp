@@ -7,7 +7,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 4;
+constexpr int kFisheyeBand = 4;
 /// Relative to the target camera: short, so that lamps are much brighter than the lit surfaces.
 constexpr float kExposure = 0.6F;
 
@@ -37,7 +37,7 @@ void draw_fisheye(const FisheyeOptics& camera, const geometry::Pose& world_from_
     return albedo.cwiseProduct(light.ambient +
                                lamps.irradiance(origin, hit.normal, open) * lamps.tint());
   };
-  crew.rows(camera.size_px.height, kBand, [&](int begin, int end) {
+  crew.rows(camera.size_px.height, kFisheyeBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < camera.size_px.width; ++x) {
         Eigen::Vector3d ray;

@@ -8,7 +8,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 4;
+constexpr int kPictureBand = 4;
 const Vec3 kLuminance(0.2126F, 0.7152F, 0.0722F);
 
 const Extent* extent_or_null(const Occluder& occluder, bool cull) {
@@ -71,7 +71,7 @@ void light_surfels(SurfelMap& map, const LampSet& lamps, const ShadowCasters& ca
                    bool with_object, bool with_person, Crew& crew) {
   const Rect rect = map.rect();
   if (rect.empty()) return;
-  crew.rows(rect.y1 - rect.y0, kBand, [&](int begin, int end) {
+  crew.rows(rect.y1 - rect.y0, kPictureBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (Surfel& s : map.row(rect.y0 + y)) {
         if (s.z == kMiss || s.glows) continue;

@@ -9,7 +9,6 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr double kLight_m_s = 299792458.0;
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
 float phase_per_m(double frequency_hz) {

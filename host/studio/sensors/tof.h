@@ -10,6 +10,8 @@
 
 namespace mixrig::studio {
 
+inline constexpr double kLight_m_s = 299792458.0;
+
 /// Modulated light on a pixel during one tap: the sum of its sub-rays' phasors. The sum is the
 /// cause of mixed depths at edges. Strength is albedo cos / d^2 (1 = albedo 1, perpendicular, at 1
 /// m).

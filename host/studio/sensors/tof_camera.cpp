@@ -8,7 +8,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 8;
+constexpr int kTofBand = 8;
 constexpr float kMirrored = 0.85F;  ///< share of infrared light that a mirror reflects
 
 Rect united(const Rect& a, const Rect& b) {
@@ -94,7 +94,7 @@ void TofCamera::trace_room(const TraceScene& room, const Materials& materials,
   room_ = &room;
   rays_ = camera_rays(grid_, world_from_tof);
   const Size size = sensor_.optics.size_px;
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
@@ -144,7 +144,7 @@ Echo TofCamera::tap_echo(const TraceScene& person, const Materials& materials,
 
 void TofCamera::find_people(const Shot& shot, const Rect& rect, Crew& crew) {
   const Size size = sensor_.optics.size_px;
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (std::size_t k = 0; k < 4; ++k) {
         float* row = &person_z_[k][static_cast<std::size_t>(y) * size.width];
@@ -178,7 +178,7 @@ void TofCamera::collect_taps(const Shot& shot, const Materials& materials, const
                              Crew& crew) {
   const Size size = sensor_.optics.size_px;
   taps_.resize(size.area());
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
@@ -226,7 +226,7 @@ void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
   std::array<Echo, 4> stray{};
   if (sensor_.stray > 0) stray = mean_taps();
   const float warm_m = warm_up_offset_m(sensor_, seed_, shot.time_s);
-  crew.rows(size.height, kBand, [&](int begin, int end) {
+  crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;

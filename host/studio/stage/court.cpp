@@ -14,7 +14,7 @@ namespace {
 using Vec2 = Eigen::Vector2f;
 using Vec3 = Eigen::Vector3f;
 
-constexpr Size kTexture{256, 256};
+constexpr Size kCourtTexture{256, 256};
 constexpr float kWallX_m = 8.0F, kWallHigh_m = 2.6F, kTile_m = 1.2F;
 
 /// Distance to the nearest joint between `count` stones along a side, of 1.
@@ -101,14 +101,14 @@ VirtualObject build_court() {
   court.name = "court";
   ObjectMesh paving, walls, columns;
   add_plane(paving, {-4, -4, 0}, {12, 0, 0}, {0, 12, 0});
-  paving.texture = paint(kTexture, paving_color);
+  paving.texture = paint(kCourtTexture, paving_color);
   // Seen from inside.
   add_plane(walls, {kWallX_m, 8, 0}, {0, -12, 0}, {0, 0, kWallHigh_m});
   add_plane(walls, {kWallX_m, -4, 0}, {-12, 0, 0}, {0, 0, kWallHigh_m});
   add_plane(walls, {-4, 8, 0}, {12, 0, 0}, {0, 0, kWallHigh_m});
-  walls.texture = paint(kTexture, brick_color);
+  walls.texture = paint(kCourtTexture, brick_color);
   for (const float y : {-1.6F, 0.6F, 2.8F, 5.0F}) add_column(columns, 6.4F, y, 3.0F);
-  columns.texture = paint(kTexture, column_color);
+  columns.texture = paint(kCourtTexture, column_color);
   court.meshes = {std::move(paving), std::move(walls), std::move(columns)};
   return court;
 }

@@ -3,15 +3,13 @@
 #include "host/studio/stage/layout.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/noise.h"
 
 namespace mixrig::studio {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Light make_light(bool dim) {
   Light light;
@@ -84,7 +82,7 @@ Layout make_layout(const StudioOptions& options) {
   layout.room.mirror = options.realism.mirror;
   layout.room.desk_chair = !options.clear_floor;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
-  layout.room.seat_yaw_rad = static_cast<float>(kPi) - 0.35F;
+  layout.room.seat_yaw_rad = kPi_f - 0.35F;
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
   layout.world_from_object = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
                               {stage.object.x(), stage.object.y(), 0}};

@@ -4,14 +4,13 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
+#include "hal/base/angles.h"
+
 namespace mixrig::studio {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 void add_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c,
                   Material material) {
@@ -92,7 +91,7 @@ void add_loft(Mesh& mesh, std::span<const Ring> rings, int segments, Material ma
   for (const Ring& ring : rings)
     for (int i = 0; i <= segments; ++i) {
       const float u = static_cast<float>(i) / static_cast<float>(segments);
-      const float angle = 2 * kPi * u;
+      const float angle = 2 * kPi_f * u;
       add_vertex(mesh, ring.centre + std::cos(angle) * ring.half_x + std::sin(angle) * ring.half_y,
                  Vec3::UnitZ(), {u, ring.v});
     }
@@ -126,12 +125,12 @@ void add_limb(Mesh& mesh, const Vec3& a, const Vec3& b, float radius_a, float ra
   std::vector<Ring> rings;
   constexpr int kCap = 4;
   for (int i = 0; i <= kCap; ++i) {
-    const float angle = kPi / 2 * (0.06F + 0.94F * static_cast<float>(i) / kCap);
+    const float angle = kPi_f / 2 * (0.06F + 0.94F * static_cast<float>(i) / kCap);
     const float r = radius_a * std::sin(angle), along = -radius_a * std::cos(angle);
     rings.push_back({a + along * axis, r * x, r * y, along});
   }
   for (int i = kCap; i >= 0; --i) {
-    const float angle = kPi / 2 * (0.06F + 0.94F * static_cast<float>(i) / kCap);
+    const float angle = kPi_f / 2 * (0.06F + 0.94F * static_cast<float>(i) / kCap);
     const float r = radius_b * std::sin(angle), along = radius_b * std::cos(angle);
     rings.push_back({b + along * axis, r * x, r * y, length + along});
   }
@@ -159,7 +158,7 @@ void add_ellipsoid(Mesh& mesh, const Vec3& centre, const Vec3& half_x, const Vec
   const int count = std::max(4, segments / 2);
   for (int i = 0; i <= count; ++i) {
     const float v = static_cast<float>(i) / static_cast<float>(count);
-    const float angle = kPi * std::clamp(v, 0.01F, 0.99F);
+    const float angle = kPi_f * std::clamp(v, 0.01F, 0.99F);
     rings.push_back(
         {centre - std::cos(angle) * half_z, std::sin(angle) * half_x, std::sin(angle) * half_y, v});
   }

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/noise.h"
 #include "host/studio/stage/paint.h"
 
 namespace mixrig::studio {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kCrate_m = 0.52F, kCrateHigh_m = 0.50F;
 constexpr Size kTexture{256, 256};
 
@@ -35,7 +34,7 @@ Vec3 crate_color(float u, float v) {
 
 Vec3 marble_color(float u, float v) {
   const float warp = fractal_noise({u * 8, v * 8}, 4, 17);
-  const float vein = std::abs(std::sin(9 * (v + 1.4F * warp) + 4 * kPi * u));
+  const float vein = std::abs(std::sin(9 * (v + 1.4F * warp) + 4 * kPi_f * u));
   const float dark = std::clamp(1 - vein / 0.12F, 0.0F, 1.0F);
   return (1 - 0.45F * dark) * Vec3(0.66F, 0.68F, 0.66F) * (0.9F + 0.15F * warp);
 }
@@ -83,10 +82,10 @@ Vec3 statue_point(float u, float v) {
   const auto i = static_cast<std::size_t>(std::clamp(static_cast<int>(s), 0, 13));
   const float t = s - static_cast<float>(i);
   const float r = std::max(0.001F, spline(kRadius, i, t)), h = spline(kHeight, i, t);
-  const float ribs = 1 + 0.13F * std::cos(5 * 2 * kPi * u + 7 * h) *
+  const float ribs = 1 + 0.13F * std::cos(5 * 2 * kPi_f * u + 7 * h) *
                              std::clamp((h - 0.07F) * 12, 0.0F, 1.0F) *
                              std::clamp((0.6F - h) * 12, 0.0F, 1.0F);
-  const float angle = 2 * kPi * u;
+  const float angle = 2 * kPi_f * u;
   return {r * ribs * std::cos(angle) + 0.05F * std::sin(5 * h), r * ribs * std::sin(angle),
           kCrateHigh_m + h};
 }

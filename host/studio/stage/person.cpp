@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/noise.h"
 
 namespace mixrig::studio {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 using Turn = Eigen::AngleAxisf;
 
 /// Axes of a body part: forward, left, up.

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/base/angles.h"
 #include "host/studio/sensors/noise.h"
 #include "host/studio/stage/room.h"
 
 namespace mixrig::studio {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kPathSteps = 720;
 constexpr double kStance = 0.6;     ///< share of the gait cycle in which a foot is on the floor
 constexpr float kAnkle_m = 0.075F;  ///< height of the ankle of a standing foot at scale 1
@@ -93,13 +92,12 @@ void PersonMotion::plant_feet(double walked_m, Posture& posture) const {
     const float t = phase < kStance ? 0.0F : static_cast<float>((phase - kStance) / (1 - kStance));
     const OnPath foot = on_path(start_m_ + stand_m + ease(t) * stride_m_);
     const float out = (side == 0 ? 0.075F : -0.075F) * k;
-    const float lift = 0.10F * k * std::sin(static_cast<float>(kPi) * t);
+    const float lift = 0.10F * k * std::sin(kPi_f * t);
     posture.ankles[side] =
         foot.position + out * left_of(foot.heading_rad) + Vec3(0, 0, kAnkle_m * k + lift);
     posture.foot_yaw_rad[side] = foot.heading_rad + (side == 0 ? 0.1F : -0.1F);
     // Toes point down early in the swing and up at the next heel strike.
-    posture.foot_pitch_rad[side] =
-        t > 0 ? 0.55F * std::cos(static_cast<float>(kPi) * t) * (1 - t * t) : 0.0F;
+    posture.foot_pitch_rad[side] = t > 0 ? 0.55F * std::cos(kPi_f * t) * (1 - t * t) : 0.0F;
     const Vec3 hip = posture.pelvis + (side == 0 ? 0.09F : -0.09F) * k * left_of(posture.yaw_rad);
     reach(hip, kLeg_m * k, k, posture.ankles[side], posture.foot_pitch_rad[side]);
   }
@@ -150,7 +148,7 @@ Posture PersonMotion::stay(double time_s) const {
   const float k = build_.scale;
   Posture p;
   // Faces the camera, which looks along world x, and is turned slightly to the object.
-  p.yaw_rad = static_cast<float>(kPi) - 0.35F + 0.06F * wander(0.3F * t, seed_ + 80);
+  p.yaw_rad = kPi_f - 0.35F + 0.06F * wander(0.3F * t, seed_ + 80);
   const Vec3 spot(stage_.spot.x(), stage_.spot.y(), 0);
   const Vec3 ahead = facing(p.yaw_rad), left = left_of(p.yaw_rad);
   const float sway = 0.015F * wander(0.5F * t, seed_ + 81);

@@ -9,7 +9,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kBand = 16;  ///< rows that share corner rays
+constexpr int kSurfelBand = 16;  ///< rows that share corner rays
 
 struct Probe {
   Surfel surfel;
@@ -92,7 +92,7 @@ void SurfelMap::build(const TraceScene& scene, const Materials& materials, const
     if (!any) surfels.resize(first);
     return probe(scene, materials, rays, static_cast<float>(x), static_cast<float>(y)).surfel.z;
   };
-  crew.rows(height, kBand, [&](int begin, int end) {
+  crew.rows(height, kSurfelBand, [&](int begin, int end) {
     std::vector<Probe> above, below;
     std::vector<Surfel> surfels;  // grows here; the stored row is copied without spare capacity
     trace_corners(rect.y0 + begin, below);

@@ -21,15 +21,15 @@ namespace fs = std::filesystem;
 
 constexpr Size kIr_px{512, 424}, kColor_px{1920, 1080};
 
-std::optional<nlohmann::json> recorded(const char* name) {
+std::optional<nlohmann::json> published_file(const char* name) {
   const char* data = std::getenv("MIXRIG_DATA");
   if (data == nullptr) return std::nullopt;
   std::ifstream file(fs::path(data) / "kinect2-ir-color-checkerboard" / name);
   if (!file) return std::nullopt;
   return nlohmann::json::parse(file);
 }
-#define RECORDING_OR_SKIP(variable, name) \
-  const auto variable = recorded(name);   \
+#define PUBLISHED_OR_SKIP(variable, name)     \
+  const auto variable = published_file(name); \
   if (!variable) GTEST_SKIP() << "no recording kinect2-ir-color-checkerboard: set MIXRIG_DATA"
 
 /// Views of one camera in corners.json; `key` is ir_px or color_px.
@@ -68,7 +68,7 @@ Intrinsics solve_alone(const BoardSpec& board, Size size_px,
 }
 
 TEST(Kinect2, EachCameraIsAsPublished) {
-  RECORDING_OR_SKIP(json, "corners.json");
+  PUBLISHED_OR_SKIP(json, "corners.json");
   const BoardSpec board = *parse_board("checkerboard:5x7:40mm");
   const Intrinsics ir = solve_alone(board, kIr_px, published_corners(*json, "ir_px")),
                    color = solve_alone(board, kColor_px, published_corners(*json, "color_px"));
@@ -105,8 +105,8 @@ SeenCorners both_cameras(const std::vector<ObservedView>& ir,
 /// The joint fit that `calibrate rig` starts from: both lenses, the way from one camera to the
 /// other and the board's places at once.
 TEST(Kinect2, BothTogetherGiveThePublishedMounting) {
-  RECORDING_OR_SKIP(json, "corners.json");
-  RECORDING_OR_SKIP(published, "published_calibration.json");
+  PUBLISHED_OR_SKIP(json, "corners.json");
+  PUBLISHED_OR_SKIP(published, "published_calibration.json");
   const BoardSpec board = *parse_board("checkerboard:5x7:40mm");
   const auto ir_views = published_corners(*json, "ir_px"),
              color_views = published_corners(*json, "color_px");

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 using geometry::Pose;
 
-constexpr double kSigma_rad = 5e-4, kSigma_m = 5e-3;
+constexpr double kExternalSigma_rad = 5e-4, kExternalSigma_m = 5e-3;
 
 /// Six markers about 1.5 m before a camera, as in Cortes Reina 2015, figure 28.
 std::vector<RangedSight> sights_of(const Pose& world_from_camera, std::uint64_t seed,
@@ -21,16 +21,16 @@ std::vector<RangedSight> sights_of(const Pose& world_from_camera, std::uint64_t 
   for (int i = 0; i < 6; ++i) {
     const Vector3d seen(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4),
                         random.uniform(1.2, 1.9));
-    const Vector3d ray = seen.normalized() + random.normal3(noise * kSigma_rad);
-    sights.push_back({world_from_camera * seen, bearing_of(ray, kSigma_rad),
-                      seen.norm() + noise * kSigma_m * random.normal()});
+    const Vector3d ray = seen.normalized() + random.normal3(noise * kExternalSigma_rad);
+    sights.push_back({world_from_camera * seen, bearing_of(ray, kExternalSigma_rad),
+                      seen.norm() + noise * kExternalSigma_m * random.normal()});
   }
   return sights;
 }
 
 TEST(LocateCamera, IsExactWithoutNoise) {
   const Pose truth{rotation_exp({0.3, 2.4, -0.5}), {3, -2, 1.5}};
-  const auto fit = locate_camera(sights_of(truth, 1, 0), kSigma_m);
+  const auto fit = locate_camera(sights_of(truth, 1, 0), kExternalSigma_m);
   ASSERT_TRUE(fit.usable()) << fit.verdict.reason;
   EXPECT_LT(pose_error(fit.value, truth).norm(), 1e-9);
 }
@@ -42,7 +42,7 @@ TEST(LocateCamera, HasTheSigmaThatItClaimsInTheBodyToo) {
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     const Pose truth = world_from_body * camera_on_body;
-    const auto camera = locate_camera(sights_of(truth, 10 + trial), kSigma_m);
+    const auto camera = locate_camera(sights_of(truth, 10 + trial), kExternalSigma_m);
     ASSERT_TRUE(camera.usable()) << camera.verdict.reason;
     auto error = pose_error(camera.value, truth);
     nees_camera += error.dot(camera.covariance.inverse() * error) / 6;
@@ -68,7 +68,7 @@ TEST(LocateCamera, LeavesAWrongDistanceOut) {
   const Pose truth{rotation_exp({0.3, 2.4, -0.5}), {3, -2, 1.5}};
   auto sights = sights_of(truth, 3);
   sights[2].range_m += 0.3;
-  const auto fit = locate_camera(sights, kSigma_m);
+  const auto fit = locate_camera(sights, kExternalSigma_m);
   ASSERT_TRUE(fit.usable()) << fit.verdict.reason;
   EXPECT_EQ(fit.inliers, (std::vector<int>{0, 1, 3, 4, 5}));
   EXPECT_LT(pose_error(fit.value, truth).tail<3>().norm(), 0.02);
@@ -76,7 +76,8 @@ TEST(LocateCamera, LeavesAWrongDistanceOut) {
 
 TEST(LocateCamera, RefusesWhatCannotCarryIt) {
   const Pose truth{rotation_exp({0.3, 2.4, -0.5}), {3, -2, 1.5}};
-  const auto refuses = [](const std::vector<RangedSight>& sights, double sigma_m = kSigma_m) {
+  const auto refuses = [](const std::vector<RangedSight>& sights,
+                          double sigma_m = kExternalSigma_m) {
     const auto fit = locate_camera(sights, sigma_m);
     return !fit.usable() && !fit.verdict.reason.empty();
   };
@@ -88,7 +89,7 @@ TEST(LocateCamera, RefusesWhatCannotCarryIt) {
   auto line = sights;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector3d seen(0.1 * static_cast<double>(i), 0.2, 1.5);
-    line[i] = {truth * seen, bearing_of(seen, kSigma_rad), seen.norm()};
+    line[i] = {truth * seen, bearing_of(seen, kExternalSigma_rad), seen.norm()};
   }
   EXPECT_TRUE(refuses(line));
   auto mixed = sights;

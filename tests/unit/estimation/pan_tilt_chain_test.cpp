@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using geometry::Pose;
 
 constexpr double kDegree = M_PI / 180;
-constexpr double kSigma_rad = 2e-4, kSigma_m = 2e-4;
+constexpr double kChainSigma_rad = 2e-4, kChainSigma_m = 2e-4;
 
 /// Axes 0.4 deg off square, 3 mm apart; encoders that read 0.2 % and 0.5 % short.
 PanTiltCalibration unit() {
@@ -46,10 +46,10 @@ std::vector<PanTiltView> views_of(const PanTiltCalibration& truth, const Tour& t
           view.tilt_rad + tour.angle_sigma_rad * random.normal() / truth.chain.tilt_scale);
       view.camera_from_target = geometry::inverse(camera) * truth.base_from_target;
       view.camera_from_target.rotation =
-          rotation_exp(random.normal3(kSigma_rad)) * view.camera_from_target.rotation;
-      view.camera_from_target.translation_m += random.normal3(kSigma_m);
-      view.covariance.diagonal() << Vector3d::Constant(kSigma_rad * kSigma_rad),
-          Vector3d::Constant(kSigma_m * kSigma_m);
+          rotation_exp(random.normal3(kChainSigma_rad)) * view.camera_from_target.rotation;
+      view.camera_from_target.translation_m += random.normal3(kChainSigma_m);
+      view.covariance.diagonal() << Vector3d::Constant(kChainSigma_rad * kChainSigma_rad),
+          Vector3d::Constant(kChainSigma_m * kChainSigma_m);
       views.push_back(view);
     }
   return views;

@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSigma_rad = 1e-3;
+constexpr double kRaySigma_rad = 1e-3;
 
 PointView view_of(const Vector3d& eye, const Vector3d& point, const Vector3d& noise = {0, 0, 0}) {
   const auto pose = geometry::look_at(eye, Vector3d(0.1, 0.2, 3), Vector3d(0, -1, 0));
   const Vector3d seen = geometry::inverse(pose) * point;
-  return {pose, bearing_of(seen.normalized() + noise, kSigma_rad)};
+  return {pose, bearing_of(seen.normalized() + noise, kRaySigma_rad)};
 }
 
 TEST(Triangulate, MeetsExactRays) {
@@ -34,7 +34,7 @@ TEST(Triangulate, CallsASmallParallaxWeakAlongTheRay) {
   ASSERT_EQ(fit.verdict.standing, Standing::kWeak) << fit.verdict.reason;
   EXPECT_GT(std::abs(fit.verdict.direction.z()), 0.99);
   // depth^2 / baseline * sigma * sqrt(2)
-  EXPECT_NEAR(fit.verdict.sigma, 16 / 0.1 * kSigma_rad * std::sqrt(2.0), 0.01);
+  EXPECT_NEAR(fit.verdict.sigma, 16 / 0.1 * kRaySigma_rad * std::sqrt(2.0), 0.01);
 }
 
 TEST(Triangulate, LeavesAWrongViewOut) {

@@ -15,7 +15,7 @@ device::CameraInfo small_camera() {
           .controls = {{device::CameraControl::kExposure, 0.0001, 0.04, 0.0001}}};
 }
 
-CameraUnderTest make_fake() {
+CameraUnderTest fake_camera() {
   static ManualClock clock;
   auto camera = std::make_unique<fake::FakeCamera>(clock, small_camera());
   auto* raw = camera.get();
@@ -27,7 +27,7 @@ CameraUnderTest make_fake() {
           }};
 }
 
-INSTANTIATE_TEST_SUITE_P(Fake, CameraContract, ::testing::Values(CameraMaker{"fake", make_fake}),
+INSTANTIATE_TEST_SUITE_P(Fake, CameraContract, ::testing::Values(CameraMaker{"fake", fake_camera}),
                          [](const auto& maker) { return maker.param.name; });
 
 class FakeCameraFaults : public ::testing::Test {

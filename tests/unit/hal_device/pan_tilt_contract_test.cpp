@@ -8,7 +8,7 @@
 namespace mixrig::test {
 namespace {
 
-PanTiltUnderTest make_fake() {
+PanTiltUnderTest fake_pan_tilt() {
   auto clock = std::make_shared<ManualClock>();
   auto* raw = clock.get();
   return {std::make_unique<fake::FakePanTilt>(*clock), raw, std::move(clock)};
@@ -29,7 +29,7 @@ PanTiltUnderTest make_flir() {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PanTiltContract,
-                         ::testing::Values(PanTiltMaker{"fake", make_fake},
+                         ::testing::Values(PanTiltMaker{"fake", fake_pan_tilt},
                                            PanTiltMaker{"flir", make_flir}),
                          [](const auto& maker) { return maker.param.name; });
 

@@ -14,7 +14,7 @@
 namespace mixrig::test {
 namespace {
 
-TriggerUnderTest make_fake() {
+TriggerUnderTest fake_trigger() {
   auto clock = std::make_shared<ManualClock>();
   auto trigger = std::make_unique<fake::FakeTrigger>(*clock);
   auto* raw = trigger.get();
@@ -72,7 +72,7 @@ TriggerUnderTest make_software() {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TriggerContract,
-                         ::testing::Values(TriggerMaker{"fake", make_fake},
+                         ::testing::Values(TriggerMaker{"fake", fake_trigger},
                                            TriggerMaker{"mcu_on_emulated_board", make_mcu},
                                            TriggerMaker{"software", make_software}),
                          [](const auto& maker) { return maker.param.name; });
@@ -123,7 +123,7 @@ TEST(SoftwareTriggerLines, AFailingLineIsCountedWhileRunningAndRefusedAtStart) {
 }
 
 TEST(CheckChannel, ErrorsNameTheValidRange) {
-  const auto fake = make_fake();
+  const auto fake = fake_trigger();
   const auto ms = std::chrono::milliseconds(1);
   EXPECT_EQ(fake.trigger->configure(16, {1, {}, ms, false}).error().context,
             "trigger channel 16: there are channels 0 to 15");

@@ -6,7 +6,7 @@
 namespace mixrig::test {
 namespace {
 
-TriggerInputUnderTest make_fake() {
+TriggerInputUnderTest fake_trigger_input() {
   auto clock = std::make_shared<ManualClock>();
   auto input = std::make_unique<fake::FakeTriggerInput>(*clock);
   auto* raw = input.get();
@@ -21,7 +21,7 @@ TriggerInputUnderTest make_fake() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fake, TriggerInputContract,
-                         ::testing::Values(TriggerInputMaker{"fake", make_fake}),
+                         ::testing::Values(TriggerInputMaker{"fake", fake_trigger_input}),
                          [](const auto& maker) { return maker.param.name; });
 
 }  // namespace

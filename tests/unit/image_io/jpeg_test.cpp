@@ -41,7 +41,7 @@ std::string two_halves(Rgb8 left, Rgb8 right) {
   return bytes;
 }
 
-Result<void> decode(const std::string& bytes, Image<Rgb8>& image) {
+Result<void> decode_jpeg(const std::string& bytes, Image<Rgb8>& image) {
   return decode_rgb8(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "x.jpg",
                      image);
 }
@@ -55,7 +55,7 @@ void expect_close(Rgb8 a, Rgb8 b) {
 TEST(JpegRead, ContentDecidesAndPixelsAreThere) {
   const Rgb8 left{200, 30, 60}, right{20, 180, 90};
   Image<Rgb8> image;
-  ASSERT_TRUE(decode(two_halves(left, right), image));
+  ASSERT_TRUE(decode_jpeg(two_halves(left, right), image));
   ASSERT_EQ(image.size(), (Size{32, 16}));
   expect_close(image.at(2, 3), left);
   expect_close(image.at(30, 12), right);
@@ -65,7 +65,7 @@ TEST(JpegRead, EveryTruncationIsRefusedInsteadOfPaintedOver) {
   const std::string whole = two_halves({200, 30, 60}, {20, 180, 90});
   Image<Rgb8> image;
   for (std::size_t length = 0; length + 2 < whole.size(); ++length) {
-    const auto result = decode(whole.substr(0, length), image);
+    const auto result = decode_jpeg(whole.substr(0, length), image);
     ASSERT_FALSE(result) << length;
     EXPECT_EQ(result.error().code, ErrorCode::kFormat);
     EXPECT_NE(result.error().context.find("x.jpg"), std::string::npos);
@@ -80,7 +80,7 @@ TEST(JpegRead, ChangedBytesNeverCrash) {
     std::string bytes = whole;
     for (int flips = 0; flips < 3; ++flips)
       bytes[random() % bytes.size()] = static_cast<char>(random());
-    if (decode(bytes, image)) {
+    if (decode_jpeg(bytes, image)) {
       EXPECT_FALSE(image.empty());
     }
   }

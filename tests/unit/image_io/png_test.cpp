@@ -17,14 +17,14 @@ using test::hand_png;
 
 constexpr int kGray = 0, kRgb = 2, kPalette = 3, kGrayAlpha = 4, kRgba = 6;
 
-Result<void> decode(const std::string& bytes, Image<Rgb8>& image) {
+Result<void> decode_png(const std::string& bytes, Image<Rgb8>& image) {
   return decode_rgb8(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "x.png",
                      image);
 }
 
 TEST(PngRead, Rgb8IsTakenAsItIs) {
   Image<Rgb8> image;
-  ASSERT_TRUE(decode(
+  ASSERT_TRUE(decode_png(
       hand_png(2, 2, 8, kRgb, bytes_of({0, 1, 2, 3, 4, 5, 6, 0, 7, 8, 9, 255, 254, 253})), image));
   ASSERT_EQ(image.size(), (Size{2, 2}));
   EXPECT_EQ(image.at(0, 0), (Rgb8{1, 2, 3}));
@@ -35,16 +35,16 @@ TEST(PngRead, Rgb8IsTakenAsItIs) {
 
 TEST(PngRead, EveryColourTypeBecomesRgb8) {
   Image<Rgb8> image;
-  ASSERT_TRUE(decode(hand_png(1, 1, 8, kRgba, bytes_of({0, 10, 20, 30, 0})), image));
+  ASSERT_TRUE(decode_png(hand_png(1, 1, 8, kRgba, bytes_of({0, 10, 20, 30, 0})), image));
   EXPECT_EQ(image.at(0, 0), (Rgb8{10, 20, 30})) << "transparency is dropped, colour stays";
-  ASSERT_TRUE(decode(hand_png(2, 1, 1, kGray, bytes_of({0, 0x40})), image));
+  ASSERT_TRUE(decode_png(hand_png(2, 1, 1, kGray, bytes_of({0, 0x40})), image));
   EXPECT_EQ(image.at(0, 0), (Rgb8{0, 0, 0}));
   EXPECT_EQ(image.at(1, 0), (Rgb8{255, 255, 255}));
   const std::string palette = test::chunk("PLTE", bytes_of({1, 2, 3, 40, 50, 60}));
-  ASSERT_TRUE(decode(hand_png(2, 1, 8, kPalette, bytes_of({0, 1, 0}), palette), image));
+  ASSERT_TRUE(decode_png(hand_png(2, 1, 8, kPalette, bytes_of({0, 1, 0}), palette), image));
   EXPECT_EQ(image.at(0, 0), (Rgb8{40, 50, 60}));
   EXPECT_EQ(image.at(1, 0), (Rgb8{1, 2, 3}));
-  ASSERT_TRUE(decode(hand_png(1, 1, 16, kRgb, bytes_of({0, 255, 255, 128, 128, 0, 0})), image));
+  ASSERT_TRUE(decode_png(hand_png(1, 1, 16, kRgb, bytes_of({0, 255, 255, 128, 128, 0, 0})), image));
   EXPECT_EQ(image.at(0, 0), (Rgb8{255, 128, 0})) << "16 bit scaled to 8";
 }
 
@@ -83,9 +83,9 @@ TEST(PngRead, DepthInColourOrWrongDepthIsRefusedWithTheFileName) {
 TEST(PngRead, EveryTruncationIsRefused) {
   const std::string whole = hand_png(4, 4, 8, kGray, std::string(4 * 5, '\0'));
   Image<Rgb8> image;
-  ASSERT_TRUE(decode(whole, image));
+  ASSERT_TRUE(decode_png(whole, image));
   for (std::size_t length = 0; length < whole.size(); ++length)
-    EXPECT_FALSE(decode(whole.substr(0, length), image)) << length;
+    EXPECT_FALSE(decode_png(whole.substr(0, length), image)) << length;
 }
 
 TEST(PngRead, ChangedBytesNeverCrash) {
@@ -96,7 +96,7 @@ TEST(PngRead, ChangedBytesNeverCrash) {
     std::string bytes = whole;
     for (int flips = 0; flips < 3; ++flips)
       bytes[random() % bytes.size()] = static_cast<char>(random());
-    if (decode(bytes, image)) {
+    if (decode_png(bytes, image)) {
       EXPECT_FALSE(image.empty());
     }
   }
@@ -104,10 +104,10 @@ TEST(PngRead, ChangedBytesNeverCrash) {
 
 TEST(PngRead, HugePictureInATinyFileIsRefusedBeforeMemoryIsTaken) {
   Image<Rgb8> image;
-  const auto large = decode(hand_png(16000, 16000, 8, kRgb, ""), image);
+  const auto large = decode_png(hand_png(16000, 16000, 8, kRgb, ""), image);
   ASSERT_FALSE(large);
   EXPECT_NE(large.error().context.find("too early"), std::string::npos) << large.error().context;
-  EXPECT_FALSE(decode(hand_png(100000, 1, 8, kRgb, ""), image));
+  EXPECT_FALSE(decode_png(hand_png(100000, 1, 8, kRgb, ""), image));
 }
 
 TEST(PngRead, MissingFileIsNotFound) {

@@ -86,7 +86,7 @@ TEST_F(Session, ADeviceThatDoesNotStartStopsTheOthersAgain) {
   session_->stop();
 }
 
-class Recording : public Session {
+class RecordedSession : public Session {
  protected:
   void SetUp() override {
     Session::SetUp();
@@ -124,7 +124,7 @@ class Recording : public Session {
   std::atomic<bool> stop_ = false;
 };
 
-TEST_F(Recording, ATakeHoldsItsFramesAndTheirTicks) {
+TEST_F(RecordedSession, ATakeHoldsItsFramesAndTheirTicks) {
   const auto report = record_now();
   ASSERT_TRUE(report) << to_line(report.error());
   EXPECT_EQ(report->ended, "duration");
@@ -142,7 +142,7 @@ TEST_F(Recording, ATakeHoldsItsFramesAndTheirTicks) {
   EXPECT_EQ(rows, report->frames);
 }
 
-TEST_F(Recording, AResetOfTheTriggerBoardLeavesAReadableTake) {
+TEST_F(RecordedSession, AResetOfTheTriggerBoardLeavesAReadableTake) {
   options_.duration = 3s;
   reset_at_ = 150;
   const auto report = record_now();
@@ -156,7 +156,7 @@ TEST_F(Recording, AResetOfTheTriggerBoardLeavesAReadableTake) {
     ASSERT_TRUE(take->read(number, frame)) << number;
 }
 
-TEST_F(Recording, EndsWholeBeforeTheDiskIsFull) {
+TEST_F(RecordedSession, EndsWholeBeforeTheDiskIsFull) {
   options_.least_free_bytes = 1000;
   options_.duration = 3600s;
   int asked = 0;
@@ -167,7 +167,7 @@ TEST_F(Recording, EndsWholeBeforeTheDiskIsFull) {
   EXPECT_TRUE(take::TakeReader::open(folder_));
 }
 
-TEST_F(Recording, StopLeavesAWholeTake) {
+TEST_F(RecordedSession, StopLeavesAWholeTake) {
   options_.duration = 3600s;
   options_.progress = [this](double) { stop_ = true; };
   const auto report = record_now();

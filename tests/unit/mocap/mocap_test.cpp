@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using geometry::Pose;
 
-constexpr const char* kBody = R"(name = "hat"
+constexpr const char* kHat = R"(name = "hat"
 sigma_m = 0.0005
 [[marker]]
 position_m = [0.0, 0.0, 0.0]
@@ -28,7 +28,7 @@ position_m = [0.03, 0.05, 0.12]
 )";
 
 TEST(ConstellationFile, ReadsMarkers) {
-  const auto body = parse_constellation(kBody, "hat.toml");
+  const auto body = parse_constellation(kHat, "hat.toml");
   ASSERT_TRUE(body) << body.error().context;
   EXPECT_EQ(body->name, "hat");
   ASSERT_EQ(body->markers_m.size(), 4u);
@@ -42,7 +42,7 @@ TEST(ConstellationFile, NamesTheBrokenLine) {
   };
   EXPECT_NE(error_of("[[marker]]\nposition_m = [1, 2]\n").find("hat.toml:2"), std::string::npos);
   EXPECT_NE(error_of("").find("3 to 64"), std::string::npos);
-  EXPECT_NE(error_of(std::string(kBody) + "[[marker]]\nplace = [1, 2, 3]\n").find("place"),
+  EXPECT_NE(error_of(std::string(kHat) + "[[marker]]\nplace = [1, 2, 3]\n").find("place"),
             std::string::npos);
   EXPECT_NE(error_of("[[marker").find("hat.toml:1"), std::string::npos);
   // A square looks the same when turned.
@@ -113,7 +113,7 @@ std::vector<stream::NatNetFrame> walk(const Constellation& body, std::vector<Pos
 }
 
 TEST(TrackMarkers, FindsTheBodyInEveryFrameThatShowsIt) {
-  auto body = *parse_constellation(kBody, "hat.toml");
+  auto body = *parse_constellation(kHat, "hat.toml");
   body.markers_m.emplace_back(-0.07, -0.02, 0.04);
   std::vector<Pose> truth;
   const auto frames = walk(body, truth);

@@ -13,7 +13,7 @@
 namespace mixrig::model {
 namespace {
 
-const geometry::Pinhole kView{{320, 240}, 270, 270, 159.5, 119.5};
+const geometry::Pinhole kFloorView{{320, 240}, 270, 270, 159.5, 119.5};
 
 /// World z up. A camera 1.6 m above the floor, pitched down and rolled.
 geometry::Pose world_from_camera(double pitch_deg, double roll_deg) {
@@ -41,10 +41,10 @@ Image<float> render(const geometry::Pose& pose, bool table, double outlier_share
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0, 1), anywhere_m(0.5, 8);
   std::normal_distribution<double> noise(0, noise_m);
-  Image<float> depth_m(kView.size_px);
+  Image<float> depth_m(kFloorView.size_px);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
-      const Eigen::Vector2d r = kView.unproject({x, y});
+      const Eigen::Vector2d r = kFloorView.unproject({x, y});
       const double z =
           hit(pose.translation_m, pose.rotation * Eigen::Vector3d(r.x(), r.y(), 1), table);
       if (std::isfinite(z)) depth_m.at(x, y) = static_cast<float>(z + noise(random));
@@ -66,36 +66,36 @@ TEST(FindFloor, OfATiltedCameraIsThePlaneOfTheRoom) {
   for (const auto& [pitch, roll] :
        {std::pair(10.0, 0.0), std::pair(25.0, 8.0), std::pair(40.0, -15.0)}) {
     const auto pose = world_from_camera(pitch, roll);
-    expect_floor(find_floor(kView, render(pose, false, 0.0, 0.005)), pose, 0.2, 0.01);
+    expect_floor(find_floor(kFloorView, render(pose, false, 0.0, 0.005)), pose, 0.2, 0.01);
   }
 }
 
 TEST(FindFloor, LiesBelowALargeTable) {
   const auto pose = world_from_camera(25, 3);
-  expect_floor(find_floor(kView, render(pose, true, 0.0, 0.005)), pose, 0.5, 0.02);
+  expect_floor(find_floor(kFloorView, render(pose, true, 0.0, 0.005)), pose, 0.5, 0.02);
 }
 
 TEST(FindFloor, StandsThirtyPercentOfOutliers) {
   const auto pose = world_from_camera(25, -5);
-  expect_floor(find_floor(kView, render(pose, true, 0.3, 0.01)), pose, 1.0, 0.03);
+  expect_floor(find_floor(kFloorView, render(pose, true, 0.3, 0.01)), pose, 1.0, 0.03);
 }
 
 TEST(FindFloor, IsAbsentWhereOnlyAWallOrNothingIsSeen) {
-  EXPECT_FALSE(find_floor(kView, Image<float>(kView.size_px, 3.0F)));
-  EXPECT_FALSE(find_floor(kView, Image<float>(kView.size_px)));
-  EXPECT_FALSE(find_floor(kView, Image<float>(kView.size_px, std::nanf(""))));
+  EXPECT_FALSE(find_floor(kFloorView, Image<float>(kFloorView.size_px, 3.0F)));
+  EXPECT_FALSE(find_floor(kFloorView, Image<float>(kFloorView.size_px)));
+  EXPECT_FALSE(find_floor(kFloorView, Image<float>(kFloorView.size_px, std::nanf(""))));
 }
 
 TEST(FindFloor, DoesNotTakeTheCeilingForIt) {
   const auto pose = world_from_camera(-35, 0);
-  Image<float> depth_m(kView.size_px);
+  Image<float> depth_m(kFloorView.size_px);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
-      const Eigen::Vector2d r = kView.unproject({x, y});
+      const Eigen::Vector2d r = kFloorView.unproject({x, y});
       const Eigen::Vector3d ray = pose.rotation * Eigen::Vector3d(r.x(), r.y(), 1);
       if (ray.z() > 0.2) depth_m.at(x, y) = static_cast<float>(1.4 / ray.z());
     }
-  EXPECT_FALSE(find_floor(kView, depth_m));
+  EXPECT_FALSE(find_floor(kFloorView, depth_m));
 }
 
 }  // namespace

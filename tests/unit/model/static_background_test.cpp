@@ -11,7 +11,7 @@ namespace mixrig::model {
 namespace {
 
 constexpr Size kSize{24, 16};
-const geometry::Pinhole kView{kSize, 30, 30, 11.5, 7.5};
+const geometry::Pinhole kPlateView{kSize, 30, 30, 11.5, 7.5};
 
 struct Frame {
   Image<float> depth_m{kSize};
@@ -44,7 +44,7 @@ StaticBackground learned(StaticBackgroundBuilder& builder) {
 
 TEST(StaticBackground, CentreAndSpreadAreThoseOfTheNoise) {
   std::mt19937 random(1);
-  StaticBackgroundBuilder builder(kView);
+  StaticBackgroundBuilder builder(kPlateView);
   for (int i = 0; i < 30; ++i) {
     const Frame frame = noisy_wall(random);
     ASSERT_TRUE(builder.add(frame.depth_m, frame.color));
@@ -70,7 +70,7 @@ TEST(StaticBackground, CentreAndSpreadAreThoseOfTheNoise) {
 
 TEST(StaticBackground, APersonInAMinorityOfTheFramesDoesNoHarm) {
   std::mt19937 random(2);
-  StaticBackgroundBuilder builder(kView);
+  StaticBackgroundBuilder builder(kPlateView);
   for (int i = 0; i < 25; ++i) {
     Frame frame = noisy_wall(random);
     for (int x = i; x < i + 10; ++x)  // walks through; no pixel is covered in more than 10 of 25
@@ -90,7 +90,7 @@ TEST(StaticBackground, APersonInAMinorityOfTheFramesDoesNoHarm) {
 }
 
 TEST(StaticBackground, APixelMeasuredInFewerThanAThirdOfTheFramesIsUnknown) {
-  StaticBackgroundBuilder builder(kView);
+  StaticBackgroundBuilder builder(kPlateView);
   for (int i = 0; i < 9; ++i) {
     Frame frame;
     frame.depth_m.fill(3.0F);
@@ -112,7 +112,7 @@ TEST(StaticBackground, APixelMeasuredInFewerThanAThirdOfTheFramesIsUnknown) {
 
 TEST(StaticBackground, MoreFramesThanFitAreSpreadOverAllOfThem) {
   // Depth grows evenly from 1 to 2 m: so must that of the kept frames.
-  StaticBackgroundBuilder builder(kView, 16);
+  StaticBackgroundBuilder builder(kPlateView, 16);
   for (int i = 0; i < 100; ++i) {
     Frame frame;
     frame.depth_m.fill(1.0F + 0.01F * static_cast<float>(i));
@@ -127,7 +127,7 @@ TEST(StaticBackground, MoreFramesThanFitAreSpreadOverAllOfThem) {
 }
 
 TEST(StaticBackground, TooLittleToLearnFromIsAnError) {
-  StaticBackgroundBuilder builder(kView);
+  StaticBackgroundBuilder builder(kPlateView);
   Frame frame;
   EXPECT_EQ(builder.add(Image<float>(Size{5, 5}), frame.color).error().code, ErrorCode::kData);
   ASSERT_TRUE(builder.add(frame.depth_m, frame.color));

@@ -27,7 +27,7 @@ using Eigen::Vector3d;
 constexpr double kDeg = M_PI / 180, kChi2Of95Pct = 5.991;
 constexpr double kStep_rad = 0.0514 * kDeg, kPlay_rad = 0.003 * kDeg;
 constexpr int kSeeds = 200, kViews = 20;
-const geometry::Pinhole kView{{1280, 1024}, 1050, 1050, 639.5, 511.5};
+const geometry::Pinhole kSlipView{{1280, 1024}, 1050, 1050, 639.5, 511.5};
 
 class Draw {
  public:
@@ -164,7 +164,7 @@ void add_slip(const PanTilt& known, const PanTiltAngles& true_angles, const PanT
   const auto covariance = covariance_of(unit, reading);
   ASSERT_TRUE(covariance);
   tally.add(seen(test::isometry(used), point) - seen(truth, point),
-            point_covariance(point, used, *covariance, kView));
+            point_covariance(point, used, *covariance, kSlipView));
 }
 
 class PanTiltSlip : public ::testing::TestWithParam<unsigned> {};

@@ -16,9 +16,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kSamples = 40000;
-const geometry::Pinhole kView{{1280, 1024}, 1050, 1010, 630, 500};
+const geometry::Pinhole kCovarianceView{{1280, 1024}, 1050, 1010, 630, 500};
 
-Vector2d seen(const Eigen::Isometry3d& world_from_camera, const Vector3d& point) {
+Vector2d projected(const Eigen::Isometry3d& world_from_camera, const Vector3d& point) {
   const Vector3d p = world_from_camera.inverse() * point;
   return {1050 * p.x() / p.z() + 630, 1010 * p.y() / p.z() + 500};
 }
@@ -42,8 +42,9 @@ TEST(PointCovariance, IsThatOfSampledPoses) {
     mean.translation() = Vector3d(2, -3, 1.5);
     const Vector3d point = mean * Vector3d(0.7 - 0.5 * place, 0.2 * place, 1.2 + place);
     const PoseCovariance covariance = correlated(random);
-    const Eigen::Matrix2d stated = point_covariance(
-        point, {Eigen::Quaterniond(mean.rotation()), mean.translation()}, covariance, kView);
+    const Eigen::Matrix2d stated =
+        point_covariance(point, {Eigen::Quaterniond(mean.rotation()), mean.translation()},
+                         covariance, kCovarianceView);
     const PoseCovariance root = covariance.llt().matrixL();
     Eigen::Matrix2d sampled = Eigen::Matrix2d::Zero();
     for (int i = 0; i < kSamples; ++i) {
@@ -54,7 +55,7 @@ TEST(PointCovariance, IsThatOfSampledPoses) {
       Eigen::Isometry3d off = Eigen::Isometry3d::Identity();
       off.linear() = Eigen::AngleAxisd(w.norm(), w.normalized()) * mean.rotation();
       off.translation() = mean.translation() + d.tail<3>();
-      const Vector2d error = seen(off, point) - seen(mean, point);
+      const Vector2d error = projected(off, point) - projected(mean, point);
       sampled += error * error.transpose() / kSamples;
     }
     // Sampling alone leaves 0.007 of a variance.
@@ -68,12 +69,12 @@ TEST(PointCovariance, IsThatOfSampledPoses) {
 TEST(PointCovariance, OfOneTurnAndOneStepIsTheTriangle) {
   PoseCovariance turn = PoseCovariance::Zero();
   turn(1, 1) = 1e-6;  // 1 mrad about y, for a point straight ahead: 1050 px a radian
-  const Eigen::Matrix2d turned = point_covariance({0, 0, 3}, {}, turn, kView);
+  const Eigen::Matrix2d turned = point_covariance({0, 0, 3}, {}, turn, kCovarianceView);
   EXPECT_NEAR(turned(0, 0), 1.05 * 1.05, 1e-9);
   EXPECT_NEAR(turned(1, 1), 0, 1e-9);
   PoseCovariance step = PoseCovariance::Zero();
   step(4, 4) = 9e-6;  // 3 mm down, at 3 m
-  const Eigen::Matrix2d stepped = point_covariance({0, 0, 3}, {}, step, kView);
+  const Eigen::Matrix2d stepped = point_covariance({0, 0, 3}, {}, step, kCovarianceView);
   EXPECT_NEAR(stepped(0, 0), 0, 1e-9);
   EXPECT_NEAR(stepped(1, 1), 1.01 * 1.01, 1e-9);
 }

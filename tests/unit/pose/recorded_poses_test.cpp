@@ -18,16 +18,16 @@ namespace {
 using capture::PoseLoss;
 using trajectory::TimedPose;
 
-constexpr double kClock_s = 812.375;  // the recorder's clock when the take's reads 0
+constexpr double kRecorderClock_s = 812.375;  // the recorder's clock when the take's reads 0
 
 std::unique_ptr<RecordedPoses> poses_of(const std::vector<TimedPose>& samples) {
-  auto poses = RecordedPoses::make(samples, {"mocap.txt", -kClock_s});
+  auto poses = RecordedPoses::make(samples, {"mocap.txt", -kRecorderClock_s});
   EXPECT_TRUE(poses) << poses.error().context;
   return poses ? *std::move(poses) : nullptr;
 }
 
 std::vector<TimedPose> mocap(double from_s, double to_s) {
-  return swing_samples(from_s, to_s, 120, kClock_s);
+  return swing_samples(from_s, to_s, 120, kRecorderClock_s);
 }
 
 TEST(RecordedPoses, AreFoundByTimeNotByNumber) {
@@ -54,7 +54,7 @@ TEST(RecordedPoses, ThereIsNoneOutsideAndInGaps) {
   auto samples = mocap(0.5, 4);
   // No samples from 2.0 to 2.2 s of the take.
   std::erase_if(samples, [](const TimedPose& s) {
-    return s.t_s > kClock_s + 2.001 && s.t_s < kClock_s + 2.199;
+    return s.t_s > kRecorderClock_s + 2.001 && s.t_s < kRecorderClock_s + 2.199;
   });
   const auto poses = poses_of(samples);
   EXPECT_EQ(poses->pose_of(capture_at(0.49)).loss, PoseLoss::kOutside);
@@ -88,7 +88,7 @@ TEST(RecordedPoses, WrongSamplesDoNotReachThePicture) {
 TEST(RecordedPoses, NothingIsInterpolatedAcrossAJump) {
   auto samples = mocap(0, 4);
   for (auto& sample : samples)
-    if (sample.t_s > kClock_s + 2.001) sample.world_from_body.translation_m.x() += 0.8;
+    if (sample.t_s > kRecorderClock_s + 2.001) sample.world_from_body.translation_m.x() += 0.8;
   const auto poses = poses_of(samples);
   const Eigen::Vector3d moved(0.8, 0, 0);
   for (double t_s = 1.9; t_s < 2.1; t_s += 0.0007) {

@@ -15,27 +15,29 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kView{320, 256}, kTof{128, 106};
+constexpr Size kPannedView{320, 256}, kPannedTof{128, 106};
 constexpr double kView_f_px = 260, kTof_f_px = 104;
 
-Camera camera_at(const Eigen::Vector3d& position_m) { return {kView, kView_f_px, position_m}; }
+Camera camera_at(const Eigen::Vector3d& position_m) {
+  return {kPannedView, kView_f_px, position_m};
+}
 
 /// A model of the room without people from the origin, and a compositor's setup with it.
 struct Modelled {
   explicit Modelled(AnalyticScene room = {}) : scene(room) {
     scene.person = false;
-    setup = plain_setup(kView, kView_f_px, kTof, kTof_f_px);
+    setup = plain_setup(kPannedView, kView_f_px, kPannedTof, kTof_f_px);
     Image<std::uint8_t> person;
     render_truth(scene, camera_at({0, 0, 0}), depth_m, person);
     const Image<Rgb8> plate = render_plate(scene, camera_at({0, 0, 0}), 1);
-    color.reset(kView);
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) {
+    color.reset(kPannedView);
+    for (int y = 0; y < kPannedView.height; ++y)
+      for (int x = 0; x < kPannedView.width; ++x) {
         const Rgb8 p = plate.at(x, y);
         const auto& linear = linear_of_srgb_bytes();
         color.at(x, y) = {linear[p.r], linear[p.g], linear[p.b]};
       }
-    color_sigma.reset(kView, 0.01F);
+    color_sigma.reset(kPannedView, 0.01F);
     setup.background_model =
         render::BackgroundModel{setup.view, {}, {depth_m, {}, color, color_sigma}};
   }
@@ -46,16 +48,16 @@ struct Modelled {
 };
 
 /// The model drawn at a pose.
-struct Drawn {
-  Drawn(const Modelled& m, const geometry::Pose& world_from_camera, int threads = 2)
+struct DrawnBackground {
+  DrawnBackground(const Modelled& m, const geometry::Pose& world_from_camera, int threads = 2)
       : crew(threads), tables(render::make_tables(m.setup)), background(crew, m.setup) {
-    tables.key_limit_w.reset(kView);
-    tables.background_normal.reset(kView);
+    tables.key_limit_w.reset(kPannedView);
+    tables.background_normal.reset(kPannedView);
     background.draw(crew, world_from_camera, tables);
     constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; x += kColumns) {
-        const int width = std::min(kColumns, kView.width - x);
+    for (int y = 0; y < kPannedView.height; ++y)
+      for (int x = 0; x < kPannedView.width; x += kColumns) {
+        const int width = std::min(kColumns, kPannedView.width - x);
         background.draw_color(x, y, width);
         background.normals(x, y,
                            {tables.background_normal.row(y) + x, static_cast<std::size_t>(width)});
@@ -74,15 +76,15 @@ struct Depths {
   int colored = 0;
 };
 
-Depths compare(const Modelled& m, const Drawn& drawn, const Eigen::Vector3d& at_m) {
+Depths compare(const Modelled& m, const DrawnBackground& drawn, const Eigen::Vector3d& at_m) {
   Image<float> truth_m;
   Image<std::uint8_t> person;
   render_truth(m.scene, camera_at(at_m), truth_m, person);
   const Image<Rgb8> plate = render_plate(m.scene, camera_at(at_m), 2);
   const auto view = drawn.background.view();
   Depths d;
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x) {
+  for (int y = 0; y < kPannedView.height; ++y)
+    for (int x = 0; x < kPannedView.width; ++x) {
       const float z = view.depth_m.row(y)[x], truth = truth_m.at(x, y);
       if (!(truth > 0)) continue;
       ++d.all;
@@ -103,7 +105,7 @@ Depths compare(const Modelled& m, const Drawn& drawn, const Eigen::Vector3d& at_
 
 TEST(Background, AtItsOwnPoseIsTheModel) {
   const Modelled m;
-  const Drawn drawn(m, {});
+  const DrawnBackground drawn(m, {});
   const Depths d = compare(m, drawn, {0, 0, 0});
   EXPECT_GT(d.known, 0.999 * d.all);
   EXPECT_GT(d.near, 0.985 * d.known);
@@ -113,7 +115,7 @@ TEST(Background, AtItsOwnPoseIsTheModel) {
 TEST(Background, FromAnotherPlaceAgreesWithTheRayCastScene) {
   const Modelled m;
   for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.3, 0, 0), Eigen::Vector3d(-0.2, 0.1, 0.25)}) {
-    const Drawn drawn(m, moved(at));
+    const DrawnBackground drawn(m, moved(at));
     const Depths d = compare(m, drawn, at);
     EXPECT_GT(d.known, 0.85 * d.all) << at.transpose();
     EXPECT_GT(d.near, 0.97 * d.known) << at.transpose();
@@ -127,11 +129,11 @@ TEST(Background, WhatTheModelNeverSawIsUnknown) {
   const geometry::Pose turned{
       Eigen::Quaterniond(Eigen::AngleAxisd(std::atan(160 / kView_f_px), Eigen::Vector3d::UnitY())),
       {0, 0, 0}};
-  const Drawn drawn(m, turned);
+  const DrawnBackground drawn(m, turned);
   const auto view = drawn.background.view();
   int known_left = 0, known_right = 0;
   for (int y = 100; y < 156; ++y)
-    for (int x = 0; x < kView.width; ++x)
+    for (int x = 0; x < kPannedView.width; ++x)
       (x < 150 ? known_left : known_right) +=
           view.depth_m.row(y)[x] > 0 && x != 150 && !(x > 150 && x < 170);
   EXPECT_GT(known_left, 0.95 * 150 * 56);
@@ -147,13 +149,13 @@ TEST(Background, NoSurfaceSpansADepthStep) {
   room.pole_radius_m = 0.25;
   const Modelled m(room);
   const Eigen::Vector3d at(0.6, 0, 0);
-  const Drawn drawn(m, moved(at));
+  const DrawnBackground drawn(m, moved(at));
   Image<float> truth_m;
   Image<std::uint8_t> person;
   render_truth(m.scene, camera_at(at), truth_m, person);
   int between = 0;
   for (int y = 40; y < 200; ++y)
-    for (int x = 0; x < kView.width; ++x) {
+    for (int x = 0; x < kPannedView.width; ++x) {
       const float z = drawn.background.view().depth_m.row(y)[x];
       between += z > 3.2F && z < 4.2F && truth_m.at(x, y) > 4.4F;
     }
@@ -162,15 +164,15 @@ TEST(Background, NoSurfaceSpansADepthStep) {
 
 TEST(Background, LimitAndNormalsAreThoseOfAStillBackgroundAtTheSamePose) {
   const Modelled m;
-  const Drawn drawn(m, {});
+  const DrawnBackground drawn(m, {});
   render::CompositorSetup still = m.setup;
   still.background_model.reset();
   still.background = {m.depth_m, {}, m.color, m.color_sigma};
   const render::Tables tables = render::make_tables(still);
   std::vector<float> limit_error;
   int other_normals = 0;
-  for (int y = 8; y < kView.height - 8; ++y)
-    for (int x = 8; x < kView.width - 8; ++x) {
+  for (int y = 8; y < kPannedView.height - 8; ++y)
+    for (int x = 8; x < kPannedView.width - 8; ++x) {
       limit_error.push_back(
           std::abs(drawn.tables.key_limit_w.at(x, y) / tables.key_limit_w.at(x, y) - 1));
       const auto a = drawn.tables.background_normal.at(x, y), b = tables.background_normal.at(x, y);
@@ -185,7 +187,7 @@ TEST(Background, NormalsTurnWithTheCamera) {
   const Modelled m;
   const geometry::Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
                               {0, 0, 0}};
-  const Drawn drawn(m, turned);
+  const DrawnBackground drawn(m, turned);
   // The back wall faces -z of the world.
   const Eigen::Vector3d expected = turned.rotation.inverse() * -Eigen::Vector3d::UnitZ();
   const auto n = drawn.tables.background_normal.at(100, 110);
@@ -196,9 +198,9 @@ TEST(Background, NormalsTurnWithTheCamera) {
 
 TEST(Background, ThreadsDoNotChangeIt) {
   const Modelled m;
-  const Drawn one(m, moved({0.1, 0, 0}), 1), three(m, moved({0.1, 0, 0}), 3);
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x)
+  const DrawnBackground one(m, moved({0.1, 0, 0}), 1), three(m, moved({0.1, 0, 0}), 3);
+  for (int y = 0; y < kPannedView.height; ++y)
+    for (int x = 0; x < kPannedView.width; ++x)
       ASSERT_EQ(one.background.view().depth_m.row(y)[x], three.background.view().depth_m.row(y)[x]);
 }
 
@@ -208,7 +210,7 @@ struct Key {
 };
 Key keyed(render::CompositorSetup setup, AnalyticScene scene, const Eigen::Vector3d& at_m) {
   scene.person = true;
-  const Camera target = camera_at(at_m), tof{kTof, kTof_f_px, at_m};
+  const Camera target = camera_at(at_m), tof{kPannedTof, kTof_f_px, at_m};
   Image<float> truth_m;
   Image<std::uint8_t> person;
   render_truth(scene, target, truth_m, person);
@@ -220,12 +222,12 @@ Key keyed(render::CompositorSetup setup, AnalyticScene scene, const Eigen::Vecto
           ->compose({render_plate(scene, target, 3), render_tof(scene, tof, 4, 0.006), moved(at_m)},
                     out));
   double hit = 0, either = 0, wrong = 0;
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x) {
+  for (int y = 0; y < kPannedView.height; ++y)
+    for (int x = 0; x < kPannedView.width; ++x) {
       const bool is = person.at(x, y) > 0, said = out.matte.at(x, y) >= 128;
       hit += is && said, either += is || said, wrong += said && !is;
     }
-  return {hit / either, wrong / static_cast<double>(kView.area())};
+  return {hit / either, wrong / static_cast<double>(kPannedView.area())};
 }
 
 TEST(Background, AMovedCameraKeysAsWellAsAStillOne) {
@@ -243,7 +245,7 @@ TEST(Background, AMovedCameraKeysAsWellAsAStillOne) {
 
 TEST(Background, DrawingAllocatesNothing) {
   const Modelled m;
-  Drawn drawn(m, {});
+  DrawnBackground drawn(m, {});
   const long before = allocations;
   drawn.background.draw(drawn.crew, moved({0.05, 0, 0}), drawn.tables);
   drawn.background.draw_color(100, 100, 100);

@@ -10,16 +10,16 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kView{64, 64};
+constexpr Size kFrameView{64, 64};
 
 /// A grey wall at 4 m with its background known, and a virtual square at `object_m`.
 struct Stage {
   explicit Stage(float object_m)
-      : setup(plain_setup(kView, 64, {32, 32}, 32)),
-        background_m(kView, 4),
-        color(kView, {0.2159F, 0.2159F, 0.2159F}),
-        color_sigma(kView, 0.01F),
-        plate(kView, {128, 128, 128}),
+      : setup(plain_setup(kFrameView, 64, {32, 32}, 32)),
+        background_m(kFrameView, 4),
+        color(kFrameView, {0.2159F, 0.2159F, 0.2159F}),
+        color_sigma(kFrameView, 0.01F),
+        plate(kFrameView, {128, 128, 128}),
         depth({32, 32}, 4) {
     setup.background = {background_m, {}, color, color_sigma};
     const float h = 0.25F * object_m;  // 16 px to either side

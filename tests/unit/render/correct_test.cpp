@@ -12,7 +12,7 @@ namespace {
 
 using render::cpu::kDown;
 using render::cpu::kRight;
-constexpr Size kSize{16, 12};
+constexpr Size kCorrectSize{16, 12};
 
 TEST(Correct, bad_values_are_unknown_where_too_few_neighbours_know_better) {
   const float bad[] = {0,
@@ -22,23 +22,25 @@ TEST(Correct, bad_values_are_unknown_where_too_few_neighbours_know_better) {
                        -std::numeric_limits<float>::infinity(),
                        2e4F};
   for (const float value : bad) {
-    const Corrected c(make_image<float>(kSize, [&](int x, int) { return x < 8 ? 2.0F : value; }));
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) EXPECT_EQ(c.z(x, y), x < 8 ? 2.0F : 0.0F) << value;
+    const Corrected c(
+        make_image<float>(kCorrectSize, [&](int x, int) { return x < 8 ? 2.0F : value; }));
+    for (int y = 0; y < kCorrectSize.height; ++y)
+      for (int x = 0; x < kCorrectSize.width; ++x)
+        EXPECT_EQ(c.z(x, y), x < 8 ? 2.0F : 0.0F) << value;
   }
 }
 
 TEST(Correct, distance_along_the_ray_becomes_z) {
   render::CorrectParams params;
   params.depth_is_distance = true;
-  const Corrected c(make_image<float>(kSize,
+  const Corrected c(make_image<float>(kCorrectSize,
                                       [](int x, int y) {
                                         const double u = (x - 7.5) / 100, v = (y - 5.5) / 100;
                                         return static_cast<float>(3 * std::sqrt(1 + u * u + v * v));
                                       }),
                     params);
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x) EXPECT_NEAR(c.z(x, y), 3, 1e-5);
+  for (int y = 0; y < kCorrectSize.height; ++y)
+    for (int x = 0; x < kCorrectSize.width; ++x) EXPECT_NEAR(c.z(x, y), 3, 1e-5);
 }
 
 TEST(Correct, floor_that_grazes_the_view_stays_whole) {
@@ -54,8 +56,9 @@ TEST(Correct, floor_that_grazes_the_view_stays_whole) {
 }
 
 TEST(Correct, silhouette_is_cut_and_keeps_both_depths) {
-  const Corrected c(make_image<float>(kSize, [](int x, int) { return x < 8 ? 1.5F : 3.0F; }));
-  for (int y = 0; y < kSize.height; ++y) {
+  const Corrected c(
+      make_image<float>(kCorrectSize, [](int x, int) { return x < 8 ? 1.5F : 3.0F; }));
+  for (int y = 0; y < kCorrectSize.height; ++y) {
     EXPECT_FALSE(c.links(7, y) & kRight);
     EXPECT_FLOAT_EQ(c.z(7, y), 1.5F);
     EXPECT_FLOAT_EQ(c.z(8, y), 3.0F);
@@ -66,7 +69,7 @@ TEST(Correct, flying_pixel_goes_to_the_surface_that_fills_most_of_it) {
   // Amplitudes fall with z^2, so the near surface at 1.5 m pulls four times as hard as that at 3 m:
   // at half of the pixel, the mean lies at (4 * 1.5 + 3) / 5 = 1.8 m.
   const auto with = [](float flying) {
-    return Corrected(make_image<float>(kSize, [&](int x, int) {
+    return Corrected(make_image<float>(kCorrectSize, [&](int x, int) {
       return x < 8 ? 1.5F : x == 8 ? flying : 3.0F;
     }));
   };
@@ -76,15 +79,16 @@ TEST(Correct, flying_pixel_goes_to_the_surface_that_fills_most_of_it) {
 
 TEST(Correct, lonely_pixel_and_hole_of_one_pixel_take_the_median) {
   for (const float odd : {0.3F, 0.0F, 6.0F}) {
-    const Corrected c(
-        make_image<float>(kSize, [&](int x, int y) { return x == 5 && y == 5 ? odd : 2.0F; }));
+    const Corrected c(make_image<float>(
+        kCorrectSize, [&](int x, int y) { return x == 5 && y == 5 ? odd : 2.0F; }));
     EXPECT_FLOAT_EQ(c.z(5, 5), 2.0F) << odd;
   }
 }
 
 TEST(Correct, line_of_single_pixels_survives) {
-  const Corrected c(make_image<float>(kSize, [](int x, int) { return x == 6 ? 2.0F : 4.0F; }));
-  for (int y = 1; y < kSize.height - 1; ++y) EXPECT_FLOAT_EQ(c.z(6, y), 2.0F);
+  const Corrected c(
+      make_image<float>(kCorrectSize, [](int x, int) { return x == 6 ? 2.0F : 4.0F; }));
+  for (int y = 1; y < kCorrectSize.height - 1; ++y) EXPECT_FLOAT_EQ(c.z(6, y), 2.0F);
 }
 
 TEST(Correct, noise_of_a_wall_shrinks_and_cuts_nothing) {

@@ -20,11 +20,11 @@ using render::cpu::QuadBatch;
 using render::cpu::Vertex;
 using Quad = std::array<Vertex, 4>;
 
-constexpr Size kView{48, 40};
-constexpr Band kAll{0, kView.height, kView.width, kView.height};
+constexpr Size kQuadsView{48, 40};
+constexpr Band kAll{0, kQuadsView.height, kQuadsView.width, kQuadsView.height};
 
 Image<float> empty_view() {
-  return Image<float>({kView.width + kViewMargin, kView.height + kViewMargin});
+  return Image<float>({kQuadsView.width + kViewMargin, kQuadsView.height + kViewMargin});
 }
 Image<float> drawn(const std::vector<Quad>& quads, int at_once = QuadBatch::kCapacity) {
   Image<float> view_w = empty_view();
@@ -39,14 +39,14 @@ Image<float> drawn(const std::vector<Quad>& quads, int at_once = QuadBatch::kCap
   return view_w;
 }
 void expect_same(const Image<float>& a, const Image<float>& b) {
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x) ASSERT_EQ(a.at(x, y), b.at(x, y)) << x << "," << y;
+  for (int y = 0; y < kQuadsView.height; ++y)
+    for (int x = 0; x < kQuadsView.width; ++x) ASSERT_EQ(a.at(x, y), b.at(x, y)) << x << "," << y;
 }
 
 /// Quads of a mesh: front faces of some pixels, a few of them folded or reaching out of the view.
 std::vector<Quad> random_quads(int count) {
   std::mt19937 random(11);
-  std::uniform_real_distribution<float> u(-4, kView.width + 4), v(-4, kView.height + 4),
+  std::uniform_real_distribution<float> u(-4, kQuadsView.width + 4), v(-4, kQuadsView.height + 4),
       side(0.3F, 9), bend(-0.8F, 0.8F), w(0.2F, 2);
   std::vector<Quad> quads;
   for (int i = 0; i < count; ++i) {
@@ -83,8 +83,8 @@ TEST(DrawQuads, agree_with_double_precision_away_from_the_sides) {
   int inside = 0, outside = 0;
   for (const Quad& q : random_quads(400)) {
     const Image<float> view_w = drawn({q});
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) {
+    for (int y = 0; y < kQuadsView.height; ++y)
+      for (int x = 0; x < kQuadsView.width; ++x) {
         const double abc = depth_in(q[0], q[1], q[2], x, y), acd = depth_in(q[0], q[2], q[3], x, y);
         if (std::max(abc, acd) < -0.02) {
           ASSERT_EQ(view_w.at(x, y), 0) << x << "," << y;
@@ -114,12 +114,13 @@ TEST(DrawQuads, bands_draw_what_the_whole_view_does_and_leave_other_rows) {
   QuadBatch batch;
   for (const Quad& quad : quads) batch.push(quad);
   const Image<float> whole = drawn(quads);
-  for (int split = 4; split <= kView.height - 4; split += 3) {
+  for (int split = 4; split <= kQuadsView.height - 4; split += 3) {
     Image<float> view_w = empty_view();
-    draw_quads(batch, false, {0, split, kView.width, split - 4}, view_w);
-    for (int y = split; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) ASSERT_EQ(view_w.at(x, y), 0);
-    draw_quads(batch, false, {split, kView.height, kView.width, kView.height}, view_w);
+    draw_quads(batch, false, {0, split, kQuadsView.width, split - 4}, view_w);
+    for (int y = split; y < kQuadsView.height; ++y)
+      for (int x = 0; x < kQuadsView.width; ++x) ASSERT_EQ(view_w.at(x, y), 0);
+    draw_quads(batch, false, {split, kQuadsView.height, kQuadsView.width, kQuadsView.height},
+               view_w);
     expect_same(view_w, whole);
   }
 }

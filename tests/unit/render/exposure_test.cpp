@@ -8,7 +8,7 @@
 namespace mixrig::render {
 namespace {
 
-constexpr Size kSize{128, 96};
+constexpr Size kExposureSize{128, 96};
 
 std::uint8_t srgb(float linear) {
   const double v = std::min(1.0F, linear);
@@ -18,21 +18,21 @@ std::uint8_t srgb(float linear) {
 
 /// A room of grey shades that all sensors see, learned at gain 1.
 struct Room {
-  Image<Rgbf> learned{kSize};
+  Image<Rgbf> learned{kExposureSize};
   Tables tables;
   Room() {
-    tables.view_size = tables.plate_size = kSize;
+    tables.view_size = tables.plate_size = kExposureSize;
     tables.plate_is_view = true;
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
+    for (int y = 0; y < kExposureSize.height; ++y)
+      for (int x = 0; x < kExposureSize.width; ++x) {
         const float v = 0.05F + 0.3F * static_cast<float>((x * 7 + y * 3) % 50) / 50;
         learned.at(x, y) = {v, 0.9F * v, 0.8F * v};
       }
   }
   Image<Rgb8> plate(const glm::vec3& gain) const {
-    Image<Rgb8> out(kSize);
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
+    Image<Rgb8> out(kExposureSize);
+    for (int y = 0; y < kExposureSize.height; ++y)
+      for (int x = 0; x < kExposureSize.width; ++x) {
         const Rgbf b = learned.at(x, y);
         out.at(x, y) = {srgb(gain.r * b.r), srgb(gain.g * b.g), srgb(gain.b * b.b)};
       }
@@ -54,8 +54,8 @@ TEST(ExposureMeter, PeopleInHalfOfThePictureDoNotMoveIt) {
   const Room room;
   ExposureMeter meter(room.tables, room.background());
   Image<Rgb8> plate = room.plate(glm::vec3(1.5F));
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width / 2; ++x) {
+  for (int y = 0; y < kExposureSize.height; ++y)
+    for (int x = 0; x < kExposureSize.width / 2; ++x) {
       const auto shade = static_cast<std::uint8_t>(40 + (x * 13 + y * 29) % 160);
       plate.at(x, y) = {shade, static_cast<std::uint8_t>(shade / 2), shade};
     }
@@ -65,8 +65,9 @@ TEST(ExposureMeter, PeopleInHalfOfThePictureDoNotMoveIt) {
 TEST(ExposureMeter, SaysOneWhereNothingCanTell) {
   const Room room;
   ExposureMeter meter(room.tables, room.background());
-  EXPECT_EQ(meter.gain(Image<Rgb8>(kSize, Rgb8{255, 255, 255})), glm::vec3(1));  // saturated
-  EXPECT_EQ(meter.gain(Image<Rgb8>(kSize)), glm::vec3(1));                       // black
+  EXPECT_EQ(meter.gain(Image<Rgb8>(kExposureSize, Rgb8{255, 255, 255})),
+            glm::vec3(1));                                          // saturated
+  EXPECT_EQ(meter.gain(Image<Rgb8>(kExposureSize)), glm::vec3(1));  // black
   ExposureMeter unlearned(room.tables, {});
   EXPECT_EQ(unlearned.gain(room.plate(glm::vec3(2))), glm::vec3(1));
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/render/cpu/correct.h"
+#include "host/render/cpu/plate.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::test {
@@ -15,6 +16,12 @@ Image<T> make_image(Size size, Make&& make) {
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) image.at(x, y) = make(x, y);
   return image;
+}
+
+/// A linear colour, 0 to 1, as the plate of the CPU holds it.
+inline render::cpu::Rgbx16 linear16(Rgbf c) {
+  const auto fixed = [](float v) { return static_cast<std::uint16_t>(65535 * v); };
+  return {fixed(c.r), fixed(c.g), fixed(c.b), 0};
 }
 
 /// An ideal camera with the centre in the middle of the picture.

@@ -8,21 +8,19 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kView{64, 64};
+constexpr Size kKeyView{64, 64};
 const Rgbf kWall{0.5F, 0.5F, 0.5F}, kShirt{0.6F, 0.1F, 0.1F};
-
-render::cpu::Rgbx16 linear16(Rgbf c) {
-  const auto fixed = [](float v) { return static_cast<std::uint16_t>(65535 * v); };
-  return {fixed(c.r), fixed(c.g), fixed(c.b), 0};
-}
 
 /// A wall 4 m away; people are painted into depth and plate by the tests.
 struct Keyed {
-  Keyed() : setup(plain_setup(kView, 64, {32, 32}, 32)), depth(kView, 4), sigma(kView, 0.002F) {
-    color.reset(kView, kWall);
-    color_sigma.reset(kView, 0.01F);
-    plate.reset(kView, linear16(kWall));
-    w.reset({kView.width + 3, kView.height + 3}, 0.25F);
+  Keyed()
+      : setup(plain_setup(kKeyView, 64, {32, 32}, 32)),
+        depth(kKeyView, 4),
+        sigma(kKeyView, 0.002F) {
+    color.reset(kKeyView, kWall);
+    color_sigma.reset(kKeyView, 0.01F);
+    plate.reset(kKeyView, linear16(kWall));
+    w.reset({kKeyView.width + 3, kKeyView.height + 3}, 0.25F);
   }
   void person(int x0, int y0, int x1, int y1, float z_m = 2) {
     for (int y = y0; y < y1; ++y)
@@ -38,8 +36,8 @@ struct Keyed {
     const render::Tables tables = render::make_tables(setup);
     render::FramePreparer preparer(setup);
     preparer.update({});
-    render::cpu::KeyScratch scratch(kView);
-    matte.reset(kView, 77);
+    render::cpu::KeyScratch scratch(kKeyView);
+    matte.reset(kKeyView, 77);
     Crew crew(2);
     render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,
                      matte);
@@ -47,8 +45,8 @@ struct Keyed {
   bool is_person(int x, int y) const { return matte.at(x, y) >= 128; }
   int people() const {
     int n = 0;
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) n += is_person(x, y);
+    for (int y = 0; y < kKeyView.height; ++y)
+      for (int x = 0; x < kKeyView.width; ++x) n += is_person(x, y);
     return n;
   }
   render::CompositorSetup setup;

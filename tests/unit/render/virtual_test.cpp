@@ -10,13 +10,13 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kView{32, 32};
+constexpr Size kVirtualView{32, 32};
 
 /// One mesh in camera axes before an ideal camera of focal length 32.
-struct Drawn {
-  Drawn(std::vector<glm::vec3> positions_m, std::vector<std::uint32_t> indices,
-        bool double_sided = false, std::vector<glm::vec2> uv = {},
-        ImageView<const Rgb8> texture = {}, Size view = kView)
+struct DrawnObjects {
+  DrawnObjects(std::vector<glm::vec3> positions_m, std::vector<std::uint32_t> indices,
+               bool double_sided = false, std::vector<glm::vec2> uv = {},
+               ImageView<const Rgb8> texture = {}, Size view = kVirtualView)
       : positions(std::move(positions_m)),
         normals(positions.size(), glm::vec3(0, 0, -1)),
         texture_uv(std::move(uv)),
@@ -59,7 +59,7 @@ std::vector<glm::vec3> square(float half, float z) {
 const std::vector<std::uint32_t> kFront = {0, 2, 1, 0, 3, 2}, kBack = {0, 1, 2, 0, 2, 3};
 
 TEST(Virtual, square_covers_its_pixels_with_its_depth_and_albedo) {
-  const Drawn d(square(0.5F, 2), kFront);  // 8 px to either side of 15.5
+  const DrawnObjects d(square(0.5F, 2), kFront);  // 8 px to either side of 15.5
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const bool inside = x >= 8 && x <= 23 && y >= 8 && y <= 23;
@@ -72,28 +72,29 @@ TEST(Virtual, square_covers_its_pixels_with_its_depth_and_albedo) {
 }
 
 TEST(Virtual, border_inside_a_pixel_is_covered_by_halves) {
-  const Drawn d(square(0.53125F, 2), kFront);  // 8.5 px: ends in the middle of pixels 7 and 24
+  const DrawnObjects d(square(0.53125F, 2),
+                       kFront);  // 8.5 px: ends in the middle of pixels 7 and 24
   EXPECT_EQ(d.layer.coverage.at(7, 15), 128);
   EXPECT_EQ(d.layer.coverage.at(7, 7), 64);
   EXPECT_NEAR(d.layer.color.at(7, 15).r, 16384, 1);  // premultiplied
 }
 
 TEST(Virtual, back_faces_are_culled_unless_double_sided) {
-  EXPECT_EQ(Drawn(square(0.5F, 2), kBack).area(), 0);
-  const Drawn both(square(0.5F, 2), kBack, true);
+  EXPECT_EQ(DrawnObjects(square(0.5F, 2), kBack).area(), 0);
+  const DrawnObjects both(square(0.5F, 2), kBack, true);
   EXPECT_EQ(both.area(), 256);
   EXPECT_LT(both.layer.normal.at(15, 15).z, 0) << "the normal turns to the camera";
 }
 
 TEST(Virtual, object_behind_the_camera_draws_nothing) {
-  const Drawn d(square(0.5F, -2), kBack, true);
+  const DrawnObjects d(square(0.5F, -2), kBack, true);
   EXPECT_TRUE(d.rect.empty());
   EXPECT_EQ(d.area(), 0);
 }
 
 TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
   // 1 m below the camera, from 5 m behind to 5 m before it, seen from above.
-  const Drawn d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
+  const DrawnObjects d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
   for (int y = 0; y < 32; ++y) {
     const float expected = (static_cast<float>(y) - 15.5F) / 32;  // w at 1 m below
     EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 0.01F) << y;
@@ -103,7 +104,7 @@ TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
 TEST(Virtual, nearest_triangle_wins) {
   std::vector<glm::vec3> p = square(0.5F, 2);
   for (const glm::vec3& q : square(0.5F, 3)) p.push_back(q);
-  const Drawn d(p, {4, 6, 5, 4, 7, 6, 0, 2, 1, 0, 3, 2});
+  const DrawnObjects d(p, {4, 6, 5, 4, 7, 6, 0, 2, 1, 0, 3, 2});
   EXPECT_NEAR(d.layer.w.at(15, 15), 0.5F, 1e-6F);
 }
 
@@ -112,7 +113,7 @@ TEST(Virtual, texture_is_perspective_correct_and_repeats) {
   const auto texture = make_image<Rgb8>({2, 1}, [](int x, int) {
     return x ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
   });
-  const Drawn d(square(0.5F, 2), kFront, false, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, texture);
+  const DrawnObjects d(square(0.5F, 2), kFront, false, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, texture);
   const auto at = [&](int x) { return d.layer.color.at(x, 15).r / 32767.5; };
   // u = (x - 7.5) / 8; texel centres lie at u = 0.25 and 0.75: light is linear between.
   const auto expected = [](double u) { return 1 - std::abs(2 * (u - std::floor(u)) - 1.5); };
@@ -127,7 +128,7 @@ struct Cut {
   glm::dvec3 weights{0};
   std::size_t first_index = 0;  ///< of the triangle
 };
-Cut cut(const Drawn& d, glm::dvec3 ray) {
+Cut cut(const DrawnObjects& d, glm::dvec3 ray) {
   Cut out;
   for (std::size_t i = 0; i + 2 < d.triangles.size(); i += 3) {
     const glm::dvec3 a(d.positions[d.triangles[i]]), b(d.positions[d.triangles[i + 1]]),
@@ -169,7 +170,7 @@ TEST(Virtual, many_small_triangles_agree_with_rays) {
     const auto texture = make_image<Rgb8>({2, 1}, [](int x, int) {
       return x ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
     });
-    const Drawn d(corners, indices, true, uv, texture, view);
+    const DrawnObjects d(corners, indices, true, uv, texture, view);
     int judged = 0, mixed = 0;
     for (int y = 0; y < view.height; ++y)
       for (int x = 0; x < view.width; ++x) {
@@ -204,7 +205,7 @@ TEST(Virtual, many_small_triangles_agree_with_rays) {
   }
 }
 
-TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(Drawn({}, {}).area(), 0); }
+TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(DrawnObjects({}, {}).area(), 0); }
 
 }  // namespace
 }  // namespace mixrig::test

@@ -11,18 +11,15 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kView{64, 64};
+constexpr Size kVolumeView{64, 64};
 constexpr double kEye_m = 1.5;
 const Rgbf kFloorColor{0.5F, 0.5F, 0.5F}, kShirt{0.6F, 0.1F, 0.1F};
 
-render::cpu::Rgbx16 linear16(Rgbf c) {
-  const auto fixed = [](float v) { return static_cast<std::uint16_t>(65535 * v); };
-  return {fixed(c.r), fixed(c.g), fixed(c.b), 0};
-}
-
 /// A camera 1.5 m over the floor z = 0 that looks along world x; what it sees is put in by hand.
 struct OnFloor {
-  OnFloor() : setup(plain_setup(kView, 64, {32, 32}, 32)), plate(kView, linear16(kFloorColor)) {
+  OnFloor()
+      : setup(plain_setup(kVolumeView, 64, {32, 32}, 32)),
+        plate(kVolumeView, linear16(kFloorColor)) {
     setup.capture_box = render::CaptureBox{{1, -2, 0}, {5, 2, 3}};
     pose.translation_m = {0, 0, kEye_m};
     Eigen::Matrix3d axes;  // columns: right, down, forward
@@ -30,9 +27,9 @@ struct OnFloor {
     axes.col(1) = -Eigen::Vector3d::UnitZ();
     axes.col(2) = Eigen::Vector3d::UnitX();
     pose.rotation = Eigen::Quaterniond(axes);
-    w.reset({kView.width + 3, kView.height + 3}, 1 / 9.0F);
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) w.at(x, y) = std::max(floor_w(y), 1 / 9.0F);
+    w.reset({kVolumeView.width + 3, kVolumeView.height + 3}, 1 / 9.0F);
+    for (int y = 0; y < kVolumeView.height; ++y)
+      for (int x = 0; x < kVolumeView.width; ++x) w.at(x, y) = std::max(floor_w(y), 1 / 9.0F);
   }
   /// The room ends 9 m away.
   static float floor_w(int y, double height_m = 0) {
@@ -50,16 +47,16 @@ struct OnFloor {
     const render::Tables tables = render::make_tables(setup);
     render::FramePreparer preparer(setup);
     preparer.update(pose);
-    render::cpu::KeyScratch scratch(kView);
-    matte.reset(kView, 77);
+    render::cpu::KeyScratch scratch(kVolumeView);
+    matte.reset(kVolumeView, 77);
     Crew crew(2);
     render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,
                      matte);
   }
   int people() const {
     int n = 0;
-    for (int y = 0; y < kView.height; ++y)
-      for (int x = 0; x < kView.width; ++x) n += matte.at(x, y) >= 128;
+    for (int y = 0; y < kVolumeView.height; ++y)
+      for (int x = 0; x < kVolumeView.width; ++x) n += matte.at(x, y) >= 128;
     return n;
   }
   render::CompositorSetup setup;
@@ -78,8 +75,8 @@ TEST(Volume, an_empty_floor_shows_nobody) {
 TEST(Volume, noise_of_the_floor_shows_nobody) {
   OnFloor scene;
   const render::NoiseParams noise = render::noise_params(scene.setup.noise);
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x) {
+  for (int y = 0; y < kVolumeView.height; ++y)
+    for (int x = 0; x < kVolumeView.width; ++x) {
       const float z = 1 / scene.w.at(x, y);
       scene.w.at(x, y) = 1 / (z + ((x + y) % 2 == 0 ? 3.5F : -3.5F) * noise.sigma_m(z));
     }
@@ -92,8 +89,8 @@ TEST(Volume, who_stands_in_it_is_keyed_down_to_the_floor) {
   scene.put(24, 16, 40, 62, 3.2F);  // row 62 is the floor 3.2 m away
   scene.run();
   // Depth votes round corners off, and the last row lies within the floor's tolerance.
-  for (int y = 0; y < kView.height; ++y)
-    for (int x = 0; x < kView.width; ++x) {
+  for (int y = 0; y < kVolumeView.height; ++y)
+    for (int x = 0; x < kVolumeView.width; ++x) {
       if (x >= 26 && x < 38 && y >= 18 && y < 59) {
         EXPECT_GE(scene.matte.at(x, y), 128) << x << ' ' << y;
       }
@@ -148,7 +145,9 @@ TEST(Volume, a_camera_below_the_floor_does_no_harm) {
 /// both halves of the picture's middle.
 struct Replaced {
   Replaced()
-      : setup(plain_setup(kView, 64, {32, 32}, 32)), plate(kView, kGrey), depth({32, 32}, 4) {
+      : setup(plain_setup(kVolumeView, 64, {32, 32}, 32)),
+        plate(kVolumeView, kGrey),
+        depth({32, 32}, 4) {
     setup.capture_box = render::CaptureBox{{-9, -9, 0.5}, {9, 9, 3.5}};
     setup.capture_box->floor_tolerance_m = 0;
     for (int y = 0; y < 32; ++y)
@@ -213,7 +212,7 @@ TEST(Set, an_object_behind_the_wall_is_seen) {
 
 TEST(Set, a_picture_lies_behind_everything) {
   Replaced scene;
-  const Image<Rgb8> picture(kView, {0, 200, 0});
+  const Image<Rgb8> picture(kVolumeView, {0, 200, 0});
   scene.setup.backdrop->picture = picture;
   const render::FrameOutput out = scene.compose();
   EXPECT_EQ(out.color.at(60, 32), (Rgb8{0, 200, 0}));

@@ -8,12 +8,12 @@
 namespace mixrig::test {
 namespace {
 
-constexpr Size kTof{8, 8}, kView{32, 32};
+constexpr Size kWarpTof{8, 8}, kWarpView{32, 32};
 
 /// ToF pixel x lands at u = 4 x + 1.5 of the view where the cameras stand at one place.
 struct Warped {
   explicit Warped(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
-                  int threads = 1, Size view = kView) {
+                  int threads = 1, Size view = kWarpView) {
     render::CompositorSetup setup = plain_setup(view, 32, depth_m.size(), 8);
     setup.target_from_tof = target_from_tof;
     const render::Tables tables = render::make_tables(setup);
@@ -28,7 +28,7 @@ struct Warped {
 };
 
 TEST(Warp, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
-  const Warped warped(Image<float>(kTof, 2.0F));
+  const Warped warped(Image<float>(kWarpTof, 2.0F));
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const bool inside = x >= 2 && x <= 29 && y >= 2 && y <= 29;
@@ -38,7 +38,7 @@ TEST(Warp, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
 
 TEST(Warp, tilted_plane_is_exact_between_samples) {
   const auto plane = [](double ray_x, double ray_y) { return 0.5 + 0.05 * ray_x - 0.03 * ray_y; };
-  const Warped warped(make_image<float>(kTof, [&](int x, int y) {
+  const Warped warped(make_image<float>(kWarpTof, [&](int x, int y) {
     return static_cast<float>(1 / plane((x - 3.5) / 8, (y - 3.5) / 8));
   }));
   // One ToF pixel in from the border, where smoothing has neighbours on all sides.
@@ -48,7 +48,7 @@ TEST(Warp, tilted_plane_is_exact_between_samples) {
 }
 
 TEST(Warp, step_lies_half_a_tof_pixel_past_the_samples) {
-  const Warped warped(make_image<float>(kTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
+  const Warped warped(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
   // Samples 3 and 4 land at 13.5 and 17.5: each owns two view pixels of the cut cell.
   const float expected[] = {0.5F, 0.5F, 0.5F, 1.0F, 1.0F, 1.0F};
   for (int x = 13; x <= 18; ++x) {
@@ -58,7 +58,7 @@ TEST(Warp, step_lies_half_a_tof_pixel_past_the_samples) {
 }
 
 TEST(Warp, pole_of_one_sample_keeps_its_width) {
-  const Warped warped(make_image<float>(kTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
+  const Warped warped(make_image<float>(kWarpTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
   int width = 0;
   for (int x = 0; x < 32; ++x) width += warped.w.at(x, 15) > 0.9F;
   EXPECT_EQ(width, 4);
@@ -69,7 +69,7 @@ TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
   geometry::Pose pose;
   pose.translation_m = {-0.25, 0, 0};
   const Warped warped(
-      make_image<float>(kTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
+      make_image<float>(kWarpTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
   // Near: samples 3 and 4 with half a cell around them, 11.5 .. 19.5, moved by 8 px.
   EXPECT_NEAR(warped.w.at(4, 15), 1.0F, 1e-6F);
   EXPECT_NEAR(warped.w.at(11, 15), 1.0F, 1e-6F);
@@ -81,10 +81,10 @@ TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
 TEST(Warp, surface_seen_from_behind_or_behind_the_camera_draws_nothing) {
   geometry::Pose pose;
   pose.translation_m = {0, 0, -3};
-  const Warped behind(Image<float>(kTof, 2.0F), pose);
+  const Warped behind(Image<float>(kWarpTof, 2.0F), pose);
   pose.translation_m = {0, 0, 4};
   pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()));
-  const Warped opposite(Image<float>(kTof, 2.0F), pose);
+  const Warped opposite(Image<float>(kWarpTof, 2.0F), pose);
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       EXPECT_EQ(behind.w.at(x, y), 0.0F);
@@ -108,7 +108,7 @@ TEST(Warp, threads_do_not_change_a_bit) {
 TEST(Warp, single_pixels_of_either_camera_do_no_harm) {
   const Warped tof(Image<float>({1, 1}, 2.0F));
   EXPECT_EQ(tof.w.at(15, 15), 0.0F);
-  const Warped view(Image<float>(kTof, 2.0F), {}, 1, {1, 1});
+  const Warped view(Image<float>(kWarpTof, 2.0F), {}, 1, {1, 1});
   EXPECT_NEAR(view.w.at(0, 0), 0.5F, 1e-6F);
 }
 

@@ -13,7 +13,7 @@
 namespace mixrig::session {
 namespace {
 
-constexpr geometry::Pinhole kView{{160, 120}, 130, 130, 79.5, 59.5};
+constexpr geometry::Pinhole kLearnView{{160, 120}, 130, 130, 79.5, 59.5};
 
 geometry::Pose turned(double yaw_rad, double x_m = 0) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {x_m, 0, 0}};
@@ -21,18 +21,18 @@ geometry::Pose turned(double yaw_rad, double x_m = 0) {
 
 TEST(ViewOfAll, OfOnePoseIsItsView) {
   const std::vector<geometry::Pose> poses = {turned(0.3, 1)};
-  const auto wide = view_of_all(kView, poses);
+  const auto wide = view_of_all(kLearnView, poses);
   ASSERT_TRUE(wide) << wide.error().context;
   EXPECT_NEAR(wide->world_from_camera.rotation.angularDistance(poses[0].rotation), 0, 1e-9);
   EXPECT_NEAR((wide->world_from_camera.translation_m - poses[0].translation_m).norm(), 0, 1e-12);
-  EXPECT_NEAR(wide->camera.size_px.width, kView.size_px.width, 2);
-  EXPECT_NEAR(wide->camera.size_px.height, kView.size_px.height, 2);
-  EXPECT_EQ(wide->camera.fx_px, kView.fx_px);
+  EXPECT_NEAR(wide->camera.size_px.width, kLearnView.size_px.width, 2);
+  EXPECT_NEAR(wide->camera.size_px.height, kLearnView.size_px.height, 2);
+  EXPECT_EQ(wide->camera.fx_px, kLearnView.fx_px);
 }
 
 TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
   const std::vector<geometry::Pose> poses = {turned(-0.2, -0.1), turned(0, 0), turned(0.25, 0.1)};
-  const auto wide = view_of_all(kView, poses);
+  const auto wide = view_of_all(kLearnView, poses);
   ASSERT_TRUE(wide) << wide.error().context;
   const Eigen::Isometry3d world_from_wide(wide->world_from_camera.matrix());
   for (const geometry::Pose& pose : poses)
@@ -54,7 +54,7 @@ TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
 TEST(ViewOfAll, RefusesATurnThatNoPinholeHolds) {
   for (const double yaw_rad : {1.2, 1.6, 2.5}) {
     const std::vector<geometry::Pose> poses = {turned(-yaw_rad), turned(yaw_rad)};
-    const auto wide = view_of_all(kView, poses);
+    const auto wide = view_of_all(kLearnView, poses);
     ASSERT_FALSE(wide) << yaw_rad;
     EXPECT_NE(wide.error().context.find("turns too far"), std::string::npos);
   }
@@ -67,7 +67,7 @@ class CarriedSource final : public capture::CaptureSource {
   CarriedSource() {
     scene_.person = false;
     info_.name = "carried";
-    info_.target.pinhole = kView;
+    info_.target.pinhole = kLearnView;
     info_.tof = info_.target;
     info_.noise = {0.004, 0, 0};
     info_.frames = kFrames;
@@ -76,7 +76,7 @@ class CarriedSource final : public capture::CaptureSource {
   static double x_m(int number) { return 0.08 * (number - 5); }
   const capture::SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, capture::Capture& frame) override {
-    const test::Camera camera{kView.size_px, kView.fx_px, {x_m(number), 0, 0}};
+    const test::Camera camera{kLearnView.size_px, kLearnView.fx_px, {x_m(number), 0, 0}};
     frame.number = number;
     frame.plate = test::render_plate(scene_, camera, static_cast<std::uint32_t>(number));
     Image<std::uint8_t> person;
@@ -103,7 +103,7 @@ TEST(LearnMoving, TheRoomIsWhereItIsAndWiderThanAFrame) {
                                         {render::Backend::kCpu, 2}, {}, poses.get());
   ASSERT_TRUE(learned) << learned.error().context;
   ASSERT_TRUE(learned->world_from_view);
-  EXPECT_GT(learned->view.size_px.width, kView.size_px.width + 20);
+  EXPECT_GT(learned->view.size_px.width, kLearnView.size_px.width + 20);
   const Eigen::Isometry3d world_from_view(learned->world_from_view->matrix());
   int all = 0, known = 0, right = 0, colored = 0;
   for (int y = 10; y < learned->view.size_px.height - 10; ++y)

@@ -16,7 +16,7 @@ namespace {
 using capture::CameraPose;
 using Eigen::Vector3d;
 
-const geometry::Pinhole kView{{640, 480}, 500, 500, 319.5, 239.5};
+const geometry::Pinhole kSlipView{{640, 480}, 500, 500, 319.5, 239.5};
 
 CameraPose at(double x_m, std::optional<double> sigma_m = std::nullopt) {
   CameraPose pose;
@@ -29,7 +29,7 @@ CameraPose at(double x_m, std::optional<double> sigma_m = std::nullopt) {
 }
 
 TEST(SlipWatch, MeasuresTheDistanceToTheTrueProjection) {
-  SlipWatch watch({{0, 0, 1}, {0, 0, 2}}, kView);
+  SlipWatch watch({{0, 0, 1}, {0, 0, 2}}, kSlipView);
   const auto first = watch.add(at(0.002), geometry::Pose{});  // 1 px and 0.5 px
   ASSERT_TRUE(first.measured_px);
   EXPECT_NEAR(*first.measured_px, std::sqrt(0.625), 1e-9);
@@ -44,7 +44,7 @@ TEST(SlipWatch, MeasuresTheDistanceToTheTrueProjection) {
 }
 
 TEST(SlipWatch, PredictsWithoutTruthAndCountsWhatLiesWithin) {
-  SlipWatch watch({{0, 0, 1}}, kView);
+  SlipWatch watch({{0, 0, 1}}, kSlipView);
   const auto frame = watch.add(at(0, 0.001), std::nullopt);  // 0.5 px each way
   EXPECT_FALSE(frame.measured_px);
   ASSERT_TRUE(frame.sigma_px);
@@ -60,16 +60,16 @@ TEST(SlipWatch, PredictsWithoutTruthAndCountsWhatLiesWithin) {
 
 TEST(SlipWatch, APointCountsThatEitherPoseShows) {
   const double edge_m = 319.9 / 500;  // column 639.4 of -0.5 to 639.5
-  SlipWatch watch({{edge_m, 0, 1}}, kView);
+  SlipWatch watch({{edge_m, 0, 1}}, kSlipView);
   EXPECT_FALSE(watch.add(at(-0.01), at(-0.01).world_from_target).measured_px) << "out of both";
   EXPECT_TRUE(watch.add(at(-0.01), at(0).world_from_target).measured_px) << "drawn out of it";
   EXPECT_TRUE(watch.add(at(0), at(-0.01).world_from_target).measured_px) << "true one out of it";
-  SlipWatch behind({{0, 0, -1}}, kView);
+  SlipWatch behind({{0, 0, -1}}, kSlipView);
   EXPECT_FALSE(behind.add(at(0), geometry::Pose{}).measured_px);
 }
 
 TEST(SlipWatch, ALostPoseIsMeasuredButPredictsNothing) {
-  SlipWatch watch({{0, 0, 1}}, kView);
+  SlipWatch watch({{0, 0, 1}}, kSlipView);
   CameraPose lost = at(0.002, 0.001);
   lost.loss = capture::PoseLoss::kTooOld;
   const auto frame = watch.add(lost, geometry::Pose{});
@@ -104,7 +104,7 @@ TEST(ContactPoints, AreTheCornersOfTheFootprintInTheWorld) {
 }
 
 TEST(SlipWatch, AllocatesNothingAFrame) {
-  SlipWatch watch({{0, 0, 1}, {0.1, 0, 1}}, kView);
+  SlipWatch watch({{0, 0, 1}, {0.1, 0, 1}}, kSlipView);
   const long before = test::allocations;
   watch.add(at(0.001, 0.001), geometry::Pose{});
   EXPECT_EQ(test::allocations, before);

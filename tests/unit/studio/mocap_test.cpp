@@ -3,16 +3,14 @@
 #include "host/studio/mocap.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "hal/base/angles.h"
 #include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
 
 StudioOptions handheld(unsigned seed = 12) {
   StudioOptions options;

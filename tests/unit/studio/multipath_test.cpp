@@ -23,14 +23,14 @@ geometry::Pose looking(const Eigen::Vector3d& eye, const Eigen::Vector3d& at) {
 }
 
 /// A floor 2 m x 2 m before a wall at x = 0 that is 2 m high: a corner along y.
-struct Corner {
+struct TofCorner {
   TraceDevice device = *TraceDevice::create();
   TraceScene scene{device};
   Materials materials{1, {}, nullptr};
   TofSensor sensor = tof_sensor(RigPreset::kKinect2);
   geometry::Pose world_from_tof = looking({2.2, 0, 1.2}, {0, 0, 0.5});
 
-  Corner() {
+  TofCorner() {
     Mesh mesh;
     add_quad(mesh, {0, -1, 0}, {2, 0, 0}, {0, 2, 0}, {Kind::kPaint});
     add_quad(mesh, {0, -1, 0}, {0, 2, 0}, {0, 0, 2}, {Kind::kPaint});
@@ -40,7 +40,7 @@ struct Corner {
 };
 
 /// Light at a point of the wall by way of the floor: midpoint rule over the floor.
-std::complex<double> from_floor(const Corner& corner, const Eigen::Vector3d& p, double hz,
+std::complex<double> from_floor(const TofCorner& corner, const Eigen::Vector3d& p, double hz,
                                 double albedo) {
   constexpr int kSteps = 500;
   const Eigen::Vector3d eye = corner.world_from_tof.translation_m;
@@ -65,7 +65,7 @@ std::complex<double> from_floor(const Corner& corner, const Eigen::Vector3d& p, 
 }
 
 TEST(Multipath, light_by_way_of_the_floor_is_the_integral_over_it) {
-  const Corner corner;
+  const TofCorner corner;
   const double albedo = static_cast<double>(
       corner.materials.infrared({Kind::kPaint}, corner.materials.albedo({Kind::kPaint}, {}, {})));
   for (const double z : {0.1, 0.3, 0.8}) {
@@ -89,7 +89,7 @@ TEST(Multipath, light_by_way_of_the_floor_is_the_integral_over_it) {
 
 // The sum of a direct phasor and a longer one lies between them: a corner is measured too far.
 TEST(Multipath, a_corner_is_measured_too_far_and_more_so_the_nearer_to_it) {
-  const Corner corner;
+  const TofCorner corner;
   const auto error_mm = [&](float z) {
     const Vec3 p(0, 0.1F, z), eye = corner.world_from_tof.translation_m.cast<float>();
     const float d = (eye - p).norm(), cosine = (eye - p).x() / d;
@@ -106,7 +106,7 @@ TEST(Multipath, a_corner_is_measured_too_far_and_more_so_the_nearer_to_it) {
 }
 
 TEST(Multipath, there_is_none_without_another_surface) {
-  const Corner corner;
+  const TofCorner corner;
   const Echo e = bounced_echo(corner.lit(), {1, 0, 3}, Vec3::UnitZ(), 64);
   EXPECT_EQ(e.strength, 0);
 }

@@ -15,7 +15,7 @@ namespace {
 using std::numbers::pi;
 
 /// A floor of 2 m x 2 m in front of a wall at x = 0, below one lamp.
-struct Corner {
+struct MirrorCorner {
   TraceDevice device = *TraceDevice::create();
   TraceScene room{device};
   Occluder nothing{device};
@@ -23,7 +23,7 @@ struct Corner {
   Light light;
   LampSet lamps;
 
-  Corner() : light{make_light()}, lamps(light) {
+  MirrorCorner() : light{make_light()}, lamps(light) {
     Mesh mesh;
     add_quad(mesh, {0, -1, 0}, {2, 0, 0}, {0, 2, 0}, {Kind::kPaint});
     add_quad(mesh, {0, -1, 0}, {0, 2, 0}, {0, 0, 2}, {Kind::kPaint});
@@ -44,7 +44,7 @@ struct Corner {
 };
 
 TEST(Bounce, light_by_way_of_the_floor_is_the_integral_over_it) {
-  const Corner corner;
+  const MirrorCorner corner;
   const Vec3 albedo = corner.materials.albedo({Kind::kPaint}, {}, {});
   for (const double z : {0.15, 0.4, 1.0}) {
     constexpr int kSteps = 400;

@@ -7,14 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/base/angles.h"
 #include "host/studio/board/board_studio.h"
 #include "host/studio/rig_of_seed.h"
 #include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
 
 bool same(const Optics& a, const Optics& b) {
   return a.size_px == b.size_px && a.fx_px == b.fx_px && a.fy_px == b.fy_px && a.cx_px == b.cx_px &&

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# Precompiled headers, for builds from nothing (./check, ./demo): most files spend their time on
-# the same headers. Off by default: an edit in the tree is then compiled with its own includes only,
-# and ccache is of more use.
-option(MIXRIG_PCH "Precompile the standard library, fmt, Eigen, JSON and GoogleTest" OFF)
-if(NOT MIXRIG_PCH OR MIXRIG_FUZZ)
+# For builds from nothing (./check, ./demo): most files spend their time on the same headers and
+# templates. These are precompiled, and the files of a room are compiled eight at a time (a unity
+# build), so that names in anonymous namespaces are unique in a room. Off by default: an edit in the
+# tree is then compiled alone and with its own includes only, and ccache is of more use.
+option(MIXRIG_BATCH "Precompiled headers, and several files of a room in one compilation" OFF)
+if(NOT MIXRIG_BATCH OR MIXRIG_FUZZ)
   function(mixrig_precompile)
   endfunction()
   function(mixrig_precompile_room)
@@ -11,6 +12,8 @@ if(NOT MIXRIG_PCH OR MIXRIG_FUZZ)
   return()
 endif()
 
+set(CMAKE_UNITY_BUILD ON)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
 add_compile_options(-pthread)  # the same for all, or a header would not be taken
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(-fpch-preprocess)  # for ccache
@@ -31,10 +34,8 @@ endfunction()
 find_package(fmt REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(nlohmann_json REQUIRED)
-# Each kind holds what the one before it holds.
-set(MIXRIG_PCH_KINDS std fmt eigen json)
-mixrig_pch(std)
-mixrig_pch(fmt HEADERS <fmt/format.h> LINKS fmt::fmt)
+# Each kind holds what the one before it holds; none is for the firmware, which has neither.
+set(MIXRIG_PCH_KINDS none eigen json)
 mixrig_pch(eigen HEADERS <fmt/format.h> <Eigen/Dense> LINKS fmt::fmt Eigen3::Eigen)
 mixrig_pch(json HEADERS <fmt/format.h> <Eigen/Dense> <nlohmann/json.hpp>
   LINKS fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json)
@@ -58,9 +59,7 @@ function(mixrig_precompile_room target)
   set(highest 0)
   foreach(link IN LISTS ARGN)
     set(of_link "")
-    if(link STREQUAL "fmt::fmt")
-      set(of_link fmt)
-    elseif(link STREQUAL "Eigen3::Eigen")
+    if(link MATCHES "^(fmt::fmt|Eigen3::Eigen)$")
       set(of_link eigen)
     elseif(link STREQUAL "nlohmann_json::nlohmann_json")
       set(of_link json)
@@ -75,5 +74,7 @@ function(mixrig_precompile_room target)
   endforeach()
   list(GET MIXRIG_PCH_KINDS ${highest} which)
   set_target_properties(${target} PROPERTIES MIXRIG_PCH_KIND ${which})
-  mixrig_precompile(${target} ${which})
+  if(NOT which STREQUAL "none")
+    mixrig_precompile(${target} ${which})
+  endif()
 endfunction()
