@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/estimation/decompositions.h"
 
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -16,8 +18,12 @@ Spectrum spectrum_of(const Matrix3d& symmetric) {
 }
 
 PlanarSpectrum planar_spectrum_of(const Eigen::Matrix2d& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  const double half = (symmetric(0, 0) - symmetric(1, 1)) / 2, off = symmetric(1, 0);
+  const double mean = symmetric.trace() / 2, spread = std::hypot(half, off);
+  const double turn_rad = std::atan2(off, half) / 2, c = std::cos(turn_rad), s = std::sin(turn_rad);
+  Eigen::Matrix2d axes;
+  axes << -s, c, c, s;
+  return {{mean - spread, mean + spread}, axes};
 }
 
 DenseSpectrum dense_spectrum_of(const Eigen::MatrixXd& symmetric) {

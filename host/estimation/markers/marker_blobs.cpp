@@ -72,7 +72,7 @@ std::string fault_of(const BlobMoments& m, int area_px, const BlobOptions& optio
   if (area_px < options.min_area_px) return "the blob is too small";
   if (area_px > options.max_area_px) return "the blob is too large";
   if (m.at_border) return "the blob is cut by the border of the picture";
-  const Eigen::Vector2d axes = planar_spectrum_of(m.spread).values.cwiseSqrt();
+  const Eigen::Vector2d axes = planar_spectrum_of(m.spread).values.cwiseMax(0).cwiseSqrt();
   if (axes[1] > options.max_elongation * axes[0])
     return "the blob is too long: two markers may have grown together";
   return {};
