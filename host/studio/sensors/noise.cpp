@@ -17,8 +17,18 @@ double normal_quantile(double probability) {
 
 float ease(float t) { return t * t * (3.0F - 2.0F * t); }
 
-float lattice(int x, int y, std::uint64_t seed) {
-  return uniform(hash_key(seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)));
+/// Random values of the four corners of a lattice cell: (x, y), (x + 1, y), and the row y + 1.
+/// Each is uniform(hash_key(seed, x, y)); what the corners share is hashed once.
+std::array<float, 4> lattice_cell(int x, int y, std::uint64_t seed) {
+  const std::uint64_t start = mix_bits(seed);
+  const std::uint64_t left = mix_bits(start ^ static_cast<std::uint32_t>(x));
+  const std::uint64_t right = mix_bits(start ^ static_cast<std::uint32_t>(x + 1));
+  const std::uint64_t top = static_cast<std::uint32_t>(y),
+                      bottom = static_cast<std::uint32_t>(y + 1);
+  const std::array<std::uint64_t, 4> keys{left ^ top, right ^ top, left ^ bottom, right ^ bottom};
+  std::array<float, 4> values;
+  for (std::size_t i = 0; i < 4; ++i) values[i] = uniform(mix_bits(keys[i]));
+  return values;
 }
 
 }  // namespace
@@ -32,8 +42,8 @@ float value_noise(const Eigen::Vector2f& p, std::uint64_t seed) {
   const float fx = std::floor(p.x()), fy = std::floor(p.y());
   const int x = static_cast<int>(fx), y = static_cast<int>(fy);
   const float u = ease(p.x() - fx), v = ease(p.y() - fy);
-  const float top = std::lerp(lattice(x, y, seed), lattice(x + 1, y, seed), u);
-  const float bottom = std::lerp(lattice(x, y + 1, seed), lattice(x + 1, y + 1, seed), u);
+  const std::array<float, 4> at = lattice_cell(x, y, seed);
+  const float top = std::lerp(at[0], at[1], u), bottom = std::lerp(at[2], at[3], u);
   return std::lerp(top, bottom, v);
 }
 

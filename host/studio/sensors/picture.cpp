@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 
 namespace mixrig::studio {
 namespace {
@@ -15,36 +16,45 @@ const Extent* extent_or_null(const Occluder& occluder, bool cull) {
   return cull ? &occluder.extent : nullptr;
 }
 
-/// The surfels of a pixel in one scene, with their lamp light in this frame.
-struct Layer {
-  std::span<const Surfel> surfels;
-  std::array<LampLight, kSubSamples> lit;
+/// The surfels of a pixel in one scene, with their lamp light in this frame, which is found when it
+/// is first asked for: what is hidden casts no rays.
+class Layer {
+ public:
+  Layer(std::span<const Surfel> surfels, bool is_person, const LampSet& lamps,
+        const ShadowCasters& casters)
+      : surfels_(surfels), is_person_(is_person), lamps_(lamps), casters_(casters) {}
 
-  const Surfel* at(int i) const {
-    if (surfels.empty()) return nullptr;
-    return &surfels[surfels.size() == 1 ? 0 : static_cast<std::size_t>(i)];
-  }
-  const LampLight& light_at(int i) const {
-    return lit[surfels.size() == 1 ? 0 : static_cast<std::size_t>(i)];
-  }
+  std::size_t size() const { return surfels_.size(); }
+  const Surfel* at(int i) const { return surfels_.empty() ? nullptr : &surfels_[index_of(i)]; }
   float z(int i) const {
     const Surfel* s = at(i);
     return s == nullptr ? kMiss : s->z;
   }
-};
-
-void fill(Layer& layer, std::span<const Surfel> surfels, bool is_person, const LampSet& lamps,
-          const ShadowCasters& casters) {
-  layer.surfels = surfels;
-  for (std::size_t i = 0; i < surfels.size(); ++i) {
-    const Surfel& s = surfels[i];
-    LampLight& lit = layer.lit[i];
-    lit = is_person ? LampLight{s.real, s.mixed} : with_person_shadow(s, lamps, casters);
-    lit.gloss_real = s.gloss_real, lit.gloss_mixed = s.gloss_mixed;
-    if (casters.reflector != nullptr && s.reflectance > 0)
-      add_person(*casters.reflector, s, lit.gloss_real, lit.gloss_mixed);
+  const LampLight& light_at(int i) {
+    const std::size_t index = index_of(i);
+    if (!known_[index]) light(surfels_[index], lit_[index]);
+    known_.set(index);
+    return lit_[index];
   }
-}
+
+ private:
+  std::size_t index_of(int i) const {
+    return surfels_.size() == 1 ? 0 : static_cast<std::size_t>(i);
+  }
+  void light(const Surfel& s, LampLight& lit) const {
+    lit = is_person_ ? LampLight{s.real, s.mixed} : with_person_shadow(s, lamps_, casters_);
+    lit.gloss_real = s.gloss_real, lit.gloss_mixed = s.gloss_mixed;
+    if (casters_.reflector != nullptr && s.reflectance > 0)
+      add_person(*casters_.reflector, s, lit.gloss_real, lit.gloss_mixed);
+  }
+
+  std::span<const Surfel> surfels_;
+  bool is_person_;
+  const LampSet& lamps_;
+  const ShadowCasters& casters_;
+  std::array<LampLight, kSubSamples> lit_;
+  std::bitset<kSubSamples> known_;
+};
 
 struct SurfelLight {
   float lamps;
@@ -103,12 +113,11 @@ LampLight with_person_shadow(const Surfel& surfel, const LampSet& lamps,
 
 Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
                     const Vec3& ambient, const ShadowCasters& casters, bool with_object) {
-  Layer room, person, object;
-  fill(room, surfels.room.at(x, y), false, lamps, casters);
-  fill(person, surfels.person.at(x, y), true, lamps, casters);
-  if (with_object) fill(object, surfels.object.at(x, y), false, lamps, casters);
-  const bool flat =
-      room.surfels.size() <= 1 && person.surfels.size() <= 1 && object.surfels.size() <= 1;
+  Layer room(surfels.room.at(x, y), false, lamps, casters);
+  Layer person(surfels.person.at(x, y), true, lamps, casters);
+  Layer object(with_object ? surfels.object.at(x, y) : std::span<const Surfel>(), false, lamps,
+               casters);
+  const bool flat = room.size() <= 1 && person.size() <= 1 && object.size() <= 1;
   const int count = flat ? 1 : kSubSamples;
   Pixel pixel;
   pixel.real = pixel.mixed = Vec3::Zero();
@@ -116,7 +125,7 @@ Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& la
   std::array<int, 3> seen{};
   for (int i = 0; i < count; ++i) {
     const bool is_person = person.z(i) < room.z(i);
-    const Layer& real = is_person ? person : room;
+    Layer& real = is_person ? person : room;
     const Surfel* surfel = real.at(i);
     if (surfel == nullptr || surfel->z == kMiss) continue;
     const LampLight& lit = real.light_at(i);
@@ -143,25 +152,17 @@ Pixel compose_pixel(const SceneSurfels& surfels, int x, int y, const LampSet& la
 
 Vec3 with_person(const SceneSurfels& surfels, int x, int y, const LampSet& lamps,
                  const Vec3& ambient, const ShadowCasters& casters, const Vec3& behind) {
-  Layer person, room;
-  fill(person, surfels.person.at(x, y), true, lamps, casters);
-  if (person.surfels.empty()) return behind;
-  room.surfels = surfels.room.at(x, y);
-  const int count = room.surfels.size() <= 1 && person.surfels.size() <= 1 ? 1 : kSubSamples;
+  Layer person(surfels.person.at(x, y), true, lamps, casters);
+  if (person.size() == 0) return behind;
+  Layer room(surfels.room.at(x, y), false, lamps, casters);
+  const int count = room.size() <= 1 && person.size() <= 1 ? 1 : kSubSamples;
   Vec3 sum = Vec3::Zero();
-  bool room_is_lit = false;
   for (int i = 0; i < count; ++i) {
-    if (person.z(i) < room.z(i)) {
+    if (person.z(i) < room.z(i))
       sum += real_radiance(*person.at(i), person.light_at(i), lamps.tint(), ambient);
-      continue;
-    }
-    if (room.surfels.size() <= 1) {
+    else if (room.size() <= 1)
       sum += behind;
-      continue;
-    }
-    if (!room_is_lit) fill(room, surfels.room.at(x, y), false, lamps, casters);
-    room_is_lit = true;
-    if (room.at(i)->z < kMiss)
+    else if (room.at(i)->z < kMiss)
       sum += real_radiance(*room.at(i), room.light_at(i), lamps.tint(), ambient);
   }
   return sum / static_cast<float>(count);
