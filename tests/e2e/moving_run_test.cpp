@@ -23,7 +23,7 @@ class MovingRun : public CommandTest, public ::testing::WithParamInterface<Movin
 TEST_P(MovingRun, KeysAgainstTheBackgroundOfEachPose) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario " + GetParam().scenario +
                    " --rig kinect2 --seed " + std::to_string(seeds::kMoving) +
-                   " --size 400x320 --frames " + std::to_string(GetParam().frames)),
+                   " --size 320x256 --frames " + std::to_string(GetParam().frames)),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),

@@ -80,7 +80,7 @@ TEST_F(RigRun, ATakePlayedAsDevicesIsCompositedAndEveryMomentIsAccountedFor) {
 }
 
 TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
-  make_take(20);
+  make_take(4);
   write_rig("studio:walk,31,sr3000,100000,160x120/target",
             "studio:walk,31,sr3000,100000,160x120/tof");
   ASSERT_EQ(interrupted({"run", path("take/scene.toml"), "--source", "rig:" + path("rig.toml"),
@@ -95,7 +95,7 @@ TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
 }
 
 TEST_F(RigRun, CtrlCEndsARunOfATakeWithAWholeOutput) {
-  make_take(20);
+  make_take(4);
   ASSERT_EQ(interrupted(
                 {"run", path("take/scene.toml"), "--source", "studio:walk,31,sr3000,100000,160x120",
                  "--backend", "cpu", "--out", path("out")},
@@ -194,7 +194,7 @@ TEST_F(RigRun, ADiskThatFillsUpLeavesAReadableTake) {
 }
 
 TEST_F(RigRun, AMissingRigAndAMissingTakeAreNamed) {
-  make_take(20);
+  make_take(4);
   const auto status = [&](const std::string& source) {
     return WEXITSTATUS(
         std::system((std::string(MIXRIG_COMMAND) + " run " + path("take/scene.toml") +

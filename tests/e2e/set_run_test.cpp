@@ -21,10 +21,10 @@ class SetRun : public CommandTest, public ::testing::WithParamInterface<SetCase>
 TEST_P(SetRun, KeysByTheCaptureVolumeAlone) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario walk --clear-floor --rig " +
                    GetParam().rig + " --seed " + std::to_string(seeds::kSet) +
-                   " --size 640x512 --frames 16"),
+                   " --size 640x512 --frames 10"),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene_set.toml") + " --source take:" + path("take") +
-                   " --frames 9-16 --out " + path("out") + " --backend cpu --format none --json " +
+                   " --frames 6-10 --out " + path("out") + " --backend cpu --format none --json " +
                    path("report.json")),
             0);
   const auto error = report("report.json").at("error");

@@ -12,8 +12,8 @@
 namespace mixrig::test {
 namespace {
 
-constexpr const char* kFull = " --frames 16 --size 1280x1024";
-constexpr const char* kSmall = " --frames 20 --size 640x512";
+constexpr const char* kFull = " --frames 8 --size 1280x1024";
+constexpr const char* kSmall = " --frames 10 --size 640x512";
 
 struct Row {
   const char* scenario;
