@@ -93,15 +93,15 @@ Eigen::Matrix<double, 3, 6> pose_jacobian(const PoseVector& pose, const Vector3d
   return j;
 }
 
-bool solve(Bundle& bundle, double huber_px) {
+bool solve(Bundle& bundle, double huber_px, Precision precision) {
   ceres::Problem problem;
   add_points(problem, bundle, huber_px);
   hold_parameters(problem, bundle);
   ceres::Solver::Options options;
   options.linear_solver_type =
       bundle.free.empty() ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_SCHUR;
-  options.max_num_iterations = 200;
-  options.function_tolerance = 1e-12;
+  options.max_num_iterations = precision == Precision::kFull ? 200 : 30;
+  options.function_tolerance = precision == Precision::kFull ? 1e-12 : 1e-4;
   options.parameter_tolerance = 1e-12;
   options.gradient_tolerance = 1e-14;
   // Lens terms can be almost collinear; some damping keeps the matrix positive definite.

@@ -30,9 +30,13 @@ struct Bundle {
   std::vector<BundleView> views;
 };
 
+/// How far a solution goes: to the last digit, or until a step changes the squares by less than
+/// 1e-4 of them, which tells which of two cameras fits a view.
+enum class Precision { kFull, kRough };
+
 /// Solves in place for the free intrinsics and every pose. Residuals beyond `huber_px` count
 /// linearly (0: all squared). False where it fails: not finite, or a point behind the camera.
-bool solve(Bundle& bundle, double huber_px);
+bool solve(Bundle& bundle, double huber_px, Precision precision = Precision::kFull);
 
 /// Observed minus projected, px; nullopt where a point has no pixel.
 std::optional<Eigen::Vector2d> residual(const Bundle& bundle, const BundleView& view,

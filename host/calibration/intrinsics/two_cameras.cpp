@@ -22,11 +22,11 @@ Bundle group_of(const Bundle& all, const Labels& labels, char label) {
 }
 
 /// Sum of squares of a view under given intrinsics, its pose fitted; infinite where it fails.
-double squares_under(const Bundle& camera, const BundleView& view) {
+double squares_under(const Bundle& camera, const BundleView& view, Precision precision) {
   Bundle one = camera;
   one.free = {};
   one.views = {view};
-  return solve(one, 0) ? misfit(one).squares : std::numeric_limits<double>::infinity();
+  return solve(one, 0, precision) ? misfit(one).squares : std::numeric_limits<double>::infinity();
 }
 
 bool large_enough(const Labels& labels) {
@@ -38,9 +38,10 @@ struct Cameras {
   Bundle first, second;
 };
 
-std::optional<Cameras> solve_groups(const Bundle& all, const Labels& labels) {
+std::optional<Cameras> solve_groups(const Bundle& all, const Labels& labels, Precision precision) {
   Cameras cameras{group_of(all, labels, 0), group_of(all, labels, 1)};
-  if (!solve(cameras.first, 0) || !solve(cameras.second, 0)) return std::nullopt;
+  if (!solve(cameras.first, 0, precision) || !solve(cameras.second, 0, precision))
+    return std::nullopt;
   return cameras;
 }
 
@@ -49,11 +50,14 @@ std::optional<Labels> settle(const Bundle& all, Labels labels) {
   constexpr int kRounds = 5;
   for (int round = 0; round < kRounds; ++round) {
     if (!large_enough(labels)) return std::nullopt;
-    const auto cameras = solve_groups(all, labels);
+    const auto cameras = solve_groups(all, labels, Precision::kRough);
     if (!cameras) return std::nullopt;
+    const auto squares = [&](const Bundle& camera, const BundleView& view) {
+      return squares_under(camera, view, Precision::kRough);
+    };
     Labels next;
     for (const BundleView& view : all.views)
-      next.push_back(squares_under(cameras->second, view) < squares_under(cameras->first, view));
+      next.push_back(squares(cameras->second, view) < squares(cameras->first, view));
     if (next == labels) break;
     labels = next;
   }
@@ -61,7 +65,7 @@ std::optional<Labels> settle(const Bundle& all, Labels labels) {
 }
 
 std::optional<TwoCameras> judged(const Bundle& all, const Labels& labels) {
-  const auto cameras = solve_groups(all, labels);
+  const auto cameras = solve_groups(all, labels, Precision::kFull);
   if (!cameras) return std::nullopt;
   const Misfit a = misfit(cameras->first), b = misfit(cameras->second);
   const int unknowns = static_cast<int>(2 * all.free.size() + 6 * all.views.size());
@@ -69,7 +73,8 @@ std::optional<TwoCameras> judged(const Bundle& all, const Labels& labels) {
   if (2 * points <= unknowns) return std::nullopt;
   double other = 0;
   for (std::size_t v = 0; v < labels.size(); ++v)
-    other += squares_under(labels[v] != 0 ? cameras->first : cameras->second, all.views[v]);
+    other += squares_under(labels[v] != 0 ? cameras->first : cameras->second, all.views[v],
+                           Precision::kFull);
   return TwoCameras{labels, std::sqrt((a.squares + b.squares) / (2 * points - unknowns)),
                     std::sqrt((a.squares + b.squares) / points), std::sqrt(other / points)};
 }
