@@ -88,6 +88,63 @@ void drop_contradicting(RigData& data, const RigModel& model, std::size_t camera
   }
 }
 
+/// The first error of several threads.
+class FirstError {
+ public:
+  void keep(const Error& error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = error;
+  }
+  Result<void> result() const { return error_ ? Result<void>(*error_) : Result<void>(); }
+
+ private:
+  std::mutex mutex_;
+  std::optional<Error> error_;
+};
+
+/// All pictures, before the board is looked for in any: a wrong one is named at once.
+Result<void> load_pictures(RigData& data, Crew& crew) {
+  data.pictures.resize(static_cast<std::size_t>(data.set.views));
+  FirstError error;
+  crew.rows(data.set.views, 1, [&](int begin, int end) {
+    for (int view = begin; view < end; ++view)
+      for (const ViewCamera& camera : data.set.cameras) {
+        auto pictures = load_view(data.set, camera, view + 1);
+        if (!pictures) return error.keep(pictures.error());
+        data.pictures[view].push_back(std::move(*pictures));
+      }
+  });
+  return error.result();
+}
+
+Result<void> find_corners(RigData& data, Crew& crew,
+                          const std::function<void(int, int)>& progress) {
+  const BoardSpec spec = spec_of(data.set);
+  const int inner = data.set.columns - 1;
+  FirstError error;
+  std::mutex mutex;
+  int done = 0;
+  crew.rows(data.set.views, 1, [&](int begin, int end) {
+    for (int view = begin; view < end; ++view) {
+      for (std::size_t c = 0; c < data.set.cameras.size(); ++c) {
+        const auto board = detect_board(data.pictures[view][c].gray, spec);
+        if (!board) return error.keep(board.error());
+        if (!*board) continue;
+        const BoardView& seen = **board;
+        if (static_cast<int>(seen.ids.size()) >= kLeastStartCorners)
+          for (std::size_t k = 0; k < seen.ids.size(); ++k)
+            data.corners[view][c].push_back(
+                {{seen.ids[k] % inner + 1.0, seen.ids[k] / inner + 1.0}, seen.px[k]});
+        const std::lock_guard lock(mutex);
+        data.blur_px = std::max(data.blur_px, seen.blur_px);
+      }
+      const std::lock_guard lock(mutex);
+      progress(++done, data.set.views);
+    }
+  });
+  return error.result();
+}
+
 }  // namespace
 
 Result<BoardPrint> print_of(const ViewSet& set) {
@@ -128,42 +185,12 @@ Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>
     }
   }
   MIXRIG_ASSIGN(data.print, print_of(set));
-  const BoardSpec spec = spec_of(set);
   const std::size_t cameras = data.set.cameras.size();
-  data.pictures.resize(static_cast<std::size_t>(set.views));
   data.corners.assign(static_cast<std::size_t>(set.views),
                       std::vector<std::vector<SeenCorner>>(cameras));
-  for (auto& view : data.pictures) view.resize(cameras);
   data.misfound.resize(cameras);
-  std::mutex mutex;
-  std::optional<Error> error;
-  int done = 0;
-  crew.rows(set.views, 1, [&](int begin, int end) {
-    for (int view = begin; view < end; ++view) {
-      for (std::size_t c = 0; c < cameras; ++c) {
-        auto pictures = load_view(data.set, data.set.cameras[c], view + 1);
-        auto board = pictures ? detect_board(pictures->gray, spec)
-                              : Result<std::optional<BoardView>>(pictures.error());
-        const std::lock_guard lock(mutex);
-        if (!board) {
-          if (!error) error = board.error();
-          continue;
-        }
-        data.pictures[view][c] = std::move(*pictures);
-        if (!*board) continue;
-        const BoardView& seen = **board;
-        data.blur_px = std::max(data.blur_px, seen.blur_px);
-        const int inner = set.columns - 1;
-        for (std::size_t k = 0; k < seen.ids.size(); ++k)
-          data.corners[view][c].push_back(
-              {{seen.ids[k] % inner + 1.0, seen.ids[k] / inner + 1.0}, seen.px[k]});
-        if (static_cast<int>(seen.ids.size()) < kLeastStartCorners) data.corners[view][c].clear();
-      }
-      const std::lock_guard lock(mutex);
-      progress(++done, set.views);
-    }
-  });
-  if (error) return *error;
+  MIXRIG_TRY(load_pictures(data, crew));
+  MIXRIG_TRY(find_corners(data, crew, progress));
   return data;
 }
 
