@@ -153,7 +153,7 @@ class MocapRun : public CommandTest {
     const fs::path take = take_ / "take";
     ASSERT_EQ(std::system(
                   (command + "studio --plain " + take.string() +
-                   " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 160x120" + quiet)
+                   " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
                       .c_str()),
               0);
     ASSERT_EQ(std::system((command + "scan --static " + take.string() + " --frames 1-6 " +

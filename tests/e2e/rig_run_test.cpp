@@ -143,7 +143,7 @@ TEST_F(RigRun, ARecordingOfAPlayedTakeHoldsItsPixels) {
 
 TEST_F(RigRun, AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario pan --rig sr3000 --seed 31 --size 160x120 --frames 40"),
+                   " --scenario pan --rig sr3000 --seed 31 --size 64x48 --frames 40"),
             0);
   ASSERT_EQ(mixrig("scan --static " + path("take") + " --frames 1-6 " + path("take/room")), 0);
   replace("take/scene_pan_tilt.toml", "learn = .*", "model = \"room\"");
