@@ -23,14 +23,19 @@ constexpr double kHandEyeSigma_rad = 1e-3, kHandEyeSigma_m = 1e-3;
 
 Residuals chain_model(const std::vector<Pose>& hands, const std::vector<Pose>& eyes,
                       const estimation::HandEye& truth, double sigma_m) {
+  const Reals none(6, Real(0));
+  std::vector<Motion> hand, eye;
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    hand.push_back(moved(hands[i], none));
+    eye.push_back(moved(eyes[i], none));
+  }
   return [=](const Reals& x) {
     const Motion hand_from_eye = moved(truth.hand_from_eye, x, 0);
     const Motion world_from_target = moved(truth.world_from_target, x, 6);
-    const Reals none(6, Real(0));
     Reals r;
-    for (std::size_t i = 0; i < hands.size(); ++i)
-      add_pose_residuals(product(moved(hands[i], none), hand_from_eye), world_from_target,
-                         moved(eyes[i], none), Real(kHandEyeSigma_rad), Real(sigma_m), r);
+    for (std::size_t i = 0; i < hand.size(); ++i)
+      add_pose_residuals(product(hand[i], hand_from_eye), world_from_target, eye[i],
+                         Real(kHandEyeSigma_rad), Real(sigma_m), r);
     return r;
   };
 }

@@ -84,19 +84,24 @@ Motion turned(const Real& x, const Real& z, const Real& angle, const Motion& m) 
 /// Where target points go, from the axes as the header words them.
 Residuals chain_model(const std::vector<PanTiltView>& views,
                       const estimation::PanTiltCalibration& truth, double sigma_m) {
+  std::vector<Motion> eyes;
+  for (const PanTiltView& view : views)
+    eyes.push_back(moved(view.camera_from_target, Reals(6, Real(0))));
   return [=](const Reals& x) {
     const estimation::PanTiltChain& c = truth.chain;
     const Real skew = Real(c.skew_rad) + x[0], offset = Real(c.offset_m) + x[1];
+    const Real tilt_x = cos(skew), tilt_z = sin(skew);
     const Motion head_from_camera = moved(c.head_from_camera, x, 4);
     const Motion base_from_target = moved(truth.base_from_target, x, 10);
     Reals r;
-    for (const PanTiltView& view : views) {
-      Motion camera = turned(cos(skew), sin(skew), (Real(c.tilt_scale) + x[3]) * view.tilt_rad,
-                             head_from_camera);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const PanTiltView& view = views[i];
+      Motion camera =
+          turned(tilt_x, tilt_z, (Real(c.tilt_scale) + x[3]) * view.tilt_rad, head_from_camera);
       camera.t[1] += offset;
       camera = turned(Real(0), Real(1), (Real(c.pan_scale) + x[2]) * view.pan_rad, camera);
-      const Motion eye = moved(view.camera_from_target, Reals(6, Real(0)));
-      add_pose_residuals(camera, base_from_target, eye, Real(kPanTiltSigma_rad), Real(sigma_m), r);
+      add_pose_residuals(camera, base_from_target, eyes[i], Real(kPanTiltSigma_rad), Real(sigma_m),
+                         r);
     }
     return r;
   };
