@@ -99,7 +99,7 @@ int soft_pixels(const StudioOptions& options) {
 
 TEST(Cast, hair_makes_a_soft_edge_of_the_matte) {
   StudioOptions shell = options_of(1), hair = options_of(1);
-  shell.size_px = hair.size_px = {640, 512};
+  shell.size_px = hair.size_px = {400, 320};
   hair.realism.hair = true;
   EXPECT_GT(soft_pixels(hair), 1.5 * soft_pixels(shell));
 }
