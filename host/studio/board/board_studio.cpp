@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/studio/board/behind_board.h"
 #include "host/studio/board/board_camera.h"
 #include "host/studio/board/board_poses.h"
 #include "host/studio/sensors/lens.h"
@@ -178,7 +179,10 @@ struct BoardStudio::State {
         board(device),
         target(o.size_px, pinhole_rays(info.rig.target), o.blur_px),
         fisheye(info.rig.fisheye.size_px, fisheye_rays(info.rig.fisheye), o.blur_px),
-        tof(info.rig.tof.optics.size_px, pinhole_rays(info.rig.tof.optics), o.blur_px) {
+        tof(info.rig.tof.optics.size_px, pinhole_rays(info.rig.tof.optics), o.blur_px),
+        behind_target(o.size_px),
+        behind_fisheye(info.rig.fisheye.size_px),
+        behind_tof(info.rig.tof.optics.size_px) {
     const StudioOptions options;
     const Layout layout = make_layout(options);
     rest = geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
@@ -191,8 +195,9 @@ struct BoardStudio::State {
   /// Linear colour of the room behind the board.
   Vec3 background_color(const Eigen::Vector3f& ray, const geometry::Pose& world_from_camera) const;
   void draw_color(BoardCamera& camera, const geometry::Pose& target_from_camera,
-                  const BoardView& view, int salt, Image<Rgb8>& picture);
+                  const BoardView& view, int salt, BehindBoard<Vec3>& behind, Image<Rgb8>& picture);
   void draw_tof(BoardView& view);
+  void turn_to(const BoardPlace& place);
   Echo background_echo(const Eigen::Vector3f& ray, const geometry::Pose& world_from_tof) const;
   float with_depth_error(const TofValue& value, int x, int y) const;
 
@@ -204,6 +209,9 @@ struct BoardStudio::State {
   Crew crew;
   TraceScene room, board;
   BoardCamera target, fisheye, tof;
+  BehindBoard<Vec3> behind_target, behind_fisheye;
+  BehindBoard<Echo> behind_tof;
+  double pan_rad = 0, tilt_rad = 0;
   geometry::Pose rest;  ///< world_from_target at pan = tilt = 0
   geometry::Pose world_from_target;
   TofSensor sensor;
@@ -235,7 +243,8 @@ Vec3 BoardStudio::State::background_color(const Eigen::Vector3f& ray,
 }
 
 void BoardStudio::State::draw_color(BoardCamera& camera, const geometry::Pose& target_from_camera,
-                                    const BoardView& view, int salt, Image<Rgb8>& picture) {
+                                    const BoardView& view, int salt, BehindBoard<Vec3>& behind,
+                                    Image<Rgb8>& picture) {
   const geometry::Pose camera_from_board =
       geometry::inverse(target_from_camera) * view.target_from_board;
   const geometry::Pose world_from_camera = world_from_target * target_from_camera;
@@ -254,7 +263,9 @@ void BoardStudio::State::draw_color(BoardCamera& camera, const geometry::Pose& t
         const BoardPixel& p = pixels[index];
         Vec3 color = Vec3::Zero();
         if (p.board < 1)
-          color = (1 - p.board) * background_color(camera.ray(x, y), world_from_camera);
+          color = (1 - p.board) * behind.at(index, [&] {
+            return background_color(camera.ray(x, y), world_from_camera);
+          });
         if (p.board > 0)
           color += on_board.at(p.u_m, p.v_m) * (kInk * (p.board - p.paper) + kPaper * p.paper) *
                    lamps.tint();
@@ -308,7 +319,10 @@ void BoardStudio::State::draw_tof(BoardView& view) {
         const std::size_t index = static_cast<std::size_t>(y) * size.width + x;
         const BoardPixel& p = pixels[index];
         Echo echo;
-        if (p.board < 1) echo += background_echo(tof.ray(x, y), world_from_tof) * (1 - p.board);
+        if (p.board < 1)
+          echo += behind_tof.at(index, [&] {
+            return background_echo(tof.ray(x, y), world_from_tof);
+          }) * (1 - p.board);
         if (p.board > 0)
           echo += echo_of(sensor, p.distance_m,
                           kInkInfrared * (p.board - p.paper) + kPaperInfrared * p.paper, p.cosine);
@@ -322,16 +336,22 @@ void BoardStudio::State::draw_tof(BoardView& view) {
   });
 }
 
+void BoardStudio::State::turn_to(const BoardPlace& place) {
+  world_from_target = rest * rest_from_turned(info.rig.pan_tilt, place.pan_rad, place.tilt_rad);
+  if (place.pan_rad == pan_rad && place.tilt_rad == tilt_rad) return;
+  pan_rad = place.pan_rad, tilt_rad = place.tilt_rad;
+  behind_target.forget(), behind_fisheye.forget(), behind_tof.forget();
+}
+
 void BoardStudio::render(int number, BoardView& view) {
   State& s = *state_;
   const BoardPlace place = board_place(s.info, number);
   view.number = number;
   view.pan_rad = place.pan_rad, view.tilt_rad = place.tilt_rad;
   view.target_from_board = place.target_from_board;
-  s.world_from_target =
-      s.rest * rest_from_turned(s.info.rig.pan_tilt, place.pan_rad, place.tilt_rad);
-  s.draw_color(s.target, {}, view, 1, view.target);
-  s.draw_color(s.fisheye, s.info.rig.target_from_fisheye, view, 2, view.fisheye);
+  s.turn_to(place);
+  s.draw_color(s.target, {}, view, 1, s.behind_target, view.target);
+  s.draw_color(s.fisheye, s.info.rig.target_from_fisheye, view, 2, s.behind_fisheye, view.fisheye);
   s.draw_tof(view);
 }
 
