@@ -151,11 +151,11 @@ class MocapRun : public CommandTest {
     take_ = mkdtemp(pattern.data());
     const std::string command = std::string(MIXRIG_COMMAND) + " ", quiet = " >/dev/null 2>&1";
     const fs::path take = take_ / "take";
-    ASSERT_EQ(std::system(
-                  (command + "studio --plain " + take.string() +
-                   " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
-                      .c_str()),
-              0);
+    ASSERT_EQ(
+        std::system((command + "studio --plain " + take.string() +
+                     " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
+                        .c_str()),
+        0);
     ASSERT_EQ(std::system((command + "scan --static " + take.string() + " --frames 1-6 " +
                            (take / "room").string() + quiet)
                               .c_str()),
