@@ -13,15 +13,16 @@ struct Named {
   std::string_view name;
 };
 
-constexpr std::array<Named<Scenario>, 9> kScenarios{{{Scenario::kStill, "still"},
-                                                     {Scenario::kWalk, "walk"},
-                                                     {Scenario::kTalk, "talk"},
-                                                     {Scenario::kPan, "pan"},
-                                                     {Scenario::kHandheld, "handheld"},
-                                                     {Scenario::kPendulum, "pendulum"},
-                                                     {Scenario::kEdges, "edges"},
-                                                     {Scenario::kFar, "far"},
-                                                     {Scenario::kDark, "dark"}}};
+constexpr std::array<Named<Scenario>, 10> kScenarios{{{Scenario::kStill, "still"},
+                                                      {Scenario::kWalk, "walk"},
+                                                      {Scenario::kTalk, "talk"},
+                                                      {Scenario::kPan, "pan"},
+                                                      {Scenario::kSweep, "sweep"},
+                                                      {Scenario::kHandheld, "handheld"},
+                                                      {Scenario::kPendulum, "pendulum"},
+                                                      {Scenario::kEdges, "edges"},
+                                                      {Scenario::kFar, "far"},
+                                                      {Scenario::kDark, "dark"}}};
 constexpr std::array<Named<RigPreset>, 3> kRigs{{{RigPreset::kSr3000, "sr3000"},
                                                  {RigPreset::kKinect2, "kinect2"},
                                                  {RigPreset::kHelios2, "helios2"}}};

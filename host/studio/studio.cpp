@@ -32,16 +32,34 @@ Result<void> check(const StudioOptions& o) {
                                o.size_px.width, o.size_px.height));
   if (o.people < 1 || o.people > 3)
     return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
+  if (o.scenario == Scenario::kSweep &&
+      (o.sweep.frames_per_view < 1 ||
+       static_cast<std::size_t>(o.frames) != o.sweep.views.size() * o.sweep.frames_per_view))
+    return wrong("frames of a sweep must be its views times the frames of a view");
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
   return {};
+}
+
+int empty_frames_of(const StudioOptions& o) {
+  if (o.scenario == Scenario::kSweep) return o.sweep.people ? o.sweep.frames_per_view : o.frames;
+  return std::min(kEmptyFrames, o.frames / 2);
+}
+
+/// Time of the people at a time of the take: in a sweep the head has turned between views.
+double people_time_s(const StudioOptions& o, double time_s) {
+  if (o.scenario != Scenario::kSweep) return time_s;
+  constexpr double kTurn_s = 1.5;
+  const auto frame = std::lround(time_s * kFrameRate_hz);
+  return time_s + kTurn_s * static_cast<double>(frame / o.sweep.frames_per_view);
 }
 
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
   info.frames = options.frames;
-  info.empty_frames = std::min(kEmptyFrames, options.frames / 2);
+  info.empty_frames = empty_frames_of(options);
+  info.room_m = {kRoomX_m, kRoomY_m, kRoomZ_m};
   info.target = rig.target;
   info.view = without_distortion(info.target);
   info.tof = {rig.tof.optics, rig.tof.target_from_tof, rig.tof.unit_m, rig.tof.noise};
@@ -51,8 +69,9 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.capture_volume = capture_volume(layout);
   info.camera_moves = layout.camera_moves;
   info.world_from_rest = rest_pose(layout);
-  if (options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
-  if (layout.camera_moves) info.mocap = mocap_of_seed(options.seed);
+  const bool sweeps = options.scenario == Scenario::kSweep;
+  if (sweeps || options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
+  if (layout.camera_moves && !sweeps) info.mocap = mocap_of_seed(options.seed);
   return info;
 }
 
@@ -144,7 +163,7 @@ void Studio::State::place_person(int number, double time_s) {
   const bool present = number > info.empty_frames;
   const auto fill = [&](auto& scene, double t) {
     spare.clear();
-    if (present) cast.build(t, spare);
+    if (present) cast.build(people_time_s(options, t), spare);
     scene.set(spare);
   };
   fill(person, time_s);
@@ -154,7 +173,7 @@ void Studio::State::place_person(int number, double time_s) {
 
 void Studio::State::fill_person(Occluder& scene, double time_s) {
   spare.clear();
-  cast.build(time_s, spare);
+  cast.build(people_time_s(options, time_s), spare);
   scene.set(spare);
 }
 
@@ -218,6 +237,24 @@ void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
     mirror_surfels(surfels.person, reflector, with_object, crew);
 }
 
+void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& distance_m) const {
+  const Vec3 eye = world_from_eye.translation_m.cast<float>();
+  const Size size = distance_m.size();
+  state_->crew.rows(size.height, kBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / size.width);
+        const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / size.height);
+        const Eigen::Vector3d ray(-std::sin(azimuth) * std::cos(elevation),
+                                  std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
+        Hit hit;
+        const bool met =
+            state_->room.intersect(eye, (world_from_eye.rotation * ray).cast<float>(), kMiss, hit);
+        distance_m.at(x, y) = met ? hit.t : 0;
+      }
+  });
+}
+
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;
   frame.number = number;
@@ -246,7 +283,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.draw_truth(place, *truth);
   truth->person_on_floor_m.reset();
   if (number > s.info.empty_frames) {
-    const Vec3 pelvis = s.cast.first().at(frame.time_s).pelvis;
+    const Vec3 pelvis = s.cast.first().at(people_time_s(s.options, frame.time_s)).pelvis;
     truth->person_on_floor_m = Eigen::Vector2d(pelvis.x(), pelvis.y());
   }
 }

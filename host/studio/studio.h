@@ -20,9 +20,20 @@
 
 namespace mixrig::studio {
 
-/// What the person and the camera do. The camera stands still except in pan, handheld and
+/// What the person and the camera do. The camera stands still except in pan, sweep, handheld and
 /// pendulum.
-enum class Scenario { kStill, kWalk, kTalk, kPan, kHandheld, kPendulum, kEdges, kFar, kDark };
+enum class Scenario {
+  kStill,
+  kWalk,
+  kTalk,
+  kPan,
+  kSweep,
+  kHandheld,
+  kPendulum,
+  kEdges,
+  kFar,
+  kDark
+};
 /// The depth camera beside the target camera.
 enum class RigPreset { kSr3000, kKinect2, kHelios2 };
 
@@ -31,6 +42,14 @@ std::string_view name(RigPreset rig);
 /// Errors: kUsage; the line lists the names that exist.
 Result<Scenario> parse_scenario(std::string_view text);
 Result<RigPreset> parse_rig(std::string_view text);
+
+/// Scenario sweep: where the head stands still, view by view. The time between views is not in the
+/// take; people move on in it.
+struct Sweep {
+  std::vector<HeadAngles> views;
+  int frames_per_view = 4;  ///< StudioOptions::frames is views times this
+  bool people = false;      ///< from the second view on; otherwise nobody is in the room
+};
 
 /// Frames of every camera of a take.
 inline constexpr double kFrameRate_hz = 25;
@@ -49,6 +68,7 @@ struct StudioOptions {
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
   int people = 1;            ///< 1..3
   bool props = false;        ///< the first person carries a stick, a black bag, a chrome ball
+  Sweep sweep;               ///< of scenario sweep
   Realism realism;           ///< all off: the plain look
 };
 
@@ -136,8 +156,9 @@ struct StudioInfo {
   Volume capture_volume;  ///< around the person's places, with its bottom on the floor
   bool camera_moves = false;
   geometry::Pose world_from_rest;       ///< of the target camera; pan: at angles zero
-  std::optional<PanTiltUnit> pan_tilt;  ///< of scenario pan
-  std::optional<MocapSystem> mocap;     ///< where the camera moves
+  std::optional<PanTiltUnit> pan_tilt;  ///< of scenarios pan and sweep
+  std::optional<MocapSystem> mocap;     ///< where the camera moves, but not in scenario sweep
+  Eigen::Vector3d room_m;               ///< inner dimensions; a corner is the world's origin
 };
 
 /// The measurements of all sensors at one time.
@@ -149,7 +170,7 @@ struct Frame {
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
   Image<Rgb8> fisheye;          ///< 185 degrees; empty unless StudioOptions::fisheye
   geometry::Pose world_from_target;
-  std::optional<HeadAngles> head;  ///< scenario pan: encoders at mid-exposure, in whole steps
+  std::optional<HeadAngles> head;  ///< pan and sweep: encoders at mid-exposure, in whole steps
 };
 
 /// Ground truth of a frame, in the ideal view.
@@ -179,6 +200,11 @@ class Studio {
   const StudioInfo& info() const;
   /// Renders frame `number` (1..frames), and its truth unless `truth` is null.
   void render(int number, Frame& frame, Truth* truth = nullptr);
+
+  /// True distances to the room without people, metres, in all directions of an eye whose axes are
+  /// x right, y ahead, z up. Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise
+  /// from ahead, row y at elevation pi/2 - pi (y + 0.5) / height. 0: nothing is hit.
+  void room_distances(const geometry::Pose& world_from_eye, Image<float>& distance_m) const;
 
  private:
   struct State;

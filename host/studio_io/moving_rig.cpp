@@ -100,9 +100,20 @@ std::string constellation_text(const studio::MocapSystem& system) {
   return root.text();
 }
 
+Result<void> write_tracked_body(const studio::StudioOptions& options,
+                                const studio::MocapSystem& system,
+                                const std::filesystem::path& folder) {
+  const std::vector<studio::MocapSample> samples = record_mocap(options, system);
+  MIXRIG_TRY(write_mocap(samples, "body", {}, folder / "mocap.txt"));
+  MIXRIG_TRY(write_mocap(samples, "target", system.body_from_target, folder / "mocap_target.txt"));
+  MIXRIG_TRY(write_markers(samples, folder / "mocap_markers.csv"));
+  return write_file(folder / "constellation.toml", constellation_text(system));
+}
+
 std::string rig_truth(const studio::StudioInfo& info) {
   nlohmann::json truth{{"world_from_rest", to_json(info.world_from_rest)},
-                       {"mocap", to_json(*info.mocap)}};
+                       {"room_m", {info.room_m.x(), info.room_m.y(), info.room_m.z()}}};
+  if (info.mocap) truth["mocap"] = to_json(*info.mocap);
   if (info.pan_tilt) {
     truth["pan_tilt"] = to_json(*info.pan_tilt);
     truth["world_from_base"] = to_json(world_from_base(info));
@@ -142,13 +153,8 @@ Result<void> write_moving_rig(const studio::StudioOptions& options, const studio
                               const std::vector<studio::HeadAngles>& head,
                               const std::filesystem::path& folder) {
   if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
-  if (!info.mocap) return {};
-  const std::vector<studio::MocapSample> samples = record_mocap(options, *info.mocap);
-  MIXRIG_TRY(write_mocap(samples, "body", {}, folder / "mocap.txt"));
-  MIXRIG_TRY(
-      write_mocap(samples, "target", info.mocap->body_from_target, folder / "mocap_target.txt"));
-  MIXRIG_TRY(write_markers(samples, folder / "mocap_markers.csv"));
-  MIXRIG_TRY(write_file(folder / "constellation.toml", constellation_text(*info.mocap)));
+  if (info.mocap) MIXRIG_TRY(write_tracked_body(options, *info.mocap, folder));
+  if (!info.mocap && !info.pan_tilt) return {};
   MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
   return calibration_file::write_calibration(folder / "truth/calibration.toml",
                                              true_calibration(info, take));

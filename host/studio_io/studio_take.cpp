@@ -106,6 +106,13 @@ Result<void> write_set(const studio::StudioInfo& info, const std::filesystem::pa
   return write_file(folder / "scene_set.toml", set_scene_text(info, court.name));
 }
 
+/// Distances to the room from the foot of the unit, where the panorama of a scan has its origin.
+Result<void> write_room_truth(const studio::Studio& studio, const std::filesystem::path& folder) {
+  image_io::Channel distance{"distance_m", Image<float>(Size{1440, 720})};
+  studio.room_distances(world_from_base(studio.info()), distance.pixels);
+  return image_io::write_exr(folder / "truth/room.exr", {distance});
+}
+
 }  // namespace
 
 take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
@@ -205,6 +212,8 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
     MIXRIG_TRY(writer.write_truth(take_truth));
     progress(number);
   }
+  if (options.scenario == studio::Scenario::kSweep)
+    MIXRIG_TRY(write_room_truth(studio, writer.staging()));
   MIXRIG_TRY(write_moving_rig(options, info, take, head, writer.staging()));
   MIXRIG_TRY(writer.finish());
   return info;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig studio: renders a take with truth in the virtual studio.
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include <nlohmann/json.hpp>
 
+#include "host/model/sweep_plan.h"
+#include "host/studio/rig.h"
 #include "host/studio_io/board_set.h"
 #include "host/studio_io/studio_take.h"
 #include "host/tools/command.h"
@@ -25,6 +29,10 @@ struct StudioArguments {
   bool plain = false, props = false;
   int people = 1;
   std::string only, without;
+  std::string field = "270x180";
+  double overlap = 0.1, most_tilt_deg = 90;
+  int frames_per_view = 4;
+  bool sweep_people = false;
 };
 
 constexpr const char* kBoardScenario = "board";
@@ -43,6 +51,27 @@ Result<studio::Realism> realism_of(const StudioArguments& arguments) {
   return studio::minus(on, off);
 }
 
+/// The head's views of a sweep with the depth camera of the rig as designed.
+Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPreset rig) {
+  constexpr double kMostPan_deg = 180;
+  MIXRIG_ASSIGN(const Size field_deg, parse_size(arguments.field, "--field"));
+  const studio::Optics tof = studio::tof_sensor(rig).optics;
+  model::SweepTask task;
+  task.field_pan_rad = field_deg.width * kDeg, task.field_tilt_rad = field_deg.height * kDeg;
+  task.camera_pan_rad = 2 * std::atan(0.5 * tof.size_px.width / tof.fx_px);
+  task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
+  task.overlap = arguments.overlap;
+  task.most_pan_rad = kMostPan_deg * kDeg, task.most_tilt_rad = arguments.most_tilt_deg * kDeg;
+  MIXRIG_ASSIGN(const model::SweepPlan plan, model::plan_sweep(task));
+  studio::Sweep sweep;
+  for (const model::HeadView& view : plan.views)
+    sweep.views.push_back({view.pan_rad, view.tilt_rad});
+  sweep.frames_per_view = arguments.frames_per_view;
+  sweep.people = arguments.sweep_people;
+  std::printf("%zu views, %.1f %% of the field\n", plan.views.size(), 100 * plan.covered_share);
+  return sweep;
+}
+
 Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   studio::StudioOptions options;
   MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(arguments.scenario));
@@ -58,6 +87,10 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.people = arguments.people;
   options.props = arguments.props;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
+  if (options.scenario == studio::Scenario::kSweep) {
+    MIXRIG_ASSIGN(options.sweep, sweep_of(arguments, options.rig));
+    options.frames = static_cast<int>(options.sweep.views.size()) * options.sweep.frames_per_view;
+  }
   return options;
 }
 
@@ -150,6 +183,19 @@ void add_board_options(Command command, StudioArguments& arguments) {
       .group(group);
 }
 
+void add_sweep_options(Command command, StudioArguments& arguments) {
+  const char* group = "Scenario sweep";
+  const auto option = [&](const char* name, auto& value, const char* what) {
+    command.add_option(name, value, what).group(group).show_default();
+  };
+  option("--field", arguments.field, "Pan x tilt to cover, whole degrees");
+  option("--overlap", arguments.overlap, "Share of a view that its neighbours see too, 0 to 0.9");
+  option("--most-tilt", arguments.most_tilt_deg, "Limit of the unit up and down, degrees");
+  option("--view-frames", arguments.frames_per_view, "Frames of each view");
+  command.add_flag("--walker", arguments.sweep_people, "A person walks from the second view on")
+      .group(group);
+}
+
 }  // namespace
 
 void add_studio_command(Command app, Context& context) {
@@ -158,7 +204,7 @@ void add_studio_command(Command app, Context& context) {
       app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();
   command.add_option("--scenario", arguments->scenario,
-                     "still walk talk pan handheld pendulum edges far dark board");
+                     "still walk talk pan sweep handheld pendulum edges far dark board");
   command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
   command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
   command.add_option("--tolerance", arguments->tolerance,
@@ -180,6 +226,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--without", arguments->without, "All switches of realism but these");
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   add_board_options(command, *arguments);
+  add_sweep_options(command, *arguments);
   command.callback([arguments, &context] {
     context.action = [arguments] {
       return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);

@@ -35,6 +35,21 @@ CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double ti
           HeadAngles{whole_steps(unit, pan), whole_steps(unit, tilt)}};
 }
 
+/// The head stands still at each view, at a whole step, but for the play of its axes.
+CameraPlace at_view(const geometry::Pose& rest, const PanTiltUnit& unit, const Sweep& sweep,
+                    double time_s, unsigned seed) {
+  const auto frame = static_cast<std::size_t>(std::lround(std::max(0.0, time_s) * kFrameRate_hz));
+  const std::size_t view =
+      std::min(frame / static_cast<std::size_t>(sweep.frames_per_view), sweep.views.size() - 1);
+  const HeadAngles head{whole_steps(unit, sweep.views[view].pan_rad),
+                        whole_steps(unit, sweep.views[view].tilt_rad)};
+  const auto play = [&](std::uint64_t salt) {  // uniform, of sigma repeatability
+    return std::sqrt(12.0) * unit.repeatability_rad *
+           (uniform(hash_key(seed + salt, 0x5EE9, view)) - 0.5);
+  };
+  return {rest * rest_from_turned(unit, head.pan_rad + play(1), head.tilt_rad + play(2)), head};
+}
+
 geometry::Pose shaken(const geometry::Pose& rest, float t, unsigned seed) {
   const auto walk = [&](unsigned salt, double size, float rate) {
     return size * (wander(rate * t, seed + salt) - wander(0, seed + salt));
@@ -75,6 +90,10 @@ Layout make_layout(const StudioOptions& options) {
     stage.object = {3.55F, 2.45F};
     stage.path_half_m = {0.62F, 0.62F};
   }
+  if (scenario == Scenario::kSweep) {
+    layout.eye_m = {1.2, 2.1, 1.45};
+    layout.look_at_m = {3.9, 2.1, 1.45};
+  }
   if (scenario == Scenario::kEdges) layout.room.thin_things = true;
   layout.room.seat = scenario == Scenario::kStill || scenario == Scenario::kTalk;
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
@@ -89,8 +108,8 @@ Layout make_layout(const StudioOptions& options) {
   layout.pan_tilt =
       rig_of_seed(options.rig, options.seed, options.size_px, options.tolerance).pan_tilt;
   layout.light = make_light(scenario == Scenario::kDark);
-  layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kHandheld ||
-                        scenario == Scenario::kPendulum;
+  layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
+                        scenario == Scenario::kHandheld || scenario == Scenario::kPendulum;
   return layout;
 }
 
@@ -114,6 +133,8 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
   switch (options.scenario) {
     case Scenario::kPan:
       return swept(rest, layout.pan_tilt, time_s, options.seed);
+    case Scenario::kSweep:
+      return at_view(rest, layout.pan_tilt, options.sweep, time_s, options.seed);
     case Scenario::kHandheld:
       return {shaken(rest, static_cast<float>(time_s), options.seed)};
     case Scenario::kPendulum:

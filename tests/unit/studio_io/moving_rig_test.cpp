@@ -73,6 +73,28 @@ TEST_F(MovingRig, PanHasTicksAndAnglesOfTheHeadAtEveryFrame) {
   EXPECT_GT(frame.head->pan_rad, 10 * kStep_rad);
 }
 
+TEST_F(MovingRig, ASweepStandsStillAtEachViewAndItsPosesAreThoseOfTheChain) {
+  studio::StudioOptions options = options_of(studio::Scenario::kSweep);
+  options.sweep = {{{0.4, -0.2}, {-0.9, 1.2}}, 2, false};
+  ASSERT_TRUE(write_studio_take(options, take(), take::StreamFormat::kPng, [](int) {}));
+  const auto known = calibration_file::read_calibration(take() / "truth/calibration.toml");
+  auto reader = take::TakeReader::open(take());
+  ASSERT_TRUE(known && known->pan_tilt && reader);
+  const Eigen::Isometry3d world_from_base = pose_of(truth().at("world_from_base"));
+  capture::Capture capture;
+  for (int number = 1; number <= 4; ++number) {
+    ASSERT_TRUE(reader->read(number, capture));
+    ASSERT_TRUE(capture.pan_tilt);
+    const studio::HeadAngles& view = options.sweep.views[static_cast<std::size_t>(number - 1) / 2];
+    EXPECT_NEAR(capture.pan_tilt->pan_rad, view.pan_rad, 0.51 * kStep_rad);
+    EXPECT_NEAR(capture.pan_tilt->tilt_rad, view.tilt_rad, 0.51 * kStep_rad);
+    const Eigen::Isometry3d chain =
+        world_from_base * test::base_from_target(*known->pan_tilt, capture.pan_tilt->pan_rad,
+                                                 capture.pan_tilt->tilt_rad);
+    EXPECT_LT(test::angle_between(chain, test::isometry(capture.world_from_target)), 3e-4);
+  }
+}
+
 TEST_F(MovingRig, TheSourceGivesWhatTheTakeHolds) {
   make(studio::Scenario::kPan);
   auto source = open_studio_source("pan,14,sr3000,4,64x48");
