@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig scan: learns the empty room from frames of a take; the camera may move where they have
-// poses.
+// mixrig scan: a panorama of the room from a recorded sweep of the head, or the empty room of one
+// view from frames of a take; the camera may move where they have poses.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -13,6 +14,8 @@
 #include "host/capture/calibrated_source.h"
 #include "host/pose/fixed_poses.h"
 #include "host/session/learn.h"
+#include "host/session/room_scan.h"
+#include "host/session/run_report.h"
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -23,6 +26,8 @@ namespace {
 struct ScanArguments {
   SessionArguments session;
   std::string take, frames, out;
+  std::string sweep;
+  bool evaluate = false, plain = false;
 };
 
 struct Coverage {
@@ -47,7 +52,7 @@ double look_down_deg(const geometry::Plane& floor) {
   return -std::asin(std::clamp(floor.normal.z(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-nlohmann::json report_of(const model::StaticBackground& background) {
+nlohmann::json errors_json(const model::StaticBackground& background) {
   const Coverage coverage = coverage_of(background);
   nlohmann::json report = {{"frames", background.frames},
                            {"size", std::to_string(background.view.size_px.width) + "x" +
@@ -74,7 +79,54 @@ void print(const model::StaticBackground& background) {
     std::printf("no floor found\n");
 }
 
-Result<nlohmann::json> scan(const ScanArguments& arguments) {
+nlohmann::json errors_json(const measure::RoomErrors& errors) {
+  nlohmann::json mean_mm, max_mm, count;
+  constexpr std::array<const char*, 3> kAxes{"width", "depth", "height"};
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    mean_mm[kAxes[i]] = errors.axes[i].mean_mm;
+    max_mm[kAxes[i]] = errors.axes[i].max_mm;
+    count[kAxes[i]] = errors.axes[i].count;
+    std::printf("%-6s %3d lengths: error mean %5.1f mm, largest %5.1f mm\n", kAxes[i],
+                errors.axes[i].count, errors.axes[i].mean_mm, errors.axes[i].max_mm);
+  }
+  std::printf("surface: median %.1f mm, 95 %% within %.1f mm, %.2f %% over 20 mm\n", errors.p50_mm,
+              errors.p95_mm, errors.over_20mm_pct);
+  return {{"mean_mm", mean_mm},      {"max_mm", max_mm},
+          {"lengths", count},        {"p50_mm", errors.p50_mm},
+          {"p95_mm", errors.p95_mm}, {"over_20mm_pct", errors.over_20mm_pct}};
+}
+
+Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
+  if (arguments.session.calibration.empty())
+    return Error{ErrorCode::kUsage,
+                 "--take needs --calibration: the file with cameras and pan-tilt unit"};
+  session::RoomScanOptions options;
+  options.take = arguments.sweep, options.calibration = arguments.session.calibration;
+  options.evaluate = arguments.evaluate, options.smooth = !arguments.plain,
+  options.threads = arguments.session.threads;
+  MIXRIG_ASSIGN(const session::RoomScan room, session::scan_room(options));
+  MIXRIG_TRY(session::save_room(room, options.calibration, arguments.out));
+  const model::Panorama& p = room.panorama;
+  std::printf("%d views, %d frames: %.2f %% of the field measured, %.2f %% known\n", room.views,
+              room.frames, 100 * p.measured_share, 100 * p.known_share);
+  std::printf("%.2f s to read and average, %.2f s for the panorama\n", room.read_seconds,
+              room.model_seconds);
+  nlohmann::json report = {{"views", room.views},
+                           {"frames", room.frames},
+                           {"seconds", room.read_seconds + room.model_seconds},
+                           {"model_seconds", room.model_seconds},
+                           {"rss_mb", session::peak_rss_mb()},
+                           {"measured_pct", 100 * p.measured_share},
+                           {"fill_pct", 100 * p.known_share}};
+  if (room.errors) report["evaluate"] = errors_json(*room.errors);
+  return report;
+}
+
+Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
+  if (arguments.frames.empty())
+    return Error{ErrorCode::kUsage, "--static needs --frames FIRST-LAST: the empty room"};
+  if (arguments.evaluate)
+    return Error{ErrorCode::kUsage, "--evaluate judges a sweep: give it with --take"};
   MIXRIG_ASSIGN(const auto size, view_size(arguments.session));
   MIXRIG_ASSIGN(const session::FrameRange range, parse_range(arguments.frames, "--frames"));
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(arguments.take));
@@ -89,7 +141,13 @@ Result<nlohmann::json> scan(const ScanArguments& arguments) {
                                           progress_bar(), poses.get()));
   MIXRIG_TRY(model::save(background, arguments.out));
   print(background);
-  return report_of(background);
+  return errors_json(background);
+}
+
+Result<nlohmann::json> scan(const ScanArguments& arguments) {
+  if (arguments.take.empty() == arguments.sweep.empty())
+    return Error{ErrorCode::kUsage, "scan: give either --take (a sweep) or --static"};
+  return arguments.sweep.empty() ? scan_still(arguments) : scan_sweep(arguments);
 }
 
 }  // namespace
@@ -98,10 +156,13 @@ void add_scan_command(Command app, Context& context) {
   auto arguments = std::make_shared<ScanArguments>();
   Command command = app.add_subcommand(
       "scan",
-      "learn the empty room from frames of a take; the camera may move where they have poses");
-  command.add_option("--static", arguments->take, "TAKE: folder or take.toml").required();
-  command.add_option("--frames", arguments->frames, "FIRST-LAST that show the empty room")
-      .required();
+      "a panorama of the room from a sweep, or the empty room from frames of a take; the camera "
+      "may move where they have poses");
+  command.add_option("--take", arguments->sweep, "Recorded sweep: folder or take.toml");
+  command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
+  command.add_flag("--no-smooth", arguments->plain, "--take: leave the noise of the distances in");
+  command.add_option("--static", arguments->take, "TAKE: folder or take.toml");
+  command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
   command.add_option("OUT", arguments->out, "background folder to write").required();
   command.add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
   add_calibration_option(command, arguments->session);

@@ -185,6 +185,8 @@ std::vector<Row> rows() {
        {"1-9", "1-4"},
        ""},
       {"ScanOfTooFewFrames", nothing, "scan --static take --frames 1-2 bg", 1, {"3"}, ""},
+      {"ScanOfNothing", nothing, "scan bg", 2, {"--take", "--static"}, ""},
+      {"ScanOfASweepWithoutCalibration", nothing, "scan --take take bg", 2, {"--calibration"}, ""},
       {"InfoOfNothing", nothing, "info no", 2, {"no"}, ""},
       {"InfoOfATruncatedTake",
        [](const TinyTake& t) { t.cut("take/depth/000001.png", 60); },

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/model/panorama.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace mixrig::model {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kMostCandidates = 16;
+constexpr int kSteps = 5;            ///< of the fixed point
+constexpr double kSettled_m = 1e-3;  ///< change of the last step
+constexpr double kStart_m = 2.5;     ///< first guess of a distance
+constexpr float kStepShare = 0.03F;  ///< of the distance: neighbours further apart are an edge
+constexpr float kStepFloor_m = 0.03F;
+constexpr double kBorder_px = 8;      ///< weight falls to 0 over this many pixels
+constexpr double kEdgeWeight = 0.05;  ///< of a pixel beside a depth step
+constexpr float kGate_m = 0.02F;      ///< beyond noise, that views may differ by
+constexpr int kFillPasses = 16;
+
+/// A view with what its rays need, made once.
+struct PreparedView {
+  const ScanView* view = nullptr;
+  geometry::Pose tof_from_base, target_from_base;
+  Vector3d eye_m, axis;
+  double least_cosine = 0;  ///< between axis and a direction that the view can see
+};
+
+struct Candidate {
+  float distance_m = 0, sigma_m = 0, weight = 0;
+  int view = 0;
+};
+
+struct Sample {
+  double distance_m = 0, sigma_m = 0, weight = 0;
+};
+
+bool is_depth_step(float low, float high) { return high - low > kStepFloor_m + kStepShare * low; }
+
+/// Distance, its sigma and the weight of a pixel; weight 0 where nothing is known.
+Sample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_rad) {
+  const Size size = view.distance_m.size();
+  const int x = static_cast<int>(std::floor(px.x())), y = static_cast<int>(std::floor(px.y()));
+  if (x < 0 || y < 0 || x + 1 >= size.width || y + 1 >= size.height) return {};
+  const float *top = view.distance_m.row(y) + x, *bottom = view.distance_m.row(y + 1) + x;
+  const auto [low, high] = std::minmax({top[0], top[1], bottom[0], bottom[1]});
+  const auto fx = static_cast<float>(px.x() - x), fy = static_cast<float>(px.y() - y);
+  const int near_x = x + (fx > 0.5F ? 1 : 0), near_y = y + (fy > 0.5F ? 1 : 0);
+  const double border =
+      std::min({px.x(), px.y(), size.width - 1 - px.x(), size.height - 1 - px.y()});
+  const double inside = std::clamp(border / kBorder_px, 0.01, 1.0);
+  const double sigma = view.sigma_m.row(near_y)[near_x];
+  if (low <= 0 || is_depth_step(low, high)) {
+    const float nearest = view.distance_m.row(near_y)[near_x];
+    return {nearest, sigma, nearest > 0 ? kEdgeWeight * inside / (sigma * sigma) : 0};
+  }
+  const float upper = top[0] + fx * (top[1] - top[0]);
+  const float lower = bottom[0] + fx * (bottom[1] - bottom[0]);
+  const float value = upper + fy * (lower - upper);
+  const double across = 0.5 * (top[1] - top[0] + bottom[1] - bottom[0]), down = lower - upper;
+  const double slope = std::hypot(across, down) * pixels_per_rad / value;  // tan of incidence
+  return {value, sigma, inside / (sigma * sigma) / std::sqrt(1 + slope * slope)};
+}
+
+/// Where a ray from the origin meets the surface that a view measured; weight 0 where it does not.
+Sample meet(const PreparedView& from, const Vector3d& ray, const geometry::CameraModel& tof,
+            double guess_m) {
+  Sample found;
+  double along_m = guess_m;
+  for (int step = 0; step < kSteps; ++step) {
+    const Vector3d p = from.tof_from_base * (along_m * ray);
+    if (p.z() <= 0) return {};
+    const auto px = tof.project(p);
+    if (!px) return {};
+    const Sample sample = sample_at(*from.view, *px, tof.pinhole.fx_px);
+    if (sample.weight <= 0) return {};
+    const Vector3d met = from.eye_m + sample.distance_m * (along_m * ray - from.eye_m).normalized();
+    const double next_m = met.dot(ray), change = std::abs(next_m - along_m);
+    along_m = next_m;
+    found = {along_m, sample.sigma_m, change < 0.01 * along_m ? sample.weight : 0};
+    if (change < kSettled_m) break;
+  }
+  return found;
+}
+
+/// Candidates of one surface, neighbours in distance.
+struct Group {
+  double weight = 0, sum_m = 0, inverse_variance = 0;
+  int views = 0;
+  void add(const Candidate& c) {
+    weight += c.weight, sum_m += static_cast<double>(c.weight) * c.distance_m;
+    inverse_variance += 1.0 / (static_cast<double>(c.sigma_m) * c.sigma_m), ++views;
+  }
+};
+
+/// The surface that most views see, the farther one of as many. `candidates` get sorted.
+Group choose(std::span<Candidate> candidates) {
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
+  Group best, group;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = candidates[i];
+    if (i > 0) {
+      const Candidate& before = candidates[i - 1];
+      const float noise = std::hypot(c.sigma_m, before.sigma_m);
+      if (c.distance_m - before.distance_m > kGate_m + 4 * noise) group = {};
+    }
+    group.add(c);
+    if (group.views >= best.views) best = group;
+  }
+  return best;
+}
+
+std::vector<PreparedView> prepare_views(std::span<const ScanView> views,
+                                        const geometry::CameraModel& tof) {
+  constexpr double kParallax_rad = 0.2;
+  const Size size = tof.size_px();
+  double widest = 0;
+  for (const double x : {0.0, size.width - 1.0})
+    for (const double y : {0.0, size.height - 1.0})
+      if (const auto ray = tof.unproject({x, y})) widest = std::max(widest, std::atan(ray->norm()));
+  std::vector<PreparedView> prepared;
+  for (const ScanView& view : views)
+    prepared.push_back({&view, geometry::inverse(view.base_from_tof),
+                        geometry::inverse(view.base_from_target), view.base_from_tof.translation_m,
+                        view.base_from_tof.rotation * Vector3d::UnitZ(),
+                        std::cos(std::min(widest + kParallax_rad, std::numbers::pi))});
+  return prepared;
+}
+
+/// Adds a view's colour at a point, weighted towards the middle of its picture.
+void add_color(const PreparedView& from, const Vector3d& point_m,
+               const geometry::CameraModel& target, Eigen::Vector4f& sum) {
+  const Vector3d p = from.target_from_base * point_m;
+  if (p.z() <= 0 || from.view->plate.empty()) return;
+  const auto px = target.project(p);
+  const Size size = target.size_px();
+  if (!px) return;
+  const double border =
+      std::min({px->x(), px->y(), size.width - 1 - px->x(), size.height - 1 - px->y()});
+  if (border < 0) return;
+  const Rgb8& c =
+      from.view->plate.at(static_cast<int>(px->x() + 0.5), static_cast<int>(px->y() + 0.5));
+  const auto weight = static_cast<float>(1 + border);
+  sum += weight * Eigen::Vector4f(c.r, c.g, c.b, 1);
+}
+
+class Fusion {
+ public:
+  Fusion(std::span<const ScanView> views, const geometry::CameraModel& tof,
+         const geometry::CameraModel& target, Panorama& out)
+      : views_(prepare_views(views, tof)), tof_(tof), target_(target), out_(out) {}
+
+  void row(int y) const {
+    double guess_m = kStart_m;
+    for (int x = 0; x < out_.size().width; ++x) pixel(x, y, guess_m);
+  }
+
+ private:
+  void pixel(int x, int y, double& guess_m) const {
+    const Vector3d ray = direction_of(out_.size(), x, y);
+    std::array<Candidate, kMostCandidates> candidates;
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const PreparedView& from = views_[v];
+      if (from.axis.dot(ray) < from.least_cosine) continue;
+      if (out_.field.row(y)[x] == 0 && is_inside(from, ray, guess_m)) out_.field.row(y)[x] = 1;
+      const Sample met = meet(from, ray, tof_, guess_m);
+      if (met.weight <= 0 || count == candidates.size()) continue;
+      candidates[count++] = {static_cast<float>(met.distance_m), static_cast<float>(met.sigma_m),
+                             static_cast<float>(met.weight), static_cast<int>(v)};
+    }
+    if (count == 0) return;
+    const Group best = choose(std::span(candidates).first(count));
+    guess_m = best.sum_m / best.weight;
+    out_.distance_m.row(y)[x] = static_cast<float>(guess_m);
+    out_.sigma_m.row(y)[x] = static_cast<float>(1 / std::sqrt(best.inverse_variance));
+    out_.views.row(y)[x] = static_cast<std::uint8_t>(best.views);
+    paint(x, y, guess_m * ray, std::span(candidates).first(count));
+  }
+
+  bool is_inside(const PreparedView& from, const Vector3d& ray, double guess_m) const {
+    const auto px = tof_.project(from.tof_from_base * (guess_m * ray));
+    const Size size = tof_.size_px();
+    return px && px->x() >= 0 && px->y() >= 0 && px->x() <= size.width - 1 &&
+           px->y() <= size.height - 1;
+  }
+
+  /// Of the views that see the chosen surface.
+  void paint(int x, int y, const Vector3d& point_m, std::span<const Candidate> candidates) const {
+    Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+    for (const Candidate& c : candidates)
+      if (std::abs(c.distance_m - out_.distance_m.row(y)[x]) <= kGate_m + 4 * c.sigma_m)
+        add_color(views_[static_cast<std::size_t>(c.view)], point_m, target_, sum);
+    if (sum[3] <= 0) return;
+    const auto byte = [&](int i) { return static_cast<std::uint8_t>(sum[i] / sum[3] + 0.5F); };
+    out_.color.row(y)[x] = {byte(0), byte(1), byte(2)};
+  }
+
+  std::vector<PreparedView> views_;
+  const geometry::CameraModel& tof_;
+  const geometry::CameraModel& target_;
+  Panorama& out_;
+};
+
+/// Replaces distances by a weighted mean of those around that lie within the noise, of pixels that
+/// views agree on. On a plane the inverse distance is linear in the ray, so that is what is
+/// averaged, in pairs opposite each other, over the length of the pair's mean ray. Columns near the
+/// poles are closer together: the reach stays an angle.
+void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
+  constexpr int kReach_px = 3, kWidest_px = 24;
+  constexpr float kNoise = 3;
+  const Size size = before.size();
+  const double pixel_rad = std::numbers::pi / size.height;
+  for (int y = begin; y < end; ++y) {
+    const double across = std::sin(std::numbers::pi * (y + 0.5) / size.height);
+    const int reach_x =
+        std::min(kWidest_px, static_cast<int>(std::lround(kReach_px / std::max(across, 0.01))));
+    const int step_x = std::max(1, reach_x / kReach_px);
+    for (int x = 0; x < size.width; ++x) {
+      const float here_m = before.distance_m.row(y)[x], sigma_m = before.sigma_m.row(y)[x];
+      if (before.views.row(y)[x] == 0) continue;
+      float weight = 0, sum = 0;
+      for (int dy = -kReach_px; dy <= kReach_px; ++dy) {
+        const int up = y - dy, down = y + dy;  // pairs opposite each other keep a slope
+        if (up < 0 || down < 0 || up >= size.height || down >= size.height) continue;
+        for (int dx = -reach_x; dx <= reach_x; dx += step_x) {
+          const int left = (x - dx + size.width) % size.width,
+                    right = (x + dx + size.width) % size.width;
+          const float a_m = before.distance_m.row(up)[left],
+                      b_m = before.distance_m.row(down)[right];
+          if (a_m <= 0 || b_m <= 0) continue;
+          const double right_rad = pixel_rad * across * dx, up_rad = pixel_rad * dy;
+          const auto longer =
+              static_cast<float>(1 + 0.5 * (right_rad * right_rad + up_rad * up_rad));  // 1 / cos
+          const float mean = 0.5F * longer * (1 / a_m + 1 / b_m);
+          if (std::abs(1 / mean - here_m) > kNoise * sigma_m) continue;
+          const float sa_m = before.sigma_m.row(up)[left], sb_m = before.sigma_m.row(down)[right];
+          const float w = 1 / (sa_m * sa_m + sb_m * sb_m);
+          weight += w, sum += w * mean;
+        }
+      }
+      if (weight > 0) p.distance_m.row(y)[x] = weight / sum;
+    }
+  }
+}
+
+double known_share_of(const Panorama& panorama) {
+  double all = 0, known = 0;
+  for (int y = 0; y < panorama.size().height; ++y) {
+    const double solid = std::sin(std::numbers::pi * (y + 0.5) / panorama.size().height);
+    for (int x = 0; x < panorama.size().width; ++x) {
+      if (panorama.field.row(y)[x] == 0) continue;
+      all += solid;
+      if (panorama.distance_m.row(y)[x] > 0) known += solid;
+    }
+  }
+  return all > 0 ? known / all : 0;
+}
+
+/// One pixel inwards from every hole's border; columns go around. False when no hole is left.
+bool fill_border(Panorama& p, const Panorama& before) {
+  const Size size = p.size();
+  bool filled = false;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      if (before.field.row(y)[x] == 0 || before.distance_m.row(y)[x] > 0) continue;
+      float sum_m = 0, sigma_m = 0;
+      int count = 0;
+      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        const int nx = (x + dx + size.width) % size.width,
+                  ny = std::clamp(y + dy, 0, size.height - 1);
+        const float near_m = before.distance_m.row(ny)[nx];
+        if (near_m <= 0) continue;
+        sum_m += near_m, ++count;
+        sigma_m = std::max(sigma_m, before.sigma_m.row(ny)[nx]);
+        p.color.row(y)[x] = before.color.row(ny)[nx];
+      }
+      if (count == 0) continue;
+      p.distance_m.row(y)[x] = sum_m / static_cast<float>(count);
+      p.sigma_m.row(y)[x] = 1.5F * sigma_m;
+      filled = true;
+    }
+  return filled;
+}
+
+}  // namespace
+
+ViewAverage::ViewAverage(const geometry::CameraModel& tof, const geometry::DepthNoise& noise,
+                         bool depth_is_distance)
+    : noise_(noise), ray_(tof.size_px()), z_of_distance_(tof.size_px()) {
+  for (int y = 0; y < ray_.height(); ++y)
+    for (int x = 0; x < ray_.width(); ++x) {
+      const auto ideal = tof.unproject(Vector2d(x, y));
+      if (!ideal) continue;
+      const auto length = static_cast<float>(std::sqrt(1 + ideal->squaredNorm()));
+      ray_.row(y)[x] = depth_is_distance ? 1.0F : length;
+      z_of_distance_.row(y)[x] = 1 / length;
+    }
+  clear();
+}
+
+void ViewAverage::clear() {
+  sum_m_.reset(ray_.size()), weight_.reset(ray_.size()), count_.reset(ray_.size());
+}
+
+void ViewAverage::add(ImageView<const float> depth_m, ImageView<const float> amplitude) {
+  for (int y = 0; y < ray_.height(); ++y)
+    for (int x = 0; x < ray_.width(); ++x) {
+      const float depth = depth_m.row(y)[x];
+      if (!(depth > 0) || !std::isfinite(depth)) continue;
+      const float a = amplitude.empty() ? 1.0F : amplitude.row(y)[x];
+      const float weight = a > 0 && std::isfinite(a) ? a * a : 0.0F;
+      sum_m_.row(y)[x] += weight * ray_.row(y)[x] * depth;
+      weight_.row(y)[x] += weight;
+      if (weight > 0 && count_.row(y)[x] < 255) ++count_.row(y)[x];
+    }
+}
+
+void ViewAverage::finish(Image<float>& distance_m, Image<float>& sigma_m) const {
+  distance_m.reset(ray_.size()), sigma_m.reset(ray_.size());
+  for (int y = 0; y < ray_.height(); ++y)
+    for (int x = 0; x < ray_.width(); ++x) {
+      if (count_.row(y)[x] == 0) continue;
+      const float mean_m = sum_m_.row(y)[x] / weight_.row(y)[x];
+      const double one_m = noise_.sigma_m(static_cast<double>(mean_m) * z_of_distance_.row(y)[x]);
+      distance_m.row(y)[x] = mean_m;
+      sigma_m.row(y)[x] = static_cast<float>(one_m / std::sqrt(count_.row(y)[x]));
+    }
+}
+
+Vector3d direction_of(Size panorama, int x, int y) {
+  const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / panorama.width);
+  const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / panorama.height);
+  return {-std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
+          std::sin(elevation)};
+}
+
+Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
+                       const geometry::CameraModel& target, int height, bool smooth, Crew& crew) {
+  const Size size{2 * height, height};
+  Panorama panorama{Image<float>(size), Image<float>(size), Image<std::uint8_t>(size),
+                    Image<std::uint8_t>(size), Image<Rgb8>(size)};
+  const Fusion fusion(views, tof, target, panorama);
+  crew.rows(height, 4, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) fusion.row(y);
+  });
+  panorama.measured_share = known_share_of(panorama);
+  Panorama before = panorama;
+  if (smooth) {
+    crew.rows(height, 4, [&](int begin, int end) { smooth_rows(before, panorama, begin, end); });
+    before = panorama;
+  }
+  for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
+  panorama.known_share = known_share_of(panorama);
+  return panorama;
+}
+
+}  // namespace mixrig::model

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views of a sweep fused into one picture of all directions around the pan-tilt unit.
+#pragma once
+
+#include <span>
+
+#include "hal/base/image.h"
+#include "hal/base/parallel.h"
+#include "host/geometry/camera_model.h"
+#include "host/geometry/depth_noise.h"
+#include "host/geometry/pose.h"
+
+namespace mixrig::model {
+
+/// One view of the head, its frames averaged.
+struct ScanView {
+  geometry::Pose base_from_tof, base_from_target;
+  Image<float> distance_m;  ///< along the ray of each ToF pixel; 0 = unknown
+  Image<float> sigma_m;     ///< of distance_m
+  Image<Rgb8> plate;        ///< distorted, of the target camera
+};
+
+/// Averages the depth of a view's frames, each weighted by the square of its amplitude: that is by
+/// the inverse of its variance (Schiller et al. 2010, section 3). Not thread-safe.
+class ViewAverage {
+ public:
+  /// `depth_is_distance`: depth is along the ray, not along z.
+  ViewAverage(const geometry::CameraModel& tof, const geometry::DepthNoise& noise,
+              bool depth_is_distance);
+
+  void clear();
+  /// Pictures of the camera's size; `amplitude` may be empty. Unknown depth (0, negative, not
+  /// finite) is left out.
+  void add(ImageView<const float> depth_m, ImageView<const float> amplitude);
+  void finish(Image<float>& distance_m, Image<float>& sigma_m) const;
+
+ private:
+  geometry::DepthNoise noise_;
+  Image<float> ray_;  ///< distance per depth; 0 where the lens has no ray
+  Image<float> z_of_distance_;
+  Image<float> sum_m_, weight_;
+  Image<std::uint8_t> count_;
+};
+
+/// Equirectangular, from the origin of the unit's base (z up along the pan axis, x along the tilt
+/// axis, y ahead). Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise from ahead
+/// as pan is; row y at elevation pi/2 - pi (y + 0.5) / height.
+struct Panorama {
+  Image<float> distance_m;    ///< from the origin; 0 = unknown
+  Image<float> sigma_m;       ///< of distance_m; of filled pixels that of the neighbours and more
+  Image<std::uint8_t> views;  ///< that agree on distance_m; 0: filled or unknown
+  Image<std::uint8_t> field;  ///< 1 where a view's frustum is
+  Image<Rgb8> color;          ///< sRGB; black = unknown
+  double measured_share = 0;  ///< of the field's solid angle, before holes are filled
+  double known_share = 0;     ///< after
+
+  Size size() const { return distance_m.size(); }
+};
+
+/// Unit direction of a pixel in base axes.
+Eigen::Vector3d direction_of(Size panorama, int x, int y);
+
+/// Looks for the surface on each ray of the panorama in each view: the point on the ray that the
+/// view measures at its own pixel, found by fixed-point steps from the ray's distance to the view's
+/// (the camera is centimetres from the origin, the room metres). Values of several views are joined
+/// by 1/sigma^2 times the cosine of incidence, falling to the picture's border; where views
+/// disagree, the distance that most of them see is kept, of as many the farther one, since what
+/// moved stood before the room. Small holes are filled from their border.
+/// `smooth` averages the inverse distances of pixels within 3 pixels in elevation, in pairs
+/// opposite each other, where a pair agrees with the pixel to three sigma. Precondition: `height`
+/// is even, the width is twice the height.
+Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
+                       const geometry::CameraModel& target, int height, bool smooth, Crew& crew);
+
+}  // namespace mixrig::model

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/room_scan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/base/partial_path.h"
+#include "host/calibration_file/calibration.h"
+#include "host/capture/calibrated_source.h"
+#include "host/config/writer.h"
+#include "host/image_io/image_io.h"
+#include "host/pose/pan_tilt_poses.h"
+#include "host/take/take_source.h"
+
+namespace mixrig::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLengths = 100;  ///< per axis (Schiller et al. 2010, table 1)
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+struct SweepPictures {
+  std::vector<model::ScanView> views;
+  int frames = 0;
+};
+
+/// Frames of a view are averaged as they are read.
+Result<SweepPictures> read_sweep(capture::CaptureSource& source,
+                                 const calibration_file::PanTilt& unit) {
+  const capture::SourceInfo& info = source.info();
+  model::ViewAverage average(info.tof, info.noise,
+                             info.depth_kind == capture::DepthKind::kDistance);
+  SweepPictures sweep;
+  capture::Capture frame;
+  std::optional<device::PanTiltAngles> at;
+  const auto finish = [&] {
+    if (!sweep.views.empty())
+      average.finish(sweep.views.back().distance_m, sweep.views.back().sigma_m);
+    average.clear();
+  };
+  for (int number = 1; number <= info.frames; ++number) {
+    MIXRIG_ASSIGN(const bool more, source.read(number, frame));
+    if (!more) break;
+    if (!frame.pan_tilt)
+      return Error{ErrorCode::kData, fmt::format("frame {} has no angles of the head: only a take "
+                                                 "with pan_tilt.csv can be scanned",
+                                                 number)};
+    if (!at || at->pan_rad != frame.pan_tilt->pan_rad || at->tilt_rad != frame.pan_tilt->tilt_rad) {
+      finish();
+      at = frame.pan_tilt;
+      model::ScanView view;
+      view.base_from_target = pose::base_from_target(unit, *at);
+      view.base_from_tof = view.base_from_target * info.target_from_tof;
+      view.plate = frame.plate;
+      sweep.views.push_back(std::move(view));
+    }
+    average.add(frame.depth_m.view(), frame.amplitude.view());
+    ++sweep.frames;
+  }
+  finish();
+  return sweep;
+}
+
+Result<measure::RoomFrame> true_frame(const fs::path& path) {
+  std::ifstream file(path);
+  const nlohmann::json truth = nlohmann::json::parse(file, nullptr, false);
+  const auto missing = [&] {
+    return Error{ErrorCode::kNotFound, "'" + path.string() +
+                                           "' does not say how large the room is: --evaluate needs "
+                                           "a take of mixrig studio --scenario sweep"};
+  };
+  if (truth.is_discarded() || !truth.contains("room_m") || !truth.contains("world_from_base"))
+    return missing();
+  try {
+    measure::RoomFrame frame;
+    frame.inner_m = truth["room_m"].get<std::array<double, 3>>();
+    const auto& pose = truth["world_from_base"];
+    frame.origin_m = pose.at("translation_m").get<std::array<double, 3>>();
+    const auto q = pose.at("rotation_xyzw").get<std::array<double, 4>>();
+    const Eigen::Matrix3d axes = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
+    for (int i = 0; i < 9; ++i)
+      frame.world_from_axes[static_cast<std::size_t>(i)] = axes(i / 3, i % 3);
+    return frame;
+  } catch (const nlohmann::json::exception&) {
+    return missing();
+  }
+}
+
+Result<measure::RoomErrors> errors_of(const model::Panorama& panorama, const fs::path& take) {
+  MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
+  MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
+  if (truth.empty() || truth[0].pixels.size() != panorama.size())
+    return Error{ErrorCode::kData,
+                 "'" + (take / "truth/room.exr").string() +
+                     "' has another size than the panorama: scan with its height"};
+  return measure::room_errors(panorama.distance_m.view(), truth[0].pixels.view(), frame, kLengths);
+}
+
+}  // namespace
+
+Result<RoomScan> scan_room(const RoomScanOptions& options) {
+  MIXRIG_ASSIGN(auto recorded, take::open_take_source(options.take));
+  MIXRIG_ASSIGN(const auto source,
+                capture::with_calibration(std::move(recorded), options.calibration));
+  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(options.calibration));
+  if (!known.pan_tilt)
+    return Error{ErrorCode::kFormat, "'" + options.calibration.string() +
+                                         "' has no pan-tilt unit: run mixrig calibrate ptu"};
+  const Stopwatch reading;
+  MIXRIG_ASSIGN(const SweepPictures sweep, read_sweep(*source, *known.pan_tilt));
+  RoomScan scan;
+  scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;
+  scan.read_seconds = reading.seconds();
+  const Stopwatch modelling;
+  Crew crew(options.threads);
+  scan.panorama = model::make_panorama(sweep.views, source->info().tof, source->info().target,
+                                       options.height_px, options.smooth, crew);
+  scan.model_seconds = modelling.seconds();
+  if (options.evaluate) {
+    MIXRIG_ASSIGN(scan.errors, errors_of(scan.panorama, options.take));
+  }
+  return scan;
+}
+
+Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const fs::path& folder) {
+  const model::Panorama& p = scan.panorama;
+  MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "manifest.toml"));
+  image_io::Channel views{"views", Image<float>(p.size())};
+  Image<std::uint16_t> distance_mm(p.size());
+  for (int y = 0; y < p.size().height; ++y)
+    for (int x = 0; x < p.size().width; ++x) {
+      views.pixels.row(y)[x] = p.views.row(y)[x];
+      distance_mm.row(y)[x] =
+          static_cast<std::uint16_t>(std::clamp(1000 * p.distance_m.row(y)[x], 0.0F, 65535.0F));
+    }
+  MIXRIG_TRY(image_io::write_exr(
+      partial.path() / "room.exr",
+      {{"distance_m", p.distance_m}, {"sigma_m", p.sigma_m}, std::move(views)}));
+  MIXRIG_TRY(image_io::write_png(partial.path() / "color.png", p.color.view()));
+  MIXRIG_TRY(image_io::write_png(partial.path() / "distance.png",
+                                 ImageView<const std::uint16_t>(distance_mm.view())));
+  calibration_file::InputHash hash;
+  MIXRIG_TRY(hash.add_file(calibration));
+  config::Writer root;
+  root.set("format", 1).set("projection", "equirectangular").set("origin", "base");
+  root.set("size_px", std::array<int, 2>{p.size().width, p.size().height});
+  root.set("views", scan.views).set("frames", scan.frames);
+  root.set("measured_pct", config::rounded(100 * p.measured_share, 6));
+  root.set("fill_pct", config::rounded(100 * p.known_share, 6));
+  root.set("calibration_hash", hash.text());
+  MIXRIG_TRY(write_file(partial.path() / "manifest.toml", root.text()));
+  return partial.commit();
+}
+
+}  // namespace mixrig::session

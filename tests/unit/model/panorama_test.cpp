@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Panoramas of a box whose views have a formula: rays by hand, no projection of the pipeline.
+#include "host/model/panorama.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace mixrig::model {
+namespace {
+
+constexpr int kHeight = 180;
+const Eigen::Vector3d kHalf_m(2.5, 2.0, 1.5);  ///< the origin is in the box's middle
+
+geometry::CameraModel tof_camera() { return {{{96, 80}, 70, 70, 47.5, 39.5}, {}}; }
+
+double to_wall_m(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
+  double nearest = 1e9;
+  for (int k = 0; k < 3; ++k)
+    if (ray[k] != 0)
+      nearest = std::min(nearest, (std::copysign(kHalf_m[k], ray[k]) - from[k]) / ray[k]);
+  return nearest;
+}
+
+/// The camera 8 cm from the origin and off the tilt axis. Axes of the base: right, ahead, up.
+geometry::Pose pose_at(double pan_rad, double tilt_rad) {
+  const Eigen::Quaterniond head(Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
+  Eigen::Matrix3d camera;  // x right, y down, z ahead
+  camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  return {head * Eigen::Quaterniond(camera), head * Eigen::Vector3d(0.05, 0.05, 0.04)};
+}
+
+struct Sheet {
+  double distance_m = 0;  ///< from the camera, over the whole picture; 0: no sheet
+};
+
+ScanView view_at(double pan_rad, double tilt_rad, double noise_m = 0, Sheet sheet = {}) {
+  const auto camera = tof_camera();
+  ScanView view;
+  view.base_from_tof = view.base_from_target = pose_at(pan_rad, tilt_rad);
+  view.distance_m.reset(camera.size_px());
+  view.sigma_m.reset(camera.size_px(), static_cast<float>(std::max(noise_m, 0.002)));
+  view.plate.reset(camera.size_px(), Rgb8{200, 100, 50});
+  std::mt19937 random(static_cast<unsigned>(1000 * (pan_rad + 4) + 10 * tilt_rad));
+  std::normal_distribution<double> normal;
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const Eigen::Vector3d ray =
+          (view.base_from_tof.rotation * Eigen::Vector3d((x - 47.5) / 70, (y - 39.5) / 70, 1))
+              .normalized();
+      double d_m = to_wall_m(view.base_from_tof.translation_m, ray);
+      if (sheet.distance_m > 0) d_m = std::min(d_m, sheet.distance_m);
+      view.distance_m.at(x, y) = static_cast<float>(d_m + noise_m * normal(random));
+    }
+  return view;
+}
+
+std::vector<ScanView> all_around(double noise_m = 0) {
+  std::vector<ScanView> views;
+  for (int tilt = -2; tilt <= 2; ++tilt)
+    for (int pan = 0; pan < 10; ++pan)
+      views.push_back(view_at(2 * M_PI * pan / 10, 0.7 * tilt, noise_m));
+  return views;
+}
+
+Panorama fuse(const std::vector<ScanView>& views, bool smooth = false) {
+  Crew crew(2);
+  return make_panorama(views, tof_camera(), tof_camera(), kHeight, smooth, crew);
+}
+
+/// Whether all rays within six degrees or so meet the same wall.
+bool is_off_the_edges(const Eigen::Vector3d& ray) {
+  std::array<double, 3> walls_m{};
+  for (int k = 0; k < 3; ++k) walls_m[static_cast<std::size_t>(k)] = kHalf_m[k] / std::abs(ray[k]);
+  std::sort(walls_m.begin(), walls_m.end());
+  return walls_m[1] > 1.25 * walls_m[0];
+}
+
+/// Root mean square of distance minus truth over measured pixels away from the box's edges.
+double rms_m(const Panorama& p) {
+  double sum = 0;
+  int count = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < 2 * kHeight; ++x) {
+      if (p.views.at(x, y) == 0 || !is_off_the_edges(direction_of(p.size(), x, y))) continue;
+      const double off = p.distance_m.at(x, y) - to_wall_m({0, 0, 0}, direction_of(p.size(), x, y));
+      sum += off * off, ++count;
+    }
+  return std::sqrt(sum / count);
+}
+
+TEST(Panorama, HoldsTheBoxInAllDirectionsWithItsPoles) {
+  const Panorama p = fuse(all_around());
+  EXPECT_DOUBLE_EQ(p.measured_share, 1);
+  EXPECT_LT(rms_m(p), 0.001);
+  EXPECT_LT(rms_m(fuse(all_around(), true)), 0.001);
+  for (const int y : {0, kHeight - 1})
+    for (int x = 0; x < 2 * kHeight; x += 45) {
+      const double truth_m = to_wall_m({0, 0, 0}, direction_of(p.size(), x, y));
+      EXPECT_NEAR(p.distance_m.at(x, y), truth_m, 0.002);
+      EXPECT_EQ(p.field.at(x, y), 1);
+      EXPECT_EQ(p.color.at(x, y), (Rgb8{200, 100, 50}));
+    }
+}
+
+TEST(Panorama, OverlapsLowerTheNoiseAndSmoothingMore) {
+  const std::vector<ScanView> views = all_around(0.012);
+  const double plain_m = rms_m(fuse(views)), smooth_m = rms_m(fuse(views, true));
+  EXPECT_LT(plain_m, 0.012);
+  EXPECT_LT(smooth_m, 0.6 * plain_m);
+}
+
+TEST(Panorama, WhoMovedBetweenOverlappingViewsLeavesNoTrace) {
+  // Two views of almost the same field; one is filled by somebody at 1 m.
+  const std::vector<ScanView> views{view_at(0, 0, 0.005), view_at(0.05, 0, 0.005, {1.0}),
+                                    view_at(0.1, 0.05, 0.005)};
+  const std::vector<ScanView> tie{view_at(0, 0, 0.005, {1.0}), view_at(0.05, 0, 0.005)};
+  for (const auto* seen : {&views, &tie}) {
+    const Panorama p = fuse(*seen);
+    for (int y = kHeight / 2 - 15; y < kHeight / 2 + 15; ++y)
+      for (int x = kHeight - 20; x < kHeight + 20; ++x)
+        EXPECT_NEAR(p.distance_m.at(x, y), to_wall_m({0, 0, 0}, direction_of(p.size(), x, y)),
+                    0.06);
+  }
+}
+
+TEST(Panorama, WhatNoViewSeesStaysUnknown) {
+  const Panorama p = fuse({view_at(0, 0)});
+  EXPECT_EQ(p.distance_m.at(0, kHeight / 2), 0);  // behind
+  EXPECT_EQ(p.field.at(0, kHeight / 2), 0);
+  EXPECT_GT(p.distance_m.at(kHeight, kHeight / 2), 0);
+  EXPECT_EQ(p.views.at(kHeight, kHeight / 2), 1);
+}
+
+TEST(Panorama, SmallHolesAreFilledAndSaidToBe) {
+  ScanView view = view_at(0, 0);
+  // The ray straight ahead is at pixel (45.7, 40.9): the camera is beside the origin.
+  for (int y = 37; y < 45; ++y)
+    for (int x = 42; x < 50; ++x) view.distance_m.at(x, y) = 0;
+  const Panorama p = fuse({view});
+  const int x = kHeight, y = kHeight / 2;
+  EXPECT_EQ(p.views.at(x, y), 0);
+  EXPECT_NEAR(p.distance_m.at(x, y), 2.0, 0.02);
+  EXPECT_GT(p.sigma_m.at(x, y), 0.002F);
+  EXPECT_LT(p.measured_share, p.known_share);
+}
+
+TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
+  ViewAverage average(tof_camera(), {0.01, 0, 0}, true);
+  Image<float> first({96, 80}, 2.0F), second({96, 80}, 2.3F), strong({96, 80}, 2.0F),
+      weak({96, 80}, 1.0F);
+  first.at(3, 4) = 0;
+  second.at(5, 6) = std::nanf("");
+  average.add(first.view(), strong.view());
+  average.add(second.view(), weak.view());
+  Image<float> distance_m, sigma_m;
+  average.finish(distance_m, sigma_m);
+  EXPECT_NEAR(distance_m.at(0, 0), (4 * 2.0 + 2.3) / 5, 1e-5);
+  EXPECT_NEAR(sigma_m.at(0, 0), 0.01 / std::sqrt(2), 1e-6);
+  EXPECT_NEAR(distance_m.at(3, 4), 2.3, 1e-5);
+  EXPECT_NEAR(distance_m.at(5, 6), 2.0, 1e-5);
+  average.clear();
+  average.finish(distance_m, sigma_m);
+  EXPECT_EQ(distance_m.at(0, 0), 0);
+}
+
+}  // namespace
+}  // namespace mixrig::model
