@@ -7,8 +7,6 @@
 #include <random>
 #include <vector>
 
-#include "host/measure/percentile.h"
-
 namespace mixrig::measure {
 namespace {
 
@@ -116,6 +114,20 @@ double off_surface_m(ImageView<const float> model_m, ImageView<const float> true
   return std::abs(off_m * dot_of(ray_of(true_m.size, x, y), normal)) / length;
 }
 
+struct Weighted {
+  double value = 0, weight = 0;
+};
+
+/// The least value up to which the weights add up to `weight`; 0 of nothing.
+double quantile_of(const std::vector<Weighted>& sorted, double weight) {
+  double sum = 0;
+  for (const Weighted& w : sorted) {
+    sum += w.weight;
+    if (sum >= weight) return w.value;
+  }
+  return sorted.empty() ? 0 : sorted.back().value;
+}
+
 }  // namespace
 
 RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> true_m,
@@ -123,7 +135,7 @@ RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> tr
   RoomErrors errors;
   for (std::size_t axis = 0; axis < 3; ++axis)
     errors.axes[axis] = lengths(model_m, true_m, frame, axis, count);
-  std::vector<float> off_mm;
+  std::vector<Weighted> off_mm;
   double all = 0, over = 0;
   for (int y = 0; y + 1 < model_m.size.height; ++y)
     for (int x = 0; x < model_m.size.width; ++x) {
@@ -131,11 +143,13 @@ RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> tr
       const double mm = 1000 * off_surface_m(model_m, true_m, x, y);
       const double solid = std::sin(std::numbers::pi * (y + 0.5) / model_m.size.height);
       all += solid, over += mm > 20 ? solid : 0;
-      off_mm.push_back(static_cast<float>(mm));
+      off_mm.push_back({mm, solid});
     }
   errors.points = off_mm.size();
-  errors.p50_mm = quantile(off_mm, 0.5);
-  errors.p95_mm = quantile(off_mm, 0.95);
+  std::sort(off_mm.begin(), off_mm.end(),
+            [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  errors.p50_mm = quantile_of(off_mm, 0.5 * all);
+  errors.p95_mm = quantile_of(off_mm, 0.95 * all);
   errors.over_20mm_pct = all > 0 ? 100 * over / all : 0;
   return errors;
 }

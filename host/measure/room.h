@@ -32,8 +32,8 @@ struct RoomErrors {
 /// Both pictures are equirectangular and of one size: column x at azimuth pi - 2 pi (x + 0.5) /
 /// width, counter-clockwise from +y about +z, row y at elevation pi/2 - pi (y + 0.5) / height.
 /// Distances in metres, 0 = unknown. `count` lengths per axis where the walls are free within half
-/// a degree around both ends and the model knows them; fewer where they are not found. Shares are
-/// of solid angle.
+/// a degree around both ends and the model knows them; fewer where they are not found. Shares
+/// and quantiles are of solid angle.
 RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> true_m,
                        const RoomFrame& frame, int count);
 

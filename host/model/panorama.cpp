@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "host/model/panorama_finish.h"
+
 namespace mixrig::model {
 namespace {
 
@@ -209,48 +211,6 @@ class Fusion {
   Panorama& out_;
 };
 
-/// Replaces distances by a weighted mean of those around that lie within the noise, of pixels that
-/// views agree on. On a plane the inverse distance is linear in the ray, so that is what is
-/// averaged, in pairs opposite each other, over the length of the pair's mean ray. Columns near the
-/// poles are closer together: the reach stays an angle.
-void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
-  constexpr int kReach_px = 3, kWidest_px = 24;
-  constexpr float kNoise = 3;
-  const Size size = before.size();
-  const double pixel_rad = std::numbers::pi / size.height;
-  for (int y = begin; y < end; ++y) {
-    const double across = std::sin(std::numbers::pi * (y + 0.5) / size.height);
-    const int reach_x =
-        std::min(kWidest_px, static_cast<int>(std::lround(kReach_px / std::max(across, 0.01))));
-    const int step_x = std::max(1, reach_x / kReach_px);
-    for (int x = 0; x < size.width; ++x) {
-      const float here_m = before.distance_m.row(y)[x], sigma_m = before.sigma_m.row(y)[x];
-      if (before.views.row(y)[x] == 0) continue;
-      float weight = 0, sum = 0;
-      for (int dy = -kReach_px; dy <= kReach_px; ++dy) {
-        const int up = y - dy, down = y + dy;  // pairs opposite each other keep a slope
-        if (up < 0 || down < 0 || up >= size.height || down >= size.height) continue;
-        for (int dx = -reach_x; dx <= reach_x; dx += step_x) {
-          const int left = (x - dx + size.width) % size.width,
-                    right = (x + dx + size.width) % size.width;
-          const float a_m = before.distance_m.row(up)[left],
-                      b_m = before.distance_m.row(down)[right];
-          if (a_m <= 0 || b_m <= 0) continue;
-          const double right_rad = pixel_rad * across * dx, up_rad = pixel_rad * dy;
-          const auto longer =
-              static_cast<float>(1 + 0.5 * (right_rad * right_rad + up_rad * up_rad));  // 1 / cos
-          const float mean = 0.5F * longer * (1 / a_m + 1 / b_m);
-          if (std::abs(1 / mean - here_m) > kNoise * sigma_m) continue;
-          const float sa_m = before.sigma_m.row(up)[left], sb_m = before.sigma_m.row(down)[right];
-          const float w = 1 / (sa_m * sa_m + sb_m * sb_m);
-          weight += w, sum += w * mean;
-        }
-      }
-      if (weight > 0) p.distance_m.row(y)[x] = weight / sum;
-    }
-  }
-}
-
 double known_share_of(const Panorama& panorama) {
   double all = 0, known = 0;
   for (int y = 0; y < panorama.size().height; ++y) {
@@ -264,76 +224,7 @@ double known_share_of(const Panorama& panorama) {
   return all > 0 ? known / all : 0;
 }
 
-/// One pixel inwards from every hole's border; columns go around. False when no hole is left.
-bool fill_border(Panorama& p, const Panorama& before) {
-  const Size size = p.size();
-  bool filled = false;
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) {
-      if (before.field.row(y)[x] == 0 || before.distance_m.row(y)[x] > 0) continue;
-      float sum_m = 0, sigma_m = 0;
-      int count = 0;
-      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-        const int nx = (x + dx + size.width) % size.width,
-                  ny = std::clamp(y + dy, 0, size.height - 1);
-        const float near_m = before.distance_m.row(ny)[nx];
-        if (near_m <= 0) continue;
-        sum_m += near_m, ++count;
-        sigma_m = std::max(sigma_m, before.sigma_m.row(ny)[nx]);
-        p.color.row(y)[x] = before.color.row(ny)[nx];
-      }
-      if (count == 0) continue;
-      p.distance_m.row(y)[x] = sum_m / static_cast<float>(count);
-      p.sigma_m.row(y)[x] = 1.5F * sigma_m;
-      filled = true;
-    }
-  return filled;
-}
-
 }  // namespace
-
-ViewAverage::ViewAverage(const geometry::CameraModel& tof, const geometry::DepthNoise& noise,
-                         bool depth_is_distance)
-    : noise_(noise), ray_(tof.size_px()), z_of_distance_(tof.size_px()) {
-  for (int y = 0; y < ray_.height(); ++y)
-    for (int x = 0; x < ray_.width(); ++x) {
-      const auto ideal = tof.unproject(Vector2d(x, y));
-      if (!ideal) continue;
-      const auto length = static_cast<float>(std::sqrt(1 + ideal->squaredNorm()));
-      ray_.row(y)[x] = depth_is_distance ? 1.0F : length;
-      z_of_distance_.row(y)[x] = 1 / length;
-    }
-  clear();
-}
-
-void ViewAverage::clear() {
-  sum_m_.reset(ray_.size()), weight_.reset(ray_.size()), count_.reset(ray_.size());
-}
-
-void ViewAverage::add(ImageView<const float> depth_m, ImageView<const float> amplitude) {
-  for (int y = 0; y < ray_.height(); ++y)
-    for (int x = 0; x < ray_.width(); ++x) {
-      const float depth = depth_m.row(y)[x];
-      if (!(depth > 0) || !std::isfinite(depth)) continue;
-      const float a = amplitude.empty() ? 1.0F : amplitude.row(y)[x];
-      const float weight = a > 0 && std::isfinite(a) ? a * a : 0.0F;
-      sum_m_.row(y)[x] += weight * ray_.row(y)[x] * depth;
-      weight_.row(y)[x] += weight;
-      if (weight > 0 && count_.row(y)[x] < 255) ++count_.row(y)[x];
-    }
-}
-
-void ViewAverage::finish(Image<float>& distance_m, Image<float>& sigma_m) const {
-  distance_m.reset(ray_.size()), sigma_m.reset(ray_.size());
-  for (int y = 0; y < ray_.height(); ++y)
-    for (int x = 0; x < ray_.width(); ++x) {
-      if (count_.row(y)[x] == 0) continue;
-      const float mean_m = sum_m_.row(y)[x] / weight_.row(y)[x];
-      const double one_m = noise_.sigma_m(static_cast<double>(mean_m) * z_of_distance_.row(y)[x]);
-      distance_m.row(y)[x] = mean_m;
-      sigma_m.row(y)[x] = static_cast<float>(one_m / std::sqrt(count_.row(y)[x]));
-    }
-}
 
 Vector3d direction_of(Size panorama, int x, int y) {
   const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / panorama.width);

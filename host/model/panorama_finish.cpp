@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/model/panorama_finish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace mixrig::model {
+
+void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
+  constexpr int kReach_px = 3, kWidest_px = 24;
+  constexpr float kNoise = 3;
+  const Size size = before.size();
+  const double pixel_rad = std::numbers::pi / size.height;
+  for (int y = begin; y < end; ++y) {
+    const double across = std::sin(std::numbers::pi * (y + 0.5) / size.height);
+    const int reach_x =
+        std::min(kWidest_px, static_cast<int>(std::lround(kReach_px / std::max(across, 0.01))));
+    const int step_x = std::max(1, reach_x / kReach_px);
+    for (int x = 0; x < size.width; ++x) {
+      const float here_m = before.distance_m.row(y)[x], sigma_m = before.sigma_m.row(y)[x];
+      if (before.views.row(y)[x] == 0) continue;
+      float weight = 0, sum = 0;
+      for (int dy = -kReach_px; dy <= kReach_px; ++dy) {
+        const int up = y - dy, down = y + dy;  // pairs opposite each other keep a slope
+        if (up < 0 || down < 0 || up >= size.height || down >= size.height) continue;
+        for (int dx = -reach_x; dx <= reach_x; dx += step_x) {
+          const int left = (x - dx + size.width) % size.width,
+                    right = (x + dx + size.width) % size.width;
+          const float a_m = before.distance_m.row(up)[left],
+                      b_m = before.distance_m.row(down)[right];
+          if (a_m <= 0 || b_m <= 0) continue;
+          const double right_rad = pixel_rad * across * dx, up_rad = pixel_rad * dy;
+          const auto longer =
+              static_cast<float>(1 + 0.5 * (right_rad * right_rad + up_rad * up_rad));  // 1 / cos
+          const float mean = 0.5F * longer * (1 / a_m + 1 / b_m);
+          if (std::abs(1 / mean - here_m) > kNoise * sigma_m) continue;
+          const float sa_m = before.sigma_m.row(up)[left], sb_m = before.sigma_m.row(down)[right];
+          const float w = 1 / (sa_m * sa_m + sb_m * sb_m);
+          weight += w, sum += w * mean;
+        }
+      }
+      if (weight > 0) p.distance_m.row(y)[x] = weight / sum;
+    }
+  }
+}
+
+bool fill_border(Panorama& p, const Panorama& before) {
+  const Size size = p.size();
+  bool filled = false;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      if (before.field.row(y)[x] == 0 || before.distance_m.row(y)[x] > 0) continue;
+      float sum_m = 0, sigma_m = 0;
+      int count = 0;
+      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        const int nx = (x + dx + size.width) % size.width,
+                  ny = std::clamp(y + dy, 0, size.height - 1);
+        const float near_m = before.distance_m.row(ny)[nx];
+        if (near_m <= 0) continue;
+        sum_m += near_m, ++count;
+        sigma_m = std::max(sigma_m, before.sigma_m.row(ny)[nx]);
+        p.color.row(y)[x] = before.color.row(ny)[nx];
+      }
+      if (count == 0) continue;
+      p.distance_m.row(y)[x] = sum_m / static_cast<float>(count);
+      p.sigma_m.row(y)[x] = 1.5F * sigma_m;
+      filled = true;
+    }
+  return filled;
+}
+
+}  // namespace mixrig::model
