@@ -102,7 +102,7 @@ Result<measure::RoomFrame> true_frame(const fs::path& path) {
   }
 }
 
-Result<measure::RoomErrors> errors_of(const model::Panorama& panorama, const fs::path& take) {
+Result<measure::RoomErrors> room_errors_of(const model::Panorama& panorama, const fs::path& take) {
   MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
   MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
   if (truth.empty() || truth[0].pixels.size() != panorama.size())
@@ -133,7 +133,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
                                        options.height_px, options.smooth, crew);
   scan.model_seconds = modelling.seconds();
   if (options.evaluate) {
-    MIXRIG_ASSIGN(scan.errors, errors_of(scan.panorama, options.take));
+    MIXRIG_ASSIGN(scan.errors, room_errors_of(scan.panorama, options.take));
   }
   return scan;
 }
