@@ -240,7 +240,7 @@ void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
 void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& distance_m) const {
   const Vec3 eye = world_from_eye.translation_m.cast<float>();
   const Size size = distance_m.size();
-  state_->crew.rows(size.height, kBand, [&](int begin, int end) {
+  state_->crew.rows(size.height, kStudioBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / size.width);
