@@ -166,8 +166,8 @@ TEST(Studio, wrong_options_are_one_line) {
   options.size_px = {8, 8};
   EXPECT_NE(Studio::create(options).error().context.find("8x8"), std::string::npos);
   EXPECT_EQ(parse_scenario("dance").error().context,
-            "unknown scenario 'dance': use one of still, walk, talk, pan, handheld, pendulum, "
-            "edges, far, dark");
+            "unknown scenario 'dance': use one of still, walk, talk, pan, sweep, handheld, "
+            "pendulum, edges, far, dark");
   EXPECT_EQ(*parse_rig("helios2"), RigPreset::kHelios2);
 }
 
