@@ -41,10 +41,10 @@ if(MIXRIG_LD AND NOT CMAKE_CROSSCOMPILING)
   add_link_options(-fuse-ld=${linker})
 endif()
 
-# Ceres is a static library of the distribution, built for the lowest processor: both sides hold the
-# same Eigen functions, the linker keeps one of them, and so both must allocate in the same way. With
-# wider registers Eigen would align to these, by an allocator of its own.
-add_compile_definitions(EIGEN_MAX_ALIGN_BYTES=16)
+# Shared libraries that hold Eigen's functions too, for another processor, keep their own.
+if(NOT CMAKE_CROSSCOMPILING)
+  add_link_options(-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/keep_eigen_inside.map)
+endif()
 
 add_library(mixrig_options INTERFACE)
 target_compile_options(mixrig_options INTERFACE
