@@ -19,6 +19,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 file(WRITE ${CMAKE_BINARY_DIR}/batch/empty.cpp "")
 
+# Tests are compiled in 0.7 of the time with -O1, and run as fast: what takes their time is in rooms.
+set(MIXRIG_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
+
 # mixrig_pch(NAME HEADERS ... LINKS ...): a target that owns one precompiled header.
 function(mixrig_pch name)
   cmake_parse_arguments(P "" "" "HEADERS;LINKS" ${ARGN})
@@ -39,10 +42,14 @@ mixrig_pch(room)
 if(MIXRIG_TESTS)
   find_package(GTest REQUIRED)
   mixrig_pch(test HEADERS <gtest/gtest.h> LINKS GTest::gtest)
+  target_compile_options(mixrig_pch_test PRIVATE ${MIXRIG_TEST_OPTIONS})
 endif()
 
 # mixrig_precompile(TARGET WHICH): WHICH is room or test.
 function(mixrig_precompile target which)
   target_link_libraries(${target} PRIVATE fmt::fmt)  # its macro is part of the header
   target_precompile_headers(${target} REUSE_FROM mixrig_pch_${which})
+  if(which STREQUAL "test")
+    target_compile_options(${target} PRIVATE ${MIXRIG_TEST_OPTIONS})
+  endif()
 endfunction()

@@ -7,8 +7,9 @@
 
 #include "host/calibration_file/calibration.h"
 #include "host/calibration_file/exchange.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(calibration) {
   using namespace mixrig::calibration_file;
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (const auto calibration = parse_calibration(text, "c")) {

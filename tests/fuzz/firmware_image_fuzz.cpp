@@ -6,8 +6,9 @@
 
 #include "hal/wire/dfuse.h"
 #include "hal/wire/firmware_image.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(firmware_image) {
   using namespace mixrig::device;
   (void)check_image({data, data + size}, "fuzz");
   (void)worth_keeping({data, size});

@@ -6,8 +6,9 @@
 #include <span>
 
 #include "firmware/port/sim/sim_board.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(firmware_line) {
   using namespace mixrig;
   sim::SimBoard board;
   board.receive({data, size});

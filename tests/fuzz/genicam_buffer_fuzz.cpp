@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "hal/wire/genicam_buffer.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(genicam_buffer) {
   using namespace mixrig;
   constexpr std::uint32_t kCodes[] = {device::pfnc::kMono8,       device::pfnc::kMono16,
                                       device::pfnc::kRgb8,        device::pfnc::kBayerRg8,

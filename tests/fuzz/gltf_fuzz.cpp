@@ -4,8 +4,9 @@
 #include <cstdlib>
 
 #include "host/scene/gltf_model.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(gltf) {
   using namespace mixrig;
   const auto model = scene::parse_model({data, size}, "/nonexistent");
   if (!model) return 0;

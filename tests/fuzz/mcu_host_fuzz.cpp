@@ -10,6 +10,7 @@
 #include "hal/wire/flash_image.h"
 #include "hal/wire/mcu_trigger.h"
 #include "hal/wire/stm32_rom.h"
+#include "tests/fuzz/target.h"
 
 namespace {
 
@@ -58,7 +59,7 @@ void flash(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(mcu_host) {
   if (size == 0) return 0;
   const std::span bytes(data + 1, size - 1);
   (data[0] & 1) != 0 ? open_trigger(bytes) : flash(bytes);

@@ -5,8 +5,9 @@
 #include "host/mocap/external.h"
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(mocap) {
   using namespace mixrig;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   (void)mocap::parse_constellation(text, "c");

@@ -4,8 +4,9 @@
 #include <cstdlib>
 
 #include "host/stream/natnet.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(natnet) {
   using namespace mixrig::stream;
   const auto bytes = std::as_bytes(std::span(data, size));
   for (const NatNetVersion version : {NatNetVersion{3, 0}, NatNetVersion{4, 1}}) {

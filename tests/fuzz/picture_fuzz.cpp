@@ -5,8 +5,9 @@
 
 #include "host/image_io/codecs.h"
 #include "host/image_io/image_io.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(picture) {
   using namespace mixrig;
   Image<Rgb8> color;
   if (image_io::decode_rgb8(data, size, "x", color) && color.empty()) std::abort();

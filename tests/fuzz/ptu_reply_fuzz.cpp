@@ -5,8 +5,9 @@
 #include <cstdlib>
 
 #include "hal/wire/flir_ptu_reply.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(ptu_reply) {
   using namespace mixrig::device;
   PtuReplyParser parser;
   parser.expect("PP ");

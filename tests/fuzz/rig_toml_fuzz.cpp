@@ -5,8 +5,9 @@
 #include <string_view>
 
 #include "host/live/rig_config.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(rig_toml) {
   using namespace mixrig::live;
   const auto rig = parse_rig({reinterpret_cast<const char*>(data), size}, "rig.toml");
   if (!rig) return 0;

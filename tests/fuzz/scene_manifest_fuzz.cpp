@@ -5,8 +5,9 @@
 #include <string_view>
 
 #include "host/scene/scene_manifest.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(scene_manifest) {
   using namespace mixrig;
   const auto scene =
       scene::parse_scene({reinterpret_cast<const char*>(data), size}, "scene.toml", false);

@@ -5,8 +5,9 @@
 #include <string_view>
 
 #include "host/take/manifest.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(take_manifest) {
   using namespace mixrig;
   const auto manifest =
       take::parse_manifest({reinterpret_cast<const char*>(data), size}, "t/take.toml");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/wire/tof_usb_decoder.h"
+#include "tests/fuzz/target.h"
 
 namespace {
 
@@ -32,7 +33,7 @@ void correct_checksums(std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(tof_packet) {
   if (size == 0) return 0;
   const std::uint8_t mode = *data;
   std::vector<std::uint8_t> bytes(data + 1, data + size);

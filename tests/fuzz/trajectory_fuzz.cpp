@@ -6,8 +6,9 @@
 
 #include "host/take/trajectory.h"
 #include "host/take/tum_folder.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(trajectory) {
   using namespace mixrig;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   if (const auto poses = take::parse_trajectory(text, "p"); poses && !poses->empty())

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/wire/v4l2_format.h"
+#include "tests/fuzz/target.h"
 
 namespace {
 
@@ -32,7 +33,7 @@ class Numbers {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(v4l2_format) {
   using namespace mixrig;
   using namespace mixrig::device;
   constexpr std::uint32_t kCodes[] = {fourcc('Y', 'U', 'Y', 'V'), fourcc('N', 'V', '1', '2'),

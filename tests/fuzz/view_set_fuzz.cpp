@@ -6,8 +6,9 @@
 #include <string>
 
 #include "host/calibration/rig/view_set.h"
+#include "tests/fuzz/target.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MIXRIG_FUZZ_TARGET(view_set) {
   using namespace mixrig;
   if (size == 0) return 0;
   const int views = data[0] % 8 + 1;
