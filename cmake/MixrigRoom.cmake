@@ -64,7 +64,11 @@ function(mixrig_test name)
   add_executable(${name} ${T_SOURCES})
   target_link_libraries(${name} PRIVATE mixrig_options ${T_LINKS} GTest::gtest_main)
   mixrig_precompile(${name} test)
+  set(timeout_s 300)
+  if(MIXRIG_SANITIZE)
+    set(timeout_s 1200)  # whole takes last up to twelve times as long
+  endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${T_LABELS}" TIMEOUT 300
+    PROPERTIES LABELS "${T_LABELS}" TIMEOUT ${timeout_s}
     ENVIRONMENT "MIXRIG_SOURCE=${PROJECT_SOURCE_DIR}")
 endfunction()

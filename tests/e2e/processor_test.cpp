@@ -37,6 +37,9 @@ TEST(Processor, an_older_one_than_built_for_is_reported_in_one_line) {
   const std::string emulator = "/usr/bin/qemu-x86_64-static", level = MIXRIG_CPU_LEVEL;
   if (!std::filesystem::exists(emulator))
     GTEST_SKIP() << "no " << emulator << ": scripts/setup arm64 installs it";
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the emulator has no room for a sanitizer's shadow memory";
+#endif
   // Nehalem has all of x86-64-v2 and nothing of x86-64-v3.
   const Outcome outcome =
       run("timeout 120 " + emulator + " -cpu Nehalem " MIXRIG_COMMAND " --version");
