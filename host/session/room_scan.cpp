@@ -16,6 +16,7 @@
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
 #include "host/pose/pan_tilt_poses.h"
+#include "host/scene/glb_writer.h"
 #include "host/take/take_source.h"
 
 namespace mixrig::session {
@@ -112,6 +113,16 @@ Result<measure::RoomErrors> room_errors_of(const model::Panorama& panorama, cons
   return measure::room_errors(panorama.distance_m.view(), truth[0].pixels.view(), frame, kLengths);
 }
 
+Result<void> write_mesh(const RoomScan& scan, const fs::path& path) {
+  if (scan.mesh.indices.empty()) return {};
+  scene::Model file;
+  scene::Mesh& mesh = file.meshes.emplace_back();
+  mesh.positions_m = scan.mesh.positions_m, mesh.normals = scan.mesh.normals;
+  mesh.uv = scan.mesh.uv, mesh.indices = scan.mesh.indices, mesh.texture = 0;
+  file.textures.push_back(scan.panorama.color);
+  return scene::write_glb(file, "room", path);
+}
+
 }  // namespace
 
 Result<RoomScan> scan_room(const RoomScanOptions& options) {
@@ -132,6 +143,12 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.panorama = model::make_panorama(sweep.views, source->info().tof, source->info().target,
                                        options.height_px, options.smooth, crew);
   scan.model_seconds = modelling.seconds();
+  const Stopwatch meshing;
+  const model::RoomMesh grid = model::grid_mesh(scan.panorama);
+  scan.triangles_raw = grid.indices.size() / 3;
+  scan.tolerance_m = model::mesh_tolerance_m(scan.panorama);
+  scan.mesh = model::simplified(grid, scan.panorama.size(), scan.tolerance_m, crew);
+  scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
     MIXRIG_ASSIGN(scan.errors, room_errors_of(scan.panorama, options.take));
   }
@@ -155,6 +172,7 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   MIXRIG_TRY(image_io::write_png(partial.path() / "color.png", p.color.view()));
   MIXRIG_TRY(image_io::write_png(partial.path() / "distance.png",
                                  ImageView<const std::uint16_t>(distance_mm.view())));
+  MIXRIG_TRY(write_mesh(scan, partial.path() / "room.glb"));
   calibration_file::InputHash hash;
   MIXRIG_TRY(hash.add_file(calibration));
   config::Writer root;
@@ -163,6 +181,8 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   root.set("views", scan.views).set("frames", scan.frames);
   root.set("measured_pct", config::rounded(100 * p.measured_share, 6));
   root.set("fill_pct", config::rounded(100 * p.known_share, 6));
+  root.set("triangles", static_cast<int>(scan.mesh.indices.size() / 3));
+  root.set("mesh_tolerance_mm", config::rounded(1000 * scan.tolerance_m, 6));
   root.set("calibration_hash", hash.text());
   MIXRIG_TRY(write_file(partial.path() / "manifest.toml", root.text()));
   return partial.commit();

@@ -8,6 +8,7 @@
 #include "host/capture/capture_source.h"
 #include "host/measure/room.h"
 #include "host/model/panorama.h"
+#include "host/model/room_mesh.h"
 
 namespace mixrig::session {
 
@@ -22,9 +23,13 @@ struct RoomScanOptions {
 
 struct RoomScan {
   model::Panorama panorama;
+  model::RoomMesh mesh;
+  std::size_t triangles_raw = 0;  ///< of the grid; the mesh has fewer
+  double tolerance_m = 0;         ///< of the mesh
   int views = 0, frames = 0;
   double read_seconds = 0;   ///< reading and averaging the take
   double model_seconds = 0;  ///< from averaged views to the panorama
+  double mesh_seconds = 0;   ///< from the panorama to the mesh
   std::optional<measure::RoomErrors> errors;
 };
 
@@ -33,9 +38,9 @@ struct RoomScan {
 /// `evaluate` finds no truth.
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
-/// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm) and
-/// manifest.toml into `folder`: whole or not at all. Errors: kUsage where the folder is something
-/// else, kIo.
+/// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb
+/// (where there are triangles) and manifest.toml into `folder`: whole or not at all. Errors: kUsage
+/// where the folder is something else, kIo.
 Result<void> save_room(const RoomScan& scan, const std::filesystem::path& calibration,
                        const std::filesystem::path& folder);
 

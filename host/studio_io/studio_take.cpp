@@ -9,8 +9,8 @@
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
+#include "host/scene/glb_writer.h"
 #include "host/studio/stage/court.h"
-#include "host/studio_io/glb_writer.h"
 #include "host/studio_io/moving_rig.h"
 
 namespace mixrig::studio_io {
@@ -98,10 +98,22 @@ std::string set_scene_text(const studio::StudioInfo& info, const std::string& se
   return root.text();
 }
 
+Result<void> write_object(const studio::VirtualObject& object, const std::filesystem::path& path) {
+  scene::Model model;
+  for (const studio::ObjectMesh& part : object.meshes) {
+    scene::Mesh mesh;
+    mesh.positions_m = part.positions_m, mesh.normals = part.normals, mesh.uv = part.uv;
+    mesh.indices = part.indices, mesh.texture = static_cast<int>(model.textures.size());
+    model.meshes.push_back(std::move(mesh));
+    model.textures.push_back(part.texture);
+  }
+  return scene::write_glb(model, object.name, path);
+}
+
 Result<void> write_set(const studio::StudioInfo& info, const std::filesystem::path& folder) {
   constexpr Size kSky{512, 410};
   const studio::VirtualObject court = studio::build_court();
-  MIXRIG_TRY(write_glb(court, folder / "models" / (court.name + ".glb")));
+  MIXRIG_TRY(write_object(court, folder / "models" / (court.name + ".glb")));
   MIXRIG_TRY(image_io::write_png(folder / "models" / "sky.png", studio::paint_sky(kSky)));
   return write_file(folder / "scene_set.toml", set_scene_text(info, court.name));
 }
@@ -171,7 +183,7 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
   if (failed)
     return system_error(ErrorCode::kIo, "cannot create " + (folder / "models").string(),
                         failed.value());
-  MIXRIG_TRY(write_glb(info.object, folder / "models" / (info.object.name + ".glb")));
+  MIXRIG_TRY(write_object(info.object, folder / "models" / (info.object.name + ".glb")));
   Writer own;
   own.set("pose", "take");
   MIXRIG_TRY(write_file(folder / "scene.toml", scene_text(info, std::move(own))));

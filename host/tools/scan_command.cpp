@@ -109,12 +109,18 @@ Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
   const model::Panorama& p = room.panorama;
   std::printf("%d views, %d frames: %.2f %% of the field measured, %.2f %% known\n", room.views,
               room.frames, 100 * p.measured_share, 100 * p.known_share);
-  std::printf("%.2f s to read and average, %.2f s for the panorama\n", room.read_seconds,
-              room.model_seconds);
+  const std::size_t triangles = room.mesh.indices.size() / 3;
+  std::printf("%zu triangles of %zu, to %.2f mm\n", triangles, room.triangles_raw,
+              1000 * room.tolerance_m);
+  std::printf("%.2f s to read and average, %.2f s for the panorama, %.2f s for the mesh\n",
+              room.read_seconds, room.model_seconds, room.mesh_seconds);
   nlohmann::json report = {{"views", room.views},
                            {"frames", room.frames},
-                           {"seconds", room.read_seconds + room.model_seconds},
+                           {"seconds", room.read_seconds + room.model_seconds + room.mesh_seconds},
                            {"model_seconds", room.model_seconds},
+                           {"mesh_seconds", room.mesh_seconds},
+                           {"triangles_raw", room.triangles_raw},
+                           {"triangles", triangles},
                            {"rss_mb", session::peak_rss_mb()},
                            {"measured_pct", 100 * p.measured_share},
                            {"fill_pct", 100 * p.known_share}};

@@ -26,7 +26,9 @@ TEST_F(RoomScan, HoldsTheFarWallsOfASmallField) {
   EXPECT_EQ(report.at("fill_pct").get<double>(), 100.0);
   EXPECT_LT(report.at("evaluate").at("p50_mm").get<double>(), 2.0);
   EXPECT_LT(report.at("evaluate").at("p95_mm").get<double>(), 16.0);
-  for (const char* file : {"manifest.toml", "room.exr", "color.png", "distance.png"})
+  EXPECT_GT(report.at("triangles").get<int>(), 100);
+  EXPECT_LT(2 * report.at("triangles").get<int>(), report.at("triangles_raw").get<int>());
+  for (const char* file : {"manifest.toml", "room.exr", "room.glb", "color.png", "distance.png"})
     EXPECT_TRUE(std::filesystem::exists(path("room/" + std::string(file)))) << file;
 }
 

@@ -17,6 +17,7 @@ set(PACKAGES
   "yaml-cpp:yaml-cpp"
   "toml\\+\\+|toml\\.hpp:tomlplusplus"
   "tiny_gltf:TinyGLTF"
+  "meshoptimizer\\.h:meshoptimizer"
   "gst/:PkgConfig::GSTREAMER"
   "cairo:PkgConfig::CAIRO"
   "ceres/:Ceres"

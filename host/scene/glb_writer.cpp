@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The studio's object as a binary glTF 2.0 file.
-#include "host/studio_io/glb_writer.h"
+#include "host/scene/glb_writer.h"
 
 #include <cstring>
 #include <sstream>
@@ -10,7 +9,7 @@
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
 
-namespace mixrig::studio_io {
+namespace mixrig::scene {
 namespace {
 
 /// Object axes (z up) to glTF's (y up).
@@ -26,7 +25,7 @@ class GlbBuilder {
  public:
   explicit GlbBuilder(const std::string& name) {
     model_.asset.version = "2.0";
-    model_.asset.generator = "mixrig studio";
+    model_.asset.generator = "mixrig";
     model_.defaultScene = 0;
     model_.scenes.resize(1);
     model_.scenes[0].nodes = {0};
@@ -39,8 +38,8 @@ class GlbBuilder {
     model_.samplers[0].magFilter = model_.samplers[0].minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
   }
 
-  Result<void> add(const studio::ObjectMesh& mesh) {
-    MIXRIG_ASSIGN(const int material, add_material(mesh.texture.view()));
+  Result<void> add(const Mesh& mesh, ImageView<const Rgb8> texture) {
+    MIXRIG_ASSIGN(const int material, add_material(texture));
     const std::vector<Eigen::Vector3f> positions = to_gltf(mesh.positions_m);
     const int position = add_vertices(positions, TINYGLTF_TYPE_VEC3);
     set_range(positions, model_.accessors.back());
@@ -124,9 +123,13 @@ class GlbBuilder {
 
 }  // namespace
 
-Result<void> write_glb(const studio::VirtualObject& object, const std::filesystem::path& path) {
-  GlbBuilder builder(object.name);
-  for (const studio::ObjectMesh& mesh : object.meshes) MIXRIG_TRY(builder.add(mesh));
+Result<void> write_glb(const Model& model, const std::string& name,
+                       const std::filesystem::path& path) {
+  GlbBuilder builder(name);
+  for (const Mesh& mesh : model.meshes) {
+    const auto texture = static_cast<std::size_t>(mesh.texture);
+    MIXRIG_TRY(builder.add(mesh, model.textures[texture].view()));
+  }
   // tinygltf does not report a full disk, so it writes to memory.
   std::ostringstream bytes;
   constexpr bool kPretty = false, kBinary = true;
@@ -134,4 +137,4 @@ Result<void> write_glb(const studio::VirtualObject& object, const std::filesyste
   return write_file(path, bytes.str());
 }
 
-}  // namespace mixrig::studio_io
+}  // namespace mixrig::scene
