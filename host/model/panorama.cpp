@@ -43,8 +43,6 @@ struct Sample {
   double distance_m = 0, sigma_m = 0, weight = 0;
 };
 
-bool is_depth_step(float low, float high) { return high - low > kStepFloor_m + kStepShare * low; }
-
 /// Distance, its sigma and the weight of a pixel; weight 0 where nothing is known.
 Sample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_rad) {
   const Size size = view.distance_m.size();
@@ -225,6 +223,10 @@ double known_share_of(const Panorama& panorama) {
 }
 
 }  // namespace
+
+bool is_depth_step(float low_m, float high_m) {
+  return high_m - low_m > kStepFloor_m + kStepShare * low_m;
+}
 
 Vector3d direction_of(Size panorama, int x, int y) {
   const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / panorama.width);

@@ -57,6 +57,9 @@ struct Panorama {
   Size size() const { return distance_m.size(); }
 };
 
+/// Whether neighbours at these distances, the lower first, are on two surfaces.
+bool is_depth_step(float low_m, float high_m);
+
 /// Unit direction of a pixel in base axes.
 Eigen::Vector3d direction_of(Size panorama, int x, int y);
 

@@ -10,11 +10,10 @@ namespace mixrig::model {
 namespace {
 
 constexpr std::uint32_t kNotMade = 0xFFFFFFFF;
-constexpr float kCutShare = 0.03F, kCutFloor_m = 0.03F;  ///< of the nearer distance, as in fusion
 
 bool holds_together(float a_m, float b_m) {
   const auto [low, high] = std::minmax(a_m, b_m);
-  return low > 0 && high - low <= kCutFloor_m + kCutShare * low;
+  return low > 0 && !is_depth_step(low, high);
 }
 
 /// Builds the grid: vertices are made when a triangle first needs them. Column `width` is column 0

@@ -20,7 +20,7 @@ set(PACKAGES
   "meshoptimizer\\.h:meshoptimizer"
   "gst/:PkgConfig::GSTREAMER"
   "cairo:PkgConfig::CAIRO"
-  "ceres/:Ceres"
+  "ceres/|glog/:Ceres"
   "Eigen/:Eigen3|mixrig::"
   "nlohmann/:nlohmann_json|mixrig::report|mixrig::session"
   "CLI/:CLI11"

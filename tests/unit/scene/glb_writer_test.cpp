@@ -61,7 +61,7 @@ TEST(GlbWriter, IsReadByAssimp) {
   ASSERT_EQ(scene->mNumTextures, 1U);
   EXPECT_EQ(scene->mTextures[0]->CheckFormat("png"), true);
 #else
-  GTEST_SKIP() << "assimp is not installed: apt install libassimp-dev";
+  GTEST_SKIP() << "assimp is not installed: scripts/setup peers installs it";
 #endif
 }
 
