@@ -3,10 +3,11 @@
 // Pass background: what the model has of the surface that a pixel shows at this pose.
 //   w             1/m of the drawn model, sign aside, 0 unknown
 //   model_sigma_m spread of the model's depth
-//   model_normal  model camera's axes, 0 unknown
+//   model_normal  axes of the first face, 0 unknown
 //   depth_m       z in metres, 0 unknown; spread_m of the model's depth
 //   normal        camera axes, 0 unknown
 #include "common/precision.glsl"
+#include "common/constants.glsl"
 #include "common/view.glsl"
 #include "common/model.glsl"
 layout(binding = 0) uniform sampler2D w;
@@ -26,5 +27,5 @@ void main() {
   if (!place.inside) return;
   spread_m = texelFetch(model_sigma_m, place.nearest, 0).r;
   // The inverse of a rotation is its transpose.
-  normal = vec4(texelFetch(model_normal, place.nearest, 0).xyz * model_rotation(), 0);
+  normal = vec4(texelFetch(model_normal, place.nearest, 0).xyz * first_face_rotation(), 0);
 }

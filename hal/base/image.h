@@ -26,6 +26,10 @@ struct Rgb8 {
   std::uint8_t r = 0, g = 0, b = 0;
   bool operator==(const Rgb8&) const = default;
 };
+/// As Rgb8, with a fourth byte of any meaning.
+struct Rgbx8 {
+  std::uint8_t r = 0, g = 0, b = 0, x = 0;
+};
 struct Rgbf {
   float r = 0, g = 0, b = 0;
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace mixrig {
 
@@ -33,6 +34,19 @@ inline const std::array<float, 256>& linear_of_srgb_bytes() {
     std::array<float, 256> values{};
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+    return values;
+  }();
+  return table;
+}
+
+/// sRGB byte of each linear value of 16 bit (65535 = 1), correctly rounded.
+inline const std::vector<std::uint8_t>& srgb_bytes_of_linear16() {
+  static const std::vector<std::uint8_t> table = [] {
+    std::vector<std::uint8_t> values(65536);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double code = srgb_from_linear(static_cast<double>(i) / 65535);
+      values[i] = static_cast<std::uint8_t>(std::lround(255 * code));
+    }
     return values;
   }();
   return table;

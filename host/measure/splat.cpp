@@ -34,7 +34,6 @@ void draw_square(double u, double v, double side_px, float z_m, ImageView<float>
 
 void splat(ImageView<const float> z_m, ImageView<const Ray> rays, const Motion& m,
            const IdealView& view, ImageView<float> out_m) {
-  for (int y = 0; y < out_m.size.height; ++y) std::fill_n(out_m.row(y), out_m.size.width, 0.0F);
   const auto& r = m.rotation;
   const auto& t = m.translation_m;
   for (int y = 0; y < z_m.size.height; ++y) {

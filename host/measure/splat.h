@@ -22,8 +22,8 @@ struct Motion {
 };
 
 /// Draws samples (z in metres; 0, negative or not finite: unknown) into `out_m`, whose size is that
-/// of the view; what no sample reaches becomes 0. `rays` has the size of `z_m`. A square is as wide
-/// as a sample is from its right or lower neighbour, at least one pixel.
+/// of the view; what no nearer sample reaches stays, 0 is nothing. `rays` has the size of `z_m`. A
+/// square is as wide as a sample is from its right or lower neighbour, at least one pixel.
 void splat(ImageView<const float> z_m, ImageView<const Ray> rays, const Motion& view_from_samples,
            const IdealView& view, ImageView<float> out_m);
 

@@ -49,39 +49,80 @@ void continue_ring(Image<float>& depth_m) {
   }
 }
 
-/// Samples lie in the middle of their cells; the first and the last ones are the ring.
-void make_grid(const BackgroundModel& model, ModelTables& t) {
-  const Size size = model.camera.size_px;
+/// Rays of the samples: in the middle of their cells; the first and the last ones are the ring.
+void make_rays(const geometry::Pinhole& camera, ModelTables& t) {
   const int step = t.step_px;
-  const Size cells{(size.width + step - 1) / step, (size.height + step - 1) / step};
-  const Size grid{cells.width + 2, cells.height + 2};
-  t.grid.tof_size = grid;
-  t.grid.tof_ray.reset(grid);
-  t.depth_m.reset(grid, 0.0F);
-  std::vector<float> known;
+  const auto samples = [&](int pixels) { return (pixels + step - 1) / step + 2; };
+  t.grid.tof_size = {samples(camera.size_px.width), samples(camera.size_px.height)};
+  t.grid.tof_ray.reset(t.grid.tof_size);
   const double middle = 0.5 * (step - 1);
-  for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) {
+  for (int y = 0; y < t.grid.tof_size.height; ++y)
+    for (int x = 0; x < t.grid.tof_size.width; ++x) {
       const Eigen::Vector2d ray =
-          model.camera.unproject({(x - 1) * step + middle, (y - 1) * step + middle});
+          camera.unproject({(x - 1) * step + middle, (y - 1) * step + middle});
       t.grid.tof_ray.row(y)[x] = glm::vec2(ray.x(), ray.y());
     }
-  for (int y = 0; y < cells.height; ++y)
-    for (int x = 0; x < cells.width; ++x)
-      t.depth_m.row(y + 1)[x + 1] =
-          cell_depth(model.images.depth_m, x * step, y * step, step, known);
-  continue_ring(t.depth_m);
+}
+
+Image<float> make_grid(ImageView<const float> face_m, const ModelTables& t) {
+  Image<float> depth_m(t.grid.tof_size);
+  std::vector<float> known;
+  for (int y = 1; y + 1 < depth_m.height(); ++y)
+    for (int x = 1; x + 1 < depth_m.width(); ++x)
+      depth_m.row(y)[x] =
+          cell_depth(face_m, (x - 1) * t.step_px, (y - 1) * t.step_px, t.step_px, known);
+  continue_ring(depth_m);
+  return depth_m;
+}
+
+/// Face number `face` of images of the model.
+template <typename T>
+ImageView<T> face_of(ImageView<T> images, Size face_size, std::size_t face) {
+  return {images.row(static_cast<int>(face) * face_size.height), face_size, images.stride};
+}
+
+/// Normals of each face, turned to the axes of the first.
+void make_normals(const BackgroundModel& model, int radius_px, Image<PackedNormal>& out) {
+  out.reset(model.depth_m.size);
+  const Size size = model.camera.size_px;
+  const geometry::Pose first_from_world = geometry::inverse(model.world_from_face.front());
+  for (std::size_t face = 0; face < model.world_from_face.size(); ++face) {
+    Image<PackedNormal> made = normals(face_of(model.depth_m, size, face), model.camera, radius_px);
+    const glm::mat3 first_from_face(
+        to_glm((first_from_world * model.world_from_face[face]).matrix()));
+    const ImageView<PackedNormal> to = face_of(out.view(), size, face);
+    for (int y = 0; y < size.height; ++y) {
+      const std::span<PackedNormal> row(made.row(y), static_cast<std::size_t>(size.width));
+      if (face > 0) rotate(first_from_face, row);
+      std::copy(row.begin(), row.end(), to.row(y));
+    }
+  }
 }
 
 }  // namespace
+
+void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
+  const auto pack = [](float value) {
+    return static_cast<std::int8_t>(static_cast<std::int32_t>(value + (value < 0 ? -0.5F : 0.5F)));
+  };
+  for (PackedNormal& n : normals) {
+    const float x = n.x, y = n.y, z = n.z;
+    n.x = pack(r[0].x * x + r[1].x * y + r[2].x * z);
+    n.y = pack(r[0].y * x + r[1].y * y + r[2].y * z);
+    n.z = pack(r[0].z * x + r[1].z * y + r[2].z * z);
+  }
+}
 
 ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
   const BackgroundModel& model = *setup.background_model;
   const geometry::Pinhole& camera = model.camera;
   ModelTables t;
-  const double tof_step_px = camera.fx_px / setup.tof.pinhole.fx_px;
-  t.step_px = std::clamp(static_cast<int>(std::lround(tof_step_px)), 1, kMostStepPx);
-  make_grid(model, t);
+  const double cell_px = std::max(1.0, camera.fx_px / setup.tof.pinhole.fx_px);
+  t.step_px = std::clamp(static_cast<int>(std::lround(cell_px)), 1, kMostStepPx);
+  t.face_rows = camera.size_px.height;
+  make_rays(camera, t);
+  for (std::size_t face = 0; face < model.world_from_face.size(); ++face)
+    t.depth_m.push_back(make_grid(face_of(model.depth_m, camera.size_px, face), t));
   const NoiseParams noise = noise_params(setup.noise);
   t.grid.correct.noise = {kMedianSigma * noise.floor_m, kMedianSigma * noise.linear,
                           kMedianSigma * noise.quadratic_per_m};
@@ -90,24 +131,24 @@ ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
                       glm::vec2(setup.view.cx_px, setup.view.cy_px)};
   t.grid.tof_footprint_px =
       static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / camera.fx_px));
-  t.limit_radius_px = limit_radius_px(tof_footprint_px(setup));
+  // Edges of the model are known to a sample of it.
+  const auto sample_px = static_cast<float>(setup.view.fx_px / camera.fx_px);
+  t.limit_radius_px = limit_radius_px(tof_footprint_px(setup) + std::max(0.0F, sample_px - 1));
   t.camera = {glm::vec2(camera.fx_px, camera.fy_px), glm::vec2(camera.cx_px, camera.cy_px)};
-  t.w.reset(camera.size_px);
+  t.w.reset(model.depth_m.size);
   for (int y = 0; y < t.w.height(); ++y)
     for (int x = 0; x < t.w.width(); ++x) {
-      const float z = model.images.depth_m.row(y)[x];
+      const float z = model.depth_m.row(y)[x];
       t.w.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
     }
-  if (with_normals)
-    t.normal = normals(model.images.depth_m, camera, 2 * static_cast<int>(std::ceil(tof_step_px)));
+  if (with_normals) make_normals(model, 2 * static_cast<int>(std::ceil(cell_px)), t.normal);
   return t;
 }
 
-ModelPose model_pose(const geometry::Pose& world_from_model,
-                     const geometry::Pose& world_from_camera) {
-  const geometry::Pose camera_from_model = geometry::inverse(world_from_camera) * world_from_model;
-  return {glm::mat4(to_glm(camera_from_model.matrix())),
-          glm::mat4(to_glm(geometry::inverse(camera_from_model).matrix()))};
+FacePose face_pose(const geometry::Pose& world_from_face, const geometry::Pose& world_from_camera) {
+  const geometry::Pose camera_from_face = geometry::inverse(world_from_camera) * world_from_face;
+  return {glm::mat4(to_glm(camera_from_face.matrix())),
+          glm::mat4(to_glm(geometry::inverse(camera_from_face).matrix()))};
 }
 
 }  // namespace mixrig::render

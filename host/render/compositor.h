@@ -16,6 +16,7 @@
 #include <glm/glm.hpp>
 
 #include "hal/base/image.h"
+#include "hal/base/learned_color.h"
 #include "hal/base/result.h"
 #include "host/geometry/camera_model.h"
 #include "host/geometry/depth_noise.h"
@@ -65,13 +66,21 @@ struct BackgroundView {
   ImageView<const float> color_sigma;
 };
 
-/// The room without people as seen from one place; borrowed. It is drawn again for each pose of
-/// the camera, as a mesh that is cut at depth steps.
+/// The room without people as seen from one place, in pictures that face several directions;
+/// borrowed. It is drawn again for each pose of the camera, as a mesh that is cut at depth steps.
 struct BackgroundModel {
-  geometry::Pinhole camera;  ///< of the images, any size and field of view
-  geometry::Pose world_from_camera;
-  BackgroundView images;  ///< size of `camera`; depth and its spread are z in its axes
+  geometry::Pinhole camera;  ///< of every face, any size and field of view
+  /// Of each face, at most kMostFaces, all at one place. Neighbours overlap by more than a sample
+  /// of depth; what several see is read in that whose axis is nearest.
+  std::vector<geometry::Pose> world_from_face;
+  /// The faces below one another. Depth and its spread are z in the axes of their face.
+  ImageView<const float> depth_m;        ///< 0 unknown
+  ImageView<const float> depth_sigma_m;  ///< may be empty
+  ImageView<const Rgbx8> color;          ///< learned_color(); `color_factor` times as many pixels a
+                                         ///< side; may be empty
+  int color_factor = 1;
 };
+inline constexpr int kMostColorFactor = 8;
 
 struct KeyParams {
   float threshold_m = 0.05F;

@@ -121,6 +121,10 @@ inline constexpr float kPeopleStepM = 0.3F;
 /// shadows.
 inline constexpr int kMostBallBlocks = 16;
 
+// --- background
+/// Faces of a background model: those of a cube.
+inline constexpr int kMostFaces = 6;
+
 // --- mix
 /// Metres: an object this far behind the background still touches it; noise of the learned depth.
 inline constexpr float kContactSlackM = 0.02F;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "host/render/compositor.h"
+#include "host/render/constants.h"
 
 namespace mixrig::render {
 namespace {
@@ -43,10 +45,26 @@ Result<void> check_background_model(const CompositorSetup& setup) {
   const BackgroundModel& model = *setup.background_model;
   if (!setup.background.depth_m.empty())
     return bad("there are two backgrounds, a still one and a model: give one of them");
-  if (model.images.depth_m.empty()) return bad("the background model has no depth: learn it again");
-  if (!(model.camera.fx_px > 0) || !(model.camera.fy_px > 0) || !finite(model.world_from_camera))
+  if (model.depth_m.empty()) return bad("the background model has no depth: learn it again");
+  const std::size_t faces = model.world_from_face.size();
+  if (faces < 1 || faces > static_cast<std::size_t>(kMostFaces))
+    return bad(fmt::format("the background model has {} faces, it may have 1 to {}: learn it again",
+                           faces, kMostFaces));
+  const bool placed = std::all_of(model.world_from_face.begin(), model.world_from_face.end(),
+                                  [](const geometry::Pose& pose) { return finite(pose); });
+  if (!(model.camera.fx_px > 0) || !(model.camera.fy_px > 0) || !placed)
     return bad("the background model has a camera or pose that is not finite: learn it again");
-  return check_background(model.images, model.camera.size_px);
+  if (model.color_factor < 1 || model.color_factor > kMostColorFactor)
+    return bad(
+        fmt::format("the colour of the background model is {} times as large as its depth, "
+                    "it may be 1 to {} times: learn it again",
+                    model.color_factor, kMostColorFactor));
+  const Size face = model.camera.size_px;
+  const Size images{face.width, face.height * static_cast<int>(faces)};
+  MIXRIG_TRY(same_size(model.depth_m, images, "depth"));
+  MIXRIG_TRY(same_size(model.depth_sigma_m, images, "depth spread"));
+  const int factor = model.color_factor;
+  return same_size(model.color, {factor * images.width, factor * images.height}, "colour");
 }
 
 Result<void> check_backdrop(const CompositorSetup& setup) {

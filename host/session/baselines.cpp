@@ -108,16 +108,21 @@ void Baselines::draw_depth(ImageView<const float> tof_depth_m) {
       const float along = setup_->depth_is_distance ? std::hypot(ray.x, ray.y, 1.0F) : 1.0F;
       tof_z_m_.row(y)[x] = tof_depth_m.row(y)[x] / along;
     }
+  depth_m_.fill(0);
   measure::splat(tof_z_m_, tof_rays_, motion_of(setup_->target_from_tof), view_of(setup_->view),
                  depth_m_);
 }
 
 void Baselines::draw_background(const geometry::Pose& world_from_target) {
   if (const auto& model = setup_->background_model) {
-    const geometry::Pose target_from_model =
-        geometry::inverse(world_from_target) * model->world_from_camera;
-    measure::splat(model->images.depth_m, background_rays_, motion_of(target_from_model),
-                   view_of(setup_->view), background_m_);
+    const geometry::Pose target_from_world = geometry::inverse(world_from_target);
+    const Size face = model->camera.size_px;
+    const ImageView<const float> all = model->depth_m;
+    background_m_.fill(0);
+    for (std::size_t i = 0; i < model->world_from_face.size(); ++i)
+      measure::splat({all.row(static_cast<int>(i) * face.height), face, all.stride},
+                     background_rays_, motion_of(target_from_world * model->world_from_face[i]),
+                     view_of(setup_->view), background_m_);
     return;
   }
   const ImageView<const float> learned_m = setup_->background.depth_m;

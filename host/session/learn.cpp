@@ -91,15 +91,14 @@ class WideFrame {
   /// Draws what the camera saw from a pose; `depth_m` and `color` have the size of `view`.
   void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
             const render::FrameOutput& seen) {
-    linear_.reset(seen.color.size());
-    const auto& linear = linear_of_srgb_bytes();
-    for (int y = 0; y < linear_.height(); ++y)
-      std::transform(seen.color.row(y), seen.color.row(y) + linear_.width(), linear_.row(y),
-                     [&](const Rgb8& p) {
-                       return Rgbf{linear[p.r], linear[p.g], linear[p.b]};
+    color_seen_.reset(seen.color.size());
+    for (int y = 0; y < color_seen_.height(); ++y)
+      std::transform(seen.color.row(y), seen.color.row(y) + color_seen_.width(), color_seen_.row(y),
+                     [](const Rgb8& p) {
+                       return Rgbx8{p.r, p.g, p.b, 0};
                      });
     setup_.background_model =
-        render::BackgroundModel{view, world_from_view, {seen.warped_depth_m, {}, linear_, {}}};
+        render::BackgroundModel{view, {world_from_view}, seen.warped_depth_m, {}, color_seen_};
     render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::Normals::kSkip);
     drawn.draw(crew_, wide_.world_from_camera, tables_);
     take_over(drawn);
@@ -131,7 +130,7 @@ class WideFrame {
   const WideView wide_;
   Crew crew_;
   render::Tables tables_;
-  Image<Rgbf> linear_;
+  Image<Rgbx8> color_seen_;
   Image<float> depth_m_;
   Image<Rgb8> color_;
 };

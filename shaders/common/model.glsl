@@ -1,22 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of the view in the camera of the background model. Needs common/view.glsl.
-uniform mat4 model_from_camera;
+// Pixels of the view in the faces of the background model, which lie below one another in its
+// pictures. Needs common/view.glsl and common/constants.glsl.
+uniform mat4 face_from_camera[most_faces];
+uniform int faces, face_rows;
 uniform vec2 model_focal_px, model_center_px;
 
 struct ModelPlace {
-  vec2 px;        // in the model camera
+  vec2 px;        // in the pictures
   ivec2 nearest;
-  float z_m;      // in the model camera's axes
-  bool inside;    // of the model's images
+  float z_m;      // in axes of the face
+  bool inside;    // of the face
 };
 
-mat3 model_rotation() { return mat3(model_from_camera); }
+mat3 first_face_rotation() { return mat3(face_from_camera[0]); }
 
-// Of the surface at inverse depth w > 0; w = 0 is nowhere.
+// Of the surface at inverse depth w > 0, in the face whose axis is nearest; w = 0 is nowhere.
 ModelPlace place_in_model(ivec2 at, float w, ivec2 model_size) {
-  vec3 q = model_rotation() * ray_of(at) + w * model_from_camera[3].xyz;
+  vec3 ray = ray_of(at), q = vec3(0);
+  int face = 0;
+  for (int i = 0; i < faces; ++i) {
+    vec3 p = mat3(face_from_camera[i]) * ray + w * face_from_camera[i][3].xyz;
+    if (i > 0 && p.z <= q.z) continue;
+    q = p;
+    face = i;
+  }
   vec2 px = model_focal_px * q.xy / q.z + model_center_px;
   bool inside = w > 0.0 && q.z > 0.0 && min(px.x, px.y) >= -0.5 &&
-                all(lessThan(px, vec2(model_size) - 0.5));
+                all(lessThan(px, vec2(model_size.x, face_rows) - 0.5));
+  px.y += float(face * face_rows);
   return ModelPlace(px, inside ? ivec2(px + 0.5) : ivec2(0), q.z / w, inside);
 }

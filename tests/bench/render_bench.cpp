@@ -17,13 +17,9 @@ constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{
 /// where the background is drawn for each pose too.
 template <typename Room>
 void compose_in(benchmark::State& state, Size view, Size tof) {
-  const Room room({.view = view, .tof = tof, .lens_k1 = -0.05});
-  render::CompositorSetup setup = room.setup;
-  if (state.range(1) == 2) {
-    setup.background_model = render::BackgroundModel{setup.view, {}, setup.background};
-    setup.background = {};
-  }
-  auto compositor = render::make_cpu_compositor(setup, static_cast<int>(state.range(0)));
+  Room room({.view = view, .tof = tof, .lens_k1 = -0.05});
+  if (state.range(1) == 2) room.draw_background_for_each_pose();
+  auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)));
   if (!compositor) {
     state.SkipWithError(compositor.error().context.c_str());
     return;

@@ -60,6 +60,7 @@ const std::map<std::string, double> kOurs = {
     {"people_step_m", kPeopleStepM},
     {"least_ball_blocks", kLeastBallBlocks},
     {"most_ball_blocks", kMostBallBlocks},
+    {"most_faces", kMostFaces},
     {"contact_slack_m", kContactSlackM},
     {"rec709_red", kRec709Red},
     {"rec709_green", kRec709Green},

@@ -31,9 +31,7 @@ class KeyPassTest : public GlTest {
       }
   }
   void draw() {
-    render::BackgroundView background;
-    if (use_color_) background.color = learned_;
-    auto pass = KeyPass::create(tables_, background, params_);
+    auto pass = KeyPass::create(tables_, {use_color_, false}, params_);
     ASSERT_TRUE(pass) << pass.error().context;
     const Texture w = make_texture(w_.view(), GL_R32F), none;
     const Texture plate = make_texture(plate_.view(), GL_SRGB8);

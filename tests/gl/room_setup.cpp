@@ -2,6 +2,7 @@
 #include "tests/gl/room_setup.h"
 
 #include <cmath>
+#include <utility>
 
 namespace mixrig::test {
 namespace {
@@ -60,6 +61,17 @@ void RoomSetup::learn(bool with_color) {
     }
   setup.background.color = color_;
   setup.background.color_sigma = color_sigma_;
+}
+
+void RoomSetup::draw_background_for_each_pose() {
+  render::BackgroundModel model{
+      setup.view, {geometry::Pose()}, background_m_, background_sigma_m_, {}};
+  if (!color_.empty()) {
+    learned_ = learned_colors(color_, color_sigma_);
+    model.color = learned_;
+  }
+  setup.background_model = std::move(model);
+  setup.background = {};
 }
 
 /// A cube with a textured skin, normals outwards, counter-clockwise from outside.

@@ -28,12 +28,15 @@ struct RoomSetup {
   Image<Rgb8> plate;   ///< with the person
   Image<float> depth;  ///< with the person
   render::FrameInput frame() const { return {plate, depth, {}}; }
+  /// Has the still background drawn for each pose. Precondition: Options::background.
+  void draw_background_for_each_pose();
 
  private:
   void learn(bool with_color);
   void add_box(const Eigen::Vector3d& center_m);
 
   Image<float> background_m_, background_sigma_m_, color_sigma_;
+  Image<Rgbx8> learned_;
   Image<Rgbf> color_;
   Image<Rgb8> texture_;
   std::vector<glm::vec3> positions_, normals_;

@@ -10,6 +10,7 @@
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/render/gles/compositor_gles.h"
 #include "tests/gl/room_setup.h"
+#include "tests/support/face_model.h"
 
 namespace mixrig::test {
 namespace {
@@ -94,8 +95,7 @@ float time_of(const Pair& pair, render::Stage stage) {
 /// The room's still background as a model that is drawn for each pose.
 TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   RoomSetup room(RoomSetup::Options{});
-  room.setup.background_model = render::BackgroundModel{room.setup.view, {}, room.setup.background};
-  room.setup.background = {};
+  room.draw_background_for_each_pose();
   Pair pair = make_pair(room);
   render::FrameInput frame = room.frame();
   expect_agreement(pair, frame);
@@ -107,10 +107,22 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   expect_agreement(pair, frame);
 }
 
+TEST(WholeFrame, agrees_with_a_background_model_of_several_faces) {
+  RoomSetup room({.background = false});
+  const FaceModel faces(room.scene);
+  room.setup.background_model = faces.model();
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  expect_agreement(pair, frame);
+  frame.world_from_target.translation_m = {0.02, 0.01, 0};
+  frame.world_from_target.rotation = Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY());
+  expect_agreement(pair, frame);
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
+}
+
 TEST(WholeFrame, agrees_with_a_background_model_without_color) {
   RoomSetup room({.background_color = false});
-  room.setup.background_model = render::BackgroundModel{room.setup.view, {}, room.setup.background};
-  room.setup.background = {};
+  room.draw_background_for_each_pose();
   Pair pair = make_pair(room);
   render::FrameInput frame = room.frame();
   frame.world_from_target.translation_m = {0.02, 0.01, 0};

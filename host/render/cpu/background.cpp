@@ -27,48 +27,40 @@ void most_within(const float* from, int width, int radius, float* to) {
     to[x] = *std::max_element(from + std::max(0, x - radius), from + width);
 }
 
-/// A table of the model's pixels with a border of one: pixel (x, y) lies at (x + 1, y + 1).
+/// Faces of the model below one another, each with a border of one: its pixel (x, y) lies at
+/// (x + 1, y + 1).
 template <typename T, typename Make>
-Image<T> padded(Size size, T border, Make&& make) {
-  Image<T> out({size.width + 2, size.height + 2}, border);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) out.row(y + 1)[x + 1] = make(x, y);
+Image<T> padded(Size images, int face_rows, T border, Make&& make) {
+  const int faces = images.height / face_rows;
+  Image<T> out({images.width + 2, faces * (face_rows + 2)}, border);
+  for (int y = 0; y < images.height; ++y)
+    for (int x = 0; x < images.width; ++x) out.row(y + 1 + y / face_rows * 2)[x + 1] = make(x, y);
   return out;
 }
 
-Image<Rgbx16> packed_color(const BackgroundView& images) {
-  const auto to_u16 = [](float value) {
-    return static_cast<std::uint16_t>(std::lround(kLinearOne * std::clamp(value, 0.0F, 1.0F)));
+/// Linear colours and, as x, their spread or kUnknownColor.
+Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
+  const auto& linear = srgb_to_linear();
+  constexpr float kPerByte = kLinearOne * kMostColorSpread / (kUnknownColorByte - 1);
+  const auto decoded = [&](int x, int y) -> Rgbx16 {
+    const Rgbx8& c = colors.row(y)[x];
+    const auto spread = static_cast<std::uint16_t>(kPerByte * c.x + 0.5F);
+    return {linear[c.r], linear[c.g], linear[c.b],
+            c.x == kUnknownColorByte ? kUnknownColor : spread};
   };
-  Image<Rgbx16> out =
-      padded<Rgbx16>(images.color.size, {0, 0, 0, kUnknownColor}, [&](int x, int y) -> Rgbx16 {
-        const Rgbf& c = images.color.row(y)[x];
-        const float sigma = images.color_sigma.empty() ? 0 : images.color_sigma.row(y)[x];
-        const auto spread = std::min<std::uint16_t>(to_u16(sigma), kUnknownColor - 1);
-        return {to_u16(c.r), to_u16(c.g), to_u16(c.b), c.r < 0 ? kUnknownColor : spread};
-      });
-  // The colours of the border only serve interpolation.
-  const int right = out.width() - 1, bottom = out.height() - 1;
+  Image<Rgbx16> out = padded<Rgbx16>(colors.size, face_rows, {0, 0, 0, kUnknownColor}, decoded);
+  // The colours of the borders only serve interpolation.
   const auto repeat = [&](int x, int y, int from_x, int from_y) {
     const Rgbx16 c = out.at(from_x, from_y);
     out.at(x, y) = {c.r, c.g, c.b, c.x};
   };
-  for (int x = 1; x < right; ++x) repeat(x, 0, x, 1), repeat(x, bottom, x, bottom - 1);
-  for (int y = 0; y <= bottom; ++y) repeat(0, y, 1, y), repeat(right, y, right - 1, y);
-  return out;
-}
-
-/// Turns unit normals; what is unknown stays so.
-void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
-  const auto pack = [](float value) {
-    return static_cast<std::int8_t>(static_cast<std::int32_t>(value + (value < 0 ? -0.5F : 0.5F)));
-  };
-  for (PackedNormal& n : normals) {
-    const float x = n.x, y = n.y, z = n.z;
-    n.x = pack(r[0].x * x + r[1].x * y + r[2].x * z);
-    n.y = pack(r[0].y * x + r[1].y * y + r[2].y * z);
-    n.z = pack(r[0].z * x + r[1].z * y + r[2].z * z);
+  const int right = out.width() - 1;
+  for (int top = 0; top < out.height(); top += face_rows + 2) {
+    const int bottom = top + face_rows + 1;
+    for (int x = 1; x < right; ++x) repeat(x, top, x, top + 1), repeat(x, bottom, x, bottom - 1);
+    for (int y = top; y <= bottom; ++y) repeat(0, y, 1, y), repeat(right, y, right - 1, y);
   }
+  return out;
 }
 
 }  // namespace
@@ -76,10 +68,11 @@ void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
 // One index serves the tables of depth, spread and normals.
 static_assert(sizeof(float) == sizeof(PackedNormal));
 
-/// Where up to kRun pixels of a row of the view lie in the model camera.
+/// Where up to kRun pixels of a row of the view lie in the faces.
 struct MovingBackground::Run {
   alignas(64) std::array<float, kRun> u_px, v_px;
-  alignas(64) std::array<float, kRun> z_m;  ///< in model axes
+  alignas(64) std::array<float, kRun> z_m;  ///< in axes of the face
+  alignas(64) std::array<std::int32_t, kRun> face;
   alignas(64)
       std::array<std::int32_t, kRun> at;  ///< nearest pixel of the tables of 4-byte values; 0: none
   std::size_t count = 0;
@@ -88,38 +81,46 @@ struct MovingBackground::Run {
 MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals)
     : key_(setup.key),
       noise_(noise_params(setup.noise)),
-      world_from_model_(setup.background_model->world_from_camera),
       model_(make_model_tables(setup, normals == Normals::kMake)),
-      grid_(model_.grid.tof_size),
       scratch_(model_.grid.tof_size),
       w_(with_margin(setup.view.size_px)),
       row_most_w_(setup.view.size_px),
       depth_sigma_m_(setup.view.size_px),
       depth_m_(setup.view.size_px) {
-  correct(crew, model_.grid.correct, model_.grid.tof_ray, model_.depth_m, grid_);
-  const BackgroundView& images = setup.background_model->images;
-  const Size size = images.depth_m.size;
-  model_w_ = padded(size, 0.0F, [&](int x, int y) { return model_.w.row(y)[x]; });
-  model_sigma_m_ = padded(size, 0.0F, [&](int x, int y) {
-    return images.depth_sigma_m.empty() ? 0 : images.depth_sigma_m.row(y)[x];
+  const BackgroundModel& from = *setup.background_model;
+  faces_.reserve(from.world_from_face.size());
+  for (std::size_t i = 0; i < from.world_from_face.size(); ++i) {
+    Face& face = faces_.emplace_back(Face{from.world_from_face[i], TofGrid(model_.grid.tof_size)});
+    correct(crew, model_.grid.correct, model_.grid.tof_ray, model_.depth_m[i], face.grid);
+  }
+  const Size size = from.depth_m.size;
+  const int rows = model_.face_rows;
+  model_w_ = padded(size, rows, 0.0F, [&](int x, int y) { return model_.w.row(y)[x]; });
+  model_sigma_m_ = padded(size, rows, 0.0F, [&](int x, int y) {
+    return from.depth_sigma_m.empty() ? 0 : from.depth_sigma_m.row(y)[x];
   });
   if (normals == Normals::kMake)
     model_normal_ =
-        padded(size, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
-  model_.depth_m = model_.w = {};
+        padded(size, rows, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
+  model_.depth_m.clear();
+  model_.w = {};
   model_.normal = {};
-  if (images.color.empty()) return;
-  model_color_ = packed_color(images);
+  if (from.color.empty()) return;
+  color_factor_ = from.color_factor;
+  model_color_ = linear_table(from.color, color_factor_ * rows);
   color_.reset(setup.view.size_px, {-1, -1, -1});
   color_sigma_.reset(setup.view.size_px);
 }
 
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
-  const ModelPose pose = model_pose(world_from_model_, world_from_camera);
-  model_from_camera_ = glm::mat3(pose.model_from_camera);
-  camera_in_model_m_ = glm::vec3(pose.model_from_camera[3]);
-  model_.grid.warp.camera_from_tof = pose.camera_from_model;
-  warp(crew, model_.grid, grid_, scratch_, w_);
+  for (Face& face : faces_) {
+    const FacePose pose = face_pose(face.world_from_face, world_from_camera);
+    face.from_camera = glm::mat3(pose.face_from_camera);
+    face.camera_m = glm::vec3(pose.face_from_camera[3]);
+    model_.grid.warp.camera_from_tof = pose.camera_from_face;
+    warp(crew, model_.grid, face.grid, scratch_, w_,
+         &face == &faces_.front() ? Before::kNothing : Before::kSurfaces);
+  }
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     Run run;
@@ -139,33 +140,47 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
 void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
   run.count = std::min(kRun, static_cast<std::size_t>(width));
   const PinholeParams view = model_.grid.warp.view, model = model_.camera;
-  const glm::mat3 r = model_from_camera_;
-  const glm::vec3 t = camera_in_model_m_;
   const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
-  const glm::vec3 row = r[1] * ray_y + r[2];
   const float to_ray = 1 / view.focal_px.x;
   const float first_x = static_cast<float>(x0) - view.center_px.x;
-  const float most_u = static_cast<float>(model_w_.width() - 2) - 0.5F;
-  const float most_v = static_cast<float>(model_w_.height() - 2) - 0.5F;
-  const auto stride = static_cast<std::int32_t>(model_w_.stride());
   const float* w = w_.row(y) + x0;
+  // The face whose axis is nearest: the largest z of the point times its own w.
+  alignas(64) std::array<float, kRun> qx, qy, qz;
+  run.face.fill(0);
+  qz.fill(-std::numeric_limits<float>::infinity());
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const glm::mat3 r = faces_[f].from_camera;
+    const glm::vec3 t = faces_[f].camera_m, row = r[1] * ray_y + r[2];
+    const auto face = static_cast<std::int32_t>(f);
+    for (std::size_t i = 0; i < run.count; ++i) {
+      const float ray_x = (first_x + static_cast<float>(static_cast<int>(i))) * to_ray;
+      const float face_x = r[0].x * ray_x + row.x + t.x * w[i];
+      const float face_y = r[0].y * ray_x + row.y + t.y * w[i];
+      const float face_z = r[0].z * ray_x + row.z + t.z * w[i];
+      const bool nearer = face_z > qz[i];
+      qx[i] = nearer ? face_x : qx[i];
+      qy[i] = nearer ? face_y : qy[i];
+      qz[i] = nearer ? face_z : qz[i];
+      run.face[i] = nearer ? face : run.face[i];
+    }
+  }
+  const float most_u = static_cast<float>(model_w_.width() - 2) - 0.5F;
+  const float most_v = static_cast<float>(model_.face_rows) - 0.5F;
+  const auto stride = static_cast<std::int32_t>(model_w_.stride());
   for (std::size_t i = 0; i < run.count; ++i) {
-    const float ray_x = (first_x + static_cast<float>(static_cast<int>(i))) * to_ray;
-    const float qx = r[0].x * ray_x + row.x + t.x * w[i];
-    const float qy = r[0].y * ray_x + row.y + t.y * w[i];
-    const float qz = r[0].z * ray_x + row.z + t.z * w[i];
-    const float inverse = 1 / qz;
-    const float u = model.focal_px.x * qx * inverse + model.center_px.x;
-    const float v = model.focal_px.y * qy * inverse + model.center_px.y;
+    const float inverse = 1 / qz[i];
+    const float u = model.focal_px.x * qx[i] * inverse + model.center_px.x;
+    const float v = model.focal_px.y * qy[i] * inverse + model.center_px.y;
     const bool inside =
-        (w[i] > 0) & (qz > 0) & (u >= -0.5F) & (v >= -0.5F) & (u < most_u) & (v < most_v);
+        (w[i] > 0) & (qz[i] > 0) & (u >= -0.5F) & (v >= -0.5F) & (u < most_u) & (v < most_v);
     run.u_px[i] = u;
     run.v_px[i] = v;
-    run.z_m[i] = qz / w[i];
-    // The tables have a border of one pixel that knows nothing.
+    run.z_m[i] = qz[i] / w[i];
+    // The tables have borders of one pixel that know nothing.
     const auto column = static_cast<std::int32_t>(inside ? u + 1.5F : 0.0F);
     const auto line = static_cast<std::int32_t>(inside ? v + 1.5F : 0.0F);
-    run.at[i] = line * stride + column;
+    const std::int32_t top = inside ? run.face[i] * (model_.face_rows + 2) : 0;
+    run.at[i] = (top + line) * stride + column;
   }
 }
 
@@ -183,13 +198,7 @@ void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out) const
   find_in_model(x0, y, static_cast<int>(out.size()), run);
   const PackedNormal* model_normal = model_normal_.row(0);
   for (std::size_t i = 0; i < run.count; ++i) out[i] = model_normal[run.at[i]];
-  rotate(glm::transpose(model_from_camera_), out.first(run.count));
-}
-
-/// Of the nearest pixel of the model. Rows of this table have another stride than the others'.
-bool MovingBackground::color_is_unknown(float u_px, float v_px) const {
-  const int x = static_cast<int>(u_px + 1.5F), y = static_cast<int>(v_px + 1.5F);
-  return model_color_.row(y)[x].x == kUnknownColor;
+  rotate(glm::transpose(faces_.front().from_camera), out.first(run.count));
 }
 
 void MovingBackground::draw_color(int x0, int y, int width) {
@@ -198,18 +207,27 @@ void MovingBackground::draw_color(int x0, int y, int width) {
   float* color_sigma = color_sigma_.row(y) + x0;
   find_in_model(x0, y, width, run);
   const std::ptrdiff_t stride = model_color_.stride();
+  const auto factor = static_cast<float>(color_factor_);
+  const int table_rows = color_factor_ * model_.face_rows + 2;
   for (std::size_t i = 0; i < run.count; ++i) {
     const std::int32_t at = run.at[i];
     const float seen_w = model_w_.row(0)[at];
     // The model saw another surface before this one: that one's colour says nothing about it.
     const bool hidden = seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) > kHiddenPart;
-    if (at == 0 || hidden || color_is_unknown(run.u_px[i], run.v_px[i])) {
+    // In the table of colours, whose faces have a border too.
+    const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
+    const float v_px =
+        (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
+    const auto is_unknown = [&] {
+      const int x = static_cast<int>(u_px + 0.5F), line = static_cast<int>(v_px + 0.5F);
+      return model_color_.row(line)[x].x == kUnknownColor;
+    };
+    if (at == 0 || hidden || is_unknown()) {
       color[i] = {-1, -1, -1};
       color_sigma[i] = 0;
       continue;
     }
-    const Split u = split(run.u_px[i] + 1, model_color_.width()),
-                v = split(run.v_px[i] + 1, model_color_.height());
+    const Split u = split(u_px, model_color_.width()), v = split(v_px, model_color_.height());
     const Rgbx16* p = model_color_.row(static_cast<int>(v.pixel)) + u.pixel;
     const F4 c =
         __builtin_convertvector(blend(p, p + stride, u.fraction, v.fraction), F4) / kLinearOne;

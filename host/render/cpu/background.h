@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "hal/base/parallel.h"
 #include "host/render/background_model.h"
@@ -40,22 +41,27 @@ class MovingBackground {
   struct Run;
   void find_in_model(int x0, int y, int width, Run& run) const;
   void look_up(int x0, int y, const Run& run);
-  bool color_is_unknown(float u_px, float v_px) const;
   void limit_row(int y, float* limit_w) const;
+
+  struct Face {
+    geometry::Pose world_from_face;
+    TofGrid grid;
+    glm::mat3 from_camera{1};  ///< of the last draw
+    glm::vec3 camera_m{0};     ///< in axes of the face
+  };
 
   KeyParams key_;
   NoiseParams noise_;
-  geometry::Pose world_from_model_;
   ModelTables model_;
-  /// Lookup tables: model camera's size and a border of one pixel that knows nothing.
+  std::vector<Face> faces_;
+  /// Lookup tables: the faces below one another, each with a border of one pixel that knows
+  /// nothing.
   Image<Rgbx16> model_color_;         ///< x: the spread, 65535 where unknown; empty without colour
+  int color_factor_ = 1;              ///< its pixels a pixel of the other tables, along a side
   Image<float> model_w_;              ///< inverse depth, 0 unknown
   Image<float> model_sigma_m_;        ///< spread of the depth
-  Image<PackedNormal> model_normal_;  ///< model axes
-  TofGrid grid_;
+  Image<PackedNormal> model_normal_;  ///< axes of the first face
   WarpScratch scratch_;
-  glm::mat3 model_from_camera_{1};
-  glm::vec3 camera_in_model_m_{0};
   Image<float> w_;           ///< with kViewMargin
   Image<float> row_most_w_;  ///< largest w_ within the radius, along the row
   Image<float> depth_sigma_m_;

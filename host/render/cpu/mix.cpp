@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <optional>
 
+#include "hal/base/srgb.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
 Rgb8 encode(const glm::vec3& linear) {
-  const auto& srgb = linear_to_srgb();
+  const auto& srgb = srgb_bytes_of_linear16();
   const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
   return {srgb[static_cast<std::size_t>(c.r)], srgb[static_cast<std::size_t>(c.g)],
           srgb[static_cast<std::size_t>(c.b)]};
 }
 
 Rgb8 encode(Rgbx16 c) {
-  const std::uint8_t* srgb = linear_to_srgb().data();
+  const std::uint8_t* srgb = srgb_bytes_of_linear16().data();
   return {srgb[c.r], srgb[c.g], srgb[c.b]};
 }
 
@@ -29,7 +31,8 @@ glm::vec3 decode(Rgb8 p) {
 
 /// The real scene alone: most pixels are nothing else.
 [[gnu::noinline]] void encode_row(const Rgbx16* plate, int width, Rgb8* color) {
-  const std::uint8_t* srgb = linear_to_srgb().data();  // a byte that is stored cannot change it
+  const std::uint8_t* srgb =
+      srgb_bytes_of_linear16().data();  // a byte that is stored cannot change it
   for (int x = 0; x < width; ++x) color[x] = {srgb[plate[x].r], srgb[plate[x].g], srgb[plate[x].b]};
 }
 

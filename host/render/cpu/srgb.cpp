@@ -19,16 +19,4 @@ const std::array<std::uint16_t, 256>& srgb_to_linear() {
   return kTable;
 }
 
-const std::vector<std::uint8_t>& linear_to_srgb() {
-  static const auto kTable = [] {
-    std::vector<std::uint8_t> table(65536);
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      const double code = srgb_from_linear(static_cast<double>(i) / 65535);
-      table[i] = static_cast<std::uint8_t>(std::lround(255 * code));
-    }
-    return table;
-  }();
-  return kTable;
-}
-
 }  // namespace mixrig::render::cpu

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace mixrig::render::cpu {
 
@@ -17,7 +16,5 @@ inline constexpr float kLinearOne = 65535.0F;
 
 /// Linear value of each sRGB byte, 65535 = 1.0. encode(decode(c)) = c.
 const std::array<std::uint16_t, 256>& srgb_to_linear();
-/// sRGB byte of each linear value, correctly rounded; 65536 entries.
-const std::vector<std::uint8_t>& linear_to_srgb();
 
 }  // namespace mixrig::render::cpu

@@ -182,7 +182,6 @@ void span_row(int y, WarpScratch& out) {
 }
 
 void draw_band(const Mesh& mesh, const Band& band, float reach_px, Image<float>& view_w) {
-  for (int y = band.y0; y < band.y1; ++y) std::fill_n(view_w.row(y), view_w.width(), 0.0F);
   const WarpScratch& vertices = mesh.vertices;
   CutCells cut_cells(mesh, band, view_w);
   for (int y = 0; y + 1 < vertices.size.height; ++y)
@@ -210,7 +209,7 @@ WarpScratch::WarpScratch(Size tof_size) : size(tof_size) {
 }
 
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
-          Image<float>& view_w) {
+          Image<float>& view_w, Before before) {
   constexpr int kGrain = 32;
   const WarpParams& params = tables.warp;
   const Image<glm::vec2>& tof_ray = tables.tof_ray;
@@ -227,6 +226,8 @@ void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& sc
   const int band_rows = std::max(16, (view_size.height / 16 + 3) / 4 * 4);
   crew.rows(view_size.height, band_rows, [&](int begin, int end) {
     const int last_y = end == view_size.height ? end : end - 4;
+    if (before == Before::kNothing)
+      for (int y = begin; y < end; ++y) std::fill_n(view_w.row(y), view_w.width(), 0.0F);
     draw_band(mesh, {begin, end, view_size.width, last_y}, 1 + tables.tof_footprint_px, view_w);
   });
 }

@@ -29,9 +29,12 @@ struct WarpScratch {
 };
 inline constexpr int kRunCells = QuadBatch::kCapacity;
 
-/// Fills the view with the inverse depth of the nearest surface, 0 unknown. `view_w` is
-/// kViewMargin wider and higher than the view.
+/// What the view holds before.
+enum class Before { kNothing, kSurfaces };
+
+/// Fills the view with the inverse depth of the nearest surface, 0 unknown; `before` may be that of
+/// other grids. `view_w` is kViewMargin wider and higher than the view.
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
-          Image<float>& view_w);
+          Image<float>& view_w, Before before = Before::kNothing);
 
 }  // namespace mixrig::render::cpu

@@ -2,6 +2,7 @@
 // Pass background: the background model as the camera sees it from its pose.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -31,20 +32,28 @@ class BackgroundPass {
 
  private:
   struct Placing {  ///< uniforms of common/model.glsl
-    GLint model_from_camera = -1;
+    GLint face_from_camera = -1;
   };
+  struct Face {
+    geometry::Pose world_from_face;
+    Texture vertices;
+    Target target;
+  };
+  Result<void> create_faces(const CompositorSetup& setup, const ModelTables& model);
   Result<void> create_model(const CompositorSetup& setup, const ModelTables& model);
   Result<void> create_limit(const CompositorSetup& setup, int radius_px);
   void set_view(const Step& step, const Tables& tables, const ModelTables& model, Placing& placing);
 
-  geometry::Pose world_from_model_;
+  std::vector<Face> faces_;
+  std::array<glm::mat4, kMostFaces> face_from_camera_;  ///< of the last draw
   CorrectPass correct_;
   WarpPass warp_;
-  Texture model_w_, model_sigma_m_, model_normal_, model_color_, model_spread_, places_;
+  Texture model_w_, model_sigma_m_, model_normal_, model_color_, places_;
   Texture depth_m_, spread_m_, normal_, learned_, learned_sigma_, row_w_, limit_w_, place_color_;
   Step look_up_, color_, rows_, limit_, at_places_;
   Placing look_up_at_, color_at_;
   bool has_color_ = false;
+  int color_factor_ = 1;
   std::vector<glm::vec4> place_colors_;
 };
 

@@ -110,22 +110,23 @@ GlesCompositor::~GlesCompositor() { (void)context_.make_current(); }
 /// Only the passes that the scene needs; their tables go to the GPU here, once.
 Result<void> GlesCompositor::create_passes() {
   const BackgroundView& background = setup_.background;
+  const LearnedColor learned{!background.color.empty(), !background.color_sigma.empty()};
   MIXRIG_ASSIGN(plate_, PlatePass::create(tables_));
   MIXRIG_ASSIGN(correct_, CorrectPass::create(tables_));
   MIXRIG_ASSIGN(warp_, WarpPass::create(tables_));
   if (setup_.background_model) {
     MIXRIG_ASSIGN(background_pass_, BackgroundPass::create(tables_, setup_, meter_.places()));
     tables_.has_background = true;
-    MIXRIG_ASSIGN(
-        key_, KeyPass::create(tables_, setup_.background_model->images, preparer_.params().key));
+    const bool color = !setup_.background_model->color.empty();
+    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, {color, color}, preparer_.params().key));
   } else if (tables_.has_background) {
     background_m_ = make_texture(background.depth_m, GL_R32F);
     if (!background.color.empty()) learned_ = make_texture(background.color, GL_RGB16F);
     if (!background.color_sigma.empty())
       learned_sigma_ = make_texture(background.color_sigma, GL_R16F);
-    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, background, preparer_.params().key));
+    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
   } else if (keys()) {
-    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, background, preparer_.params().key));
+    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
   }
   for (const Draw& draw : preparer_.params().draws) meshes_.emplace_back(*draw.mesh);
   if (has_objects()) {

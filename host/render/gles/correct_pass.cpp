@@ -32,12 +32,14 @@ Result<CorrectPass> CorrectPass::create(const Tables& tables) {
   return pass;
 }
 
-void CorrectPass::draw() const {
+void CorrectPass::draw() const { draw_into(link_.target); }
+
+void CorrectPass::draw_into(const Target& vertices) const {
   run(to_z_, {&depth_, &ray_});
   run(find_bend_, {&raw_z_});
   run(clean_, {&raw_z_, &bend_});
   run(smooth_, {&clean_z_, &step_});
-  run(link_, {&z_, &step_});
+  run_into(vertices, link_, {&z_, &step_});
 }
 
 }  // namespace mixrig::render::gles

@@ -11,6 +11,8 @@ class CorrectPass {
   static Result<CorrectPass> create(const Tables& tables);
   void upload_depth(ImageView<const float> depth_m) const { upload(depth_, depth_m); }
   void draw() const;
+  /// The same, with the vertices in another texture of their size and format.
+  void draw_into(const Target& vertices) const;
   const Texture& tof_ray() const { return ray_; }
   /// GL_R32F, metres, 0 unknown: as measured but for what belongs to another surface; smoothed.
   const Texture& clean_z_m() const { return clean_z_; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,6 +61,9 @@ inline void set_uniform(GLint at, const glm::mat3& v) {
 }
 inline void set_uniform(GLint at, const glm::mat4& v) {
   glUniformMatrix4fv(at, 1, GL_FALSE, &v[0][0]);
+}
+inline void set_uniform(GLint at, std::span<const glm::mat4> v) {
+  glUniformMatrix4fv(at, static_cast<GLsizei>(v.size()), GL_FALSE, &v[0][0][0]);
 }
 
 template <typename T>

@@ -47,6 +47,9 @@ void upload(const Texture& texture, ImageView<const glm::vec2> image) {
 void upload(const Texture& texture, ImageView<const Rgb8> image) {
   upload_as(texture, image, GL_RGB, GL_UNSIGNED_BYTE);
 }
+void upload(const Texture& texture, ImageView<const Rgbx8> image) {
+  upload_as(texture, image, GL_RGBA, GL_UNSIGNED_BYTE);
+}
 void upload(const Texture& texture, ImageView<const Rgbf> image) {
   upload_as(texture, image, GL_RGB, GL_FLOAT);
 }

@@ -29,6 +29,7 @@ Texture make_texture(Size size, GLenum internal_format, Sampling sampling = Samp
 void upload(const Texture& texture, ImageView<const float> image);         // GL_R32F
 void upload(const Texture& texture, ImageView<const glm::vec2> image);     // GL_RG32F
 void upload(const Texture& texture, ImageView<const Rgb8> image);          // GL_SRGB8, GL_RGB8
+void upload(const Texture& texture, ImageView<const Rgbx8> image);         // GL_SRGB8_ALPHA8
 void upload(const Texture& texture, ImageView<const Rgbf> image);          // GL_RGB16F, GL_RGB32F
 void upload(const Texture& texture, ImageView<const PackedNormal> image);  // GL_RGBA8_SNORM
 void upload(const Texture& texture, ImageView<const std::uint8_t> image);  // GL_R8

@@ -4,7 +4,7 @@
 #include <cmath>
 
 namespace mixrig::render::gles {
-Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& background,
+Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params) {
   KeyPass pass;
   const Size view = tables.view_size;
@@ -12,7 +12,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& back
                     (view.height + kBlockPx - 1) / kBlockPx};
   const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
   pass.use_color_ = params.color;
-  pass.has_learned_ = !background.color.empty();
+  pass.has_learned_ = learned.there;
   if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
   pass.state_image_ = make_texture(view, GL_R8);
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
@@ -22,7 +22,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, const BackgroundView& back
   pass.visible_w_ = make_texture(view, GL_R32F);
   if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
   MIXRIG_TRY(pass.make_steps());
-  pass.set_constants(tables, params, !background.color_sigma.empty());
+  pass.set_constants(tables, params, learned.with_spread);
   return pass;
 }
 

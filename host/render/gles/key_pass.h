@@ -19,10 +19,15 @@ struct KeyInput {
 /// Flags of a block, as in key_band.frag.
 enum BlockFlags : int { kNear = 1, kBand = 2, kVotes = 4, kHasColor = 8, kMayShowPeople = 16 };
 
+/// What was learned of the background's colour.
+struct LearnedColor {
+  bool there = false, with_spread = false;
+};
+
 class KeyPass {
  public:
   /// Precondition: params.by is not KeyBy::kNothing. Errors: as make_program and make_target.
-  static Result<KeyPass> create(const Tables& tables, const BackgroundView& background,
+  static Result<KeyPass> create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params);
   void draw(const KeyPassParams& params, const KeyInput& input) const;
 

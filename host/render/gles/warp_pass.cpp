@@ -57,11 +57,16 @@ void WarpPass::find_triangles(const Texture& vertices) const {
 }
 
 void WarpPass::draw(const Texture& vertices, const Texture& tof_ray) const {
-  find_triangles(vertices);
   bind(target_);
   glClearColor(0, 0, 0, 0);
   glClearDepthf(0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  add(vertices, tof_ray);
+}
+
+void WarpPass::add(const Texture& vertices, const Texture& tof_ray) const {
+  find_triangles(vertices);
+  bind(target_);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glEnable(GL_CULL_FACE);

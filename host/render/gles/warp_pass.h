@@ -14,6 +14,8 @@ class WarpPass {
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// `vertices`, `tof_ray`: of CorrectPass.
   void draw(const Texture& vertices, const Texture& tof_ray) const;
+  /// The same, before or behind what was drawn.
+  void add(const Texture& vertices, const Texture& tof_ray) const;
   /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }

@@ -92,12 +92,16 @@ TEST(DepthKey, LetsTheRoomHideTheObject) {
 
 /// A depth camera of 3x3 samples 0.1 apart, a view of 110 px of focal length.
 struct Splat {
-  Splat() : z_m({3, 3}), rays({3, 3}), out_m({41, 41}, 9.0F) {
+  Splat() : z_m({3, 3}), rays({3, 3}), out_m({41, 41}) {
     for (int y = 0; y < 3; ++y)
       for (int x = 0; x < 3; ++x)
         rays.at(x, y) = {0.1F * static_cast<float>(x - 1), 0.1F * static_cast<float>(y - 1)};
   }
-  void draw(const Motion& motion = {}) { splat(z_m, rays, motion, {110, 110, 20, 20}, out_m); }
+  void draw(const Motion& motion = {}) {
+    out_m.fill(0);
+    add(motion);
+  }
+  void add(const Motion& motion) { splat(z_m, rays, motion, {110, 110, 20, 20}, out_m); }
   int known() const {
     int count = 0;
     for (int y = 0; y < 41; ++y)
@@ -139,6 +143,19 @@ TEST(Splat, MovesTheSamplesIntoTheView) {
   EXPECT_EQ(s.known(), 6 * 5);  // half as large at twice the distance
   s.draw({{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1.5}});
   EXPECT_EQ(s.known(), 0) << "behind the camera";
+}
+
+TEST(Splat, AddsToWhatOthersDrew) {
+  Splat s;
+  s.z_m.at(1, 1) = 2.0F;
+  s.draw();
+  s.z_m.at(1, 1) = 1.0F;
+  s.add({{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.05, 0, 0}});  // 20..30 in x
+  EXPECT_EQ(s.out_m.at(16, 20), 2.0F);
+  EXPECT_EQ(s.out_m.at(25, 20), 1.0F);
+  s.z_m.at(1, 1) = 3.0F;
+  s.add({});
+  EXPECT_EQ(s.out_m.at(25, 20), 1.0F) << "the nearest stays";
 }
 
 TEST(Srgb, AreTheValuesOfTheStandard) {

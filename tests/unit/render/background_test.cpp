@@ -10,6 +10,7 @@
 #include "host/render/cpu/compositor_cpu.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/count_allocations.h"
+#include "tests/support/face_model.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
@@ -38,13 +39,15 @@ struct Modelled {
         color.at(x, y) = {linear[p.r], linear[p.g], linear[p.b]};
       }
     color_sigma.reset(kPannedView, 0.01F);
+    learned = learned_colors(color, color_sigma);
     setup.background_model =
-        render::BackgroundModel{setup.view, {}, {depth_m, {}, color, color_sigma}};
+        render::BackgroundModel{setup.view, {geometry::Pose()}, depth_m, {}, learned};
   }
   AnalyticScene scene;
   render::CompositorSetup setup;
   Image<float> depth_m, color_sigma;
   Image<Rgbf> color;
+  Image<Rgbx8> learned;
 };
 
 /// The model drawn at a pose.
@@ -160,6 +163,58 @@ TEST(Background, NoSurfaceSpansADepthStep) {
       between += z > 3.2F && z < 4.2F && truth_m.at(x, y) > 4.4F;
     }
   EXPECT_LT(between, 160 * 3) << "pixels between pole and wall";
+}
+
+/// Two faces in place of the model's one view.
+TEST(Background, SeveralFacesAreOneRoom) {
+  Modelled m;
+  for (const int color_factor : {1, 2, 3}) {
+    const FaceModel faces(m.scene, color_factor);
+    m.setup.background_model = faces.model();
+    for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(-0.2, 0.1, 0.25)}) {
+      const DrawnBackground drawn(m, moved(at));
+      const Depths d = compare(m, drawn, at);
+      EXPECT_GT(d.known, 0.93 * d.all) << at.transpose();
+      EXPECT_GT(d.near, 0.96 * d.known) << at.transpose();
+      EXPECT_LT(d.color_error, 0.02) << at.transpose();
+    }
+  }
+}
+
+TEST(Background, NormalsOfAllFacesAreInAxesOfTheCamera) {
+  Modelled m;
+  const FaceModel faces(m.scene);
+  m.setup.background_model = faces.model();
+  const DrawnBackground drawn(m, {});
+  // Of the back wall, left and right of the middle.
+  for (const int x : {110, 210}) {
+    const auto n = drawn.tables.background_normal.at(x, 110);
+    EXPECT_NEAR(n.x, 0, 5) << x;
+    EXPECT_NEAR(n.y, 0, 5) << x;
+    EXPECT_NEAR(n.z, -127, 5) << x;
+  }
+}
+
+TEST(Background, FacesThatDoNotFitTheirPicturesAreRefused) {
+  const AnalyticScene scene;
+  const FaceModel faces(scene);
+  const auto refusal = [&](auto&& change) {
+    Modelled m;
+    m.setup.background_model = faces.model();
+    change(*m.setup.background_model);
+    const auto compositor = render::make_cpu_compositor(m.setup, 1);
+    return compositor ? std::string("accepted") : compositor.error().context;
+  };
+  using Model = render::BackgroundModel;
+  EXPECT_NE(refusal([](Model& m) { m.world_from_face.clear(); }).find("0 faces"),
+            std::string::npos);
+  EXPECT_NE(refusal([](Model& m) { m.world_from_face.resize(7); }).find("7 faces"),
+            std::string::npos);
+  EXPECT_NE(refusal([](Model& m) { m.world_from_face.pop_back(); }).find("depth"),
+            std::string::npos);
+  EXPECT_NE(refusal([](Model& m) { m.color_factor = 1; }).find("colour"), std::string::npos);
+  EXPECT_NE(refusal([](Model& m) { m.color_factor = 9; }).find("9 times"), std::string::npos);
+  EXPECT_EQ(refusal([](Model&) {}), "accepted");
 }
 
 TEST(Background, LimitAndNormalsAreThoseOfAStillBackgroundAtTheSamePose) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "hal/base/srgb.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
@@ -21,7 +22,7 @@ Image<Rgbx16> draw(const render::CompositorSetup& setup, const Image<Rgb8>& plat
 
 TEST(Srgb, every_byte_comes_back_and_all_values_round_to_the_nearest) {
   const auto& linear = render::cpu::srgb_to_linear();
-  const auto& srgb = render::cpu::linear_to_srgb();
+  const auto& srgb = srgb_bytes_of_linear16();
   for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(srgb[linear[i]], i);
   EXPECT_EQ(linear[255], 65535);
   EXPECT_EQ(srgb[0], 0);
@@ -57,7 +58,7 @@ TEST(Plate, lens_is_followed) {
   render::CompositorSetup setup = plain_setup({33, 33}, 20, {4, 4}, 4);
   setup.target.lens = geometry::Lens({-0.2, 0, 0, 0, 0, 0, 0, 0});
   // Light grows with the column, so that a sample shows where it was taken.
-  const auto& srgb = render::cpu::linear_to_srgb();
+  const auto& srgb = srgb_bytes_of_linear16();
   const auto plate = make_image<Rgb8>({33, 33}, [&](int x, int) {
     const std::uint8_t c = srgb[static_cast<std::size_t>(65535 * x / 32)];
     return Rgb8{c, c, c};
