@@ -18,6 +18,25 @@ namespace {
 constexpr int kEmptyFrames = 25;
 constexpr int kStudioBand = 4;
 
+Result<void> check_place(const StudioOptions& o) {
+  const auto in_room = [](const std::optional<Eigen::Vector3d>& at_m) {
+    return !at_m || ((at_m->array() > 0.05).all() && at_m->x() < kRoomX_m - 0.05 &&
+                     at_m->y() < kRoomY_m - 0.05 && at_m->z() < kRoomZ_m - 0.05);
+  };
+  if (!in_room(o.eye_m) || !in_room(o.look_at_m))
+    return Error{ErrorCode::kUsage,
+                 fmt::format("studio: the camera and what it looks at must be in the room of "
+                             "{} x {} x {} m, 5 cm off its walls",
+                             kRoomX_m, kRoomY_m, kRoomZ_m)};
+  const Layout layout = make_layout(o);
+  const Eigen::Vector3d ahead = layout.look_at_m - layout.eye_m;
+  if (ahead.cross(Eigen::Vector3d::UnitZ()).norm() < 0.05)
+    return Error{
+        ErrorCode::kUsage,
+        "studio: the camera looks straight up or down, or stands where it looks: move one"};
+  return {};
+}
+
 Result<void> check(const StudioOptions& o) {
   const auto wrong = [](std::string what) {
     return Error{ErrorCode::kUsage, "studio: " + std::move(what)};
@@ -36,6 +55,9 @@ Result<void> check(const StudioOptions& o) {
       (o.sweep.frames_per_view < 1 ||
        static_cast<std::size_t>(o.frames) != o.sweep.views.size() * o.sweep.frames_per_view))
     return wrong("frames of a sweep must be its views times the frames of a view");
+  if (!(o.pan_rad >= 0 && o.pan_rad <= 2))
+    return wrong(fmt::format("the pan must be 0 to 2 radians to a side, not {}", o.pan_rad));
+  MIXRIG_TRY(check_place(o));
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
   return {};

@@ -69,7 +69,10 @@ struct StudioOptions {
   int people = 1;            ///< 1..3
   bool props = false;        ///< the first person carries a stick, a black bag, a chrome ball
   Sweep sweep;               ///< of scenario sweep
-  Realism realism;           ///< all off: the plain look
+  std::optional<Eigen::Vector3d> eye_m, look_at_m;  ///< of the camera at rest, in place of the
+                                                    ///< scenario's; world
+  double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
+  Realism realism;        ///< all off: the plain look
 };
 
 /// A pinhole camera with OpenCV's distortion model, and a thin prism. Pixel (0,0) is the centre of

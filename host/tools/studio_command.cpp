@@ -33,6 +33,8 @@ struct StudioArguments {
   double overlap = 0.1, most_tilt_deg = 90;
   int frames_per_view = 4;
   bool sweep_people = false;
+  std::string eye, look_at;
+  std::optional<double> pan_deg;
 };
 
 constexpr const char* kBoardScenario = "board";
@@ -49,6 +51,18 @@ Result<studio::Realism> realism_of(const StudioArguments& arguments) {
   }
   MIXRIG_ASSIGN(const studio::Realism off, studio::parse_realism(arguments.without));
   return studio::minus(on, off);
+}
+
+/// "X,Y,Z" in metres; nothing for an empty text.
+Result<std::optional<Eigen::Vector3d>> parse_place(const std::string& text,
+                                                   const std::string& option) {
+  if (text.empty()) return std::optional<Eigen::Vector3d>();
+  Eigen::Vector3d place;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &place.x(), &place.y(), &place.z(), &end) != 3 ||
+      !place.allFinite())
+    return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y,Z in metres"};
+  return std::optional(place);
 }
 
 /// The head's views of a sweep with the depth camera of the rig as designed.
@@ -87,6 +101,9 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.people = arguments.people;
   options.props = arguments.props;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
+  MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
+  MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
+  if (arguments.pan_deg) options.pan_rad = 0.5 * *arguments.pan_deg * kDeg;
   if (options.scenario == studio::Scenario::kSweep) {
     MIXRIG_ASSIGN(options.sweep, sweep_of(arguments, options.rig));
     options.frames = static_cast<int>(options.sweep.views.size()) * options.sweep.frames_per_view;
@@ -225,6 +242,9 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
+  command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
+  command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
+  command.add_option("--pan", arguments->pan_deg, "Scenario pan: degrees from side to side, or 24");
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);
   command.callback([arguments, &context] {

@@ -20,12 +20,14 @@ Light make_light(bool dim) {
   return light;
 }
 
-/// The head sweeps to both sides, at up to 30 degrees a second, and nods. The encoders report the
+/// The head pans to both sides, at up to 30 degrees a second, and nods. The encoders report the
 /// nearest step; they do not see the play of the axes, whose sigma is the repeatability.
-CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double time_s,
-                  unsigned seed) {
+CameraPlace swept(const geometry::Pose& rest, const PanTiltUnit& unit, double pan_rad,
+                  double time_s, unsigned seed) {
   constexpr double kWanderSigma = 0.352;  // of wander(): uniform values, interpolated twice
-  const double pan = 0.21 * std::sin(2 * kPi * time_s / 2.52);
+  constexpr double kPeriodPerRad_s = 12;  // 30 degrees a second in the middle
+  const double pan =
+      pan_rad > 0 ? pan_rad * std::sin(2 * kPi * time_s / (kPeriodPerRad_s * pan_rad)) : 0;
   const double tilt = 0.04 * (1 - std::cos(2 * kPi * time_s / 4.0));
   const auto play = [&](unsigned salt) {
     const float t = 5 * static_cast<float>(time_s);
@@ -94,6 +96,8 @@ Layout make_layout(const StudioOptions& options) {
     layout.eye_m = {1.2, 2.1, 1.45};
     layout.look_at_m = {3.9, 2.1, 1.45};
   }
+  layout.eye_m = options.eye_m.value_or(layout.eye_m);
+  layout.look_at_m = options.look_at_m.value_or(layout.look_at_m);
   if (scenario == Scenario::kEdges) layout.room.thin_things = true;
   layout.room.seat = scenario == Scenario::kStill || scenario == Scenario::kTalk;
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
@@ -132,7 +136,7 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
   const geometry::Pose rest = rest_pose(layout);
   switch (options.scenario) {
     case Scenario::kPan:
-      return swept(rest, layout.pan_tilt, time_s, options.seed);
+      return swept(rest, layout.pan_tilt, options.pan_rad, time_s, options.seed);
     case Scenario::kSweep:
       return at_view(rest, layout.pan_tilt, options.sweep, time_s, options.seed);
     case Scenario::kHandheld:

@@ -139,6 +139,50 @@ TEST(Head, turns_about_its_axes_by_the_angles_that_the_encoders_report) {
   EXPECT_GT(largest_off, 0.5 * kPanStep_rad) << "the encoders quantise";
 }
 
+TEST(Head, pans_as_far_as_wanted_at_the_same_speed) {
+  StudioOptions options = pan_take(12, 0);
+  options.pan_rad = 0.785;
+  const Layout layout = make_layout(options);
+  double widest = 0, fastest = 0;
+  for (double t = 0; t < 10; t += 0.05) {
+    const double pan = camera_at(layout, options, t).head->pan_rad;
+    const double later = camera_at(layout, options, t + 0.1).head->pan_rad;
+    widest = std::max(widest, std::abs(pan));
+    fastest = std::max(fastest, std::abs(later - pan) / 0.1);
+  }
+  EXPECT_NEAR(widest, 0.785, kPanStep_rad);
+  EXPECT_NEAR(fastest, 30 * kDeg, 2 * kPanStep_rad / 0.1);
+  options.pan_rad = 0;
+  EXPECT_EQ(camera_at(make_layout(options), options, 1.0).head->pan_rad, 0);
+}
+
+TEST(Place, is_where_the_options_say) {
+  StudioOptions options = pan_take(12, 0);
+  options.eye_m = {1.5, 1.0, 1.7};
+  options.look_at_m = {4, 2, 1};
+  const geometry::Pose rest = rest_pose(make_layout(options));
+  EXPECT_EQ(rest.translation_m, *options.eye_m);
+  const Eigen::Vector3d ahead = rest.rotation * Eigen::Vector3d::UnitZ();
+  EXPECT_TRUE(ahead.isApprox((*options.look_at_m - *options.eye_m).normalized(), 1e-12));
+}
+
+TEST(Place, outside_of_the_room_or_straight_up_is_refused) {
+  const auto refused = [](const Eigen::Vector3d& eye_m, const Eigen::Vector3d& look_at_m,
+                          double pan_rad) {
+    StudioOptions options = pan_take(12, 0);
+    options.eye_m = eye_m, options.look_at_m = look_at_m, options.pan_rad = pan_rad;
+    const auto studio = Studio::create(options);
+    return !studio && studio.error().code == ErrorCode::kUsage;
+  };
+  EXPECT_TRUE(refused({-1, 2, 1.5}, {4, 2, 1}, 0.2));
+  EXPECT_TRUE(refused({1, 2, 9}, {4, 2, 1}, 0.2));
+  EXPECT_TRUE(refused({1, 2, std::nan("")}, {4, 2, 1}, 0.2));
+  EXPECT_TRUE(refused({1, 2, 1.5}, {1, 2, 2.5}, 0.2)) << "straight up";
+  EXPECT_TRUE(refused({1, 2, 1.5}, {1, 2, 1.5}, 0.2));
+  EXPECT_TRUE(refused({1, 2, 1.5}, {4, 2, 1}, 2.1));
+  EXPECT_FALSE(refused({1, 2, 1.5}, {4, 2, 1}, 2));
+}
+
 TEST(Head, turns_at_up_to_30_degrees_a_second) {
   const StudioOptions options = pan_take(12, 0);
   const Layout layout = make_layout(options);
