@@ -11,6 +11,7 @@
 #include "host/config/table.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
+#include "host/model/exr_channel.h"
 #include "host/model/static_background.h"
 
 namespace mixrig::model {
@@ -65,30 +66,6 @@ Result<void> write_layers(const StaticBackground& background, const fs::path& fo
   }
   color.push_back({"sigma", background.color_sigma});
   return image_io::write_exr(folder / "color.exr", color);
-}
-
-/// The channel of that name, in the view's size and of finite values of `least` or more.
-Result<Image<float>> take_channel(std::vector<Channel>& channels, const std::string& name,
-                                  Size size, const fs::path& path, float least = 0) {
-  const auto found = std::find_if(channels.begin(), channels.end(),
-                                  [&](const Channel& c) { return c.name == name; });
-  if (found == channels.end())
-    return Error{ErrorCode::kFormat,
-                 "'" + path.string() + "' has no channel " + name + ": scan the background again"};
-  if (found->pixels.size() != size)
-    return Error{
-        ErrorCode::kData,
-        "'" + path.string() +
-            "' has another size than size_px in background.toml: scan the background again"};
-  for (int y = 0; y < size.height; ++y) {
-    float* row = found->pixels.row(y);
-    if (std::any_of(row, row + size.width,
-                    [least](float v) { return !std::isfinite(v) || v < least; }))
-      return Error{ErrorCode::kData,
-                   "'" + path.string() +
-                       "' holds a negative or not finite value: scan the background again"};
-  }
-  return std::move(found->pixels);
 }
 
 Result<StaticBackground> read_manifest(const fs::path& path) {

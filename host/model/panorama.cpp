@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/model/panorama_color.h"
 #include "host/model/panorama_finish.h"
 
 namespace mixrig::model {
@@ -29,7 +30,7 @@ constexpr int kFillPasses = 16;
 /// A view with what its rays need, made once.
 struct PreparedView {
   const ScanView* view = nullptr;
-  geometry::Pose tof_from_base, target_from_base;
+  geometry::Pose tof_from_base;
   Vector3d eye_m, axis;
   double least_cosine = 0;  ///< between axis and a direction that the view can see
 };
@@ -128,34 +129,16 @@ std::vector<PreparedView> prepare_views(std::span<const ScanView> views,
   std::vector<PreparedView> prepared;
   for (const ScanView& view : views)
     prepared.push_back({&view, geometry::inverse(view.base_from_tof),
-                        geometry::inverse(view.base_from_target), view.base_from_tof.translation_m,
+                        view.base_from_tof.translation_m,
                         view.base_from_tof.rotation * Vector3d::UnitZ(),
                         std::cos(std::min(widest + kParallax_rad, std::numbers::pi))});
   return prepared;
 }
 
-/// Adds a view's colour at a point, weighted towards the middle of its picture.
-void add_color(const PreparedView& from, const Vector3d& point_m,
-               const geometry::CameraModel& target, Eigen::Vector4f& sum) {
-  const Vector3d p = from.target_from_base * point_m;
-  if (p.z() <= 0 || from.view->plate.empty()) return;
-  const auto px = target.project(p);
-  const Size size = target.size_px();
-  if (!px) return;
-  const double border =
-      std::min({px->x(), px->y(), size.width - 1 - px->x(), size.height - 1 - px->y()});
-  if (border < 0) return;
-  const Rgb8& c =
-      from.view->plate.at(static_cast<int>(px->x() + 0.5), static_cast<int>(px->y() + 0.5));
-  const auto weight = static_cast<float>(1 + border);
-  sum += weight * Eigen::Vector4f(c.r, c.g, c.b, 1);
-}
-
 class Fusion {
  public:
-  Fusion(std::span<const ScanView> views, const geometry::CameraModel& tof,
-         const geometry::CameraModel& target, Panorama& out)
-      : views_(prepare_views(views, tof)), tof_(tof), target_(target), out_(out) {}
+  Fusion(std::span<const ScanView> views, const geometry::CameraModel& tof, Panorama& out)
+      : views_(prepare_views(views, tof)), tof_(tof), out_(out) {}
 
   void row(int y) const {
     double guess_m = kStart_m;
@@ -182,7 +165,6 @@ class Fusion {
     out_.distance_m.row(y)[x] = static_cast<float>(guess_m);
     out_.sigma_m.row(y)[x] = static_cast<float>(1 / std::sqrt(best.inverse_variance));
     out_.views.row(y)[x] = static_cast<std::uint8_t>(best.views);
-    paint(x, y, guess_m * ray, std::span(candidates).first(count));
   }
 
   bool is_inside(const PreparedView& from, const Vector3d& ray, double guess_m) const {
@@ -192,20 +174,8 @@ class Fusion {
            px->y() <= size.height - 1;
   }
 
-  /// Of the views that see the chosen surface.
-  void paint(int x, int y, const Vector3d& point_m, std::span<const Candidate> candidates) const {
-    Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-    for (const Candidate& c : candidates)
-      if (std::abs(c.distance_m - out_.distance_m.row(y)[x]) <= kGate_m + 4 * c.sigma_m)
-        add_color(views_[static_cast<std::size_t>(c.view)], point_m, target_, sum);
-    if (sum[3] <= 0) return;
-    const auto byte = [&](int i) { return static_cast<std::uint8_t>(sum[i] / sum[3] + 0.5F); };
-    out_.color.row(y)[x] = {byte(0), byte(1), byte(2)};
-  }
-
   std::vector<PreparedView> views_;
   const geometry::CameraModel& tof_;
-  const geometry::CameraModel& target_;
   Panorama& out_;
 };
 
@@ -220,6 +190,14 @@ double known_share_of(const Panorama& panorama) {
     }
   }
   return all > 0 ? known / all : 0;
+}
+
+/// As fine as the target camera in the middle of its picture, within what is worth its memory.
+int color_factor(const geometry::CameraModel& target, int height) {
+  constexpr int kMostFactor = 3;
+  const double panorama_px_per_rad = height / std::numbers::pi;
+  return std::clamp(static_cast<int>(std::lround(target.pinhole.fx_px / panorama_px_per_rad)), 1,
+                    kMostFactor);
 }
 
 }  // namespace
@@ -238,9 +216,12 @@ Vector3d direction_of(Size panorama, int x, int y) {
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
                        const geometry::CameraModel& target, int height, bool smooth, Crew& crew) {
   const Size size{2 * height, height};
-  Panorama panorama{Image<float>(size), Image<float>(size), Image<std::uint8_t>(size),
-                    Image<std::uint8_t>(size), Image<Rgb8>(size)};
-  const Fusion fusion(views, tof, target, panorama);
+  Panorama panorama{Image<float>(size),
+                    Image<float>(size),
+                    Image<std::uint8_t>(size),
+                    Image<std::uint8_t>(size),
+                    {}};
+  const Fusion fusion(views, tof, panorama);
   crew.rows(height, 4, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) fusion.row(y);
   });
@@ -252,6 +233,7 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
   }
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
   panorama.known_share = known_share_of(panorama);
+  paint(views, tof, target, color_factor(target, height), panorama, crew);
   return panorama;
 }
 

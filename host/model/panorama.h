@@ -50,7 +50,7 @@ struct Panorama {
   Image<float> sigma_m;       ///< of distance_m; of filled pixels that of the neighbours and more
   Image<std::uint8_t> views;  ///< that agree on distance_m; 0: filled or unknown
   Image<std::uint8_t> field;  ///< 1 where a view's frustum is
-  Image<Rgb8> color;          ///< sRGB; black = unknown
+  Image<Rgb8> color;          ///< sRGB; black = unknown; 1 to 8 times as many pixels a side
   double measured_share = 0;  ///< of the field's solid angle, before holes are filled
   double known_share = 0;     ///< after
 

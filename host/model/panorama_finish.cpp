@@ -61,7 +61,6 @@ bool fill_border(Panorama& p, const Panorama& before) {
         if (near_m <= 0) continue;
         sum_m += near_m, ++count;
         sigma_m = std::max(sigma_m, before.sigma_m.row(ny)[nx]);
-        p.color.row(y)[x] = before.color.row(ny)[nx];
       }
       if (count == 0) continue;
       p.distance_m.row(y)[x] = sum_m / static_cast<float>(count);

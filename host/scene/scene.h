@@ -106,8 +106,10 @@ struct CaptureVolume {
 
 struct Background {
   std::optional<std::pair<int, int>> learn;    ///< first and last frame number, 1-based, inclusive
-  std::optional<std::filesystem::path> model;  ///< folder written by `mixrig scan --static`
-  bool open_walls = false;                     ///< it does not hide virtual objects
+  std::optional<std::filesystem::path> model;  ///< folder written by `mixrig scan`
+  /// Of a scanned room; absent: where the head of pose = "pan_tilt" stands.
+  std::optional<geometry::Pose> world_from_base;
+  bool open_walls = false;  ///< it does not hide virtual objects
 };
 
 /// What is shown instead of the real background. Without model and picture: nothing.

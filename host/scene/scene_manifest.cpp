@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
 #include "host/scene/read_camera.h"
@@ -141,6 +142,12 @@ Background read_background(const Table& table, const std::filesystem::path& fold
       table.fail("learn", "must be the first and the last frame: write [1, 25]");
   }
   if (table.has("model")) background.model = config::path_at(table, "model", folder);
+  const Table base = table.table("world_from_base");
+  const geometry::Pose world_from_base = calibration_file::parse_pose(base);
+  if (base.present()) background.world_from_base = world_from_base;
+  if (base.present() && !background.model)
+    base.fail("translation_m",
+              "places a scanned room, and there is none: give model, or remove it");
   background.open_walls = table.one_of("walls", {"closed", "open"}, 0) == 1;
   const bool both = background.learn && background.model;
   const bool none = !background.learn && !background.model;

@@ -13,8 +13,8 @@
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/capture/calibrated_source.h"
-#include "host/config/writer.h"
 #include "host/image_io/image_io.h"
+#include "host/model/room_file.h"
 #include "host/pose/pan_tilt_poses.h"
 #include "host/scene/glb_writer.h"
 #include "host/take/take_source.h"
@@ -156,35 +156,16 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
 }
 
 Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const fs::path& folder) {
-  const model::Panorama& p = scan.panorama;
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "manifest.toml"));
-  image_io::Channel views{"views", Image<float>(p.size())};
-  Image<std::uint16_t> distance_mm(p.size());
-  for (int y = 0; y < p.size().height; ++y)
-    for (int x = 0; x < p.size().width; ++x) {
-      views.pixels.row(y)[x] = p.views.row(y)[x];
-      distance_mm.row(y)[x] =
-          static_cast<std::uint16_t>(std::clamp(1000 * p.distance_m.row(y)[x], 0.0F, 65535.0F));
-    }
-  MIXRIG_TRY(image_io::write_exr(
-      partial.path() / "room.exr",
-      {{"distance_m", p.distance_m}, {"sigma_m", p.sigma_m}, std::move(views)}));
-  MIXRIG_TRY(image_io::write_png(partial.path() / "color.png", p.color.view()));
-  MIXRIG_TRY(image_io::write_png(partial.path() / "distance.png",
-                                 ImageView<const std::uint16_t>(distance_mm.view())));
-  MIXRIG_TRY(write_mesh(scan, partial.path() / "room.glb"));
   calibration_file::InputHash hash;
   MIXRIG_TRY(hash.add_file(calibration));
-  config::Writer root;
-  root.set("format", 1).set("projection", "equirectangular").set("origin", "base");
-  root.set("size_px", std::array<int, 2>{p.size().width, p.size().height});
-  root.set("views", scan.views).set("frames", scan.frames);
-  root.set("measured_pct", config::rounded(100 * p.measured_share, 6));
-  root.set("fill_pct", config::rounded(100 * p.known_share, 6));
-  root.set("triangles", static_cast<int>(scan.mesh.indices.size() / 3));
-  root.set("mesh_tolerance_mm", config::rounded(1000 * scan.tolerance_m, 6));
-  root.set("calibration_hash", hash.text());
-  MIXRIG_TRY(write_file(partial.path() / "manifest.toml", root.text()));
+  model::RoomManifest manifest;
+  manifest.views = scan.views, manifest.frames = scan.frames;
+  manifest.triangles = static_cast<int>(scan.mesh.indices.size() / 3);
+  manifest.mesh_tolerance_m = scan.tolerance_m;
+  manifest.calibration_hash = hash.text();
+  MIXRIG_TRY(model::write_room(scan.panorama, manifest, partial.path()));
+  MIXRIG_TRY(write_mesh(scan, partial.path() / "room.glb"));
   return partial.commit();
 }
 

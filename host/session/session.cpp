@@ -5,6 +5,7 @@
 
 #include "host/capture/calibrated_source.h"
 #include "host/image_io/scale.h"
+#include "host/model/room_file.h"
 #include "host/session/camera_pose.h"
 #include "host/session/learn.h"
 
@@ -135,6 +136,33 @@ Result<void> check_place(const Session& session, FrameRange learned,
                   learned.first, learned.second)};
 }
 
+/// A scanned room, placed by the scene.
+Result<void> use_room(Session& session, const std::filesystem::path& folder) {
+  const scene::Scene& scene = session.scene;
+  const bool has_base = scene.pose_source == scene::PoseSource::kPanTilt;
+  if (!scene.background.world_from_base && !has_base)
+    return at_key(session, "background.model",
+                  {ErrorCode::kFormat,
+                   folder.string() +
+                       " is a room, whose origin is the foot of the pan-tilt unit: say where that "
+                       "stands by background.world_from_base"});
+  auto file = model::load_room(folder);
+  if (!file) return at_key(session, "background.model", std::move(file).error());
+  const geometry::Pose world_from_base =
+      scene.background.world_from_base.value_or(scene.camera.world_from_base);
+  Crew crew;
+  session.room = model::make_faces(file->panorama, crew);
+  const model::RoomFaces& faces = *session.room;
+  render::BackgroundModel model;
+  model.camera = faces.camera;
+  for (const geometry::Pose& base_from_face : faces.base_from_face)
+    model.world_from_face.push_back(world_from_base * base_from_face);
+  model.depth_m = faces.depth_m, model.depth_sigma_m = faces.depth_sigma_m;
+  model.color = faces.color, model.color_factor = faces.color_factor;
+  session.setup.background_model = std::move(model);
+  return {};
+}
+
 Result<std::optional<model::StaticBackground>> background_of(Session& session,
                                                              const ProgressFn& progress) {
   const scene::Background& wanted = session.scene.background;
@@ -161,6 +189,14 @@ Result<std::optional<model::StaticBackground>> background_of(Session& session,
     background = *std::move(learned);
   }
   return background;
+}
+
+/// The learned view of a camera that moves, drawn for each pose.
+void use_wide_view(Session& session) {
+  const model::StaticBackground& b = *session.background;
+  session.wide_color = learned_colors(b.color, b.color_sigma);
+  session.setup.background_model = render::BackgroundModel{
+      b.view, {*b.world_from_view}, b.depth_m, b.depth_sigma_m, session.wide_color};
 }
 
 }  // namespace
@@ -219,22 +255,26 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
 }
 
 Result<void> prepare_background(Session& session, const ProgressFn& progress) {
-  MIXRIG_ASSIGN(session.background, background_of(session, progress));
+  const auto& folder = session.scene.background.model;
+  if (folder && model::is_room(*folder)) {
+    MIXRIG_TRY(use_room(session, *folder));
+  } else {
+    MIXRIG_ASSIGN(session.background, background_of(session, progress));
+  }
   if (session.background) {
     const model::StaticBackground& b = *session.background;
-    const render::BackgroundView images{b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};
     const bool moves = session.poses && session.poses->moves() && b.world_from_view;
     if (moves)
-      session.setup.background_model = render::BackgroundModel{b.view, *b.world_from_view, images};
+      use_wide_view(session);
     else
-      session.setup.background = images;
+      session.setup.background = {b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};
   }
   if (session.scene.pose_source == scene::PoseSource::kFloor &&
       !(session.background && session.background->floor))
     return Error{ErrorCode::kFormat,
                  session.scene.path.string() + ": camera.pose = \"floor\": " +
                      (session.background ? "no floor was found in the background"
-                                         : "there is no background to find the floor in") +
+                                         : "there is no view of the empty room to find it in") +
                      ": use pose = \"identity\" or learn from empty frames that show the floor"};
   return {};
 }

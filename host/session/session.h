@@ -16,6 +16,7 @@
 #include "hal/base/result.h"
 #include "host/calibration_file/choice.h"
 #include "host/capture/pose_source.h"
+#include "host/model/room_faces.h"
 #include "host/model/static_background.h"
 #include "host/render/compositor.h"
 #include "host/scene/scene.h"
@@ -54,8 +55,10 @@ struct Session {
 
   scene::Scene scene;
   std::unique_ptr<capture::CaptureSource> source;
-  calibration_file::CalibrationChoice calibration;  ///< which one is used, and why
-  std::optional<model::StaticBackground> background;
+  calibration_file::CalibrationChoice calibration;    ///< which one is used, and why
+  std::optional<model::StaticBackground> background;  ///< one view of the room
+  std::optional<model::RoomFaces> room;               ///< or all of it
+  Image<Rgbx8> wide_color;                     ///< of `background`, where it is drawn for each pose
   std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
   std::vector<MeshArrays> meshes;
   Image<Rgb8> backdrop;  ///< the set's picture in the view's size; empty without

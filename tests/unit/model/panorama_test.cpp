@@ -150,6 +150,45 @@ TEST(Panorama, SmallHolesAreFilledAndSaidToBe) {
   EXPECT_LT(p.measured_share, p.known_share);
 }
 
+TEST(Panorama, ColourOfWhoStoodBeforeTheRoomIsNotTheRooms) {
+  std::vector<ScanView> views{view_at(0, 0, 0.005), view_at(0.05, 0, 0.005, {1.0}),
+                              view_at(0.1, 0.05, 0.005)};
+  views[1].plate.fill({10, 220, 10});
+  const Panorama p = fuse(views);
+  for (int y = kHeight / 2 - 15; y < kHeight / 2 + 15; ++y)
+    for (int x = kHeight - 20; x < kHeight + 20; ++x)
+      EXPECT_EQ(p.color.at(x, y), (Rgb8{200, 100, 50})) << x << " " << y;
+}
+
+TEST(Panorama, ColourIsAsFineAsTheTargetCamera) {
+  // Its focal length is 3.1 times that of the panorama: 57.3 px a radian.
+  const geometry::CameraModel target{{{240, 200}, 180, 180, 119.5, 99.5}, {}};
+  ScanView view = view_at(0, 0);
+  // Stripes of the wall ahead, 60 mm wide: 1.7 pixels of its distances.
+  view.plate.reset(target.size_px());
+  const auto stripe = [](double x_m) { return std::fmod(x_m + 6, 0.12) < 0.06; };
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 240; ++x) {
+      const Eigen::Vector3d ray =
+          view.base_from_target.rotation * Eigen::Vector3d((x - 119.5) / 180, (y - 99.5) / 180, 1);
+      const double x_m = view.base_from_target.translation_m.x() +
+                         ray.x() / ray.y() * (2.0 - view.base_from_target.translation_m.y());
+      view.plate.at(x, y) = stripe(x_m) ? Rgb8{230, 230, 230} : Rgb8{40, 40, 40};
+    }
+  Crew crew(2);
+  const Panorama p =
+      make_panorama(std::vector<ScanView>{view}, tof_camera(), target, kHeight, false, crew);
+  ASSERT_EQ(p.color.size(), (Size{2 * 3 * kHeight, 3 * kHeight}));
+  int right = 0, all = 0;
+  for (int y = p.color.height() / 2 - 30; y < p.color.height() / 2 + 30; ++y)
+    for (int x = p.color.width() / 2 - 60; x < p.color.width() / 2 + 60; ++x) {
+      const Eigen::Vector3d ray = direction_of(p.color.size(), x, y);
+      const bool bright = stripe(2.0 * ray.x() / ray.y());
+      right += bright == (p.color.at(x, y).r > 128), ++all;
+    }
+  EXPECT_GT(right, 0.93 * all);
+}
+
 TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   ViewAverage average(tof_camera(), {0.01, 0, 0}, true);
   Image<float> first({96, 80}, 2.0F), second({96, 80}, 2.3F), strong({96, 80}, 2.0F),

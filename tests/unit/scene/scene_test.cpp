@@ -183,6 +183,19 @@ TEST(Scene, WallsMayBeOpen) {
   const auto open = parse_scene("[background]\nlearn = [1, 5]\nwalls = \"open\"\n", "s", false);
   ASSERT_TRUE(open) << open.error().context;
   EXPECT_TRUE(open->background.open_walls);
+  const auto room = parse_scene(
+      "[background]\nmodel = \"room\"\n"
+      "world_from_base = { rotation_xyzw = [0, 0, 0, 1], translation_m = [1, 2, 3] }\n",
+      "s", false);
+  ASSERT_TRUE(room) << room.error().context;
+  ASSERT_TRUE(room->background.world_from_base);
+  EXPECT_EQ(room->background.world_from_base->translation_m, Eigen::Vector3d(1, 2, 3));
+  const auto no_room = parse_scene(
+      "[background]\nlearn = [1, 5]\n"
+      "world_from_base = { rotation_xyzw = [0, 0, 0, 1], translation_m = [1, 2, 3] }\n",
+      "s", false);
+  ASSERT_FALSE(no_room);
+  EXPECT_NE(no_room.error().context.find("world_from_base"), std::string::npos);
   const auto alone = parse_scene("[background]\nwalls = \"open\"\n", "s", false);
   ASSERT_TRUE(alone) << alone.error().context;
   EXPECT_FALSE(parse_scene("[background]\nlearn = [1, 5]\nwalls = \"none\"\n", "s", false));

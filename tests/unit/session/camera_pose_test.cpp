@@ -428,7 +428,7 @@ TEST_F(CameraPoseTest, UnderAMotionCaptureTheBackgroundIsLearnedAtItsPoses) {
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_TRUE(session_.setup.background.depth_m.empty()) << "a frozen background";
   ASSERT_TRUE(session_.setup.background_model);
-  EXPECT_NEAR(session_.setup.background_model->world_from_camera.translation_m.x(), 0.1, 1e-3);
+  EXPECT_NEAR(session_.setup.background_model->world_from_face[0].translation_m.x(), 0.1, 1e-3);
 }
 
 TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {
@@ -452,7 +452,7 @@ TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {
   const auto with = learn(0.1);
   ASSERT_TRUE(with) << with.error().context;
   ASSERT_TRUE(session_.setup.background_model);
-  EXPECT_NEAR(session_.setup.background_model->world_from_camera.translation_m.x(),
+  EXPECT_NEAR(session_.setup.background_model->world_from_face[0].translation_m.x(),
               0.12 * kSpeed_m_s, 1e-3);
 }
 

@@ -172,7 +172,7 @@ TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {
   ASSERT_TRUE(model::save(background, folder));
   ASSERT_TRUE(prepare_background(session, {}));
   ASSERT_TRUE(session.setup.background_model);
-  EXPECT_NEAR(session.setup.background_model->world_from_camera.translation_m.x(), 0.5, 1e-12);
+  EXPECT_NEAR(session.setup.background_model->world_from_face[0].translation_m.x(), 0.5, 1e-12);
   EXPECT_TRUE(session.setup.background.depth_m.empty());
   std::filesystem::remove_all(folder);
 }

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "host/model/room_file.h"
 #include "host/session/learn.h"
 #include "tests/support/box_source.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::session {
 namespace {
@@ -48,6 +50,62 @@ TEST(LearnBackground, RefusesFramesThatTheTakeLacks) {
     EXPECT_EQ(background.error().code, ErrorCode::kFormat);
     EXPECT_NE(background.error().context.find("1-6"), std::string::npos);
   }
+}
+
+/// A scanned room of 3 m in all directions, and a scene that names it.
+struct RoomScene {
+  RoomScene() {
+    const Size size{64, 32};
+    const model::Panorama p{Image<float>(size, 3.0F), Image<float>(size, 0.01F),
+                            Image<std::uint8_t>(size, 2), Image<std::uint8_t>(size, 1),
+                            Image<Rgb8>(size, Rgb8{9, 8, 7})};
+    EXPECT_TRUE(model::write_room(p, {5, 10, 0, 0, ""}, folder.path()));
+    session.source = std::make_unique<test::BoxSource>(5, 6);
+    session.setup = setup_of(session.source->info(), std::nullopt).value();
+    session.scene.path = "s/scene.toml";
+    session.scene.background.model = folder.path();
+  }
+  test::TemporaryFolder folder;
+  Session session;
+};
+
+TEST(Session, PlacesAScannedRoomWhereTheSceneSays) {
+  RoomScene room;
+  room.session.scene.background.world_from_base =
+      geometry::Pose{Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  const auto prepared = prepare_background(room.session, {});
+  ASSERT_TRUE(prepared) << prepared.error().context;
+  EXPECT_FALSE(room.session.background);
+  ASSERT_TRUE(room.session.setup.background_model);
+  const render::BackgroundModel& model = *room.session.setup.background_model;
+  ASSERT_EQ(model.world_from_face.size(), 6U);
+  for (const geometry::Pose& face : model.world_from_face)
+    EXPECT_EQ(face.translation_m, Eigen::Vector3d(1, 2, 3));
+  // The first face looks along y of the base, its picture upright.
+  const Eigen::Vector3d ahead = model.world_from_face[0].rotation * Eigen::Vector3d::UnitZ();
+  EXPECT_TRUE(ahead.isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+  EXPECT_TRUE(render::validate(room.session.setup));
+}
+
+TEST(Session, PlacesAScannedRoomAtTheFootOfTheHeadThatGivesThePose) {
+  RoomScene room;
+  room.session.scene.pose_source = scene::PoseSource::kPanTilt;
+  room.session.scene.camera.world_from_base.translation_m = {0, 0, 1.2};
+  ASSERT_TRUE(prepare_background(room.session, {}));
+  EXPECT_EQ(room.session.setup.background_model->world_from_face[3].translation_m.z(), 1.2);
+}
+
+TEST(Session, RefusesAScannedRoomWithoutAPlaceAndADamagedOne) {
+  RoomScene room;
+  auto prepared = prepare_background(room.session, {});
+  ASSERT_FALSE(prepared);
+  EXPECT_NE(prepared.error().context.find("s/scene.toml: background.model"), std::string::npos);
+  EXPECT_NE(prepared.error().context.find("background.world_from_base"), std::string::npos);
+  room.session.scene.background.world_from_base.emplace();
+  room.folder.write("room.exr", "no picture");
+  prepared = prepare_background(room.session, {});
+  ASSERT_FALSE(prepared);
+  EXPECT_NE(prepared.error().context.find("room.exr"), std::string::npos);
 }
 
 TEST(Session, StandsOnlyOnAFloorThatWasFound) {
