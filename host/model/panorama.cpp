@@ -37,7 +37,6 @@ struct PreparedView {
 
 struct Candidate {
   float distance_m = 0, sigma_m = 0, weight = 0;
-  int view = 0;
 };
 
 struct Sample {
@@ -145,19 +144,25 @@ class Fusion {
     for (int x = 0; x < out_.size().width; ++x) pixel(x, y, guess_m);
   }
 
+  /// Whether a view's frustum holds the point on the ray.
+  bool is_in_field(const Vector3d& ray, double distance_m) const {
+    return std::any_of(views_.begin(), views_.end(), [&](const PreparedView& from) {
+      return from.axis.dot(ray) >= from.least_cosine && is_inside(from, ray, distance_m);
+    });
+  }
+
  private:
   void pixel(int x, int y, double& guess_m) const {
     const Vector3d ray = direction_of(out_.size(), x, y);
     std::array<Candidate, kMostCandidates> candidates;
     std::size_t count = 0;
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      const PreparedView& from = views_[v];
+    for (const PreparedView& from : views_) {
       if (from.axis.dot(ray) < from.least_cosine) continue;
       if (out_.field.row(y)[x] == 0 && is_inside(from, ray, guess_m)) out_.field.row(y)[x] = 1;
       const Sample met = meet(from, ray, tof_, guess_m);
       if (met.weight <= 0 || count == candidates.size()) continue;
       candidates[count++] = {static_cast<float>(met.distance_m), static_cast<float>(met.sigma_m),
-                             static_cast<float>(met.weight), static_cast<int>(v)};
+                             static_cast<float>(met.weight)};
     }
     if (count == 0) return;
     const Group best = choose(std::span(candidates).first(count));
@@ -179,17 +184,30 @@ class Fusion {
   Panorama& out_;
 };
 
-double known_share_of(const Panorama& panorama) {
-  double all = 0, known = 0;
+/// Forgets what was filled where no view looks: the field was found before distances were known.
+void trim_field(const Fusion& fusion, Panorama& p, int begin, int end) {
+  for (int y = begin; y < end; ++y)
+    for (int x = 0; x < p.size().width; ++x) {
+      if (p.views.row(y)[x] > 0 || p.distance_m.row(y)[x] <= 0) continue;
+      if (fusion.is_in_field(direction_of(p.size(), x, y), p.distance_m.row(y)[x])) continue;
+      p.distance_m.row(y)[x] = p.sigma_m.row(y)[x] = 0;
+      p.field.row(y)[x] = 0;
+    }
+}
+
+/// Share of the field's solid angle that `counts(x, y)`.
+template <typename Counts>
+double share_of_field(const Panorama& panorama, const Counts& counts) {
+  double all = 0, counted = 0;
   for (int y = 0; y < panorama.size().height; ++y) {
     const double solid = std::sin(std::numbers::pi * (y + 0.5) / panorama.size().height);
     for (int x = 0; x < panorama.size().width; ++x) {
       if (panorama.field.row(y)[x] == 0) continue;
       all += solid;
-      if (panorama.distance_m.row(y)[x] > 0) known += solid;
+      if (counts(x, y)) counted += solid;
     }
   }
-  return all > 0 ? known / all : 0;
+  return all > 0 ? counted / all : 0;
 }
 
 /// As fine as the target camera in the middle of its picture, within what is worth its memory.
@@ -225,14 +243,17 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
   crew.rows(height, 4, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) fusion.row(y);
   });
-  panorama.measured_share = known_share_of(panorama);
   Panorama before = panorama;
   if (smooth) {
     crew.rows(height, 4, [&](int begin, int end) { smooth_rows(before, panorama, begin, end); });
     before = panorama;
   }
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
-  panorama.known_share = known_share_of(panorama);
+  crew.rows(height, 4, [&](int begin, int end) { trim_field(fusion, panorama, begin, end); });
+  panorama.known_share =
+      share_of_field(panorama, [&](int x, int y) { return panorama.distance_m.row(y)[x] > 0; });
+  panorama.measured_share =
+      share_of_field(panorama, [&](int x, int y) { return panorama.views.row(y)[x] > 0; });
   paint(views, tof, target, color_factor(target, height), panorama, crew);
   return panorama;
 }

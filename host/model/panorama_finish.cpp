@@ -46,27 +46,55 @@ void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
   }
 }
 
+namespace {
+
+constexpr int kSlope_px = 6;  ///< over which a surface's slope is taken
+
+/// Inverse distance one pixel before `near_m`, after `far_m` kSlope_px behind it, on a surface that
+/// goes on. On a plane it is the cosine of the angle to the normal over the plane's distance, which
+/// bends by -w step^2 a pixel.
+float continued_w(float near_m, float far_m, double step_rad) {
+  constexpr float kMostChange = 0.25F;
+  const float w = 1 / near_m;
+  if (far_m <= 0) return w;
+  const float bend = w * static_cast<float>(step_rad * step_rad) * 0.5F * (kSlope_px + 1);
+  const float change = (w - 1 / far_m) / kSlope_px;
+  return std::abs(change * kSlope_px) < kMostChange * w ? w + change - bend : w;
+}
+
+}  // namespace
+
 bool fill_border(Panorama& p, const Panorama& before) {
   const Size size = p.size();
+  const double pixel_rad = std::numbers::pi / size.height;
   bool filled = false;
-  for (int y = 0; y < size.height; ++y)
+  for (int y = 0; y < size.height; ++y) {
+    const double across = std::sin(std::numbers::pi * (y + 0.5) / size.height);
     for (int x = 0; x < size.width; ++x) {
       if (before.field.row(y)[x] == 0 || before.distance_m.row(y)[x] > 0) continue;
-      float sum_m = 0, sigma_m = 0;
+      float sum_w = 0, sigma_m = 0;
       int count = 0;
       for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-        const int nx = (x + dx + size.width) % size.width,
-                  ny = std::clamp(y + dy, 0, size.height - 1);
-        const float near_m = before.distance_m.row(ny)[nx];
+        const auto row_at = [&, dy = dy](int steps) {
+          return std::clamp(y + steps * dy, 0, size.height - 1);
+        };
+        const auto column_at = [&, dx = dx](int steps) {
+          return (x + steps * dx + size.width) % size.width;
+        };
+        const float near_m = before.distance_m.row(row_at(1))[column_at(1)];
         if (near_m <= 0) continue;
-        sum_m += near_m, ++count;
-        sigma_m = std::max(sigma_m, before.sigma_m.row(ny)[nx]);
+        const int far = 1 + kSlope_px;
+        sum_w += continued_w(near_m, before.distance_m.row(row_at(far))[column_at(far)],
+                             dx != 0 ? pixel_rad * across : pixel_rad);
+        ++count;
+        sigma_m = std::max(sigma_m, before.sigma_m.row(row_at(1))[column_at(1)]);
       }
       if (count == 0) continue;
-      p.distance_m.row(y)[x] = sum_m / static_cast<float>(count);
+      p.distance_m.row(y)[x] = static_cast<float>(count) / sum_w;
       p.sigma_m.row(y)[x] = 1.5F * sigma_m;
       filled = true;
     }
+  }
   return filled;
 }
 

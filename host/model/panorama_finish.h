@@ -13,7 +13,8 @@ namespace mixrig::model {
 /// Rows [begin, end) of `p`; other rows may be worked on by other threads.
 void smooth_rows(const Panorama& before, Panorama& p, int begin, int end);
 
-/// One pixel inwards from every hole's border; columns go around. False when no hole is left.
+/// One pixel inwards from every hole's border, where surfaces go on with their slope; columns go
+/// around. False when no hole is left.
 bool fill_border(Panorama& p, const Panorama& before);
 
 }  // namespace mixrig::model

@@ -150,6 +150,36 @@ TEST(Panorama, SmallHolesAreFilledAndSaidToBe) {
   EXPECT_LT(p.measured_share, p.known_share);
 }
 
+TEST(Panorama, AHoleInAWallSeenAtAnAngleIsFilledAlongTheWall) {
+  // The wall ahead, where it is seen at 28 degrees from its normal: 21 mm a pixel.
+  ScanView view = view_at(0.7, 0);
+  for (int y = 34; y < 46; ++y)
+    for (int x = 56; x < 68; ++x) view.distance_m.at(x, y) = 0;
+  const Panorama p = fuse({view});
+  int filled = 0;
+  for (int y = kHeight / 2 - 15; y < kHeight / 2 + 15; ++y)
+    for (int x = 0; x < 2 * kHeight; ++x) {
+      const Eigen::Vector3d ray = direction_of(p.size(), x, y);
+      if (p.views.at(x, y) > 0 || p.distance_m.at(x, y) <= 0 || !is_off_the_edges(ray)) continue;
+      EXPECT_NEAR(p.distance_m.at(x, y), to_wall_m({0, 0, 0}, ray), 0.006) << x << " " << y;
+      ++filled;
+    }
+  EXPECT_GT(filled, 30);
+}
+
+TEST(Panorama, FieldEndsWhereTheViewEnds) {
+  const Panorama p = fuse({view_at(0, 0)});
+  int field = 0, filled = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < 2 * kHeight; ++x) {
+      field += p.field.at(x, y);
+      filled += p.field.at(x, y) && p.views.at(x, y) == 0;
+      EXPECT_EQ(p.field.at(x, y) > 0, p.distance_m.at(x, y) > 0);
+    }
+  EXPECT_GT(field, 3000);
+  EXPECT_LT(filled, field / 50) << "at most a pixel around what was measured";
+}
+
 TEST(Panorama, ColourOfWhoStoodBeforeTheRoomIsNotTheRooms) {
   std::vector<ScanView> views{view_at(0, 0, 0.005), view_at(0.05, 0, 0.005, {1.0}),
                               view_at(0.1, 0.05, 0.005)};
