@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <future>
 #include <vector>
 
 #include <fmt/format.h>
@@ -164,8 +165,12 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   manifest.triangles = static_cast<int>(scan.mesh.indices.size() / 3);
   manifest.mesh_tolerance_m = scan.tolerance_m;
   manifest.calibration_hash = hash.text();
-  MIXRIG_TRY(model::write_room(scan.panorama, manifest, partial.path()));
-  MIXRIG_TRY(write_mesh(scan, partial.path() / "room.glb"));
+  // The large picture is encoded twice, beside itself: it is in the model, too.
+  std::future<Result<void>> mesh =
+      std::async(std::launch::async, [&] { return write_mesh(scan, partial.path() / "room.glb"); });
+  const Result<void> pictures = model::write_room(scan.panorama, manifest, partial.path());
+  MIXRIG_TRY(mesh.get());
+  MIXRIG_TRY(pictures);
   return partial.commit();
 }
 
