@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temporary_folder.h"
+
 #ifdef MIXRIG_HAS_ASSIMP
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
@@ -25,15 +27,16 @@ Model one_triangle() {
   return model;
 }
 
-std::filesystem::path written() {
-  const auto path = std::filesystem::path(testing::TempDir()) / "glb_writer_test.glb";
+std::filesystem::path written(const test::TemporaryFolder& folder) {
+  const auto path = folder / "triangle.glb";
   const auto done = write_glb(one_triangle(), "room", path);
   EXPECT_TRUE(done);
   return path;
 }
 
 TEST(GlbWriter, IsReadAgainByTheScene) {
-  const auto read = load_gltf(written());
+  const test::TemporaryFolder folder;
+  const auto read = load_gltf(written(folder));
   ASSERT_TRUE(read);
   const Model truth = one_triangle();
   ASSERT_EQ(read->meshes.size(), 1U);
@@ -47,8 +50,9 @@ TEST(GlbWriter, IsReadAgainByTheScene) {
 
 TEST(GlbWriter, IsReadByAssimp) {
 #ifdef MIXRIG_HAS_ASSIMP
+  const test::TemporaryFolder folder;
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(written().string(), 0);
+  const aiScene* scene = importer.ReadFile(written(folder).string(), 0);
   ASSERT_NE(scene, nullptr) << importer.GetErrorString();
   ASSERT_EQ(scene->mNumMeshes, 1U);
   const aiMesh& mesh = *scene->mMeshes[0];

@@ -9,6 +9,7 @@
 #include "host/pose/fixed_poses.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/box_source.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::session {
 namespace {
@@ -153,7 +154,8 @@ TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {
   const auto setup = setup_of(session.source->info(), std::nullopt);
   ASSERT_TRUE(setup);
   session.poses = pose::make_own_poses(false, true);
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "mixrig_learn_test";
+  const test::TemporaryFolder parent;
+  const auto folder = parent / "background";
   model::StaticBackground background;
   background.view = setup->view;
   background.frames = 3;
@@ -174,7 +176,6 @@ TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {
   ASSERT_TRUE(session.setup.background_model);
   EXPECT_NEAR(session.setup.background_model->world_from_face[0].translation_m.x(), 0.5, 1e-12);
   EXPECT_TRUE(session.setup.background.depth_m.empty());
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

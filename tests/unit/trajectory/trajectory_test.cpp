@@ -2,11 +2,11 @@
 #include "host/trajectory/trajectory.h"
 
 #include <cmath>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "host/estimation/verdict.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::trajectory {
 namespace {
@@ -43,10 +43,9 @@ TEST(Trajectory, MakesNothingUpInGapsAndOutside) {
 class TrajectoryFile : public ::testing::Test {
  protected:
   Result<Trajectory> read(const std::string& text) {
-    const auto path = std::filesystem::path(::testing::TempDir()) / "trajectory_test.txt";
-    std::ofstream(path) << text;
-    return read_trajectory(path);
+    return read_trajectory(folder_.write("trajectory.txt", text));
   }
+  test::TemporaryFolder folder_;  // tests of this file run beside each other
 };
 
 TEST_F(TrajectoryFile, ReadsTumAndCsv) {
