@@ -9,6 +9,7 @@
 
 #include "host/model/panorama_color.h"
 #include "host/model/panorama_finish.h"
+#include "host/model/room_planes.h"
 
 namespace mixrig::model {
 namespace {
@@ -137,7 +138,7 @@ std::vector<PreparedView> prepare_views(std::span<const ScanView> views,
 class Fusion {
  public:
   Fusion(std::span<const ScanView> views, const geometry::CameraModel& tof, Panorama& out)
-      : views_(prepare_views(views, tof)), tof_(tof), out_(out) {}
+      : views_(prepare_views(views, tof)), tof_(tof), out_(out), directions_(out.size()) {}
 
   void row(int y) const {
     double guess_m = kStart_m;
@@ -153,7 +154,7 @@ class Fusion {
 
  private:
   void pixel(int x, int y, double& guess_m) const {
-    const Vector3d ray = direction_of(out_.size(), x, y);
+    const Vector3d ray = directions_(x, y);
     std::array<Candidate, kMostCandidates> candidates;
     std::size_t count = 0;
     for (const PreparedView& from : views_) {
@@ -182,6 +183,7 @@ class Fusion {
   std::vector<PreparedView> views_;
   const geometry::CameraModel& tof_;
   Panorama& out_;
+  Directions directions_;
 };
 
 /// Forgets what was filled where no view looks: the field was found before distances were known.
@@ -231,23 +233,37 @@ Vector3d direction_of(Size panorama, int x, int y) {
           std::sin(elevation)};
 }
 
+Directions::Directions(Size panorama) {
+  for (int x = 0; x < panorama.width; ++x) {
+    const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / panorama.width);
+    columns_.emplace_back(-std::sin(azimuth), std::cos(azimuth));
+  }
+  for (int y = 0; y < panorama.height; ++y) {
+    const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / panorama.height);
+    rows_.emplace_back(std::cos(elevation), std::sin(elevation));
+  }
+}
+
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
-                       const geometry::CameraModel& target, int height, bool smooth, Crew& crew) {
+                       const geometry::CameraModel& target, const PanoramaOptions& options,
+                       Crew& crew) {
+  const int height = options.height_px;
   const Size size{2 * height, height};
-  Panorama panorama{Image<float>(size),
-                    Image<float>(size),
-                    Image<std::uint8_t>(size),
-                    Image<std::uint8_t>(size),
-                    {}};
+  Panorama panorama;
+  panorama.distance_m.reset(size), panorama.sigma_m.reset(size);
+  panorama.views.reset(size), panorama.field.reset(size);
   const Fusion fusion(views, tof, panorama);
   crew.rows(height, 4, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) fusion.row(y);
   });
   Panorama before = panorama;
-  if (smooth) {
+  if (options.smooth)
     crew.rows(height, 4, [&](int begin, int end) { smooth_rows(before, panorama, begin, end); });
-    before = panorama;
+  if (options.straighten) {
+    panorama.planes = find_planes(panorama);
+    straighten(panorama.planes, panorama, crew);
   }
+  before = panorama;
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
   crew.rows(height, 4, [&](int begin, int end) { trim_field(fusion, panorama, begin, end); });
   panorama.known_share =

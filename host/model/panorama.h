@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "hal/base/image.h"
 #include "hal/base/parallel.h"
@@ -42,6 +43,19 @@ class ViewAverage {
   Image<std::uint8_t> count_;
 };
 
+/// A large plane of the room: points p in base axes with inverse_m . p = 1. It does not hold the
+/// origin.
+struct RoomPlane {
+  Eigen::Vector3d inverse_per_m;  ///< unit normal over distance from the origin
+  double solid_angle_sr = 0;      ///< of what was found on it
+
+  /// Distance along a unit ray; 0 where the ray does not meet it.
+  double distance_m(const Eigen::Vector3d& ray) const {
+    const double w = inverse_per_m.dot(ray);
+    return w > 0 ? 1 / w : 0;
+  }
+};
+
 /// Equirectangular, from the origin of the unit's base (z up along the pan axis, x along the tilt
 /// axis, y ahead). Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise from ahead
 /// as pan is; row y at elevation pi/2 - pi (y + 0.5) / height.
@@ -53,6 +67,7 @@ struct Panorama {
   Image<Rgb8> color;          ///< sRGB; black = unknown; 1 to 8 times as many pixels a side
   double measured_share = 0;  ///< of the field's solid angle, before holes are filled
   double known_share = 0;     ///< after
+  std::vector<RoomPlane> planes{};  ///< that it was straightened to, the largest first
 
   Size size() const { return distance_m.size(); }
 };
@@ -63,6 +78,29 @@ bool is_depth_step(float low_m, float high_m);
 /// Unit direction of a pixel in base axes.
 Eigen::Vector3d direction_of(Size panorama, int x, int y);
 
+/// The same of all pixels, from the sines and cosines of columns and rows.
+class Directions {
+ public:
+  explicit Directions(Size panorama);
+  Eigen::Vector3d operator()(int x, int y) const {
+    const Eigen::Vector2d &column = columns_[static_cast<std::size_t>(x)],
+                          &row = rows_[static_cast<std::size_t>(y)];
+    return {row.x() * column.x(), row.x() * column.y(), row.y()};
+  }
+  /// Width of a pixel of row y over that of one on the horizon.
+  double across(int y) const { return rows_[static_cast<std::size_t>(y)].x(); }
+
+ private:
+  std::vector<Eigen::Vector2d> columns_, rows_;
+};
+
+/// Height of a panorama (even; its width is twice that), and the rungs.
+struct PanoramaOptions {
+  int height_px = 720;
+  bool smooth = true;
+  bool straighten = true;
+};
+
 /// Looks for the surface on each ray of the panorama in each view: the point on the ray that the
 /// view measures at its own pixel, found by fixed-point steps from the ray's distance to the view's
 /// (the camera is centimetres from the origin, the room metres). Values of several views are joined
@@ -70,9 +108,10 @@ Eigen::Vector3d direction_of(Size panorama, int x, int y);
 /// disagree, the distance that most of them see is kept, of as many the farther one, since what
 /// moved stood before the room. Small holes are filled from their border.
 /// `smooth` averages the inverse distances of pixels within 3 pixels in elevation, in pairs
-/// opposite each other, where a pair agrees with the pixel to three sigma. Precondition: `height`
-/// is even, the width is twice the height.
+/// opposite each other, where a pair agrees with the pixel to three sigma. `straighten` moves what
+/// lies on large planes onto them (room_planes.h).
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
-                       const geometry::CameraModel& target, int height, bool smooth, Crew& crew);
+                       const geometry::CameraModel& target, const PanoramaOptions& options,
+                       Crew& crew);
 
 }  // namespace mixrig::model

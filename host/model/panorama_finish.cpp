@@ -4,15 +4,34 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
+#include <vector>
+
+#include "hal/base/order_statistics.h"
 
 namespace mixrig::model {
+namespace {
+
+constexpr float kNoise = 3;  ///< sigmas
+
+/// The median, where two thirds of the distances lie within `gate_m` of it; else 0. Reorders them.
+float shared_by_most(std::span<float> all_m, float gate_m) {
+  constexpr std::size_t kLeastKnown = 12;
+  if (all_m.size() < kLeastKnown) return 0;
+  const float median_m = upper_median_in_place(all_m);
+  const auto agree = std::count_if(all_m.begin(), all_m.end(),
+                                   [&](float d_m) { return std::abs(d_m - median_m) < gate_m; });
+  return 3 * static_cast<std::size_t>(agree) >= 2 * all_m.size() ? median_m : 0;
+}
+
+}  // namespace
 
 void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
   constexpr int kReach_px = 3, kWidest_px = 24;
-  constexpr float kNoise = 3;
   const Size size = before.size();
   const double pixel_rad = std::numbers::pi / size.height;
+  std::vector<float> pairs_m;
   for (int y = begin; y < end; ++y) {
     const double across = std::sin(std::numbers::pi * (y + 0.5) / size.height);
     const int reach_x =
@@ -22,6 +41,8 @@ void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
       const float here_m = before.distance_m.row(y)[x], sigma_m = before.sigma_m.row(y)[x];
       if (before.views.row(y)[x] == 0) continue;
       float weight = 0, sum = 0;
+      pairs_m.clear();
+      bool alone = true;  // no pair agrees
       for (int dy = -kReach_px; dy <= kReach_px; ++dy) {
         const int up = y - dy, down = y + dy;  // pairs opposite each other keep a slope
         if (up < 0 || down < 0 || up >= size.height || down >= size.height) continue;
@@ -35,13 +56,16 @@ void smooth_rows(const Panorama& before, Panorama& p, int begin, int end) {
           const auto longer =
               static_cast<float>(1 + 0.5 * (right_rad * right_rad + up_rad * up_rad));  // 1 / cos
           const float mean = 0.5F * longer * (1 / a_m + 1 / b_m);
+          if (dx != 0 || dy != 0) pairs_m.push_back(1 / mean);
           if (std::abs(1 / mean - here_m) > kNoise * sigma_m) continue;
           const float sa_m = before.sigma_m.row(up)[left], sb_m = before.sigma_m.row(down)[right];
           const float w = 1 / (sa_m * sa_m + sb_m * sb_m);
           weight += w, sum += w * mean;
+          alone = alone && dx == 0 && dy == 0;
         }
       }
-      if (weight > 0) p.distance_m.row(y)[x] = weight / sum;
+      const float smooth_m = alone ? shared_by_most(pairs_m, kNoise * sigma_m) : weight / sum;
+      if (smooth_m > 0) p.distance_m.row(y)[x] = smooth_m;
     }
   }
 }

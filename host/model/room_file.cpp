@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hal/base/partial_path.h"
+#include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
@@ -31,6 +32,8 @@ std::string room_text(const Panorama& p, const RoomManifest& manifest) {
   root.set("triangles", manifest.triangles);
   root.set("mesh_tolerance_mm", config::rounded(kRoomMm * manifest.mesh_tolerance_m, 6));
   root.set("calibration_hash", manifest.calibration_hash);
+  if (manifest.world_from_base)
+    root.set("world_from_base", calibration_file::pose_table(*manifest.world_from_base));
   return root.text();
 }
 
@@ -53,6 +56,9 @@ Result<RoomFile> read_room_manifest(const fs::path& path) {
   room.manifest.triangles = root.integer("triangles", {0, 1e9});
   room.manifest.mesh_tolerance_m = root.number("mesh_tolerance_mm", {0, 1e6}) / kRoomMm;
   room.manifest.calibration_hash = root.text_or("calibration_hash", "");
+  const config::Table pose = root.table("world_from_base");
+  const geometry::Pose world_from_base = calibration_file::parse_pose(pose);
+  if (pose.present()) room.manifest.world_from_base = world_from_base;
   MIXRIG_TRY(document.finish());
   room.panorama.distance_m.reset(size_px);
   return room;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "hal/base/result.h"
@@ -16,6 +17,7 @@ struct RoomManifest {
   int triangles = 0;
   double mesh_tolerance_m = 0;
   std::string calibration_hash;  ///< of the calibration that the sweep was fused with
+  std::optional<geometry::Pose> world_from_base{};  ///< where the views had poses of their own
 };
 
 struct RoomFile {

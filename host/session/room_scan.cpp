@@ -11,13 +11,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/capture/calibrated_source.h"
 #include "host/image_io/image_io.h"
 #include "host/model/room_file.h"
-#include "host/pose/pan_tilt_poses.h"
 #include "host/scene/glb_writer.h"
+#include "host/session/sweep_views.h"
 #include "host/take/take_source.h"
 
 namespace mixrig::session {
@@ -26,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLengths = 100;  ///< per axis (Schiller et al. 2010, table 1)
+constexpr double kLeastTurn_rad = kLeastTurn_deg * kDeg;
 
 class Stopwatch {
  public:
@@ -36,48 +38,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-struct SweepPictures {
-  std::vector<model::ScanView> views;
-  int frames = 0;
-};
-
-/// Frames of a view are averaged as they are read.
-Result<SweepPictures> read_sweep(capture::CaptureSource& source,
-                                 const calibration_file::PanTilt& unit) {
-  const capture::SourceInfo& info = source.info();
-  model::ViewAverage average(info.tof, info.noise,
-                             info.depth_kind == capture::DepthKind::kDistance);
-  SweepPictures sweep;
-  capture::Capture frame;
-  std::optional<device::PanTiltAngles> at;
-  const auto finish = [&] {
-    if (!sweep.views.empty())
-      average.finish(sweep.views.back().distance_m, sweep.views.back().sigma_m);
-    average.clear();
-  };
-  for (int number = 1; number <= info.frames; ++number) {
-    MIXRIG_ASSIGN(const bool more, source.read(number, frame));
-    if (!more) break;
-    if (!frame.pan_tilt)
-      return Error{ErrorCode::kData, fmt::format("frame {} has no angles of the head: only a take "
-                                                 "with pan_tilt.csv can be scanned",
-                                                 number)};
-    if (!at || at->pan_rad != frame.pan_tilt->pan_rad || at->tilt_rad != frame.pan_tilt->tilt_rad) {
-      finish();
-      at = frame.pan_tilt;
-      model::ScanView view;
-      view.base_from_target = pose::base_from_target(unit, *at);
-      view.base_from_tof = view.base_from_target * info.target_from_tof;
-      view.plate = frame.plate;
-      sweep.views.push_back(std::move(view));
-    }
-    average.add(frame.depth_m.view(), frame.amplitude.view());
-    ++sweep.frames;
-  }
-  finish();
-  return sweep;
-}
 
 Result<measure::RoomFrame> true_frame(const fs::path& path) {
   std::ifstream file(path);
@@ -124,25 +84,40 @@ Result<void> write_mesh(const RoomScan& scan, const fs::path& path) {
   return scene::write_glb(file, "room", path);
 }
 
+/// The unit that the calibration has, none where no calibration was given: then frames need poses.
+Result<std::optional<calibration_file::PanTilt>> unit_of(const fs::path& calibration) {
+  if (calibration.empty()) return std::optional<calibration_file::PanTilt>();
+  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(calibration));
+  if (!known.pan_tilt)
+    return Error{ErrorCode::kFormat,
+                 "'" + calibration.string() + "' has no pan-tilt unit: run mixrig calibrate ptu"};
+  return known.pan_tilt;
+}
+
 }  // namespace
 
 Result<RoomScan> scan_room(const RoomScanOptions& options) {
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(options.take));
-  MIXRIG_ASSIGN(const auto source,
-                capture::with_calibration(std::move(recorded), options.calibration));
-  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(options.calibration));
-  if (!known.pan_tilt)
-    return Error{ErrorCode::kFormat, "'" + options.calibration.string() +
-                                         "' has no pan-tilt unit: run mixrig calibrate ptu"};
+  MIXRIG_ASSIGN(const auto unit, unit_of(options.calibration));
+  const fs::path calibration =
+      options.calibration.empty() ? recorded->info().calibration : options.calibration;
+  MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
   const Stopwatch reading;
-  MIXRIG_ASSIGN(const SweepPictures sweep, read_sweep(*source, *known.pan_tilt));
+  MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr));
+  const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;
   scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;
+  scan.world_from_base = sweep.world_from_base;
   scan.read_seconds = reading.seconds();
   const Stopwatch modelling;
   Crew crew(options.threads);
-  scan.panorama = model::make_panorama(sweep.views, source->info().tof, source->info().target,
-                                       options.height_px, options.smooth, crew);
+  scan.alignment = model::align(sweep.views, tof, target, kLeastTurn_rad, crew);
+  if (options.align)
+    for (std::size_t i = 0; i < sweep.views.size(); ++i)
+      model::turn(scan.alignment.views[i].turn_rad, sweep.views[i]);
+  scan.align_seconds = modelling.seconds();
+  scan.panorama = model::make_panorama(sweep.views, tof, target, options.panorama, crew);
+  scan.findings = model::find_faults(sweep.views, scan.alignment, scan.panorama);
   scan.model_seconds = modelling.seconds();
   const Stopwatch meshing;
   const model::RoomMesh grid = model::grid_mesh(scan.panorama);
@@ -152,6 +127,10 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
     MIXRIG_ASSIGN(scan.errors, room_errors_of(scan.panorama, options.take));
+    if (!scan.mesh.indices.empty())
+      scan.mesh_errors = measure::mesh_errors(
+          {scan.mesh.positions_m.front().data(), 3 * scan.mesh.positions_m.size()},
+          scan.mesh.indices, scan.panorama.distance_m.view());
   }
   return scan;
 }
@@ -159,12 +138,15 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
 Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const fs::path& folder) {
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "manifest.toml"));
   calibration_file::InputHash hash;
-  MIXRIG_TRY(hash.add_file(calibration));
+  if (!calibration.empty()) {
+    MIXRIG_TRY(hash.add_file(calibration));
+  }
   model::RoomManifest manifest;
   manifest.views = scan.views, manifest.frames = scan.frames;
   manifest.triangles = static_cast<int>(scan.mesh.indices.size() / 3);
   manifest.mesh_tolerance_m = scan.tolerance_m;
-  manifest.calibration_hash = hash.text();
+  manifest.calibration_hash = calibration.empty() ? "" : hash.text();
+  manifest.world_from_base = scan.world_from_base;
   // The large picture is encoded twice, beside itself: it is in the model, too.
   std::future<Result<void>> mesh =
       std::async(std::launch::async, [&] { return write_mesh(scan, partial.path() / "room.glb"); });

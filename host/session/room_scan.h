@@ -4,38 +4,51 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "host/capture/capture_source.h"
 #include "host/measure/room.h"
+#include "host/measure/room_mesh.h"
 #include "host/model/panorama.h"
+#include "host/model/room_findings.h"
 #include "host/model/room_mesh.h"
+#include "host/model/view_alignment.h"
 
 namespace mixrig::session {
 
+/// Views that disagree with their neighbours by less keep the angles of the unit.
+inline constexpr double kLeastTurn_deg = 0.05;
+
 struct RoomScanOptions {
   std::filesystem::path take;
-  std::filesystem::path calibration;  ///< cameras, depth error and the pan-tilt unit
-  bool evaluate = false;              ///< against the room that the take holds as truth
-  int height_px = 720;                ///< of the panorama; its width is twice that
-  bool smooth = true;                 ///< the rung: false is the plain fusion
-  int threads = 0;                    ///< 0: one per core
+  /// Cameras, depth error and the pan-tilt unit; empty: those of the take, whose frames have poses.
+  std::filesystem::path calibration;
+  bool evaluate = false;  ///< against the room that the take holds as truth
+  bool align = true;      ///< turn views that do not agree with their neighbours
+  model::PanoramaOptions panorama;
+  int threads = 0;  ///< 0: one per core
 };
 
 struct RoomScan {
   model::Panorama panorama;
+  model::Alignment alignment;  ///< how well the views agree, as the unit or the poses say
+  std::vector<model::Finding> findings;
   model::RoomMesh mesh;
   std::size_t triangles_raw = 0;  ///< of the grid; the mesh has fewer
   double tolerance_m = 0;         ///< of the mesh
   int views = 0, frames = 0;
-  double read_seconds = 0;   ///< reading and averaging the take
-  double model_seconds = 0;  ///< from averaged views to the panorama
-  double mesh_seconds = 0;   ///< from the panorama to the mesh
+  std::optional<geometry::Pose> world_from_base;  ///< where frames had poses
+  double read_seconds = 0;                        ///< reading and averaging the take
+  double align_seconds = 0;                       ///< of model_seconds
+  double model_seconds = 0;                       ///< from averaged views to the panorama
+  double mesh_seconds = 0;                        ///< from the panorama to the mesh
   std::optional<measure::RoomErrors> errors;
+  std::optional<measure::MeshErrors> mesh_errors;  ///< against the panorama; with `evaluate`
 };
 
-/// Frames of equal angles in sequence are one view. Errors: those of take and calibration; kFormat
-/// where the calibration has no unit, kData where a frame has no angles; kNotFound where
-/// `evaluate` finds no truth.
+/// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its
+/// own pose. Errors: those of take and calibration; kFormat where the calibration has no unit,
+/// kData where a frame has no angles, or no pose; kNotFound where `evaluate` finds no truth.
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
 /// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb

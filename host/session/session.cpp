@@ -136,20 +136,24 @@ Result<void> check_place(const Session& session, FrameRange learned,
                   learned.first, learned.second)};
 }
 
-/// A scanned room, placed by the scene.
+/// A scanned room, placed by the scene, or where its own frames had poses.
 Result<void> use_room(Session& session, const std::filesystem::path& folder) {
   const scene::Scene& scene = session.scene;
-  const bool has_base = scene.pose_source == scene::PoseSource::kPanTilt;
-  if (!scene.background.world_from_base && !has_base)
+  auto file = model::load_room(folder);
+  if (!file) return at_key(session, "background.model", std::move(file).error());
+  geometry::Pose world_from_base;
+  if (scene.background.world_from_base)
+    world_from_base = *scene.background.world_from_base;
+  else if (file->manifest.world_from_base)
+    world_from_base = *file->manifest.world_from_base;
+  else if (scene.pose_source == scene::PoseSource::kPanTilt)
+    world_from_base = scene.camera.world_from_base;
+  else
     return at_key(session, "background.model",
                   {ErrorCode::kFormat,
                    folder.string() +
                        " is a room, whose origin is the foot of the pan-tilt unit: say where that "
                        "stands by background.world_from_base"});
-  auto file = model::load_room(folder);
-  if (!file) return at_key(session, "background.model", std::move(file).error());
-  const geometry::Pose world_from_base =
-      scene.background.world_from_base.value_or(scene.camera.world_from_base);
   Crew crew;
   session.room = model::make_faces(file->panorama, crew);
   const model::RoomFaces& faces = *session.room;

@@ -27,7 +27,7 @@ struct ScanArguments {
   SessionArguments session;
   std::string take, frames, out;
   std::string sweep;
-  bool evaluate = false, plain = false;
+  bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
 };
 
 struct Coverage {
@@ -96,13 +96,52 @@ nlohmann::json errors_json(const measure::RoomErrors& errors) {
           {"p95_mm", errors.p95_mm}, {"over_20mm_pct", errors.over_20mm_pct}};
 }
 
+/// How well views agree where they overlap, as the unit or the poses say.
+nlohmann::json agreement_json(const model::Alignment& a) {
+  std::printf("overlaps: median %.1f mm, 95 %% within %.1f mm, %d places\n", 1e3 * a.median_m,
+              1e3 * a.p95_m, a.samples);
+  return {{"median_mm", 1e3 * a.median_m}, {"p95_mm", 1e3 * a.p95_m}, {"places", a.samples}};
+}
+
+/// Each fault in a line of its own, saturated views in one: most rooms have lamps.
+nlohmann::json findings_json(const std::vector<model::Finding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  int saturated = 0;
+  double most_pct = 0;
+  for (const model::Finding& f : findings) {
+    if (f.kind == model::FindingKind::kSaturatedView)
+      ++saturated, most_pct = std::max(most_pct, f.value);
+    else
+      std::printf("%s\n", model::text_of(f).c_str());
+    list.push_back({{"kind", model::name(f.kind)},
+                    {"view", f.view},
+                    {"azimuth_deg", f.azimuth_deg},
+                    {"elevation_deg", f.elevation_deg},
+                    {"value", f.value}});
+  }
+  if (saturated > 0)
+    std::printf("%d views have saturated colour (lamps, windows), up to %.1f %% of a picture\n",
+                saturated, most_pct);
+  return list;
+}
+
+nlohmann::json errors_json(const measure::MeshErrors& errors) {
+  std::printf(
+      "mesh: added error mean %.2f mm, 95 %% within %.2f mm, largest %.0f mm, %.2f %% not "
+      "covered\n",
+      errors.mean_mm, errors.p95_mm, errors.max_mm, errors.uncovered_pct);
+  return {{"mean_mm", errors.mean_mm},
+          {"p95_mm", errors.p95_mm},
+          {"max_mm", errors.max_mm},
+          {"uncovered_pct", errors.uncovered_pct}};
+}
+
 Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
-  if (arguments.session.calibration.empty())
-    return Error{ErrorCode::kUsage,
-                 "--take needs --calibration: the file with cameras and pan-tilt unit"};
   session::RoomScanOptions options;
   options.take = arguments.sweep, options.calibration = arguments.session.calibration;
-  options.evaluate = arguments.evaluate, options.smooth = !arguments.plain,
+  options.evaluate = arguments.evaluate, options.align = !arguments.no_align;
+  options.panorama.smooth = !arguments.no_smooth;
+  options.panorama.straighten = !arguments.no_planes;
   options.threads = arguments.session.threads;
   MIXRIG_ASSIGN(const session::RoomScan room, session::scan_room(options));
   MIXRIG_TRY(session::save_room(room, options.calibration, arguments.out));
@@ -118,13 +157,18 @@ Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
                            {"frames", room.frames},
                            {"seconds", room.read_seconds + room.model_seconds + room.mesh_seconds},
                            {"model_seconds", room.model_seconds},
+                           {"align_seconds", room.align_seconds},
                            {"mesh_seconds", room.mesh_seconds},
                            {"triangles_raw", room.triangles_raw},
                            {"triangles", triangles},
                            {"rss_mb", session::peak_rss_mb()},
                            {"measured_pct", 100 * p.measured_share},
-                           {"fill_pct", 100 * p.known_share}};
+                           {"fill_pct", 100 * p.known_share},
+                           {"planes", p.planes.size()},
+                           {"overlaps", agreement_json(room.alignment)},
+                           {"findings", findings_json(room.findings)}};
   if (room.errors) report["evaluate"] = errors_json(*room.errors);
+  if (room.mesh_errors) report["evaluate"]["mesh"] = errors_json(*room.mesh_errors);
   return report;
 }
 
@@ -164,9 +208,12 @@ void add_scan_command(Command app, Context& context) {
       "scan",
       "a panorama of the room from a sweep, or the empty room from frames of a take; the camera "
       "may move where they have poses");
-  command.add_option("--take", arguments->sweep, "Recorded sweep: folder or take.toml");
+  command.add_option("--take", arguments->sweep,
+                     "Recorded sweep, or frames with poses: folder or take.toml");
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
-  command.add_flag("--no-smooth", arguments->plain, "--take: leave the noise of the distances in");
+  command.add_flag("--no-smooth", arguments->no_smooth, "Leave the noise of the distances in");
+  command.add_flag("--no-planes", arguments->no_planes, "Leave walls as measured, not straight");
+  command.add_flag("--no-align", arguments->no_align, "Take the unit's angles as they are");
   command.add_option("--static", arguments->take, "TAKE: folder or take.toml");
   command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
   command.add_option("OUT", arguments->out, "background folder to write").required();

@@ -1,82 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Panoramas of a box whose views have a formula: rays by hand, no projection of the pipeline.
+// Panoramas of a box whose views have a formula.
 #include "host/model/panorama.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/box_views.h"
 
 namespace mixrig::model {
 namespace {
 
 constexpr int kHeight = 180;
-const Eigen::Vector3d kHalf_m(2.5, 2.0, 1.5);  ///< the origin is in the box's middle
-
-geometry::CameraModel tof_camera() { return {{{96, 80}, 70, 70, 47.5, 39.5}, {}}; }
-
-double to_wall_m(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
-  double nearest = 1e9;
-  for (int k = 0; k < 3; ++k)
-    if (ray[k] != 0)
-      nearest = std::min(nearest, (std::copysign(kHalf_m[k], ray[k]) - from[k]) / ray[k]);
-  return nearest;
-}
-
-/// The camera 8 cm from the origin and off the tilt axis. Axes of the base: right, ahead, up.
-geometry::Pose pose_at(double pan_rad, double tilt_rad) {
-  const Eigen::Quaterniond head(Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
-                                Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
-  Eigen::Matrix3d camera;  // x right, y down, z ahead
-  camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  return {head * Eigen::Quaterniond(camera), head * Eigen::Vector3d(0.05, 0.05, 0.04)};
-}
-
-struct Sheet {
-  double distance_m = 0;  ///< from the camera, over the whole picture; 0: no sheet
-};
-
-ScanView view_at(double pan_rad, double tilt_rad, double noise_m = 0, Sheet sheet = {}) {
-  const auto camera = tof_camera();
-  ScanView view;
-  view.base_from_tof = view.base_from_target = pose_at(pan_rad, tilt_rad);
-  view.distance_m.reset(camera.size_px());
-  view.sigma_m.reset(camera.size_px(), static_cast<float>(std::max(noise_m, 0.002)));
-  view.plate.reset(camera.size_px(), Rgb8{200, 100, 50});
-  std::mt19937 random(static_cast<unsigned>(1000 * (pan_rad + 4) + 10 * tilt_rad));
-  std::normal_distribution<double> normal;
-  for (int y = 0; y < 80; ++y)
-    for (int x = 0; x < 96; ++x) {
-      const Eigen::Vector3d ray =
-          (view.base_from_tof.rotation * Eigen::Vector3d((x - 47.5) / 70, (y - 39.5) / 70, 1))
-              .normalized();
-      double d_m = to_wall_m(view.base_from_tof.translation_m, ray);
-      if (sheet.distance_m > 0) d_m = std::min(d_m, sheet.distance_m);
-      view.distance_m.at(x, y) = static_cast<float>(d_m + noise_m * normal(random));
-    }
-  return view;
-}
-
-std::vector<ScanView> all_around(double noise_m = 0) {
-  std::vector<ScanView> views;
-  for (int tilt = -2; tilt <= 2; ++tilt)
-    for (int pan = 0; pan < 10; ++pan)
-      views.push_back(view_at(2 * M_PI * pan / 10, 0.7 * tilt, noise_m));
-  return views;
-}
+using test::box_camera;
+using test::box_view;
+using test::box_views;
+using test::to_wall_m;
 
 Panorama fuse(const std::vector<ScanView>& views, bool smooth = false) {
   Crew crew(2);
-  return make_panorama(views, tof_camera(), tof_camera(), kHeight, smooth, crew);
+  return make_panorama(views, box_camera(), box_camera(), {kHeight, smooth, false}, crew);
 }
 
 /// Whether all rays within six degrees or so meet the same wall.
 bool is_off_the_edges(const Eigen::Vector3d& ray) {
   std::array<double, 3> walls_m{};
-  for (int k = 0; k < 3; ++k) walls_m[static_cast<std::size_t>(k)] = kHalf_m[k] / std::abs(ray[k]);
+  for (int k = 0; k < 3; ++k)
+    walls_m[static_cast<std::size_t>(k)] = test::kBoxHalf_m[k] / std::abs(ray[k]);
   std::sort(walls_m.begin(), walls_m.end());
   return walls_m[1] > 1.25 * walls_m[0];
 }
@@ -95,10 +48,10 @@ double rms_m(const Panorama& p) {
 }
 
 TEST(Panorama, HoldsTheBoxInAllDirectionsWithItsPoles) {
-  const Panorama p = fuse(all_around());
+  const Panorama p = fuse(box_views());
   EXPECT_DOUBLE_EQ(p.measured_share, 1);
   EXPECT_LT(rms_m(p), 0.001);
-  EXPECT_LT(rms_m(fuse(all_around(), true)), 0.001);
+  EXPECT_LT(rms_m(fuse(box_views(), true)), 0.001);
   for (const int y : {0, kHeight - 1})
     for (int x = 0; x < 2 * kHeight; x += 45) {
       const double truth_m = to_wall_m({0, 0, 0}, direction_of(p.size(), x, y));
@@ -109,17 +62,38 @@ TEST(Panorama, HoldsTheBoxInAllDirectionsWithItsPoles) {
 }
 
 TEST(Panorama, OverlapsLowerTheNoiseAndSmoothingMore) {
-  const std::vector<ScanView> views = all_around(0.012);
+  const std::vector<ScanView> views = box_views({.noise_m = 0.012});
   const double plain_m = rms_m(fuse(views)), smooth_m = rms_m(fuse(views, true));
   EXPECT_LT(plain_m, 0.012);
   EXPECT_LT(smooth_m, 0.6 * plain_m);
 }
 
+TEST(Panorama, ASpikeOnASlopeBecomesTheSlope) {
+  // The floor below: its distance changes by a tenth of a metre over a few pixels.
+  std::vector<ScanView> views{box_view(0, -0.9, {.noise_m = 0.002})};
+  views[0].distance_m.at(48, 40) += 0.08F;
+  const Panorama plain = fuse(views), smooth = fuse(views, true);
+  const auto most_off_m = [](const Panorama& p) {
+    double most = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < 2 * kHeight; ++x) {
+        const Eigen::Vector3d ray = direction_of(p.size(), x, y);
+        if (p.views.at(x, y) == 0 || ray.z() > -0.7 || !is_off_the_edges(ray)) continue;
+        most = std::max(most, std::abs(p.distance_m.at(x, y) - to_wall_m({0, 0, 0}, ray)));
+      }
+    return most;
+  };
+  EXPECT_GT(most_off_m(plain), 0.025);
+  EXPECT_LT(most_off_m(smooth), 0.4 * most_off_m(plain));
+}
+
 TEST(Panorama, WhoMovedBetweenOverlappingViewsLeavesNoTrace) {
   // Two views of almost the same field; one is filled by somebody at 1 m.
-  const std::vector<ScanView> views{view_at(0, 0, 0.005), view_at(0.05, 0, 0.005, {1.0}),
-                                    view_at(0.1, 0.05, 0.005)};
-  const std::vector<ScanView> tie{view_at(0, 0, 0.005, {1.0}), view_at(0.05, 0, 0.005)};
+  const std::vector<ScanView> views{box_view(0, 0, {.noise_m = 0.005}),
+                                    box_view(0.05, 0, {.noise_m = 0.005, .sheet_m = 1.0}),
+                                    box_view(0.1, 0.05, {.noise_m = 0.005})};
+  const std::vector<ScanView> tie{box_view(0, 0, {.noise_m = 0.005, .sheet_m = 1.0}),
+                                  box_view(0.05, 0, {.noise_m = 0.005})};
   for (const auto* seen : {&views, &tie}) {
     const Panorama p = fuse(*seen);
     for (int y = kHeight / 2 - 15; y < kHeight / 2 + 15; ++y)
@@ -130,7 +104,7 @@ TEST(Panorama, WhoMovedBetweenOverlappingViewsLeavesNoTrace) {
 }
 
 TEST(Panorama, WhatNoViewSeesStaysUnknown) {
-  const Panorama p = fuse({view_at(0, 0)});
+  const Panorama p = fuse({box_view(0, 0)});
   EXPECT_EQ(p.distance_m.at(0, kHeight / 2), 0);  // behind
   EXPECT_EQ(p.field.at(0, kHeight / 2), 0);
   EXPECT_GT(p.distance_m.at(kHeight, kHeight / 2), 0);
@@ -138,7 +112,7 @@ TEST(Panorama, WhatNoViewSeesStaysUnknown) {
 }
 
 TEST(Panorama, SmallHolesAreFilledAndSaidToBe) {
-  ScanView view = view_at(0, 0);
+  ScanView view = box_view(0, 0);
   // The ray straight ahead is at pixel (45.7, 40.9): the camera is beside the origin.
   for (int y = 37; y < 45; ++y)
     for (int x = 42; x < 50; ++x) view.distance_m.at(x, y) = 0;
@@ -152,7 +126,7 @@ TEST(Panorama, SmallHolesAreFilledAndSaidToBe) {
 
 TEST(Panorama, AHoleInAWallSeenAtAnAngleIsFilledAlongTheWall) {
   // The wall ahead, where it is seen at 28 degrees from its normal: 21 mm a pixel.
-  ScanView view = view_at(0.7, 0);
+  ScanView view = box_view(0.7, 0);
   for (int y = 34; y < 46; ++y)
     for (int x = 56; x < 68; ++x) view.distance_m.at(x, y) = 0;
   const Panorama p = fuse({view});
@@ -168,7 +142,7 @@ TEST(Panorama, AHoleInAWallSeenAtAnAngleIsFilledAlongTheWall) {
 }
 
 TEST(Panorama, FieldEndsWhereTheViewEnds) {
-  const Panorama p = fuse({view_at(0, 0)});
+  const Panorama p = fuse({box_view(0, 0)});
   int field = 0, filled = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < 2 * kHeight; ++x) {
@@ -181,8 +155,9 @@ TEST(Panorama, FieldEndsWhereTheViewEnds) {
 }
 
 TEST(Panorama, ColourOfWhoStoodBeforeTheRoomIsNotTheRooms) {
-  std::vector<ScanView> views{view_at(0, 0, 0.005), view_at(0.05, 0, 0.005, {1.0}),
-                              view_at(0.1, 0.05, 0.005)};
+  std::vector<ScanView> views{box_view(0, 0, {.noise_m = 0.005}),
+                              box_view(0.05, 0, {.noise_m = 0.005, .sheet_m = 1.0}),
+                              box_view(0.1, 0.05, {.noise_m = 0.005})};
   views[1].plate.fill({10, 220, 10});
   const Panorama p = fuse(views);
   for (int y = kHeight / 2 - 15; y < kHeight / 2 + 15; ++y)
@@ -193,7 +168,7 @@ TEST(Panorama, ColourOfWhoStoodBeforeTheRoomIsNotTheRooms) {
 TEST(Panorama, ColourIsAsFineAsTheTargetCamera) {
   // Its focal length is 3.1 times that of the panorama: 57.3 px a radian.
   const geometry::CameraModel target{{{240, 200}, 180, 180, 119.5, 99.5}, {}};
-  ScanView view = view_at(0, 0);
+  ScanView view = box_view(0, 0);
   // Stripes of the wall ahead, 60 mm wide: 1.7 pixels of its distances.
   view.plate.reset(target.size_px());
   const auto stripe = [](double x_m) { return std::fmod(x_m + 6, 0.12) < 0.06; };
@@ -206,8 +181,8 @@ TEST(Panorama, ColourIsAsFineAsTheTargetCamera) {
       view.plate.at(x, y) = stripe(x_m) ? Rgb8{230, 230, 230} : Rgb8{40, 40, 40};
     }
   Crew crew(2);
-  const Panorama p =
-      make_panorama(std::vector<ScanView>{view}, tof_camera(), target, kHeight, false, crew);
+  const Panorama p = make_panorama(std::vector<ScanView>{view}, box_camera(), target,
+                                   {kHeight, false, false}, crew);
   ASSERT_EQ(p.color.size(), (Size{2 * 3 * kHeight, 3 * kHeight}));
   int right = 0, all = 0;
   for (int y = p.color.height() / 2 - 30; y < p.color.height() / 2 + 30; ++y)
@@ -220,7 +195,7 @@ TEST(Panorama, ColourIsAsFineAsTheTargetCamera) {
 }
 
 TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
-  ViewAverage average(tof_camera(), {0.01, 0, 0}, true);
+  ViewAverage average(box_camera(), {0.01, 0, 0}, true);
   Image<float> first({96, 80}, 2.0F), second({96, 80}, 2.3F), strong({96, 80}, 2.0F),
       weak({96, 80}, 1.0F);
   first.at(3, 4) = 0;

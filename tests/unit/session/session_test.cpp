@@ -95,6 +95,18 @@ TEST(Session, PlacesAScannedRoomAtTheFootOfTheHeadThatGivesThePose) {
   EXPECT_EQ(room.session.setup.background_model->world_from_face[3].translation_m.z(), 1.2);
 }
 
+TEST(Session, PlacesARoomOfPosedFramesWhereTheyWere) {
+  RoomScene room;
+  auto file = model::load_room(room.folder.path());
+  ASSERT_TRUE(file);
+  file->manifest.world_from_base = geometry::Pose{Eigen::Quaterniond::Identity(), {4, 5, 6}};
+  ASSERT_TRUE(model::write_room(file->panorama, file->manifest, room.folder.path()));
+  const auto prepared = prepare_background(room.session, {});
+  ASSERT_TRUE(prepared) << prepared.error().context;
+  EXPECT_EQ(room.session.setup.background_model->world_from_face[2].translation_m,
+            Eigen::Vector3d(4, 5, 6));
+}
+
 TEST(Session, RefusesAScannedRoomWithoutAPlaceAndADamagedOne) {
   RoomScene room;
   auto prepared = prepare_background(room.session, {});

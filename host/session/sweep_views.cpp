@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/sweep_views.h"
+
+#include <fmt/format.h>
+
+#include "host/pose/pan_tilt_poses.h"
+
+namespace mixrig::session {
+namespace {
+
+/// Averages the frames of one view after the other.
+class ViewReader {
+ public:
+  ViewReader(const capture::SourceInfo& info, SweepViews& out)
+      : info_(info),
+        average_(info.tof, info.noise, info.depth_kind == capture::DepthKind::kDistance),
+        out_(out) {}
+
+  void begin(const geometry::Pose& base_from_target, const capture::Capture& frame) {
+    finish();
+    model::ScanView& view = out_.views.emplace_back();
+    view.base_from_target = base_from_target;
+    view.base_from_tof = base_from_target * info_.target_from_tof;
+    view.plate = frame.plate;
+  }
+  void add(const capture::Capture& frame) {
+    average_.add(frame.depth_m.view(), frame.amplitude.view());
+    ++out_.frames;
+  }
+  void finish() {
+    if (!out_.views.empty())
+      average_.finish(out_.views.back().distance_m, out_.views.back().sigma_m);
+    average_.clear();
+  }
+
+ private:
+  const capture::SourceInfo& info_;
+  model::ViewAverage average_;
+  SweepViews& out_;
+};
+
+bool same(const device::PanTiltAngles& a, const device::PanTiltAngles& b) {
+  return a.pan_rad == b.pan_rad && a.tilt_rad == b.tilt_rad;
+}
+
+Result<void> read_by_angles(const capture::Capture& frame, const calibration_file::PanTilt& unit,
+                            ViewReader& reader, SweepViews& sweep) {
+  if (!frame.pan_tilt)
+    return Error{ErrorCode::kData,
+                 fmt::format("frame {} has no angles of the head: scan a take with pan_tilt.csv, "
+                             "or one with poses without --calibration",
+                             frame.number)};
+  if (sweep.angles.empty() || !same(sweep.angles.back(), *frame.pan_tilt)) {
+    sweep.angles.push_back(*frame.pan_tilt);
+    reader.begin(pose::base_from_target(unit, *frame.pan_tilt), frame);
+  }
+  reader.add(frame);
+  return {};
+}
+
+Result<void> read_by_pose(const capture::Capture& frame, ViewReader& reader) {
+  if (frame.pose_origin == capture::PoseOrigin::kUnknown)
+    return Error{
+        ErrorCode::kData,
+        fmt::format("frame {} has no pose: give --calibration with a pan-tilt unit to scan "
+                    "by the angles of the head",
+                    frame.number)};
+  reader.begin(frame.world_from_target, frame);
+  reader.add(frame);
+  return {};
+}
+
+/// Moves the origin into the middle of the views.
+void set_base(SweepViews& sweep) {
+  geometry::Pose world_from_base;
+  for (const model::ScanView& view : sweep.views)
+    world_from_base.translation_m +=
+        view.base_from_target.translation_m / static_cast<double>(sweep.views.size());
+  for (model::ScanView& view : sweep.views) {
+    view.base_from_target.translation_m -= world_from_base.translation_m;
+    view.base_from_tof.translation_m -= world_from_base.translation_m;
+  }
+  sweep.world_from_base = world_from_base;
+}
+
+}  // namespace
+
+Result<SweepViews> read_sweep(capture::CaptureSource& source,
+                              const calibration_file::PanTilt* unit) {
+  SweepViews sweep;
+  ViewReader reader(source.info(), sweep);
+  capture::Capture frame;
+  for (int number = 1; number <= source.info().frames; ++number) {
+    MIXRIG_ASSIGN(const bool more, source.read(number, frame));
+    if (!more) break;
+    MIXRIG_TRY(unit != nullptr ? read_by_angles(frame, *unit, reader, sweep)
+                               : read_by_pose(frame, reader));
+    if (sweep.views.size() > kMostViews)
+      return Error{ErrorCode::kData,
+                   fmt::format("the take has more than {} views: scan a shorter one", kMostViews)};
+  }
+  reader.finish();
+  if (sweep.views.empty()) return Error{ErrorCode::kData, "the sweep has no frames"};
+  if (unit == nullptr) set_base(sweep);
+  return sweep;
+}
+
+}  // namespace mixrig::session

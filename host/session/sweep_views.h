@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views of a sweep from a source: frames of equal angles averaged, or frames with poses.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host/calibration_file/calibration.h"
+#include "host/capture/capture_source.h"
+#include "host/model/panorama.h"
+
+namespace mixrig::session {
+
+inline constexpr int kMostViews = 512;  ///< all are kept in memory
+
+struct SweepViews {
+  std::vector<model::ScanView> views;
+  std::vector<device::PanTiltAngles> angles;  ///< of each view; empty where frames have poses
+  /// Where the base stands: by the poses; nothing where the unit gives the angles.
+  std::optional<geometry::Pose> world_from_base;
+  int frames = 0;
+};
+
+/// Frames of equal angles in sequence are one view of `unit`, their depth averaged as they are
+/// read. Without a unit each frame is a view at its own pose, and the base is at their mean
+/// position with the axes of the world. Errors: those of the source; kData where a frame has no
+/// angles, or without a unit no pose.
+Result<SweepViews> read_sweep(capture::CaptureSource& source,
+                              const calibration_file::PanTilt* unit);
+
+}  // namespace mixrig::session
