@@ -4,6 +4,8 @@
 //   w             1/m of the drawn model, sign aside, 0 unknown
 //   model_sigma_m spread of the model's depth
 //   model_normal  axes of the first face, 0 unknown
+//   model_w       1/m of the model, 0 unknown
+//   depth         how well the model saw the surface: of several models the best one is kept
 //   depth_m       z in metres, 0 unknown; spread_m of the model's depth
 //   normal        camera axes, 0 unknown
 #include "common/precision.glsl"
@@ -13,6 +15,7 @@
 layout(binding = 0) uniform sampler2D w;
 layout(binding = 1) uniform sampler2D model_sigma_m;
 layout(binding = 2) uniform sampler2D model_normal;
+layout(binding = 3) uniform sampler2D model_w;
 layout(location = 0) out float depth_m;
 layout(location = 1) out float spread_m;
 layout(location = 2) out vec4 normal;
@@ -23,8 +26,12 @@ void main() {
   depth_m = measured > 0.0 ? 1.0 / measured : 0.0;
   spread_m = 0.0;
   normal = vec4(0);
+  gl_FragDepth = 0.0;
   ModelPlace place = place_in_model(at, measured, textureSize(model_sigma_m, 0));
   if (!place.inside) return;
+  bool seen = is_seen(place, texelFetch(model_w, place.nearest, 0).r);
+  if (several && !seen) return;
+  if (seen) gl_FragDepth = place.score;
   spread_m = texelFetch(model_sigma_m, place.nearest, 0).r;
   // The inverse of a rotation is its transpose.
   normal = vec4(texelFetch(model_normal, place.nearest, 0).xyz * first_face_rotation(), 0);

@@ -5,6 +5,7 @@
 //   model_w       1/m of the model, 0 unknown
 //   model_color   sRGB, bilinear, color_factor times as large; alpha: spread of a channel in steps
 //                 of most_spread / 254, 255 where unknown
+//   depth         how well the model saw the surface: of several models the best one is kept
 //   learned       linear light, -1 where unknown; learned_sigma its spread
 #include "common/precision.glsl"
 #include "common/constants.glsl"
@@ -22,13 +23,17 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   learned = vec4(-1);
   learned_sigma = 0.0;
+  gl_FragDepth = 0.0;
   ModelPlace place = place_in_model(at, abs(texelFetch(w, at, 0).r), textureSize(model_w, 0));
   if (!place.inside) return;
+  float seen_w = texelFetch(model_w, place.nearest, 0).r;
+  bool seen = is_seen(place, seen_w);
+  if (several && !seen) return;
   vec2 px = (place.px + 0.5) * float(color_factor);
   if (texelFetch(model_color, ivec2(px), 0).a == 1.0) return;
   // The model saw another surface before this one: that one's colour says nothing about it.
-  float seen_w = texelFetch(model_w, place.nearest, 0).r;
   if (seen_w > 0.0 && abs(1.0 - place.z_m * seen_w) > hidden_part) return;
+  if (seen) gl_FragDepth = place.score;
   vec4 color = textureLod(model_color, px / vec2(textureSize(model_color, 0)), 0.0);
   learned = vec4(color.rgb, 1);
   learned_sigma = color.a * most_spread * 255.0 / 254.0;

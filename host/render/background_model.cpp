@@ -113,8 +113,13 @@ void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
   }
 }
 
-ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals) {
-  const BackgroundModel& model = *setup.background_model;
+bool has_model_color(const CompositorSetup& setup) {
+  return std::any_of(setup.background_models.begin(), setup.background_models.end(),
+                     [](const BackgroundModel& model) { return !model.color.empty(); });
+}
+
+ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundModel& model,
+                              bool with_normals) {
   const geometry::Pinhole& camera = model.camera;
   ModelTables t;
   const double cell_px = std::max(1.0, camera.fx_px / setup.tof.pinhole.fx_px);

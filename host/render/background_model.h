@@ -27,9 +27,13 @@ struct ModelTables {
   int limit_radius_px = 1;            ///< of the key's limit in the view
 };
 
+/// Whether any of the models has colour.
+bool has_model_color(const CompositorSetup& setup);
+
 /// The grid has as many samples as the ToF camera could tell apart. Without normals `normal` is
-/// empty. Precondition: validate(setup) holds and setup.background_model is there.
-ModelTables make_model_tables(const CompositorSetup& setup, bool with_normals);
+/// empty. Precondition: validate(setup) holds and `model` is one of its models.
+ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundModel& model,
+                              bool with_normals);
 
 /// Turns unit normals; what is unknown stays so.
 void rotate(const glm::mat3& r, std::span<PackedNormal> normals);

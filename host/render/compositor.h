@@ -81,6 +81,7 @@ struct BackgroundModel {
   int color_factor = 1;
 };
 inline constexpr int kMostColorFactor = 8;
+inline constexpr int kMostModels = 4;
 
 struct KeyParams {
   float threshold_m = 0.05F;
@@ -107,10 +108,12 @@ struct CompositorSetup {
   geometry::Pinhole view;        ///< what is composited: ideal, any size
   geometry::CameraModel tof;
   geometry::Pose target_from_tof;
-  bool depth_is_distance = false;                   ///< along the ray, not along z
-  geometry::DepthNoise noise;                       ///< of one ToF value
-  BackgroundView background;                        ///< of a camera that stands still
-  std::optional<BackgroundModel> background_model;  ///< instead, of a camera that moves
+  bool depth_is_distance = false;  ///< along the ray, not along z
+  geometry::DepthNoise noise;      ///< of one ToF value
+  BackgroundView background;       ///< of a camera that stands still
+  /// Instead, of a camera that moves: at most kMostModels, learned from different places. A
+  /// surface is where any of them has it; its colour is that of the model that saw it best.
+  std::vector<BackgroundModel> background_models;
   std::vector<VirtualObject> objects;
   Light light;
   KeyParams key;

@@ -85,7 +85,8 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
 }  // namespace
 
 KeyBy key_by(const CompositorSetup& setup) {
-  if (!setup.background.depth_m.empty() || setup.background_model) return KeyBy::kBackground;
+  if (!setup.background.depth_m.empty() || !setup.background_models.empty())
+    return KeyBy::kBackground;
   return setup.capture_box ? KeyBy::kVolume : KeyBy::kNothing;
 }
 

@@ -40,11 +40,7 @@ Result<void> check_background(const BackgroundView& background, Size view) {
   return {};
 }
 
-Result<void> check_background_model(const CompositorSetup& setup) {
-  if (!setup.background_model) return {};
-  const BackgroundModel& model = *setup.background_model;
-  if (!setup.background.depth_m.empty())
-    return bad("there are two backgrounds, a still one and a model: give one of them");
+Result<void> check_background_model(const BackgroundModel& model) {
   if (model.depth_m.empty()) return bad("the background model has no depth: learn it again");
   const std::size_t faces = model.world_from_face.size();
   if (faces < 1 || faces > static_cast<std::size_t>(kMostFaces))
@@ -67,9 +63,21 @@ Result<void> check_background_model(const CompositorSetup& setup) {
   return same_size(model.color, {factor * images.width, factor * images.height}, "colour");
 }
 
+Result<void> check_background_models(const CompositorSetup& setup) {
+  const std::vector<BackgroundModel>& models = setup.background_models;
+  if (models.empty()) return {};
+  if (!setup.background.depth_m.empty())
+    return bad("there are two backgrounds, a still one and a model: give one of them");
+  if (models.size() > static_cast<std::size_t>(kMostModels))
+    return bad(fmt::format("there are {} background models, there may be {}: leave some out",
+                           models.size(), kMostModels));
+  for (const BackgroundModel& model : models) MIXRIG_TRY(check_background_model(model));
+  return {};
+}
+
 Result<void> check_backdrop(const CompositorSetup& setup) {
   if (!setup.backdrop) return {};
-  if (setup.background.depth_m.empty() && !setup.background_model && !setup.capture_box)
+  if (setup.background.depth_m.empty() && setup.background_models.empty() && !setup.capture_box)
     return bad(
         "the background is replaced but nothing tells people from it: give a capture volume "
         "or a background");
@@ -150,7 +158,7 @@ Result<void> validate(const CompositorSetup& setup) {
                              std::isfinite(setup.capture_box->floor_tolerance_m)))
     return bad("the floor's tolerance is negative or not finite");
   MIXRIG_TRY(check_background(setup.background, setup.view.size_px));
-  MIXRIG_TRY(check_background_model(setup));
+  MIXRIG_TRY(check_background_models(setup));
   MIXRIG_TRY(check_backdrop(setup));
   MIXRIG_TRY(check_objects(setup.objects));
   return check_light(setup.light);

@@ -149,10 +149,8 @@ Background read_background(const Table& table, const std::filesystem::path& fold
     base.fail("translation_m",
               "places a scanned room, and there is none: give model, or remove it");
   background.open_walls = table.one_of("walls", {"closed", "open"}, 0) == 1;
-  const bool both = background.learn && background.model;
-  const bool none = !background.learn && !background.model;
-  if (both || (table.present() && none && !table.has("walls")))
-    table.fail("learn", "give either learn or model");
+  if (table.present() && !background.learn && !background.model && !table.has("walls"))
+    table.fail("learn", "give learn or model; of a scanned room both");
   return background;
 }
 

@@ -39,14 +39,14 @@ std::uint8_t mean(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d
 }  // namespace
 
 Result<void> Baselines::open(const render::CompositorSetup& setup) {
-  if (setup.backdrop || (setup.background.depth_m.empty() && !setup.background_model))
+  if (setup.backdrop || (setup.background.depth_m.empty() && setup.background_models.empty()))
     return Error{ErrorCode::kUsage,
                  "baselines need a scene that learns its background and shows the room: use one, "
                  "or leave out --baselines"};
   setup_ = &setup;
   objects_setup_ = setup;
   objects_setup_.background = {};
-  objects_setup_.background_model.reset();
+  objects_setup_.background_models.clear();
   objects_setup_.backdrop.emplace();  // nothing behind the objects
   // Without a background a volume has to tell people from it; without depth nobody is in it.
   objects_setup_.capture_box = render::CaptureBox{glm::dvec3(-1), glm::dvec3(1)};
@@ -66,8 +66,9 @@ void Baselines::make_tables() {
                                static_cast<float>(std::fmax(px->y(), 0.0))};
     }
   tof_rays_ = rays_of(setup_->tof, setup_->tof.size_px());
-  if (const auto& model = setup_->background_model)
-    background_rays_ = rays_of(geometry::CameraModel{model->camera, {}}, model->camera.size_px);
+  for (const render::BackgroundModel& model : setup_->background_models)
+    background_rays_.push_back(
+        rays_of(geometry::CameraModel{model.camera, {}}, model.camera.size_px));
   no_depth_m_.reset(setup_->tof.size_px());
   depth_m_.reset(size);
   background_m_.reset(size);
@@ -114,17 +115,18 @@ void Baselines::draw_depth(ImageView<const float> tof_depth_m) {
 }
 
 void Baselines::draw_background(const geometry::Pose& world_from_target) {
-  if (const auto& model = setup_->background_model) {
-    const geometry::Pose target_from_world = geometry::inverse(world_from_target);
-    const Size face = model->camera.size_px;
-    const ImageView<const float> all = model->depth_m;
-    background_m_.fill(0);
-    for (std::size_t i = 0; i < model->world_from_face.size(); ++i)
+  const geometry::Pose target_from_world = geometry::inverse(world_from_target);
+  background_m_.fill(0);
+  for (std::size_t k = 0; k < setup_->background_models.size(); ++k) {
+    const render::BackgroundModel& model = setup_->background_models[k];
+    const Size face = model.camera.size_px;
+    const ImageView<const float> all = model.depth_m;
+    for (std::size_t i = 0; i < model.world_from_face.size(); ++i)
       measure::splat({all.row(static_cast<int>(i) * face.height), face, all.stride},
-                     background_rays_, motion_of(target_from_world * model->world_from_face[i]),
+                     background_rays_[k], motion_of(target_from_world * model.world_from_face[i]),
                      view_of(setup_->view), background_m_);
-    return;
   }
+  if (!setup_->background_models.empty()) return;
   const ImageView<const float> learned_m = setup_->background.depth_m;
   for (int y = 0; y < learned_m.size.height; ++y)
     std::copy_n(learned_m.row(y), learned_m.size.width, background_m_.row(y));

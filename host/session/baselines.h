@@ -52,8 +52,9 @@ class Baselines {
   render::CompositorSetup objects_setup_;  ///< the objects alone, over nothing
   std::unique_ptr<render::Compositor> compositor_;
   Image<PlatePlace> plate_px_;
-  Image<measure::Ray> tof_rays_, background_rays_;
-  Image<float> no_depth_m_;  ///< unknown everywhere
+  Image<measure::Ray> tof_rays_;
+  std::vector<Image<measure::Ray>> background_rays_;  ///< of each model
+  Image<float> no_depth_m_;                           ///< unknown everywhere
   render::FrameOutput objects_;
   Image<Rgb8> plate_;
   Image<float> tof_z_m_, depth_m_, background_m_;

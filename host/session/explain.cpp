@@ -75,9 +75,10 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
        std::string(setup.depth_is_distance ? "distance to z, " : "") +
            "flying pixels, depth steps"},
       {"warp", view, "the depth camera has another position than the colour camera"},
-      {"background", setup.background_model ? view : "-",
-       setup.background_model ? "the model of the empty room, drawn for the pose of each frame"
-                              : "not run: the camera stands still"},
+      {"background", !setup.background_models.empty() ? view : "-",
+       !setup.background_models.empty()
+           ? "the model of the empty room, drawn for the pose of each frame"
+           : "not run: the camera stands still"},
       {"virtual", virtual_size,
        objects ? count(setup.objects.size(), "object") + ", " +
                      count(triangles(setup), "triangle") + "; again only when the camera moves"

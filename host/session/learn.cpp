@@ -27,7 +27,7 @@ class FrameViews {
     empty.objects.clear();
     empty.light.lamps.clear();
     empty.background = {};
-    empty.background_model.reset();
+    empty.background_models.clear();
     empty.capture_box.reset();
     empty.backdrop.reset();
     empty.people_cast_shadows = false;
@@ -97,8 +97,7 @@ class WideFrame {
                      [](const Rgb8& p) {
                        return Rgbx8{p.r, p.g, p.b, 0};
                      });
-    setup_.background_model =
-        render::BackgroundModel{view, {world_from_view}, seen.warped_depth_m, {}, color_seen_};
+    setup_.background_models = {{view, {world_from_view}, seen.warped_depth_m, {}, color_seen_}};
     render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::Normals::kSkip);
     drawn.draw(crew_, wide_.world_from_camera, tables_);
     take_over(drawn);

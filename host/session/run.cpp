@@ -316,7 +316,7 @@ Result<void> Runner::add_last_to_sheet() {
 
 void Runner::watch_camera(const geometry::Pose& world_from_target) {
   if (!first_pose_) first_pose_ = world_from_target;
-  if (warned_ || !session_.background || session_.setup.background_model ||
+  if (warned_ || !session_.background || !session_.setup.background_models.empty() ||
       !capture::moved(*first_pose_, world_from_target))
     return;
   warned_ = true;

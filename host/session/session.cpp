@@ -125,15 +125,19 @@ calibration_file::CalibrationChoice choose_calibration(const SessionOptions& opt
                                                .source_file = info.file});
 }
 
-/// Learned from frames without a pose, the background of a camera that moves has no place.
-Result<void> check_place(const Session& session, FrameRange learned,
+/// Learned from frames without a pose, the background has no place, which it needs where the camera
+/// moves and beside a room.
+Result<void> check_place(const Session& session, FrameRange learned, bool has_room,
                          const model::StaticBackground& background) {
-  if (background.world_from_view || !session.poses || !session.poses->moves()) return {};
+  const bool moves = session.poses && session.poses->moves();
+  if (background.world_from_view || !(moves || has_room)) return {};
   return Error{
       ErrorCode::kData,
-      fmt::format("the camera moves, but its pose is not known at any of the frames {}-{}, so that "
-                  "the background has no place: learn from frames with poses, or use a scanned one",
-                  learned.first, learned.second)};
+      fmt::format(
+          "{}, but the pose is not known at any of the frames {}-{}, so that what is learned "
+          "has no place: learn from frames with poses, or use a scanned one alone",
+          moves ? "the camera moves" : "the background is joined with a room", learned.first,
+          learned.second)};
 }
 
 /// A scanned room, placed by the scene, or where its own frames had poses.
@@ -163,44 +167,45 @@ Result<void> use_room(Session& session, const std::filesystem::path& folder) {
     model.world_from_face.push_back(world_from_base * base_from_face);
   model.depth_m = faces.depth_m, model.depth_sigma_m = faces.depth_sigma_m;
   model.color = faces.color, model.color_factor = faces.color_factor;
-  session.setup.background_model = std::move(model);
+  session.setup.background_models.push_back(std::move(model));
   return {};
 }
 
-Result<std::optional<model::StaticBackground>> background_of(Session& session,
-                                                             const ProgressFn& progress) {
-  const scene::Background& wanted = session.scene.background;
-  std::optional<model::StaticBackground> background;
-  if (wanted.model) {
-    MIXRIG_ASSIGN(background, model::load_static_background(*wanted.model));
-    const bool moves = session.poses && session.poses->moves();
-    if (moves && !background->world_from_view)
-      return Error{ErrorCode::kData,
-                   "background " + wanted.model->string() +
-                       " does not say from where it was learned, and the camera moves: scan it "
-                       "again from a take with poses"};
-    if (!moves && !(background->view == session.setup.view))
-      return Error{ErrorCode::kData, "background " + wanted.model->string() +
-                                         " was learned in the view " + view_text(background->view) +
-                                         ", this take's is " + view_text(session.setup.view) +
-                                         ": scan it again with this rig and size"};
-  } else if (wanted.learn) {
-    auto learned = learn_background(*session.source, session.setup, *wanted.learn, session.backend,
-                                    progress, session.poses.get());
-    if (!learned) return at_key(session, "background.learn", std::move(learned).error());
-    if (auto fine = check_place(session, *wanted.learn, *learned); !fine)
-      return at_key(session, "background.learn", std::move(fine).error());
-    background = *std::move(learned);
-  }
+/// One view of the room, from a folder.
+Result<model::StaticBackground> loaded_background(const Session& session,
+                                                  const std::filesystem::path& folder) {
+  MIXRIG_ASSIGN(auto background, model::load_static_background(folder));
+  const bool moves = session.poses && session.poses->moves();
+  if (moves && !background.world_from_view)
+    return Error{ErrorCode::kData,
+                 "background " + folder.string() +
+                     " does not say from where it was learned, and the camera moves: scan it "
+                     "again from a take with poses"};
+  if (!moves && !(background.view == session.setup.view))
+    return Error{ErrorCode::kData, "background " + folder.string() + " was learned in the view " +
+                                       view_text(background.view) + ", this take's is " +
+                                       view_text(session.setup.view) +
+                                       ": scan it again with this rig and size"};
   return background;
 }
 
-/// The learned view of a camera that moves, drawn for each pose.
+/// One view of the room, from frames of the source.
+Result<model::StaticBackground> learned_background(Session& session, FrameRange frames,
+                                                   bool has_room, const ProgressFn& progress) {
+  auto learned = learn_background(*session.source, session.setup, frames, session.backend, progress,
+                                  session.poses.get());
+  if (!learned) return at_key(session, "background.learn", std::move(learned).error());
+  if (auto fine = check_place(session, frames, has_room, *learned); !fine)
+    return at_key(session, "background.learn", std::move(fine).error());
+  return learned;
+}
+
+/// The learned view of a camera that moves, or beside a room, drawn for each pose.
 void use_wide_view(Session& session) {
   const model::StaticBackground& b = *session.background;
   session.wide_color = learned_colors(b.color, b.color_sigma);
-  session.setup.background_model = render::BackgroundModel{
-      b.view, {*b.world_from_view}, b.depth_m, b.depth_sigma_m, session.wide_color};
+  session.setup.background_models.push_back(
+      {b.view, {*b.world_from_view}, b.depth_m, b.depth_sigma_m, session.wide_color});
 }
 
 }  // namespace
@@ -232,7 +237,8 @@ Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
 
 FrameRange Session::default_frames() const {
   const int frames = source->info().frames;
-  if (!scene.background.learn || scene.background.model) return {1, frames};
+  const auto& model = scene.background.model;
+  if (!scene.background.learn || (model && !model::is_room(*model))) return {1, frames};
   const auto [first, last] = *scene.background.learn;
   if (last >= frames && first > 1) return {1, first - 1};
   return {last + 1, frames};
@@ -259,16 +265,24 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
 }
 
 Result<void> prepare_background(Session& session, const ProgressFn& progress) {
-  const auto& folder = session.scene.background.model;
-  if (folder && model::is_room(*folder)) {
-    MIXRIG_TRY(use_room(session, *folder));
-  } else {
-    MIXRIG_ASSIGN(session.background, background_of(session, progress));
+  const scene::Background& wanted = session.scene.background;
+  const bool has_room = wanted.model && model::is_room(*wanted.model);
+  if (has_room) MIXRIG_TRY(use_room(session, *wanted.model));
+  if (wanted.model && !has_room) {
+    if (wanted.learn)
+      return at_key(session, "background.learn",
+                    {ErrorCode::kFormat, wanted.model->string() +
+                                             " is the background of one view: remove learn or "
+                                             "model; only a scanned room is joined with frames"});
+    MIXRIG_ASSIGN(session.background, loaded_background(session, *wanted.model));
+  } else if (wanted.learn) {
+    MIXRIG_ASSIGN(session.background,
+                  learned_background(session, *wanted.learn, has_room, progress));
   }
   if (session.background) {
     const model::StaticBackground& b = *session.background;
-    const bool moves = session.poses && session.poses->moves() && b.world_from_view;
-    if (moves)
+    const bool moves = session.poses && session.poses->moves();
+    if ((moves && b.world_from_view) || has_room)
       use_wide_view(session);
     else
       session.setup.background = {b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};

@@ -3,6 +3,7 @@
 // pictures. Needs common/view.glsl and common/constants.glsl.
 uniform mat4 face_from_camera[most_faces];
 uniform int faces, face_rows;
+uniform bool several;  // models: what this one did not see is left to the others
 uniform vec2 model_focal_px, model_center_px;
 
 struct ModelPlace {
@@ -10,6 +11,7 @@ struct ModelPlace {
   ivec2 nearest;
   float z_m;      // in axes of the face
   bool inside;    // of the face
+  float score;    // of models, the larger the better it saw the surface, 0 to 1
 };
 
 mat3 first_face_rotation() { return mat3(face_from_camera[0]); }
@@ -28,5 +30,11 @@ ModelPlace place_in_model(ivec2 at, float w, ivec2 model_size) {
   bool inside = w > 0.0 && q.z > 0.0 && min(px.x, px.y) >= -0.5 &&
                 all(lessThan(px, vec2(model_size.x, face_rows) - 0.5));
   px.y += float(face * face_rows);
-  return ModelPlace(px, inside ? ivec2(px + 0.5) : ivec2(0), q.z / w, inside);
+  float score = inside ? q.z / dot(q, q) : 0.0;
+  return ModelPlace(px, inside ? ivec2(px + 0.5) : ivec2(0), q.z / w, inside, score / (1.0 + score));
+}
+
+// Whether the model saw the surface of a place, not another one before it.
+bool is_seen(ModelPlace place, float seen_w) {
+  return place.inside && seen_w > 0.0 && abs(1.0 - place.z_m * seen_w) <= hidden_part;
 }

@@ -70,7 +70,7 @@ void RoomSetup::draw_background_for_each_pose() {
     learned_ = learned_colors(color_, color_sigma_);
     model.color = learned_;
   }
-  setup.background_model = std::move(model);
+  setup.background_models = {std::move(model)};
   setup.background = {};
 }
 

@@ -110,7 +110,7 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
 TEST(WholeFrame, agrees_with_a_background_model_of_several_faces) {
   RoomSetup room({.background = false});
   const FaceModel faces(room.scene);
-  room.setup.background_model = faces.model();
+  room.setup.background_models = {faces.model()};
   Pair pair = make_pair(room);
   render::FrameInput frame = room.frame();
   expect_agreement(pair, frame);
@@ -118,6 +118,22 @@ TEST(WholeFrame, agrees_with_a_background_model_of_several_faces) {
   frame.world_from_target.rotation = Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY());
   expect_agreement(pair, frame);
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
+}
+
+TEST(WholeFrame, agrees_with_background_models_of_several_places) {
+  RoomSetup room({.background = false});
+  const FaceModel left(room.scene, 2, {-0.3, 0, 0}), right(room.scene, 1, {0.3, 0.1, 0});
+  room.setup.background_models = {left.model(), right.model()};
+  for (const bool first_has_color : {true, false}) {
+    if (!first_has_color) room.setup.background_models.front().color = {};
+    Pair pair = make_pair(room);
+    render::FrameInput frame = room.frame();
+    expect_agreement(pair, frame);
+    frame.world_from_target.translation_m = {0.02, 0.01, 0};
+    frame.world_from_target.rotation = Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY());
+    expect_agreement(pair, frame);
+    EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
+  }
 }
 
 TEST(WholeFrame, agrees_with_a_background_model_without_color) {

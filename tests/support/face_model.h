@@ -11,10 +11,12 @@
 
 namespace mixrig::test {
 
-/// Seen from the origin; both faces see what is straight ahead. Owns what model() borrows.
+/// Both faces see what is straight ahead. Owns what model() borrows.
 class FaceModel {
  public:
-  explicit FaceModel(AnalyticScene room, int color_factor = 2) : color_factor_(color_factor) {
+  explicit FaceModel(AnalyticScene room, int color_factor = 2,
+                     const Eigen::Vector3d& place_m = {0, 0, 0})
+      : color_factor_(color_factor), place_m_(place_m) {
     room.person = false;
     depth_m_.reset({kSide, 2 * kSide});
     sigma_m_.reset(depth_m_.size(), 0.005F);
@@ -22,7 +24,7 @@ class FaceModel {
     for (int face = 0; face < 2; ++face) {
       for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
-          const Hit hit = cast(room, {0, 0, 0}, ray(face, x, y));
+          const Hit hit = cast(room, place_m_, ray(face, x, y));
           depth_m_.at(x, face * kSide + y) = static_cast<float>(hit.t);
         }
       const int side = color_factor * kSide;
@@ -35,7 +37,7 @@ class FaceModel {
     render::BackgroundModel model;
     model.camera = {{kSide, kSide}, kFocal_px, kFocal_px, kMiddle_px, kMiddle_px};
     for (const int face : {0, 1})
-      model.world_from_face.push_back({Eigen::Quaterniond(turn(face)), Eigen::Vector3d::Zero()});
+      model.world_from_face.push_back({Eigen::Quaterniond(turn(face)), place_m_});
     model.depth_m = depth_m_, model.depth_sigma_m = sigma_m_, model.color = color_;
     model.color_factor = color_factor_;
     return model;
@@ -60,7 +62,7 @@ class FaceModel {
     for (const double dx : {0.25, 0.75})
       for (const double dy : {0.25, 0.75})
         sum +=
-            0.25 * cast(room, {0, 0, 0},
+            0.25 * cast(room, place_m_,
                         ray(face, (x + dx) / color_factor_ - 0.5, (y + dy) / color_factor_ - 0.5))
                        .albedo;
     const auto c = sum.cast<float>().eval();
@@ -68,6 +70,7 @@ class FaceModel {
   }
 
   int color_factor_;
+  Eigen::Vector3d place_m_;
   Image<float> depth_m_, sigma_m_;
   Image<Rgbx8> color_;
 };

@@ -68,68 +68,82 @@ Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
 // One index serves the tables of depth, spread and normals.
 static_assert(sizeof(float) == sizeof(PackedNormal));
 
-/// Where up to kRun pixels of a row of the view lie in the faces.
+/// Where up to kRun pixels of a row of the view lie in the faces of a model.
 struct MovingBackground::Run {
   alignas(64) std::array<float, kRun> u_px, v_px;
-  alignas(64) std::array<float, kRun> z_m;  ///< in axes of the face
+  alignas(64) std::array<float, kRun> z_m;    ///< in axes of the face
+  alignas(64) std::array<float, kRun> score;  ///< of models, the larger the better it saw the pixel
   alignas(64) std::array<std::int32_t, kRun> face;
+  alignas(64) std::array<std::int32_t, kRun> part;  ///< which model
   alignas(64)
       std::array<std::int32_t, kRun> at;  ///< nearest pixel of the tables of 4-byte values; 0: none
   std::size_t count = 0;
 };
 
+MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorSetup& setup,
+                                                   const BackgroundModel& from, Normals normals) {
+  ModelTables tables = make_model_tables(setup, from, normals == Normals::kMake);
+  const Size grid = tables.grid.tof_size;
+  Part part{std::move(tables), {}, WarpScratch(grid), {}, from.color_factor, {}, {}, {}};
+  ModelTables& t = part.tables;
+  part.faces.reserve(from.world_from_face.size());
+  for (std::size_t i = 0; i < from.world_from_face.size(); ++i) {
+    Face& face = part.faces.emplace_back(Face{from.world_from_face[i], TofGrid(grid)});
+    correct(crew, t.grid.correct, t.grid.tof_ray, t.depth_m[i], face.grid);
+  }
+  const Size size = from.depth_m.size;
+  const int rows = t.face_rows;
+  part.w = padded(size, rows, 0.0F, [&](int x, int y) { return t.w.row(y)[x]; });
+  part.sigma_m = padded(size, rows, 0.0F, [&](int x, int y) {
+    return from.depth_sigma_m.empty() ? 0 : from.depth_sigma_m.row(y)[x];
+  });
+  if (normals == Normals::kMake)
+    part.normal =
+        padded(size, rows, PackedNormal{}, [&](int x, int y) { return t.normal.row(y)[x]; });
+  t.depth_m.clear();
+  t.w = {};
+  t.normal = {};
+  if (!from.color.empty()) part.color = linear_table(from.color, from.color_factor * rows);
+  return part;
+}
+
 MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals)
     : key_(setup.key),
       noise_(noise_params(setup.noise)),
-      model_(make_model_tables(setup, normals == Normals::kMake)),
-      scratch_(model_.grid.tof_size),
+      has_color_(has_model_color(setup)),
       w_(with_margin(setup.view.size_px)),
       row_most_w_(setup.view.size_px),
       depth_sigma_m_(setup.view.size_px),
       depth_m_(setup.view.size_px) {
-  const BackgroundModel& from = *setup.background_model;
-  faces_.reserve(from.world_from_face.size());
-  for (std::size_t i = 0; i < from.world_from_face.size(); ++i) {
-    Face& face = faces_.emplace_back(Face{from.world_from_face[i], TofGrid(model_.grid.tof_size)});
-    correct(crew, model_.grid.correct, model_.grid.tof_ray, model_.depth_m[i], face.grid);
+  for (const BackgroundModel& model : setup.background_models) {
+    parts_.push_back(make_part(crew, setup, model, normals));
+    limit_radius_px_ = std::max(limit_radius_px_, parts_.back().tables.limit_radius_px);
   }
-  const Size size = from.depth_m.size;
-  const int rows = model_.face_rows;
-  model_w_ = padded(size, rows, 0.0F, [&](int x, int y) { return model_.w.row(y)[x]; });
-  model_sigma_m_ = padded(size, rows, 0.0F, [&](int x, int y) {
-    return from.depth_sigma_m.empty() ? 0 : from.depth_sigma_m.row(y)[x];
-  });
-  if (normals == Normals::kMake)
-    model_normal_ =
-        padded(size, rows, PackedNormal{}, [&](int x, int y) { return model_.normal.row(y)[x]; });
-  model_.depth_m.clear();
-  model_.w = {};
-  model_.normal = {};
-  if (from.color.empty()) return;
-  color_factor_ = from.color_factor;
-  model_color_ = linear_table(from.color, color_factor_ * rows);
+  if (!has_color_) return;
   color_.reset(setup.view.size_px, {-1, -1, -1});
   color_sigma_.reset(setup.view.size_px);
 }
 
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
-  for (Face& face : faces_) {
-    const FacePose pose = face_pose(face.world_from_face, world_from_camera);
-    face.from_camera = glm::mat3(pose.face_from_camera);
-    face.camera_m = glm::vec3(pose.face_from_camera[3]);
-    model_.grid.warp.camera_from_tof = pose.camera_from_face;
-    warp(crew, model_.grid, face.grid, scratch_, w_,
-         &face == &faces_.front() ? Before::kNothing : Before::kSurfaces);
-  }
+  Before before = Before::kNothing;
+  for (Part& part : parts_)
+    for (Face& face : part.faces) {
+      const FacePose pose = face_pose(face.world_from_face, world_from_camera);
+      face.from_camera = glm::mat3(pose.face_from_camera);
+      face.camera_m = glm::vec3(pose.face_from_camera[3]);
+      part.tables.grid.warp.camera_from_tof = pose.camera_from_face;
+      warp(crew, part.tables.grid, face.grid, part.scratch, w_, before);
+      before = Before::kSurfaces;
+    }
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     Run run;
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < width; x += static_cast<int>(kRun)) {
-        find_in_model(x, y, width - x, run);
+        find(x, y, width - x, run);
         look_up(x, y, run);
       }
-      most_within(w_.row(y), width, model_.limit_radius_px, row_most_w_.row(y));
+      most_within(w_.row(y), width, limit_radius_px_, row_most_w_.row(y));
     }
   });
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
@@ -137,9 +151,23 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   });
 }
 
-void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
+void MovingBackground::find(int x0, int y, int width, Run& run) const {
+  find_in(0, x0, y, width, run);
+  for (std::size_t part = 1; part < parts_.size(); ++part) {
+    Run other;
+    find_in(part, x0, y, width, other);
+    keep_better(other, run);
+  }
+  if (parts_.size() == 1) return;
+  for (std::size_t i = 0; i < run.count; ++i)
+    if (!shows(run, i)) run.at[i] = 0;
+}
+
+/// In the face of a model whose axis is nearest.
+void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& run) const {
+  const Part& in = parts_[part];
   run.count = std::min(kRun, static_cast<std::size_t>(width));
-  const PinholeParams view = model_.grid.warp.view, model = model_.camera;
+  const PinholeParams view = in.tables.grid.warp.view, model = in.tables.camera;
   const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
   const float to_ray = 1 / view.focal_px.x;
   const float first_x = static_cast<float>(x0) - view.center_px.x;
@@ -148,9 +176,9 @@ void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
   alignas(64) std::array<float, kRun> qx, qy, qz;
   run.face.fill(0);
   qz.fill(-std::numeric_limits<float>::infinity());
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const glm::mat3 r = faces_[f].from_camera;
-    const glm::vec3 t = faces_[f].camera_m, row = r[1] * ray_y + r[2];
+  for (std::size_t f = 0; f < in.faces.size(); ++f) {
+    const glm::mat3 r = in.faces[f].from_camera;
+    const glm::vec3 t = in.faces[f].camera_m, row = r[1] * ray_y + r[2];
     const auto face = static_cast<std::int32_t>(f);
     for (std::size_t i = 0; i < run.count; ++i) {
       const float ray_x = (first_x + static_cast<float>(static_cast<int>(i))) * to_ray;
@@ -164,9 +192,9 @@ void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
       run.face[i] = nearer ? face : run.face[i];
     }
   }
-  const float most_u = static_cast<float>(model_w_.width() - 2) - 0.5F;
-  const float most_v = static_cast<float>(model_.face_rows) - 0.5F;
-  const auto stride = static_cast<std::int32_t>(model_w_.stride());
+  const float most_u = static_cast<float>(in.w.width() - 2) - 0.5F;
+  const float most_v = static_cast<float>(in.tables.face_rows) - 0.5F;
+  const auto stride = static_cast<std::int32_t>(in.w.stride());
   for (std::size_t i = 0; i < run.count; ++i) {
     const float inverse = 1 / qz[i];
     const float u = model.focal_px.x * qx[i] * inverse + model.center_px.x;
@@ -176,11 +204,29 @@ void MovingBackground::find_in_model(int x0, int y, int width, Run& run) const {
     run.u_px[i] = u;
     run.v_px[i] = v;
     run.z_m[i] = qz[i] / w[i];
+    run.score[i] = qz[i] / (qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
+    run.part[i] = static_cast<std::int32_t>(part);
     // The tables have borders of one pixel that know nothing.
     const auto column = static_cast<std::int32_t>(inside ? u + 1.5F : 0.0F);
     const auto line = static_cast<std::int32_t>(inside ? v + 1.5F : 0.0F);
-    const std::int32_t top = inside ? run.face[i] * (model_.face_rows + 2) : 0;
+    const std::int32_t top = inside ? run.face[i] * (in.tables.face_rows + 2) : 0;
     run.at[i] = (top + line) * stride + column;
+  }
+}
+
+/// Whether the model of a pixel saw its surface, not another one before it.
+bool MovingBackground::shows(const Run& run, std::size_t i) const {
+  if (run.at[i] == 0) return false;
+  const float seen_w = parts_[static_cast<std::size_t>(run.part[i])].w.row(0)[run.at[i]];
+  return seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) <= kHiddenPart;
+}
+
+void MovingBackground::keep_better(const Run& other, Run& run) const {
+  for (std::size_t i = 0; i < run.count; ++i) {
+    if (!shows(other, i) || (shows(run, i) && run.score[i] >= other.score[i])) continue;
+    run.u_px[i] = other.u_px[i], run.v_px[i] = other.v_px[i], run.z_m[i] = other.z_m[i];
+    run.face[i] = other.face[i], run.part[i] = other.part[i], run.at[i] = other.at[i];
+    run.score[i] = other.score[i];
   }
 }
 
@@ -189,50 +235,71 @@ void MovingBackground::look_up(int x0, int y, const Run& run) {
   float* depth_m = depth_m_.row(y) + x0;
   float* sigma_m = depth_sigma_m_.row(y) + x0;
   for (std::size_t i = 0; i < run.count; ++i) depth_m[i] = w[i] > 0 ? 1 / w[i] : 0;
-  const float* model_sigma_m = model_sigma_m_.row(0);
-  for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
+  if (parts_.size() == 1) {
+    const float* model_sigma_m = parts_[0].sigma_m.row(0);
+    for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
+    return;
+  }
+  for (std::size_t i = 0; i < run.count; ++i)
+    sigma_m[i] = parts_[static_cast<std::size_t>(run.part[i])].sigma_m.row(0)[run.at[i]];
 }
 
 void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out) const {
   Run run;
-  find_in_model(x0, y, static_cast<int>(out.size()), run);
-  const PackedNormal* model_normal = model_normal_.row(0);
-  for (std::size_t i = 0; i < run.count; ++i) out[i] = model_normal[run.at[i]];
-  rotate(glm::transpose(faces_.front().from_camera), out.first(run.count));
+  find(x0, y, static_cast<int>(out.size()), run);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const PackedNormal* model_normal = parts_[p].normal.row(0);
+    std::array<PackedNormal, kRun> turned{};
+    for (std::size_t i = 0; i < run.count; ++i)
+      if (run.part[i] == static_cast<std::int32_t>(p)) turned[i] = model_normal[run.at[i]];
+    rotate(glm::transpose(parts_[p].faces.front().from_camera), std::span(turned).first(run.count));
+    for (std::size_t i = 0; i < run.count; ++i)
+      if (run.part[i] == static_cast<std::int32_t>(p)) out[i] = turned[i];
+  }
+}
+
+/// Colour of pixel i of a run, and its spread as fourth; red negative where the model knows none.
+F4 MovingBackground::color_at(const Run& run, std::size_t i) const {
+  constexpr F4 kNone{-1, -1, -1, 0};
+  const Part& part = parts_[static_cast<std::size_t>(run.part[i])];
+  const std::int32_t at = run.at[i];
+  const float seen_w = part.w.row(0)[at];
+  // The model saw another surface before this one: that one's colour says nothing about it.
+  const bool hidden = seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) > kHiddenPart;
+  if (at == 0 || hidden) return kNone;
+  // In the table of colours, whose faces have a border too.
+  const auto factor = static_cast<float>(part.color_factor);
+  const int table_rows = part.color_factor * part.tables.face_rows + 2;
+  const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
+  const float v_px =
+      (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
+  const int x = static_cast<int>(u_px + 0.5F), line = static_cast<int>(v_px + 0.5F);
+  if (part.color.row(line)[x].x == kUnknownColor) return kNone;
+  const Split u = split(u_px, part.color.width()), v = split(v_px, part.color.height());
+  const Rgbx16* p = part.color.row(static_cast<int>(v.pixel)) + u.pixel;
+  return __builtin_convertvector(blend(p, p + part.color.stride(), u.fraction, v.fraction), F4) /
+         kLinearOne;
 }
 
 void MovingBackground::draw_color(int x0, int y, int width) {
-  Run run;
   Rgbf* color = color_.row(y) + x0;
   float* color_sigma = color_sigma_.row(y) + x0;
-  find_in_model(x0, y, width, run);
-  const std::ptrdiff_t stride = model_color_.stride();
-  const auto factor = static_cast<float>(color_factor_);
-  const int table_rows = color_factor_ * model_.face_rows + 2;
-  for (std::size_t i = 0; i < run.count; ++i) {
-    const std::int32_t at = run.at[i];
-    const float seen_w = model_w_.row(0)[at];
-    // The model saw another surface before this one: that one's colour says nothing about it.
-    const bool hidden = seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) > kHiddenPart;
-    // In the table of colours, whose faces have a border too.
-    const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
-    const float v_px =
-        (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
-    const auto is_unknown = [&] {
-      const int x = static_cast<int>(u_px + 0.5F), line = static_cast<int>(v_px + 0.5F);
-      return model_color_.row(line)[x].x == kUnknownColor;
-    };
-    if (at == 0 || hidden || is_unknown()) {
-      color[i] = {-1, -1, -1};
-      color_sigma[i] = 0;
-      continue;
+  const std::size_t count = std::min(kRun, static_cast<std::size_t>(width));
+  std::fill_n(color, count, Rgbf{-1, -1, -1});
+  std::fill_n(color_sigma, count, 0.0F);
+  std::array<float, kRun> best{};  // score of the model whose colour a pixel has
+  Run run;
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    if (parts_[part].color.empty()) continue;
+    find_in(part, x0, y, width, run);
+    for (std::size_t i = 0; i < run.count; ++i) {
+      if (parts_.size() > 1 && !(shows(run, i) && run.score[i] > best[i])) continue;
+      const F4 c = color_at(run, i);
+      if (c[0] < 0) continue;
+      best[i] = run.score[i];
+      color[i] = {c[0], c[1], c[2]};
+      color_sigma[i] = c[3];
     }
-    const Split u = split(u_px, model_color_.width()), v = split(v_px, model_color_.height());
-    const Rgbx16* p = model_color_.row(static_cast<int>(v.pixel)) + u.pixel;
-    const F4 c =
-        __builtin_convertvector(blend(p, p + stride, u.fraction, v.fraction), F4) / kLinearOne;
-    color[i] = {c[0], c[1], c[2]};
-    color_sigma[i] = c[3];
   }
 }
 
@@ -240,8 +307,8 @@ void MovingBackground::draw_color(int x0, int y, int width) {
 void MovingBackground::limit_row(int y, float* limit_w) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
   const int width = depth_m_.width(), height = depth_m_.height();
-  const int first = std::max(0, y - model_.limit_radius_px);
-  const int last = std::min(height - 1, y + model_.limit_radius_px);
+  const int first = std::max(0, y - limit_radius_px_);
+  const int last = std::min(height - 1, y + limit_radius_px_);
   std::copy_n(row_most_w_.row(first), width, limit_w);
   for (int j = first + 1; j <= last; ++j) {
     const float* other = row_most_w_.row(j);

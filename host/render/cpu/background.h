@@ -8,6 +8,7 @@
 #include "hal/base/parallel.h"
 #include "host/render/background_model.h"
 #include "host/render/cpu/correct.h"
+#include "host/render/cpu/simd.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/cpu/warp.h"
 
@@ -16,8 +17,10 @@ namespace mixrig::render::cpu {
 /// Whether the normals are needed: only light on the background does.
 enum class Normals { kMake, kSkip };
 
-/// The background at the last pose, images of the view's size. What the model never saw, or saw
-/// hidden behind another surface, is unknown: depth 0, colour negative, no limit.
+/// The background at the last pose, images of the view's size. What no model ever saw, or saw
+/// hidden behind another surface, is unknown: depth 0, colour negative, no limit. Where several
+/// models hold a surface, spread, normal and colour are those of the one that saw it nearest to the
+/// middle of a face, and from nearest.
 class MovingBackground {
  public:
   /// Reads the model's images now and borrows nothing.
@@ -25,7 +28,7 @@ class MovingBackground {
   /// Draws the depth, and tables.key_limit_w. Colours are those of earlier draws until
   /// draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
-  bool has_color() const { return !model_color_.empty(); }
+  bool has_color() const { return has_color_; }
   /// Draws the colour of `width` <= kMostColumns pixels of a row. Few pixels need it: those that
   /// depth cannot decide. Any thread, different pixels. Precondition: has_color().
   void draw_color(int x0, int y, int width);
@@ -39,29 +42,40 @@ class MovingBackground {
 
  private:
   struct Run;
-  void find_in_model(int x0, int y, int width, Run& run) const;
-  void look_up(int x0, int y, const Run& run);
-  void limit_row(int y, float* limit_w) const;
-
   struct Face {
     geometry::Pose world_from_face;
     TofGrid grid;
     glm::mat3 from_camera{1};  ///< of the last draw
     glm::vec3 camera_m{0};     ///< in axes of the face
   };
+  /// One of the models.
+  struct Part {
+    ModelTables tables;
+    std::vector<Face> faces;
+    WarpScratch scratch;
+    /// Lookup tables: the faces below one another, each with a border of one pixel that knows
+    /// nothing.
+    Image<Rgbx16> color;         ///< x: the spread, 65535 where unknown; empty without colour
+    int color_factor = 1;        ///< its pixels a pixel of the other tables, along a side
+    Image<float> w;              ///< inverse depth, 0 unknown
+    Image<float> sigma_m;        ///< spread of the depth
+    Image<PackedNormal> normal;  ///< axes of the first face
+  };
+  static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,
+                        Normals normals);
+  void find(int x0, int y, int width, Run& run) const;
+  void find_in(std::size_t part, int x0, int y, int width, Run& run) const;
+  void keep_better(const Run& other, Run& run) const;
+  bool shows(const Run& run, std::size_t i) const;
+  F4 color_at(const Run& run, std::size_t i) const;
+  void look_up(int x0, int y, const Run& run);
+  void limit_row(int y, float* limit_w) const;
 
   KeyParams key_;
   NoiseParams noise_;
-  ModelTables model_;
-  std::vector<Face> faces_;
-  /// Lookup tables: the faces below one another, each with a border of one pixel that knows
-  /// nothing.
-  Image<Rgbx16> model_color_;         ///< x: the spread, 65535 where unknown; empty without colour
-  int color_factor_ = 1;              ///< its pixels a pixel of the other tables, along a side
-  Image<float> model_w_;              ///< inverse depth, 0 unknown
-  Image<float> model_sigma_m_;        ///< spread of the depth
-  Image<PackedNormal> model_normal_;  ///< axes of the first face
-  WarpScratch scratch_;
+  std::vector<Part> parts_;
+  int limit_radius_px_ = 1;  ///< largest of the models
+  bool has_color_ = false;
   Image<float> w_;           ///< with kViewMargin
   Image<float> row_most_w_;  ///< largest w_ within the radius, along the row
   Image<float> depth_sigma_m_;

@@ -105,7 +105,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)),
       shadow_maps_(setup_.light.lamps.size()) {
-  if (setup_.background_model) {
+  if (!setup_.background_models.empty()) {
     moving_background_ = std::make_unique<MovingBackground>(crew_, setup_);
     setup_.background = moving_background_->view();
     tables_.has_background = true;

@@ -7,75 +7,122 @@
 #include <fmt/format.h>
 
 namespace mixrig::render::gles {
+namespace {
+
+Result<void> check_sizes(const BackgroundModel& from) {
+  GLint most_px = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_px);
+  const Size largest = from.color.empty() ? from.depth_m.size : from.color.size;
+  if (std::max(largest.width, largest.height) <= most_px) return {};
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("the background's pictures are {}x{}, this GPU takes up to {} pixels a "
+                           "side: use the cpu back end or a smaller background",
+                           largest.width, largest.height, most_px)};
+}
+
+/// Uniforms of common/view.glsl and common/model.glsl that hold for a take.
+void set_view(const Step& step, const Tables& tables, const ModelTables& model, std::size_t faces,
+              bool several) {
+  step.program.set("focal_px", tables.warp.view.focal_px);
+  step.program.set("center_px", tables.warp.view.center_px);
+  step.program.set("model_focal_px", model.camera.focal_px);
+  step.program.set("model_center_px", model.camera.center_px);
+  step.program.set("faces", static_cast<int>(faces));
+  step.program.set("face_rows", model.face_rows);
+  step.program.set("several", several);
+}
+
+}  // namespace
+
 Result<BackgroundPass> BackgroundPass::create(const Tables& tables, const CompositorSetup& setup,
                                               std::span<const ExposureMeter::Place> places) {
   BackgroundPass pass;
-  const ModelTables model = make_model_tables(setup, !setup.objects.empty());
-  MIXRIG_ASSIGN(pass.warp_, WarpPass::create(model.grid));
-  MIXRIG_TRY(pass.create_faces(setup, model));
-  pass.depth_m_ = make_texture(tables.view_size, GL_R32F);
-  pass.spread_m_ = make_texture(tables.view_size, GL_R32F);
-  pass.normal_ = make_texture(tables.view_size, GL_RGBA16F);
-  pass.row_w_ = make_texture(tables.view_size, GL_R32F);
-  pass.limit_w_ = make_texture(tables.view_size, GL_R32F);
-  MIXRIG_TRY(pass.create_model(setup, model));
-  MIXRIG_TRY(pass.create_limit(setup, model.limit_radius_px));
-  pass.set_view(pass.look_up_, tables, model, pass.look_up_at_);
-  if (!pass.has_color_) return pass;
-  pass.set_view(pass.color_, tables, model, pass.color_at_);
-  pass.color_.program.set("color_factor", pass.color_factor_);
-  pass.color_.program.set("most_spread", kMostColorSpread);
-  Image<glm::vec2> at({static_cast<int>(places.size()), 1});
-  for (std::size_t i = 0; i < places.size(); ++i)
-    at.row(0)[i] = glm::vec2(places[i].view_x, places[i].view_y);
-  pass.places_ = make_texture(at.view(), GL_RG32F);
-  pass.place_color_ = make_texture(at.size(), GL_RGBA32F);
-  pass.place_colors_.resize(places.size());
-  MIXRIG_ASSIGN(pass.at_places_, make_step("background_places.frag", {&pass.place_color_}));
+  const Size view = tables.view_size;
+  pass.several_ = setup.background_models.size() > 1;
+  pass.has_color_ = has_model_color(setup);
+  pass.depth_m_ = make_texture(view, GL_R32F);
+  pass.spread_m_ = make_texture(view, GL_R32F);
+  pass.normal_ = make_texture(view, GL_RGBA16F);
+  pass.row_w_ = make_texture(view, GL_R32F);
+  pass.limit_w_ = make_texture(view, GL_R32F);
+  if (pass.several_) pass.choice_ = make_texture(view, GL_DEPTH_COMPONENT32F);
+  if (pass.has_color_) {
+    pass.learned_ = make_texture(view, GL_RGBA16F);
+    pass.learned_sigma_ = make_texture(view, GL_R16F);
+  }
+  int radius_px = 1;
+  for (const BackgroundModel& from : setup.background_models) {
+    const ModelTables model = make_model_tables(setup, from, !setup.objects.empty());
+    MIXRIG_TRY(pass.add_part(tables, from, model));
+    radius_px = std::max(radius_px, model.limit_radius_px);
+  }
+  MIXRIG_TRY(pass.create_limit(setup, radius_px));
+  if (pass.has_color_) MIXRIG_TRY(pass.create_places(places));
   return pass;
 }
 
-Result<void> BackgroundPass::create_faces(const CompositorSetup& setup, const ModelTables& model) {
-  MIXRIG_ASSIGN(correct_, CorrectPass::create(model.grid));
-  const auto& poses = setup.background_model->world_from_face;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    Face& face = faces_.emplace_back();
-    face.world_from_face = poses[i];
-    face.vertices = make_texture(model.grid.tof_size, correct_.vertices().internal_format);
+Result<void> BackgroundPass::add_part(const Tables& tables, const BackgroundModel& from,
+                                      const ModelTables& model) {
+  MIXRIG_TRY(check_sizes(from));
+  const bool first = parts_.empty();
+  Part part;
+  MIXRIG_ASSIGN(part.warp,
+                first ? WarpPass::create(model.grid) : WarpPass::create_without_view(model.grid));
+  MIXRIG_TRY(create_faces(from, model, part));
+  const Size size = from.depth_m.size;
+  const Image<float> zeros(size, 0.0F);
+  part.w = make_texture(model.w.view(), GL_R32F);
+  part.sigma_m =
+      make_texture(from.depth_sigma_m.empty() ? zeros.view() : from.depth_sigma_m, GL_R32F);
+  const Image<PackedNormal> unknown(size, PackedNormal{});
+  part.normal =
+      make_texture(model.normal.empty() ? unknown.view() : model.normal.view(), GL_RGBA8_SNORM);
+  part.has_color = !from.color.empty();
+  MIXRIG_TRY(create_look_ups(tables, from, model, part));
+  parts_.push_back(std::move(part));
+  return {};
+}
+
+Result<void> BackgroundPass::create_faces(const BackgroundModel& from, const ModelTables& model,
+                                          Part& part) {
+  MIXRIG_ASSIGN(part.correct, CorrectPass::create(model.grid));
+  for (std::size_t i = 0; i < from.world_from_face.size(); ++i) {
+    Face& face = part.faces.emplace_back();
+    face.world_from_face = from.world_from_face[i];
+    face.vertices = make_texture(model.grid.tof_size, part.correct.vertices().internal_format);
     MIXRIG_ASSIGN(face.target, make_target({&face.vertices}));
-    correct_.upload_depth(model.depth_m[i]);
-    correct_.draw_into(face.target);
+    part.correct.upload_depth(model.depth_m[i]);
+    part.correct.draw_into(face.target);
   }
   return {};
 }
 
-Result<void> BackgroundPass::create_model(const CompositorSetup& setup, const ModelTables& model) {
-  const BackgroundModel& from = *setup.background_model;
-  const Size size = from.depth_m.size;
-  GLint most_px = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_px);
-  const Size largest = from.color.empty() ? size : from.color.size;
-  if (std::max(largest.width, largest.height) > most_px)
-    return Error{
-        ErrorCode::kUnsupported,
-        fmt::format("the background's pictures are {}x{}, this GPU takes up to {} pixels a "
-                    "side: use the cpu back end or a smaller background",
-                    largest.width, largest.height, most_px)};
-  const Image<float> zeros(size, 0.0F);
-  model_w_ = make_texture(model.w.view(), GL_R32F);
-  model_sigma_m_ =
-      make_texture(from.depth_sigma_m.empty() ? zeros.view() : from.depth_sigma_m, GL_R32F);
-  const Image<PackedNormal> unknown(size, PackedNormal{});
-  model_normal_ =
-      make_texture(model.normal.empty() ? unknown.view() : model.normal.view(), GL_RGBA8_SNORM);
-  MIXRIG_ASSIGN(look_up_, make_step("background.frag", {&depth_m_, &spread_m_, &normal_}));
-  has_color_ = !from.color.empty();
-  if (!has_color_) return {};
-  model_color_ = make_texture(from.color, GL_SRGB8_ALPHA8, Sampling::kLinear);
-  color_factor_ = from.color_factor;
-  learned_ = make_texture(depth_m_.size, GL_RGBA16F);
-  learned_sigma_ = make_texture(depth_m_.size, GL_R16F);
-  MIXRIG_ASSIGN(color_, make_step("background_color.frag", {&learned_, &learned_sigma_}));
+Result<void> BackgroundPass::create_look_ups(const Tables& tables, const BackgroundModel& from,
+                                             const ModelTables& model, Part& part) {
+  const std::size_t faces = part.faces.size();
+  MIXRIG_ASSIGN(part.look_up,
+                make_step("background.frag", {&depth_m_, &spread_m_, &normal_}, choice()));
+  set_view(part.look_up, tables, model, faces, several_);
+  part.look_up_at = part.look_up.program.location("face_from_camera");
+  if (!part.has_color) return {};
+  part.color = make_texture(from.color, GL_SRGB8_ALPHA8, Sampling::kLinear);
+  MIXRIG_ASSIGN(part.find_color,
+                make_step("background_color.frag", {&learned_, &learned_sigma_}, choice()));
+  set_view(part.find_color, tables, model, faces, several_);
+  part.find_color.program.set("color_factor", from.color_factor);
+  part.find_color.program.set("most_spread", kMostColorSpread);
+  part.find_color_at = part.find_color.program.location("face_from_camera");
+  return {};
+}
+
+Result<void> BackgroundPass::create_places(std::span<const ExposureMeter::Place> places) {
+  Image<glm::vec2> at({static_cast<int>(places.size()), 1});
+  for (std::size_t i = 0; i < places.size(); ++i)
+    at.row(0)[i] = glm::vec2(places[i].view_x, places[i].view_y);
+  places_ = make_texture(at.view(), GL_RG32F);
+  place_color_ = make_texture(at.size(), GL_RGBA32F);
+  place_colors_.resize(places.size());
+  MIXRIG_ASSIGN(at_places_, make_step("background_places.frag", {&place_color_}));
   return {};
 }
 
@@ -93,38 +140,61 @@ Result<void> BackgroundPass::create_limit(const CompositorSetup& setup, int radi
   return {};
 }
 
-void BackgroundPass::set_view(const Step& step, const Tables& tables, const ModelTables& model,
-                              Placing& placing) {
-  step.program.set("focal_px", tables.warp.view.focal_px);
-  step.program.set("center_px", tables.warp.view.center_px);
-  step.program.set("model_focal_px", model.camera.focal_px);
-  step.program.set("model_center_px", model.camera.center_px);
-  step.program.set("faces", static_cast<int>(faces_.size()));
-  step.program.set("face_rows", model.face_rows);
-  placing.face_from_camera = step.program.location("face_from_camera");
-}
-
 void BackgroundPass::draw(const geometry::Pose& world_from_camera) {
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const FacePose pose = face_pose(faces_[i].world_from_face, world_from_camera);
-    face_from_camera_[i] = pose.face_from_camera;
-    warp_.set_pose(pose.camera_from_face);
-    if (i == 0)
-      warp_.draw(faces_[i].vertices, correct_.tof_ray());
-    else
-      warp_.add(faces_[i].vertices, correct_.tof_ray());
-  }
-  const std::span<const glm::mat4> face_from_camera(face_from_camera_.data(), faces_.size());
-  look_up_.program.use();
-  set_uniform(look_up_at_.face_from_camera, face_from_camera);
-  run(look_up_, {&warp_.w(), &model_sigma_m_, &model_normal_});
-  run(rows_, {&warp_.w()});
+  draw_surfaces(world_from_camera);
+  look_up();
+  run(rows_, {&w()});
   run(limit_, {&row_w_, &depth_m_, &spread_m_});
   if (!has_color_) return;
-  color_.program.use();
-  set_uniform(color_at_.face_from_camera, face_from_camera);
-  run(color_, {&warp_.w(), &model_w_, &model_color_});
+  find_color();
   run(at_places_, {&places_, &learned_});
+}
+
+void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
+  for (Part& part : parts_)
+    for (std::size_t i = 0; i < part.faces.size(); ++i) {
+      const FacePose pose = face_pose(part.faces[i].world_from_face, world_from_camera);
+      part.face_from_camera[i] = pose.face_from_camera;
+      part.warp.set_pose(pose.camera_from_face);
+      const Texture& vertices = part.faces[i].vertices;
+      if (i == 0 && &part == &parts_.front())
+        part.warp.draw(vertices, part.correct.tof_ray());
+      else
+        part.warp.add(vertices, part.correct.tof_ray(), parts_.front().warp.target());
+    }
+}
+
+namespace {
+
+/// Of several models a pixel keeps what the one with the largest depth value wrote.
+void keep_best(bool first) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(first ? GL_ALWAYS : GL_GREATER);
+}
+
+}  // namespace
+
+void BackgroundPass::look_up() {
+  for (const Part& part : parts_) {
+    if (several_) keep_best(&part == &parts_.front());
+    part.look_up.program.use();
+    set_uniform(part.look_up_at, std::span(part.face_from_camera).first(part.faces.size()));
+    run(part.look_up, {&w(), &part.sigma_m, &part.normal, &part.w});
+  }
+  glDisable(GL_DEPTH_TEST);
+}
+
+void BackgroundPass::find_color() {
+  bool first = true;
+  for (const Part& part : parts_) {
+    if (!part.has_color) continue;
+    if (several_) keep_best(first);
+    first = false;
+    part.find_color.program.use();
+    set_uniform(part.find_color_at, std::span(part.face_from_camera).first(part.faces.size()));
+    run(part.find_color, {&w(), &part.w, &part.color});
+  }
+  glDisable(GL_DEPTH_TEST);
 }
 
 std::span<const glm::vec4> BackgroundPass::colors_of_places() {

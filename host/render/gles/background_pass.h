@@ -16,7 +16,7 @@ namespace mixrig::render::gles {
 /// View-sized textures; changed by draw().
 class BackgroundPass {
  public:
-  /// Precondition: setup.background_model is there. Errors: as make_program and make_target.
+  /// Precondition: setup.background_models is not empty. Errors: as make_program and make_target.
   static Result<BackgroundPass> create(const Tables& tables, const CompositorSetup& setup,
                                        std::span<const ExposureMeter::Place> places);
   void draw(const geometry::Pose& world_from_camera);
@@ -31,29 +31,43 @@ class BackgroundPass {
   const Texture& learned_sigma() const { return learned_sigma_; }
 
  private:
-  struct Placing {  ///< uniforms of common/model.glsl
-    GLint face_from_camera = -1;
-  };
   struct Face {
     geometry::Pose world_from_face;
     Texture vertices;
     Target target;
   };
-  Result<void> create_faces(const CompositorSetup& setup, const ModelTables& model);
-  Result<void> create_model(const CompositorSetup& setup, const ModelTables& model);
+  /// One of the models.
+  struct Part {
+    std::vector<Face> faces;
+    std::array<glm::mat4, kMostFaces> face_from_camera{};  ///< of the last draw
+    CorrectPass correct;
+    WarpPass warp;
+    Texture w, sigma_m, normal, color;
+    Step look_up, find_color;
+    GLint look_up_at = -1, find_color_at = -1;  ///< face_from_camera of common/model.glsl
+    bool has_color = false;
+  };
+  Result<void> add_part(const Tables& tables, const BackgroundModel& from,
+                        const ModelTables& model);
+  static Result<void> create_faces(const BackgroundModel& from, const ModelTables& model,
+                                   Part& part);
+  Result<void> create_look_ups(const Tables& tables, const BackgroundModel& from,
+                               const ModelTables& model, Part& part);
   Result<void> create_limit(const CompositorSetup& setup, int radius_px);
-  void set_view(const Step& step, const Tables& tables, const ModelTables& model, Placing& placing);
+  Result<void> create_places(std::span<const ExposureMeter::Place> places);
+  void draw_surfaces(const geometry::Pose& world_from_camera);
+  void look_up();
+  void find_color();
+  const Texture& w() const { return parts_.front().warp.w(); }
+  const Texture* choice() const { return several_ ? &choice_ : nullptr; }
 
-  std::vector<Face> faces_;
-  std::array<glm::mat4, kMostFaces> face_from_camera_;  ///< of the last draw
-  CorrectPass correct_;
-  WarpPass warp_;
-  Texture model_w_, model_sigma_m_, model_normal_, model_color_, places_;
-  Texture depth_m_, spread_m_, normal_, learned_, learned_sigma_, row_w_, limit_w_, place_color_;
-  Step look_up_, color_, rows_, limit_, at_places_;
-  Placing look_up_at_, color_at_;
+  std::vector<Part> parts_;
+  bool several_ = false;
+  Texture depth_m_, spread_m_, normal_, learned_, learned_sigma_, row_w_, limit_w_;
+  Texture choice_;  ///< of several models: how well the one that a pixel shows saw it
+  Texture places_, place_color_;
+  Step rows_, limit_, at_places_;
   bool has_color_ = false;
-  int color_factor_ = 1;
   std::vector<glm::vec4> place_colors_;
 };
 

@@ -114,10 +114,10 @@ Result<void> GlesCompositor::create_passes() {
   MIXRIG_ASSIGN(plate_, PlatePass::create(tables_));
   MIXRIG_ASSIGN(correct_, CorrectPass::create(tables_));
   MIXRIG_ASSIGN(warp_, WarpPass::create(tables_));
-  if (setup_.background_model) {
+  if (!setup_.background_models.empty()) {
     MIXRIG_ASSIGN(background_pass_, BackgroundPass::create(tables_, setup_, meter_.places()));
     tables_.has_background = true;
-    const bool color = !setup_.background_model->color.empty();
+    const bool color = has_model_color(setup_);
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, {color, color}, preparer_.params().key));
   } else if (tables_.has_background) {
     background_m_ = make_texture(background.depth_m, GL_R32F);

@@ -18,17 +18,18 @@ void prepare(const Target& target, const Step& step, std::initializer_list<const
 }
 
 Result<Step> make(const char* vertex_stage, const char* fragment_stage,
-                  std::initializer_list<const Texture*> outputs) {
+                  std::initializer_list<const Texture*> outputs, const Texture* depth = nullptr) {
   Step step;
   MIXRIG_ASSIGN(step.program, make_program(vertex_stage, fragment_stage));
-  MIXRIG_ASSIGN(step.target, make_target(outputs));
+  MIXRIG_ASSIGN(step.target, make_target(outputs, depth));
   return step;
 }
 
 }  // namespace
 
-Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs) {
-  return make("fullscreen.vert", fragment_stage, outputs);
+Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs,
+                       const Texture* depth) {
+  return make("fullscreen.vert", fragment_stage, outputs, depth);
 }
 
 Result<Step> make_block_step(const char* fragment_stage,

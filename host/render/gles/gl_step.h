@@ -14,8 +14,10 @@ struct Step {
   Target target;
 };
 
-/// Draws `fragment_stage` over all of `outputs`. Errors: as make_program and make_target.
-Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs);
+/// Draws `fragment_stage` over all of `outputs`, with a depth texture or none. Errors: as
+/// make_program and make_target.
+Result<Step> make_step(const char* fragment_stage, std::initializer_list<const Texture*> outputs,
+                       const Texture* depth = nullptr);
 /// Draws only blocks with some flags (shaders/blocks.vert); a block is `pitch_px` wide.
 Result<Step> make_block_step(const char* fragment_stage,
                              std::initializer_list<const Texture*> outputs, int wanted_flags,

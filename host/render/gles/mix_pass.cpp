@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "host/render/background_model.h"
+
 namespace mixrig::render::gles {
 namespace {
 
@@ -38,9 +40,7 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
     pass.make_alpha_.program.set("has_objects", !setup.objects.empty());
   }
   pass.step_.program.set("has_backdrop", pass.backdrop_.size.area() > 0);
-  pass.step_.program.set("has_color",
-                         !setup.background.color.empty() ||
-                             (setup.background_model && !setup.background_model->color.empty()));
+  pass.step_.program.set("has_color", !setup.background.color.empty() || has_model_color(setup));
   pass.step_.program.set("has_objects", !setup.objects.empty());
   pass.gain_ = pass.step_.program.location("gain");
   pass.has_light_ = pass.step_.program.location("has_light");

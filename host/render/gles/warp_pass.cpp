@@ -19,11 +19,16 @@ BufferHandle make_buffer(GLenum target, std::size_t bytes, GLenum usage) {
 }  // namespace
 
 Result<WarpPass> WarpPass::create(const Tables& tables) {
-  WarpPass pass;
-  pass.tof_size_ = tables.tof_size;
+  MIXRIG_ASSIGN(WarpPass pass, create_without_view(tables));
   pass.w_ = make_texture(tables.view_size, GL_R32F);
   pass.depth_ = make_texture(tables.view_size, GL_DEPTH_COMPONENT32F);
   MIXRIG_ASSIGN(pass.target_, make_target({&pass.w_}, &pass.depth_));
+  return pass;
+}
+
+Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
+  WarpPass pass;
+  pass.tof_size_ = tables.tof_size;
   MIXRIG_ASSIGN(pass.cells_, make_program("cells.comp"));
   pass.group_cells_ = pass.cells_.work_group_size();
   MIXRIG_ASSIGN(pass.warp_, make_program("warp.vert", "warp.frag"));
@@ -64,9 +69,9 @@ void WarpPass::draw(const Texture& vertices, const Texture& tof_ray) const {
   add(vertices, tof_ray);
 }
 
-void WarpPass::add(const Texture& vertices, const Texture& tof_ray) const {
+void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Target& target) const {
   find_triangles(vertices);
-  bind(target_);
+  bind(target);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glEnable(GL_CULL_FACE);

@@ -10,12 +10,17 @@ namespace mixrig::render::gles {
 class WarpPass {
  public:
   static Result<WarpPass> create(const Tables& tables);
+  /// Without a view of its own: only for add() into the target of another one.
+  static Result<WarpPass> create_without_view(const Tables& tables);
   /// In place of Tables::warp, from the next draw() on.
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// `vertices`, `tof_ray`: of CorrectPass.
   void draw(const Texture& vertices, const Texture& tof_ray) const;
   /// The same, before or behind what was drawn.
-  void add(const Texture& vertices, const Texture& tof_ray) const;
+  void add(const Texture& vertices, const Texture& tof_ray) const {
+    add(vertices, tof_ray, target_);
+  }
+  void add(const Texture& vertices, const Texture& tof_ray, const Target& target) const;
   /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }

@@ -40,8 +40,7 @@ struct Modelled {
       }
     color_sigma.reset(kPannedView, 0.01F);
     learned = learned_colors(color, color_sigma);
-    setup.background_model =
-        render::BackgroundModel{setup.view, {geometry::Pose()}, depth_m, {}, learned};
+    setup.background_models = {{setup.view, {geometry::Pose()}, depth_m, {}, learned}};
   }
   AnalyticScene scene;
   render::CompositorSetup setup;
@@ -170,7 +169,7 @@ TEST(Background, SeveralFacesAreOneRoom) {
   Modelled m;
   for (const int color_factor : {1, 2, 3}) {
     const FaceModel faces(m.scene, color_factor);
-    m.setup.background_model = faces.model();
+    m.setup.background_models = {faces.model()};
     for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(-0.2, 0.1, 0.25)}) {
       const DrawnBackground drawn(m, moved(at));
       const Depths d = compare(m, drawn, at);
@@ -181,10 +180,58 @@ TEST(Background, SeveralFacesAreOneRoom) {
   }
 }
 
+/// Seen from two places, a room hides less from the camera between and beside them.
+TEST(Background, WhatOneModelDidNotSeeAnotherOneShows) {
+  AnalyticScene room;
+  room.pole_radius_m = 0.25;
+  Modelled m(room);
+  const FaceModel left(m.scene, 2, {-0.5, 0, 0}), right(m.scene, 1, {0.5, 0.1, 0});
+  const Eigen::Vector3d at(0.2, 0.05, 0.1);
+  const auto drawn_of = [&](std::vector<render::BackgroundModel> models) {
+    m.setup.background_models = std::move(models);
+    const DrawnBackground drawn(m, moved(at));
+    return compare(m, drawn, at);
+  };
+  const Depths one = drawn_of({left.model()}), other = drawn_of({right.model()});
+  const Depths both = drawn_of({left.model(), right.model()});
+  const Depths swapped = drawn_of({right.model(), left.model()});
+  EXPECT_GT(both.colored, std::max(one.colored, other.colored) + 0.01 * both.all);
+  EXPECT_GT(both.known, 0.99 * both.all);
+  EXPECT_GT(both.near, 0.96 * both.known);
+  EXPECT_LT(both.color_error, 0.02);
+  EXPECT_NEAR(swapped.colored, both.colored, 0.001 * both.all);
+  EXPECT_NEAR(swapped.color_error, both.color_error, 0.0005);
+}
+
+TEST(Background, NormalsOfSeveralModelsAreInAxesOfTheCamera) {
+  Modelled m;
+  const FaceModel left(m.scene, 2, {-0.4, 0, 0}), right(m.scene, 2, {0.4, 0, 0});
+  m.setup.background_models = {left.model(), right.model()};
+  const geometry::Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY())),
+                              {0, 0, 0}};
+  const DrawnBackground drawn(m, turned);
+  const Eigen::Vector3d expected = turned.rotation.inverse() * -Eigen::Vector3d::UnitZ();
+  for (const int x : {60, 110, 160}) {  // of the back wall
+    const auto n = drawn.tables.background_normal.at(x, 110);
+    EXPECT_NEAR(n.x, 127 * expected.x(), 5) << x;
+    EXPECT_NEAR(n.y, 127 * expected.y(), 5) << x;
+    EXPECT_NEAR(n.z, 127 * expected.z(), 5) << x;
+  }
+}
+
+TEST(Background, MoreModelsThanThereIsRoomForAreRefused) {
+  Modelled m;
+  const FaceModel faces(m.scene);
+  m.setup.background_models.assign(5, faces.model());
+  const auto compositor = render::make_cpu_compositor(m.setup, 1);
+  ASSERT_FALSE(compositor);
+  EXPECT_NE(compositor.error().context.find("5 background models"), std::string::npos);
+}
+
 TEST(Background, NormalsOfAllFacesAreInAxesOfTheCamera) {
   Modelled m;
   const FaceModel faces(m.scene);
-  m.setup.background_model = faces.model();
+  m.setup.background_models = {faces.model()};
   const DrawnBackground drawn(m, {});
   // Of the back wall, left and right of the middle.
   for (const int x : {110, 210}) {
@@ -200,8 +247,8 @@ TEST(Background, FacesThatDoNotFitTheirPicturesAreRefused) {
   const FaceModel faces(scene);
   const auto refusal = [&](auto&& change) {
     Modelled m;
-    m.setup.background_model = faces.model();
-    change(*m.setup.background_model);
+    m.setup.background_models = {faces.model()};
+    change(m.setup.background_models.front());
     const auto compositor = render::make_cpu_compositor(m.setup, 1);
     return compositor ? std::string("accepted") : compositor.error().context;
   };
@@ -221,7 +268,7 @@ TEST(Background, LimitAndNormalsAreThoseOfAStillBackgroundAtTheSamePose) {
   const Modelled m;
   const DrawnBackground drawn(m, {});
   render::CompositorSetup still = m.setup;
-  still.background_model.reset();
+  still.background_models.clear();
   still.background = {m.depth_m, {}, m.color, m.color_sigma};
   const render::Tables tables = render::make_tables(still);
   std::vector<float> limit_error;
@@ -288,7 +335,7 @@ Key keyed(render::CompositorSetup setup, AnalyticScene scene, const Eigen::Vecto
 TEST(Background, AMovedCameraKeysAsWellAsAStillOne) {
   const Modelled m;
   render::CompositorSetup still = m.setup;
-  still.background_model.reset();
+  still.background_models.clear();
   still.background = {m.depth_m, {}, m.color, m.color_sigma};
   const Key at_rest = keyed(still, m.scene, {0, 0, 0});
   const Eigen::Vector3d aside(0.15, 0.05, 0.1);

@@ -427,8 +427,8 @@ TEST_F(CameraPoseTest, UnderAMotionCaptureTheBackgroundIsLearnedAtItsPoses) {
   const auto report = run_it(std::nullopt, FrameRange{5, 8});
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_TRUE(session_.setup.background.depth_m.empty()) << "a frozen background";
-  ASSERT_TRUE(session_.setup.background_model);
-  EXPECT_NEAR(session_.setup.background_model->world_from_face[0].translation_m.x(), 0.1, 1e-3);
+  ASSERT_FALSE(session_.setup.background_models.empty());
+  EXPECT_NEAR(session_.setup.background_models.front().world_from_face[0].translation_m.x(), 0.1, 1e-3);
 }
 
 TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {
@@ -451,8 +451,8 @@ TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {
 
   const auto with = learn(0.1);
   ASSERT_TRUE(with) << with.error().context;
-  ASSERT_TRUE(session_.setup.background_model);
-  EXPECT_NEAR(session_.setup.background_model->world_from_face[0].translation_m.x(),
+  ASSERT_FALSE(session_.setup.background_models.empty());
+  EXPECT_NEAR(session_.setup.background_models.front().world_from_face[0].translation_m.x(),
               0.12 * kSpeed_m_s, 1e-3);
 }
 

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "host/model/room_file.h"
+#include "host/pose/fixed_poses.h"
 #include "host/session/learn.h"
 #include "tests/support/box_source.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/session/posed_source.h"
 
 namespace mixrig::session {
 namespace {
@@ -76,8 +78,8 @@ TEST(Session, PlacesAScannedRoomWhereTheSceneSays) {
   const auto prepared = prepare_background(room.session, {});
   ASSERT_TRUE(prepared) << prepared.error().context;
   EXPECT_FALSE(room.session.background);
-  ASSERT_TRUE(room.session.setup.background_model);
-  const render::BackgroundModel& model = *room.session.setup.background_model;
+  ASSERT_FALSE(room.session.setup.background_models.empty());
+  const render::BackgroundModel& model = room.session.setup.background_models.front();
   ASSERT_EQ(model.world_from_face.size(), 6U);
   for (const geometry::Pose& face : model.world_from_face)
     EXPECT_EQ(face.translation_m, Eigen::Vector3d(1, 2, 3));
@@ -92,7 +94,7 @@ TEST(Session, PlacesAScannedRoomAtTheFootOfTheHeadThatGivesThePose) {
   room.session.scene.pose_source = scene::PoseSource::kPanTilt;
   room.session.scene.camera.world_from_base.translation_m = {0, 0, 1.2};
   ASSERT_TRUE(prepare_background(room.session, {}));
-  EXPECT_EQ(room.session.setup.background_model->world_from_face[3].translation_m.z(), 1.2);
+  EXPECT_EQ(room.session.setup.background_models.front().world_from_face[3].translation_m.z(), 1.2);
 }
 
 TEST(Session, PlacesARoomOfPosedFramesWhereTheyWere) {
@@ -103,8 +105,48 @@ TEST(Session, PlacesARoomOfPosedFramesWhereTheyWere) {
   ASSERT_TRUE(model::write_room(file->panorama, file->manifest, room.folder.path()));
   const auto prepared = prepare_background(room.session, {});
   ASSERT_TRUE(prepared) << prepared.error().context;
-  EXPECT_EQ(room.session.setup.background_model->world_from_face[2].translation_m,
+  EXPECT_EQ(room.session.setup.background_models.front().world_from_face[2].translation_m,
             Eigen::Vector3d(4, 5, 6));
+}
+
+TEST(Session, LearnedFramesAreJoinedWithARoom) {
+  RoomScene room;
+  room.session.scene.background.world_from_base.emplace();
+  room.session.scene.background.learn = {1, 5};
+  room.session.source = std::make_unique<test::PosedSource>(6, [](capture::Capture& c) {
+    c.world_from_target.translation_m = {0.5, 0, 0};
+    c.pose_origin = capture::PoseOrigin::kRecorded;
+  });
+  room.session.poses = pose::make_own_poses(true, true);
+  EXPECT_EQ(room.session.default_frames(), (FrameRange{6, 6}));
+  const auto prepared = prepare_background(room.session, {});
+  ASSERT_TRUE(prepared) << prepared.error().context;
+  ASSERT_EQ(room.session.setup.background_models.size(), 2U);
+  EXPECT_EQ(room.session.setup.background_models[0].world_from_face.size(), 6U);
+  ASSERT_EQ(room.session.setup.background_models[1].world_from_face.size(), 1U);
+  EXPECT_EQ(room.session.setup.background_models[1].world_from_face[0].translation_m.x(), 0.5);
+  EXPECT_TRUE(render::validate(room.session.setup));
+}
+
+TEST(Session, FramesWithoutAPoseAreNotJoinedWithARoom) {
+  RoomScene room;
+  room.session.scene.background.world_from_base.emplace();
+  room.session.scene.background.learn = {1, 5};
+  room.session.poses = pose::make_own_poses(true, false);
+  const auto prepared = prepare_background(room.session, {});
+  ASSERT_FALSE(prepared);
+  EXPECT_NE(prepared.error().context.find("joined with a room"), std::string::npos);
+}
+
+TEST(Session, FramesBesideABackgroundOfOneViewAreRefused) {
+  RoomScene room;
+  room.session.scene.background.learn = {1, 5};
+  room.session.scene.background.model = room.folder / "view";
+  EXPECT_EQ(room.session.default_frames(), (FrameRange{1, 6}));
+  const auto prepared = prepare_background(room.session, {});
+  ASSERT_FALSE(prepared);
+  EXPECT_NE(prepared.error().context.find("s/scene.toml: background.learn"), std::string::npos);
+  EXPECT_NE(prepared.error().context.find("of one view"), std::string::npos);
 }
 
 TEST(Session, RefusesAScannedRoomWithoutAPlaceAndADamagedOne) {
