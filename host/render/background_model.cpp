@@ -2,6 +2,7 @@
 #include "host/render/background_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -75,6 +76,18 @@ Image<float> make_grid(ImageView<const float> face_m, const ModelTables& t) {
   return depth_m;
 }
 
+FaceRange range_of(const Image<float>& depth_m) {
+  FaceRange range;
+  for (int y = 0; y < depth_m.height(); ++y)
+    for (int x = 0; x < depth_m.width(); ++x) {
+      const float z_m = depth_m.row(y)[x];
+      if (z_m <= 0) continue;
+      range.near_m = range.far_m > 0 ? std::min(range.near_m, z_m) : z_m;
+      range.far_m = std::max(range.far_m, z_m);
+    }
+  return range;
+}
+
 /// Face number `face` of images of the model.
 template <typename T>
 ImageView<T> face_of(ImageView<T> images, Size face_size, std::size_t face) {
@@ -128,6 +141,7 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
   make_rays(camera, t);
   for (std::size_t face = 0; face < model.world_from_face.size(); ++face)
     t.depth_m.push_back(make_grid(face_of(model.depth_m, camera.size_px, face), t));
+  for (const Image<float>& depth_m : t.depth_m) t.range.push_back(range_of(depth_m));
   const NoiseParams noise = noise_params(setup.noise);
   t.grid.correct.noise = {kMedianSigma * noise.floor_m, kMedianSigma * noise.linear,
                           kMedianSigma * noise.quadratic_per_m};
@@ -148,6 +162,31 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
     }
   if (with_normals) make_normals(model, 2 * static_cast<int>(std::ceil(cell_px)), t.normal);
   return t;
+}
+
+bool may_show(const ModelTables& t, std::size_t face, const FacePose& pose) {
+  const FaceRange range = t.range[face];
+  if (range.far_m <= 0) return false;
+  const Size grid = t.grid.tof_size, view = t.grid.view_size;
+  const PinholeParams camera = t.grid.warp.view;
+  const float margin_px = 2 + t.grid.tof_footprint_px;  // cut cells reach over their samples
+  const glm::vec2 least = (glm::vec2(-margin_px) - camera.center_px) / camera.focal_px;
+  const glm::vec2 most =
+      (glm::vec2(view.width, view.height) + margin_px - camera.center_px) / camera.focal_px;
+  std::array<bool, 5> outside;  // all corners: left, right, above, below, behind
+  outside.fill(true);
+  for (const int x : {0, grid.width - 1})
+    for (const int y : {0, grid.height - 1})
+      for (const float z_m : {range.near_m, range.far_m}) {
+        const glm::vec3 p(pose.camera_from_face *
+                          glm::vec4(t.grid.tof_ray.row(y)[x] * z_m, z_m, 1));
+        outside[0] = outside[0] && p.x < least.x * p.z;
+        outside[1] = outside[1] && p.x > most.x * p.z;
+        outside[2] = outside[2] && p.y < least.y * p.z;
+        outside[3] = outside[3] && p.y > most.y * p.z;
+        outside[4] = outside[4] && p.z < 0;
+      }
+  return std::none_of(outside.begin(), outside.end(), [](bool all) { return all; });
 }
 
 FacePose face_pose(const geometry::Pose& world_from_face, const geometry::Pose& world_from_camera) {

@@ -14,12 +14,18 @@
 
 namespace mixrig::render {
 
+/// Depths of the surfaces of a face, z in its axes; far_m 0: it has none.
+struct FaceRange {
+  float near_m = 0, far_m = 0;
+};
+
 /// Built once. The model camera is that of BackgroundModel; all images but the grids' have the size
 /// of its images.
 struct ModelTables {
   int step_px = 1;                    ///< model pixels between samples of the grid
   Tables grid;                        ///< of passes correct and warp; camera_from_tof is left out
   std::vector<Image<float>> depth_m;  ///< grid of each face: medians of known depths, 0 unknown
+  std::vector<FaceRange> range;       ///< of each grid
   PinholeParams camera;               ///< model camera
   int face_rows = 0;                  ///< of the images
   Image<float> w;                     ///< inverse depth, 0 unknown
@@ -43,5 +49,9 @@ struct FacePose {
   glm::mat4 camera_from_face{1}, face_from_camera{1};
 };
 FacePose face_pose(const geometry::Pose& world_from_face, const geometry::Pose& world_from_camera);
+
+/// False where no surface of a face can be in the view of `tables`, by the corners of the space
+/// that its surfaces lie in.
+bool may_show(const ModelTables& tables, std::size_t face, const FacePose& pose);
 
 }  // namespace mixrig::render

@@ -127,14 +127,17 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Nor
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
   Before before = Before::kNothing;
   for (Part& part : parts_)
-    for (Face& face : part.faces) {
+    for (std::size_t i = 0; i < part.faces.size(); ++i) {
+      Face& face = part.faces[i];
       const FacePose pose = face_pose(face.world_from_face, world_from_camera);
       face.from_camera = glm::mat3(pose.face_from_camera);
       face.camera_m = glm::vec3(pose.face_from_camera[3]);
+      if (!may_show(part.tables, i, pose)) continue;
       part.tables.grid.warp.camera_from_tof = pose.camera_from_face;
       warp(crew, part.tables.grid, face.grid, part.scratch, w_, before);
       before = Before::kSurfaces;
     }
+  if (before == Before::kNothing) w_.fill(0);
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     Run run;

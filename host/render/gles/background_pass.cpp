@@ -79,6 +79,7 @@ Result<void> BackgroundPass::add_part(const Tables& tables, const BackgroundMode
       make_texture(model.normal.empty() ? unknown.view() : model.normal.view(), GL_RGBA8_SNORM);
   part.has_color = !from.color.empty();
   MIXRIG_TRY(create_look_ups(tables, from, model, part));
+  part.tables.grid = model.grid, part.tables.range = model.range;
   parts_.push_back(std::move(part));
   return {};
 }
@@ -151,16 +152,15 @@ void BackgroundPass::draw(const geometry::Pose& world_from_camera) {
 }
 
 void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
+  const WarpPass& view = parts_.front().warp;
+  view.clear();
   for (Part& part : parts_)
     for (std::size_t i = 0; i < part.faces.size(); ++i) {
       const FacePose pose = face_pose(part.faces[i].world_from_face, world_from_camera);
       part.face_from_camera[i] = pose.face_from_camera;
+      if (!may_show(part.tables, i, pose)) continue;
       part.warp.set_pose(pose.camera_from_face);
-      const Texture& vertices = part.faces[i].vertices;
-      if (i == 0 && &part == &parts_.front())
-        part.warp.draw(vertices, part.correct.tof_ray());
-      else
-        part.warp.add(vertices, part.correct.tof_ray(), parts_.front().warp.target());
+      part.warp.add(part.faces[i].vertices, part.correct.tof_ray(), view.target());
     }
 }
 

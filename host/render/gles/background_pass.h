@@ -40,6 +40,7 @@ class BackgroundPass {
   struct Part {
     std::vector<Face> faces;
     std::array<glm::mat4, kMostFaces> face_from_camera{};  ///< of the last draw
+    ModelTables tables;  ///< only grid and range: the rest is on the GPU
     CorrectPass correct;
     WarpPass warp;
     Texture w, sigma_m, normal, color;

@@ -61,12 +61,11 @@ void WarpPass::find_triangles(const Texture& vertices) const {
                   GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-void WarpPass::draw(const Texture& vertices, const Texture& tof_ray) const {
+void WarpPass::clear() const {
   bind(target_);
   glClearColor(0, 0, 0, 0);
   glClearDepthf(0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  add(vertices, tof_ray);
 }
 
 void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Target& target) const {

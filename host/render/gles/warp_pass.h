@@ -15,8 +15,12 @@ class WarpPass {
   /// In place of Tables::warp, from the next draw() on.
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// `vertices`, `tof_ray`: of CorrectPass.
-  void draw(const Texture& vertices, const Texture& tof_ray) const;
-  /// The same, before or behind what was drawn.
+  void draw(const Texture& vertices, const Texture& tof_ray) const {
+    clear();
+    add(vertices, tof_ray);
+  }
+  void clear() const;
+  /// Draws before or behind what was drawn.
   void add(const Texture& vertices, const Texture& tof_ray) const {
     add(vertices, tof_ray, target_);
   }

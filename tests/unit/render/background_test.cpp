@@ -219,6 +219,49 @@ TEST(Background, NormalsOfSeveralModelsAreInAxesOfTheCamera) {
   }
 }
 
+/// Surface points of a face that lie in the view.
+int points_in_view(const render::BackgroundModel& model, std::size_t face,
+                   const geometry::Pose& world_from_camera) {
+  const int rows = model.camera.size_px.height, top = static_cast<int>(face) * rows;
+  int count = 0;
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < model.camera.size_px.width; ++x) {
+      const double z_m = model.depth_m.row(top + y)[x];
+      const Eigen::Vector3d ray((x - model.camera.cx_px) / model.camera.fx_px,
+                                (y - model.camera.cy_px) / model.camera.fy_px, 1);
+      const Eigen::Vector3d p =
+          world_from_camera.rotation.inverse() *
+          (model.world_from_face[face] * (z_m * ray) - world_from_camera.translation_m);
+      const double u = 160 + kView_f_px * p.x() / p.z(), v = 128 + kView_f_px * p.y() / p.z();
+      count += z_m > 0 && p.z() > 0 && u >= 0 && v >= 0 && u <= kPannedView.width &&
+               v <= kPannedView.height;
+    }
+  return count;
+}
+
+TEST(Background, FacesWithoutASurfaceInTheViewAreLeftOut) {
+  Modelled m;
+  const FaceModel faces(m.scene);
+  m.setup.background_models = {faces.model()};
+  const render::BackgroundModel& model = m.setup.background_models.front();
+  const render::ModelTables tables = render::make_model_tables(m.setup, model, false);
+  int left_out = 0, empty = 0;
+  for (int step = -8; step <= 8; ++step) {
+    const geometry::Pose turned{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * step, Eigen::Vector3d::UnitY())),
+        {0.1 * step, 0.05, 0}};
+    for (const std::size_t face : {0U, 1U}) {
+      const bool shows =
+          render::may_show(tables, face, render::face_pose(model.world_from_face[face], turned));
+      const int points = points_in_view(model, face, turned);
+      left_out += !shows, empty += points == 0;
+      EXPECT_TRUE(shows || points == 0) << step << " " << face;
+    }
+  }
+  EXPECT_GT(empty, 10);
+  EXPECT_GE(left_out, empty - 4) << "what is empty is seldom drawn";
+}
+
 TEST(Background, MoreModelsThanThereIsRoomForAreRefused) {
   Modelled m;
   const FaceModel faces(m.scene);
