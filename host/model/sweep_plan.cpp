@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@ constexpr double kFullCircle_rad = 2 * std::numbers::pi;
 constexpr double kTrialStep_rad = 1.5 * std::numbers::pi / 180;
 constexpr int kMoreRows = 12;  ///< than the camera's height needs at least
 constexpr int kMostColumns = 90;
+constexpr double kLevel_rad = 1e-6;
 
 Result<void> check_task(const SweepTask& t) {
   const auto within = [](double value, double most) { return value > 0 && value <= most + 1e-9; };
@@ -25,7 +27,8 @@ Result<void> check_task(const SweepTask& t) {
   if (!within(t.camera_pan_rad, 3) || !within(t.camera_tilt_rad, 3))
     return wrong("the field of view must be above 0 and at most 170 degrees");
   if (!(t.overlap >= 0 && t.overlap <= 0.9)) return wrong("the overlap must be 0 to 0.9");
-  if (!(t.most_pan_rad >= 0 && t.most_tilt_rad >= 0)) return wrong("limits must not be negative");
+  if (!(t.most_pan_rad >= 0 && t.most_tilt_rad >= 0 && t.most_down_rad.value_or(0) >= 0))
+    return wrong("limits must not be negative");
   return {};
 }
 
@@ -115,6 +118,54 @@ double covered_share_of(const SweepTask& t, const std::vector<HeadView>& views) 
   return covered / all;
 }
 
+/// For a unit that turns as far down as up; empty where nothing covers the field.
+std::vector<HeadView> plan_both_ways(const SweepTask& task) {
+  const double part = 1 - task.overlap;
+  SweepTask within = task;  // what the unit can reach
+  within.field_pan_rad =
+      std::min(task.field_pan_rad, 2 * task.most_pan_rad + part * task.camera_pan_rad);
+  std::vector<HeadView> views;
+  // The corners of a view at the limit see less far up than its middle: less is asked for then.
+  for (double reach = std::min(0.5 * task.field_tilt_rad,
+                               task.most_tilt_rad + 0.5 * part * task.camera_tilt_rad);
+       views.empty() && reach > kTrialStep_rad; reach -= kTrialStep_rad)
+    views = best_rows(within, reach, part);
+  return views;
+}
+
+/// Half the distance to the next row of the row that looks level; 0 where a plan has no such row.
+double half_level_band(const std::vector<HeadView>& views) {
+  bool level = false;
+  double next = std::numbers::pi;
+  for (const HeadView& view : views) {
+    level = level || std::abs(view.tilt_rad) < kLevel_rad;
+    if (view.tilt_rad > kLevel_rad) next = std::min(next, view.tilt_rad);
+  }
+  return level ? 0.5 * next : 0;
+}
+
+/// The rows of `below` that look down, those of `above` that look up, and of the level rows the one
+/// whose band is higher; each row against the one before.
+std::vector<HeadView> joined(const std::vector<HeadView>& below,
+                             const std::vector<HeadView>& above) {
+  std::vector<HeadView> views;
+  const auto& middle = half_level_band(below) > half_level_band(above) ? below : above;
+  const auto take = [&](const std::vector<HeadView>& from, auto wanted) {
+    std::copy_if(from.begin(), from.end(), std::back_inserter(views), wanted);
+  };
+  take(below, [](const HeadView& v) { return v.tilt_rad < -kLevel_rad; });
+  take(middle, [](const HeadView& v) { return std::abs(v.tilt_rad) <= kLevel_rad; });
+  take(above, [](const HeadView& v) { return v.tilt_rad > kLevel_rad; });
+  for (std::size_t begin = 0, end = 0, row = 0; begin < views.size(); begin = end, ++row) {
+    while (end < views.size() && views[end].tilt_rad == views[begin].tilt_rad) ++end;
+    const bool rises = end - begin > 1 && views[begin].pan_rad < views[begin + 1].pan_rad;
+    if (end - begin > 1 && rises != (row % 2 == 0))
+      std::reverse(views.begin() + static_cast<std::ptrdiff_t>(begin),
+                   views.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  return views;
+}
+
 }  // namespace
 
 bool sees(const SweepTask& task, const HeadView& view, double azimuth_rad, double elevation_rad,
@@ -131,16 +182,13 @@ bool sees(const SweepTask& task, const HeadView& view, double azimuth_rad, doubl
 
 Result<SweepPlan> plan_sweep(const SweepTask& task) {
   MIXRIG_TRY(check_task(task));
-  const double part = 1 - task.overlap;
-  SweepTask within = task;  // what the unit can reach
-  within.field_pan_rad =
-      std::min(task.field_pan_rad, 2 * task.most_pan_rad + part * task.camera_pan_rad);
   SweepPlan plan;
-  // The corners of a view at the limit see less far up than its middle: less is asked for then.
-  for (double reach = std::min(0.5 * task.field_tilt_rad,
-                               task.most_tilt_rad + 0.5 * part * task.camera_tilt_rad);
-       plan.views.empty() && reach > kTrialStep_rad; reach -= kTrialStep_rad)
-    plan.views = best_rows(within, reach, part);
+  plan.views = plan_both_ways(task);
+  if (const auto& down = task.most_down_rad; down && *down != task.most_tilt_rad) {
+    SweepTask below = task;
+    below.most_tilt_rad = *down;
+    plan.views = joined(plan_both_ways(below), plan.views);
+  }
   if (plan.views.empty())
     return Error{ErrorCode::kUsage,
                  "sweep: no plan covers the field: lower the overlap or the field"};

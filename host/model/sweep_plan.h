@@ -2,6 +2,7 @@
 // Views of a pan-tilt unit whose pictures cover a field of directions.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "hal/base/result.h"
@@ -19,6 +20,7 @@ struct SweepTask {
   double camera_pan_rad = 0, camera_tilt_rad = 0;  ///< field of view of the depth camera, below pi
   double overlap = 0.1;  ///< share of a view's width and height that its neighbours see too, 0..0.9
   double most_pan_rad = 0, most_tilt_rad = 0;  ///< the unit turns that far to both sides
+  std::optional<double> most_down_rad{};       ///< tilt downwards, where it is not that upwards
 };
 
 struct SweepPlan {

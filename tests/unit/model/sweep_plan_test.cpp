@@ -88,6 +88,24 @@ TEST(SweepPlan, StaysWithinTheLimitsAndSaysWhatTheyLeaveOut) {
   EXPECT_GT(plan->covered_share, 0.5);
 }
 
+TEST(SweepPlan, AUnitThatLooksFartherDownThanUpIsUsedToBothLimits) {
+  SweepTask task = task_of(120, 180, 0.1, 30);
+  task.most_down_rad = 47 * kRad;
+  const auto plan = plan_sweep(task);
+  ASSERT_TRUE(plan) << plan.error().context;
+  const auto level = plan_sweep(task_of(120, 180, 0.1, 30));
+  double lowest = 0, highest = 0, highest_of_level = 0;
+  for (const HeadView& view : plan->views)
+    lowest = std::min(lowest, view.tilt_rad), highest = std::max(highest, view.tilt_rad);
+  for (const HeadView& view : level->views)
+    highest_of_level = std::max(highest_of_level, view.tilt_rad);
+  EXPECT_GE(lowest, -47 * kRad - 1e-12);
+  EXPECT_LT(lowest, -31 * kRad);
+  EXPECT_EQ(highest, highest_of_level);
+  EXPECT_NEAR(plan->covered_share, 1 - missed(task, *plan, 1), 0.02);
+  EXPECT_GT(plan->covered_share, level->covered_share + 0.02);
+}
+
 TEST(SweepPlan, OneViewIsEnoughForWhatItSees) {
   const auto plan = plan_sweep(task_of(50, 40, 0));
   ASSERT_TRUE(plan);
