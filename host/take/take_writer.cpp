@@ -2,7 +2,6 @@
 // Writes takes frame by frame into a folder that gets its name at the end.
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
+#include "host/take/depth_steps.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"
@@ -74,21 +74,6 @@ class StreamWriter {
   int count_ = 0;
   std::unique_ptr<MatroskaWriter> matroska_;
 };
-
-namespace {
-
-/// Floats in steps of `unit`, rounded; not finite, negative or too large becomes `unknown`.
-void to_steps(const Image<float>& image, double unit, int unknown, Image<std::uint16_t>& steps) {
-  if (steps.size() != image.size()) steps.reset(image.size());
-  const auto step_of = [=](float value) {
-    const double step = std::round(value / unit);
-    return static_cast<std::uint16_t>(step >= 0.5 && step <= 65535.0 ? step : unknown);
-  };
-  for (int y = 0; y < image.height(); ++y)
-    std::transform(image.row(y), image.row(y) + image.width(), steps.row(y), step_of);
-}
-
-}  // namespace
 
 struct TakeWriter::State {
   State(const fs::path& folder, const TakeInfo& take_info, StreamFormat format)

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// A take that grows: whole after each append, continued after an interruption.
+#include "host/take/growing_take.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/take/made_take.h"
+
+namespace mixrig::take {
+namespace {
+
+GrowingTake opened(const std::filesystem::path& folder) {
+  auto take = GrowingTake::open(folder, made_info());
+  EXPECT_TRUE(take) << take.error().context;
+  return *std::move(take);
+}
+
+void append(GrowingTake& take, int first, double pan_rad) {
+  const std::array frames{made_frame(first), made_frame(first + 1)};
+  const auto appended = take.append(frames, {pan_rad, -0.25});
+  ASSERT_TRUE(appended) << appended.error().context;
+}
+
+/// Red of the first pixel, and the pan, of each frame.
+std::vector<std::pair<int, double>> contents(const std::filesystem::path& folder) {
+  auto reader = TakeReader::open(folder);
+  EXPECT_TRUE(reader) << reader.error().context;
+  std::vector<std::pair<int, double>> all;
+  capture::Capture frame;
+  for (int number = 1; reader && number <= reader->info().frames; ++number) {
+    const auto read = reader->read(number, frame);
+    EXPECT_TRUE(read) << read.error().context;
+    EXPECT_FALSE(frame.amplitude.empty());
+    all.emplace_back(frame.plate.at(0, 0).r, frame.pan_tilt ? frame.pan_tilt->pan_rad : -1);
+  }
+  return all;
+}
+
+std::pair<int, double> frame_of(int number, double pan_rad) {
+  return {made_frame(number).plate.at(0, 0).r, pan_rad};
+}
+
+TEST(GrowingTake, IsATakeAfterEachAppend) {
+  const test::TemporaryFolder folder;
+  GrowingTake take = opened(folder / "sweep");
+  EXPECT_EQ(take.frames(), 0);
+  append(take, 1, 0.5);
+  EXPECT_EQ(contents(folder / "sweep"), (std::vector{frame_of(1, 0.5), frame_of(2, 0.5)}));
+  append(take, 3, 0.75);
+  EXPECT_EQ(contents(folder / "sweep"), (std::vector{frame_of(1, 0.5), frame_of(2, 0.5),
+                                                     frame_of(3, 0.75), frame_of(4, 0.75)}));
+}
+
+TEST(GrowingTake, WhatWasInterruptedIsNotInItAndIsWrittenAgain) {
+  const test::TemporaryFolder folder;
+  {
+    GrowingTake take = opened(folder / "sweep");
+    append(take, 1, 0.5);
+  }
+  // As after an end between the table and the manifest.
+  const std::string manifest = test::read_bytes(folder / "sweep/take.toml");
+  {
+    GrowingTake take = opened(folder / "sweep");
+    append(take, 3, 0.75);
+  }
+  (void)folder.write("sweep/take.toml", manifest);
+  EXPECT_EQ(contents(folder / "sweep").size(), 2U);
+  GrowingTake take = opened(folder / "sweep");
+  EXPECT_EQ(take.frames(), 2);
+  append(take, 5, 1.5);
+  EXPECT_EQ(contents(folder / "sweep"),
+            (std::vector{frame_of(1, 0.5), frame_of(2, 0.5), frame_of(5, 1.5), frame_of(6, 1.5)}));
+}
+
+TEST(GrowingTake, FramesThatCannotBeWrittenLeaveItAsItWas) {
+  const test::TemporaryFolder folder;
+  GrowingTake take = opened(folder / "sweep");
+  append(take, 1, 0.5);
+  std::array frames{made_frame(3), made_frame(4)};
+  frames[1].amplitude.reset({});
+  EXPECT_EQ(take.append(frames, {}).error().code, ErrorCode::kData);
+  std::filesystem::remove_all(folder / "sweep/depth");
+  EXPECT_EQ(take.append(std::array{made_frame(3)}, {}).error().code, ErrorCode::kIo);
+  EXPECT_EQ(take.frames(), 2);
+}
+
+}  // namespace
+}  // namespace mixrig::take
