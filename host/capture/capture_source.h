@@ -34,6 +34,23 @@ struct SourceInfo : RigCameras {
   bool true_poses = false;  ///< its poses are the true ones
 };
 
+/// How a head stands and turns at one time.
+struct HeadMotion {
+  device::PanTiltAngles angles;
+  device::PanTiltAngles rate_rad_s;
+  double swing_rad = 0;  ///< of the pan axis, not seen by its encoder
+};
+
+/// The head of a source whose captures are rendered as it stands. Calls come from the thread that
+/// reads.
+class RenderedHead {
+ public:
+  virtual ~RenderedHead() = default;
+  virtual device::PanTiltInfo info() const = 0;  ///< without its URI
+  /// At mid-exposure of the captures that are read from now on.
+  virtual void turn(const HeadMotion& motion) = 0;
+};
+
 /// Captures by number, 1..info().frames. Calls come from one thread at a time.
 class CaptureSource {
  public:
@@ -45,6 +62,8 @@ class CaptureSource {
   virtual Result<bool> read(int number, Capture& capture) = 0;
   /// Call after read() of the same number, and only where info().has_truth. Errors as read.
   virtual Result<void> read_truth(int number, Truth& truth) = 0;
+  /// Null where the captures are given, and no head can be moved.
+  virtual RenderedHead* head() { return nullptr; }
   /// Counts of live devices; empty for other sources. Any thread.
   virtual std::optional<SourceReport> report() const { return std::nullopt; }
 };

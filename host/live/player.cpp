@@ -62,10 +62,16 @@ Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureS
   const capture::SourceInfo& info = player->info();
   if (info.frames < 1 || !(info.rate_hz > 0))
     return Error{ErrorCode::kData, uri + ": has no frames or no rate_hz: it cannot be played"};
+  if (capture::RenderedHead* head = player->source_->head()) {
+    head->turn({});
+    device::PanTiltInfo unit = head->info();
+    unit.uri = uri + "/head";
+    player->motion_ = std::make_shared<SteeredMotion>(std::move(unit));
+  }
   MIXRIG_TRY(player->read(1));
   player->first_s_ = player->capture_.time_s;
   player->uri_ = uri;
-  if (const auto& first = player->capture_.pan_tilt)
+  if (const auto& first = player->capture_.pan_tilt; first && !player->motion_)
     player->angles_ = std::make_shared<PlayedAngles>(*first);
   player->describe(uri);
   return player;
@@ -118,6 +124,7 @@ std::unique_ptr<device::DepthCamera> Player::depth() {
 }
 
 Result<std::unique_ptr<device::PanTilt>> Player::pan_tilt() {
+  if (motion_) return make_steered_head(motion_, clock_);
   if (!angles_)
     return Error{ErrorCode::kData, uri_ + ": the recording has no angles of the head: record it " +
                                        "with the head in rig.toml (pan_tilt.csv)"};
@@ -167,7 +174,36 @@ Player::PlayedPose Player::pose_of(std::uint64_t sequence) const {
   return kept.sequence == sequence ? kept : first_pose_;
 }
 
+/// False when playing ends.
+bool Player::publish_both(int number, HostTime due) {
+  const std::lock_guard lock(mutex_);
+  if (stop_) return false;
+  poses_[static_cast<std::size_t>(number) % poses_.size()] = {
+      static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
+  for (Channel* channel : {&color_, &depth_})
+    if (channel->sink) publish(*channel, due);
+  return true;
+}
+
+void Player::work_steered() {
+  const double rate_hz = source_->info().rate_hz;
+  for (int number = 1; number <= source_->info().frames;) {
+    const HostTime due = begin_ + Duration(std::llround((number - 1) / rate_hz * 1e9));
+    wait_until(due);
+    source_->head()->turn(motion_->at(due));
+    if (const auto read = read_next(number); !read) {
+      log_warning("rig", to_line(read.error()));
+      return end(device::DeviceState::kFailed);
+    }
+    if (!publish_both(number, due)) return;
+    const double passed = seconds(clock_.now() - begin_) * rate_hz;
+    number = std::max(number + 1, 1 + static_cast<int>(std::ceil(passed)));
+  }
+  end(device::DeviceState::kStopped);
+}
+
 void Player::work() {
+  if (motion_) return work_steered();
   for (int number = 1; number <= source_->info().frames; ++number) {
     if (const auto read = read_next(number); !read) {
       log_warning("rig", to_line(read.error()));
@@ -176,12 +212,7 @@ void Player::work() {
     const HostTime due = begin_ + Duration(std::llround((capture_.time_s - first_s_) * 1e9));
     if (angles_ && capture_.pan_tilt) angles_->add(due, *capture_.pan_tilt);
     wait_until(due);
-    const std::lock_guard lock(mutex_);
-    if (stop_) return;
-    poses_[static_cast<std::size_t>(number) % poses_.size()] = {
-        static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
-    for (Channel* channel : {&color_, &depth_})
-      if (channel->sink) publish(*channel, due);
+    if (!publish_both(number, due)) return;
   }
   end(device::DeviceState::kStopped);
 }

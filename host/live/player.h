@@ -15,6 +15,7 @@
 #include "hal/device/frame_pool.h"
 #include "host/capture/capture_source.h"
 #include "host/live/played_head.h"
+#include "host/live/steered_head.h"
 
 namespace mixrig::live {
 
@@ -22,6 +23,9 @@ namespace mixrig::live {
 /// its time, with one counter (the frame's number) and one stamp (when it was due). It plays from
 /// the first frame on as soon as all cameras that were taken from it have started, but not before
 /// the time that play_at() sets; at the end they are kStopped. Thread-safe.
+/// A source with a head of its own (capture::RenderedHead) has a head that can be moved. Each frame
+/// is rendered when it is due, as the head stands and turns then; frames that are due while another
+/// is rendered are lost, as the counter says.
 class Player : public std::enable_shared_from_this<Player> {
  public:
   /// Reads the first frame. Errors: those of reading; kData for a recording without frames or rate.
@@ -32,7 +36,8 @@ class Player : public std::enable_shared_from_this<Player> {
   /// At most one of each. They keep the player alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
-  /// The head. Errors: kData for a recording whose first frame has no angles.
+  /// The head, once where it can be moved. Errors: kData for a recording whose first frame has no
+  /// angles.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt();
   /// Time of the first frame, so that other programs can play beside it. A camera that would be the
   /// last one to start after that time fails with kUsage. Before the first start.
@@ -63,6 +68,8 @@ class Player : public std::enable_shared_from_this<Player> {
   void stop(Channel& channel);
   device::StreamHealth health(const Channel& channel) const;
   void work();
+  void work_steered();
+  bool publish_both(int number, HostTime due);
   Result<void> read(int number);
   Result<void> read_next(int number);
   void wait_until(HostTime due);
@@ -78,7 +85,8 @@ class Player : public std::enable_shared_from_this<Player> {
   HostTime begin_{};          ///< of the first frame
   std::optional<HostTime> play_at_;
   std::string uri_;
-  std::shared_ptr<PlayedAngles> angles_;  ///< null where the recording has none
+  std::shared_ptr<PlayedAngles> angles_;   ///< null where the recording has none
+  std::shared_ptr<SteeredMotion> motion_;  ///< null where the head cannot be moved
   std::thread thread_;
   mutable std::mutex mutex_;  ///< guards what follows
   Channel color_, depth_;

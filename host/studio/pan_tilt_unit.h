@@ -29,6 +29,12 @@ struct HeadAngles {
   double pan_rad = 0, tilt_rad = 0;
 };
 
+/// How the head stands and turns at one time.
+struct HeadMotion {
+  HeadAngles angles, rate_rad_s;
+  double swing_rad = 0;  ///< about the pan axis, not seen by its encoder
+};
+
 /// Pose of the turned target camera in the axes that it has at pan = tilt = 0. Angles as the
 /// encoders report them, but not quantised.
 geometry::Pose rest_from_turned(const PanTiltUnit& unit, double pan_rad, double tilt_rad);

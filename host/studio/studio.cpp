@@ -51,7 +51,7 @@ Result<void> check(const StudioOptions& o) {
                                o.size_px.width, o.size_px.height));
   if (o.people < 1 || o.people > 3)
     return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
-  if (o.scenario == Scenario::kSweep &&
+  if (o.scenario == Scenario::kSweep && !o.sweep.views.empty() &&
       (o.sweep.frames_per_view < 1 ||
        static_cast<std::size_t>(o.frames) != o.sweep.views.size() * o.sweep.frames_per_view))
     return wrong("frames of a sweep must be its views times the frames of a view");
@@ -70,7 +70,7 @@ int empty_frames_of(const StudioOptions& o) {
 
 /// Time of the people at a time of the take: in a sweep the head has turned between views.
 double people_time_s(const StudioOptions& o, double time_s) {
-  if (o.scenario != Scenario::kSweep) return time_s;
+  if (o.scenario != Scenario::kSweep || o.sweep.views.empty()) return time_s;
   constexpr double kTurn_s = 1.5;
   const auto frame = std::lround(time_s * kFrameRate_hz);
   return time_s + kTurn_s * static_cast<double>(frame / o.sweep.frames_per_view);
@@ -277,10 +277,13 @@ void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& 
   });
 }
 
+void Studio::turn_head(const HeadMotion& motion) { state_->options.sweep.moved = motion; }
+
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;
   frame.number = number;
   frame.time_s = (number - 1) / kFrameRate_hz;
+  s.options.sweep.moved_s = frame.time_s;
   const CameraPlace place = camera_at(s.layout, s.options, frame.time_s);
   frame.world_from_target = place.world_from_target;
   frame.head = place.head;

@@ -44,11 +44,13 @@ Result<Scenario> parse_scenario(std::string_view text);
 Result<RigPreset> parse_rig(std::string_view text);
 
 /// Scenario sweep: where the head stands still, view by view. The time between views is not in the
-/// take; people move on in it.
+/// take; people move on in it. Without views the head stands and turns as Studio::turn_head says.
 struct Sweep {
   std::vector<HeadAngles> views;
   int frames_per_view = 4;  ///< StudioOptions::frames is views times this
   bool people = false;      ///< from the second view on; otherwise nobody is in the room
+  HeadMotion moved;         ///< where there are no views, at the time `moved_s`
+  double moved_s = 0;
 };
 
 /// Frames of every camera of a take.
@@ -203,6 +205,10 @@ class Studio {
   const StudioInfo& info() const;
   /// Renders frame `number` (1..frames), and its truth unless `truth` is null.
   void render(int number, Frame& frame, Truth* truth = nullptr);
+
+  /// Scenario sweep without views: the head at mid-exposure of the frames that are rendered from
+  /// now on. It turns at its rate while each is exposed.
+  void turn_head(const HeadMotion& motion);
 
   /// True distances to the room without people, metres, in all directions of an eye whose axes are
   /// x right, y ahead, z up. Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise

@@ -2,6 +2,7 @@
 #include "host/studio_io/studio_source.h"
 
 #include <charconv>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -11,17 +12,47 @@
 namespace mixrig::studio_io {
 namespace {
 
+constexpr int kLongest = 100000;  ///< frames of a studio take
+
+/// The pan-tilt unit of a studio without views, which is moved as it is told.
+class StudioHead final : public capture::RenderedHead {
+ public:
+  explicit StudioHead(studio::Studio& studio) : studio_(studio) {}
+  device::PanTiltInfo info() const override {
+    constexpr double kMostPan_rad = std::numbers::pi, kMostTilt_rad = 0.5 * std::numbers::pi;
+    const double step_rad = studio_.info().pan_tilt->step_rad;
+    return {{},
+            studio_.info().name,
+            {step_rad, step_rad},
+            {-kMostPan_rad, -kMostTilt_rad},
+            {kMostPan_rad, kMostTilt_rad}};
+  }
+  void turn(const capture::HeadMotion& m) override {
+    studio_.turn_head({{m.angles.pan_rad, m.angles.tilt_rad},
+                       {m.rate_rad_s.pan_rad, m.rate_rad_s.tilt_rad},
+                       m.swing_rad});
+  }
+
+ private:
+  studio::Studio& studio_;
+};
+
 class StudioSource final : public capture::CaptureSource {
  public:
-  explicit StudioSource(studio::Studio studio)
+  StudioSource(studio::Studio studio, bool head_moves)
       : studio_(std::move(studio)),
         info_(studio_take_info(studio_.info())),
-        cameras_(std::make_shared<capture::RigCameras>(info_)) {}
+        cameras_(std::make_shared<capture::RigCameras>(info_)),
+        head_(studio_),
+        head_moves_(head_moves) {
+    info_.has_truth = !head_moves;
+  }
 
+  capture::RenderedHead* head() override { return head_moves_ ? &head_ : nullptr; }
   const capture::SourceInfo& info() const override { return info_; }
 
   Result<bool> read(int number, capture::Capture& capture) override {
-    studio_.render(number, frame_, &truth_);
+    studio_.render(number, frame_, head_moves_ ? nullptr : &truth_);
     swap_into(frame_, capture);
     capture.cameras = cameras_;
     return true;
@@ -37,6 +68,8 @@ class StudioSource final : public capture::CaptureSource {
   std::shared_ptr<const capture::RigCameras> cameras_;
   studio::Frame frame_;
   studio::Truth truth_;
+  StudioHead head_;
+  const bool head_moves_;
 };
 
 std::vector<std::string> split(const std::string& words) {
@@ -75,6 +108,7 @@ Result<studio::StudioOptions> options_of(const std::string& words) {
   if (!word[2].empty()) {
     MIXRIG_ASSIGN(options.rig, studio::parse_rig(word[2]));
   }
+  if (options.scenario == studio::Scenario::kSweep) options.frames = kLongest;
   MIXRIG_TRY(read_number(word[3], "number of frames", options.frames));
   if (const std::size_t x = word[4].find('x'); !word[4].empty()) {
     if (x == std::string::npos)
@@ -90,7 +124,9 @@ Result<studio::StudioOptions> options_of(const std::string& words) {
 Result<std::unique_ptr<capture::CaptureSource>> open_studio_source(const std::string& words) {
   MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(words));
   MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
-  return std::unique_ptr<capture::CaptureSource>(std::make_unique<StudioSource>(std::move(studio)));
+  const bool head_moves = options.scenario == studio::Scenario::kSweep;
+  return std::unique_ptr<capture::CaptureSource>(
+      std::make_unique<StudioSource>(std::move(studio), head_moves));
 }
 
 }  // namespace mixrig::studio_io

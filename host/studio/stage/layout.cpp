@@ -52,6 +52,27 @@ CameraPlace at_view(const geometry::Pose& rest, const PanTiltUnit& unit, const S
   return {rest * rest_from_turned(unit, head.pan_rad + play(1), head.tilt_rad + play(2)), head};
 }
 
+/// The head as it was moved, at its rate around the time of the frame; the encoders report whole
+/// steps. The play of the axes belongs to the place where the head stands.
+CameraPlace as_moved(const geometry::Pose& rest, const PanTiltUnit& unit, const Sweep& sweep,
+                     double time_s, unsigned seed) {
+  const HeadMotion& moved = sweep.moved;
+  const double since_s = time_s - sweep.moved_s;
+  const double pan = moved.angles.pan_rad + moved.rate_rad_s.pan_rad * since_s;
+  const double tilt = moved.angles.tilt_rad + moved.rate_rad_s.tilt_rad * since_s;
+  const HeadAngles head{whole_steps(unit, pan), whole_steps(unit, tilt)};
+  const auto steps = [&](double angle_rad) {
+    return static_cast<std::uint64_t>(std::llround(angle_rad / unit.step_rad) + 100'000);
+  };
+  const std::uint64_t place =
+      1'000'000 * steps(moved.angles.pan_rad) + steps(moved.angles.tilt_rad);
+  const auto play = [&](std::uint64_t salt) {  // uniform, of sigma repeatability
+    return std::sqrt(12.0) * unit.repeatability_rad *
+           (uniform(hash_key(seed + salt, 0x5EE9, place)) - 0.5);
+  };
+  return {rest * rest_from_turned(unit, pan + play(1) + moved.swing_rad, tilt + play(2)), head};
+}
+
 geometry::Pose shaken(const geometry::Pose& rest, float t, unsigned seed) {
   const auto walk = [&](unsigned salt, double size, float rate) {
     return size * (wander(rate * t, seed + salt) - wander(0, seed + salt));
@@ -138,6 +159,8 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
     case Scenario::kPan:
       return swept(rest, layout.pan_tilt, options.pan_rad, time_s, options.seed);
     case Scenario::kSweep:
+      if (options.sweep.views.empty())
+        return as_moved(rest, layout.pan_tilt, options.sweep, time_s, options.seed);
       return at_view(rest, layout.pan_tilt, options.sweep, time_s, options.seed);
     case Scenario::kHandheld:
       return {shaken(rest, static_cast<float>(time_s), options.seed)};
