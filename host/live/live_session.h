@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -50,6 +51,10 @@ class LiveSession {
   /// The next set; empty when none came in time. The oldest is dropped when two wait already. A set
   /// whose angle is not known yet (the head moves) is held until it is, 120 ms at most.
   std::optional<LiveSet> next(Duration timeout) { return sets_.pop(timeout); }
+  /// Moves the head, between two of its answers, and returns when it has accepted the command.
+  /// Errors: kUsage where the session does not run or the rig has no head; those of
+  /// device::PanTilt::move_to.
+  Result<void> move_head(device::PanTiltAngles target);
   /// All cameras have ended by themselves (end of a recording, a device that failed) and all their
   /// frames were paired: next() delivers the remaining sets, then none.
   bool ended() const;
@@ -88,6 +93,7 @@ class LiveSession {
   void run_trigger();
   bool follow_trigger(HostTime& next_status);
   void run_pan_tilt();
+  void obey_head_command();
   void run_sync();
   void on_event(const Event& event);
   void on_tick(const sync::Tick& tick);
@@ -119,6 +125,9 @@ class LiveSession {
   sync::PanTiltTrack track_;
   Ring<LiveSet, kHeld> held_;  ///< sets that wait for their angle
   SessionReport counts_;
+  std::optional<device::PanTiltAngles> head_target_;  ///< of a command that waits for its thread
+  std::optional<Result<void>> head_answer_;           ///< to it
+  std::condition_variable head_answered_;
 };
 
 }  // namespace mixrig::live

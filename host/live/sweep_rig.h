@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The live session as what a sweep needs.
+#pragma once
+
+#include "host/live/live_capture.h"
+#include "host/live/sweep.h"
+
+namespace mixrig::live {
+
+/// Of a running session with a camera, a depth camera and a head. Config, devices and session must
+/// outlive it. Half an exposure that the driver does not tell is taken as half the time from frame
+/// to frame.
+class LiveSweepRig final : public SweepRig {
+ public:
+  LiveSweepRig(const RigConfig& config, const Devices& devices, LiveSession& session);
+  device::PanTiltAngles step() const override { return devices_.pan_tilt->info().resolution; }
+  Result<void> move_to(device::PanTiltAngles target) override { return session_.move_head(target); }
+  Result<bool> next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) override;
+  std::uint64_t left_out() const { return left_out_; }  ///< sets without colour or depth
+
+ private:
+  const Devices& devices_;
+  LiveSession& session_;
+  SetDecoder decoder_;
+  Duration color_period_{}, depth_period_{};
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace mixrig::live
