@@ -40,6 +40,10 @@ live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
   if (rig.cameras.size() > 1) rig.cameras.erase(rig.cameras.begin() + 1, rig.cameras.end());
   if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
   if (!head) rig.pan_tilt_uri.clear();
+  return without_idle_trigger(std::move(rig));
+}
+
+live::RigConfig without_idle_trigger(live::RigConfig rig) {
   const auto fired = [&](const live::CameraConfig& camera) { return camera.trigger_line >= 0; };
   const bool any_fired = std::any_of(rig.cameras.begin(), rig.cameras.end(), fired) ||
                          (rig.depth && fired(*rig.depth));

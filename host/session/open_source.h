@@ -30,6 +30,9 @@ std::vector<live::Recording> open_recordings(const live::RigConfig& rig);
 /// cameras. Other cameras are not opened.
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 
+/// `rig`, without its trigger where that fires none of its cameras.
+live::RigConfig without_idle_trigger(live::RigConfig rig);
+
 /// Opens the devices of rig.toml that the scene uses. `stop` and `clock` must outlive the source.
 /// Errors: those of rig.toml and of the devices; kUsage without a camera or a depth camera.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,

@@ -49,7 +49,8 @@ class Progress {
  public:
   Progress(std::string what, int total);
   ~Progress();  ///< clears the bar
-  void step(int done);
+  /// `seconds_left` is shown where it is above 0.
+  void step(int done, double seconds_left = 0);
 
  private:
   std::string what_;

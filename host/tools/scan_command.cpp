@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig scan: a panorama of the room from a recorded sweep of the head, or the empty room of one
-// view from frames of a take; the camera may move where they have poses.
+// mixrig scan: a panorama of the room from a sweep of the head, recorded or driven now, or the
+// empty room of one view from frames of a take; the camera may move where they have poses.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -14,11 +15,13 @@
 #include "host/capture/calibrated_source.h"
 #include "host/pose/fixed_poses.h"
 #include "host/session/learn.h"
+#include "host/session/live_scan.h"
 #include "host/session/room_scan.h"
 #include "host/session/run_report.h"
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
 namespace {
@@ -26,9 +29,14 @@ namespace {
 struct ScanArguments {
   SessionArguments session;
   std::string take, frames, out;
-  std::string sweep;
+  std::string sweep, rig, field = "270x180";
+  double overlap = 0.1;
+  int view_frames = 4;
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
+  bool keep_sweep = false;
 };
+
+constexpr double kWholeField = 5e-4;  ///< share of the field that is not worth a line
 
 struct Coverage {
   double known_pct = 0;
@@ -136,9 +144,11 @@ nlohmann::json errors_json(const measure::MeshErrors& errors) {
           {"uncovered_pct", errors.uncovered_pct}};
 }
 
-Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
+/// The room of a sweep that lies in a folder.
+Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::filesystem::path& take,
+                                  const std::filesystem::path& calibration) {
   session::RoomScanOptions options;
-  options.take = arguments.sweep, options.calibration = arguments.session.calibration;
+  options.take = take, options.calibration = calibration;
   options.evaluate = arguments.evaluate, options.align = !arguments.no_align;
   options.panorama.smooth = !arguments.no_smooth;
   options.panorama.straighten = !arguments.no_planes;
@@ -172,6 +182,61 @@ Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
   return report;
 }
 
+Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
+  return model_room(arguments, arguments.sweep, arguments.session.calibration);
+}
+
+Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
+  session::LiveScanOptions options;
+  options.rig = arguments.rig, options.calibration = arguments.session.calibration;
+  options.out = arguments.out, options.overlap = arguments.overlap;
+  options.view_frames = arguments.view_frames;
+  MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
+  std::optional<Progress> bar;
+  options.progress = [&](int done, int views, Duration left) {
+    if (!bar) bar.emplace("sweep", views);
+    bar->step(done, seconds(left));
+  };
+  SystemClock clock;
+  const StopOnSignal signals;
+  return session::sweep_room(options, StopOnSignal::flag(), clock);
+}
+
+void print(const session::LiveScan& scan) {
+  std::printf("%d views", scan.views);
+  if (scan.resumed > 0) std::printf(", %d of them from an earlier run", scan.resumed);
+  std::printf("; %.1f s for the others\n", scan.seconds);
+  if (scan.covered_share < 1 - kWholeField)
+    std::printf("the limits of the unit leave out %.1f %% of the field\n",
+                100 * (1 - scan.covered_share));
+  if (scan.bright_views > 0)
+    std::printf(
+        "%d views have more than 1 %% saturated pixels: a shorter exposure_ms in rig.toml "
+        "would show what is bright\n",
+        scan.bright_views);
+}
+
+Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
+  if (arguments.evaluate)
+    return Error{ErrorCode::kUsage, "--evaluate judges a recorded sweep: give it with --take"};
+  MIXRIG_ASSIGN(const session::LiveScan scan, drive_sweep(arguments));
+  if (scan.stopped)
+    return Error{ErrorCode::kDevice, "stopped after " + std::to_string(scan.views) + " of " +
+                                         std::to_string(scan.planned) +
+                                         " views, which are kept in '" + scan.sweep.string() +
+                                         "': the same command goes on with the next"};
+  print(scan);
+  MIXRIG_ASSIGN(nlohmann::json report, model_room(arguments, scan.sweep, scan.calibration));
+  report["sweep"] = {{"seconds", scan.seconds},
+                     {"resumed", scan.resumed},
+                     {"restarts", scan.restarts},
+                     {"bright_views", scan.bright_views},
+                     {"covered_pct", 100 * scan.covered_share}};
+  std::error_code ignored;  // what remains can be removed by hand
+  if (!arguments.keep_sweep) std::filesystem::remove_all(scan.sweep, ignored);
+  return report;
+}
+
 Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
   if (arguments.frames.empty())
     return Error{ErrorCode::kUsage, "--static needs --frames FIRST-LAST: the empty room"};
@@ -195,9 +260,28 @@ Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
 }
 
 Result<nlohmann::json> scan(const ScanArguments& arguments) {
-  if (arguments.take.empty() == arguments.sweep.empty())
-    return Error{ErrorCode::kUsage, "scan: give either --take (a sweep) or --static"};
+  const auto given = [](const std::string& option) { return option.empty() ? 0 : 1; };
+  if (given(arguments.rig) + given(arguments.sweep) + given(arguments.take) != 1)
+    return Error{ErrorCode::kUsage,
+                 "scan: give one of --rig (sweep now), --take (a recorded sweep) and --static"};
+  if (!arguments.rig.empty()) return scan_rig(arguments);
   return arguments.sweep.empty() ? scan_still(arguments) : scan_sweep(arguments);
+}
+
+void add_scan_sweep_options(Command command, ScanArguments& arguments) {
+  command
+      .add_option("--field", arguments.field, "--rig: pan x tilt to cover, up to 360x180 degrees")
+      .show_default();
+  command
+      .add_option("--overlap", arguments.overlap,
+                  "--rig: share of a view that its neighbours see too")
+      .show_default()
+      .range(0.0, 0.9);
+  command.add_option("--view-frames", arguments.view_frames, "--rig: frames of each view")
+      .show_default()
+      .range(1, 1000);
+  command.add_flag("--keep-sweep", arguments.keep_sweep,
+                   "--rig: leave OUT.sweep, a take for scan --take, beside the room");
 }
 
 }  // namespace
@@ -206,8 +290,12 @@ void add_scan_command(Command app, Context& context) {
   auto arguments = std::make_shared<ScanArguments>();
   Command command = app.add_subcommand(
       "scan",
-      "a panorama of the room from a sweep, or the empty room from frames of a take; the camera "
-      "may move where they have poses");
+      "a panorama of the room from a sweep of the head, or the empty room from frames of a take; "
+      "the camera may move where they have poses");
+  command.add_option("--rig", arguments->rig,
+                     "rig.toml: sweep its head now; views are kept in OUT.sweep until the room is "
+                     "written, and the same command goes on after an interruption");
+  add_scan_sweep_options(command, *arguments);
   command.add_option("--take", arguments->sweep,
                      "Recorded sweep, or frames with poses: folder or take.toml");
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");

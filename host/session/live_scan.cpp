@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/live_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hal/base/angles.h"
+#include "hal/base/partial_path.h"
+#include "host/calibration_file/calibration.h"
+#include "host/live/live_capture.h"
+#include "host/live/sweep_rig.h"
+#include "host/model/sweep_plan.h"
+#include "host/session/open_source.h"
+#include "host/session/sweep_file.h"
+#include "host/take/growing_take.h"
+
+namespace mixrig::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostBright = 0.01;  ///< share of a plate's pixels
+
+/// The rig, reduced to what a sweep uses, and its calibration.
+struct SweepSetup {
+  live::RigConfig rig;
+  fs::path calibration_path;
+  geometry::CameraModel target, tof;
+};
+
+Result<geometry::CameraModel> pinhole_of(const calibration_file::Calibration& known,
+                                         const char* name, const fs::path& file) {
+  const calibration_file::CalibratedCamera* camera = known.camera(name);
+  const auto* model =
+      camera == nullptr ? nullptr : std::get_if<geometry::CameraModel>(&camera->model);
+  if (model == nullptr)
+    return Error{ErrorCode::kFormat, fmt::format("'{}' has no pinhole camera \"{}\": run mixrig "
+                                                 "calibrate rig",
+                                                 file.string(), name)};
+  return *model;
+}
+
+Result<void> check_rig(const live::RigConfig& rig, const fs::path& file) {
+  const auto lacks = [&](const char* what, const char* table) {
+    return Error{ErrorCode::kUsage, fmt::format("'{}' has no {}: a scan turns one: add {}",
+                                                file.string(), what, table)};
+  };
+  if (rig.cameras.empty()) return lacks("camera", "[[camera]] with its uri");
+  if (!rig.depth) return lacks("depth camera", "[depth] with its uri");
+  if (rig.pan_tilt_uri.empty()) return lacks("pan-tilt unit", "[pan_tilt] with its uri");
+  return {};
+}
+
+Result<SweepSetup> sweep_setup(const LiveScanOptions& options) {
+  SweepSetup setup;
+  MIXRIG_ASSIGN(setup.rig, live::read_rig(options.rig));
+  MIXRIG_TRY(check_rig(setup.rig, options.rig));
+  setup.rig.cameras.resize(1);
+  setup.rig = without_idle_trigger(std::move(setup.rig));
+  if (!options.calibration.empty()) setup.rig.calibration = options.calibration;
+  setup.calibration_path = setup.rig.calibration;
+  if (setup.calibration_path.empty())
+    return Error{ErrorCode::kUsage, "'" + options.rig.string() +
+                                        "' names no calibration: add calibration = "
+                                        "\"calibration.toml\", or give --calibration"};
+  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(setup.calibration_path));
+  if (!known.pan_tilt)
+    return Error{ErrorCode::kFormat, "'" + setup.calibration_path.string() +
+                                         "' has no pan-tilt unit: run mixrig calibrate ptu"};
+  MIXRIG_ASSIGN(setup.target, pinhole_of(known, "target", setup.calibration_path));
+  MIXRIG_ASSIGN(setup.tof, pinhole_of(known, "tof", setup.calibration_path));
+  return setup;
+}
+
+Result<void> check_sizes(const SweepSetup& setup, const live::Devices& devices) {
+  const auto same = [&](const char* name, Size known, Size used) -> Result<void> {
+    if (known == used) return {};
+    return Error{ErrorCode::kFormat,
+                 fmt::format("'{}': cameras.{} is of pictures of {}x{}, the device gives {}x{}: "
+                             "calibrate at the size that is used",
+                             setup.calibration_path.string(), name, known.width, known.height,
+                             used.width, used.height)};
+  };
+  MIXRIG_TRY(same("target", setup.target.size_px(), devices.cameras.front()->info().size));
+  return same("tof", setup.tof.size_px(), devices.depth->info().size);
+}
+
+Result<model::SweepPlan> plan_for(const LiveScanOptions& options, const SweepSetup& setup,
+                                  const device::PanTiltInfo& unit) {
+  if (!(unit.minimum.pan_rad <= 0 && unit.maximum.pan_rad >= 0 && unit.minimum.tilt_rad <= 0 &&
+        unit.maximum.tilt_rad >= 0))
+    return Error{ErrorCode::kDevice,
+                 unit.uri + ": its limits leave out pan 0 or tilt 0: reset them in the unit"};
+  const geometry::Pinhole& tof = setup.tof.pinhole;
+  model::SweepTask task;
+  task.field_pan_rad = options.field_deg.width * kDeg;
+  task.field_tilt_rad = options.field_deg.height * kDeg;
+  task.camera_pan_rad = 2 * std::atan(0.5 * tof.size_px.width / tof.fx_px);
+  task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
+  task.overlap = options.overlap;
+  task.most_pan_rad = std::min(-unit.minimum.pan_rad, unit.maximum.pan_rad);
+  task.most_tilt_rad = unit.maximum.tilt_rad;
+  task.most_down_rad = -unit.minimum.tilt_rad;
+  return model::plan_sweep(task);
+}
+
+bool is_bright(const Image<Rgb8>& plate) {
+  long bright = 0;
+  for (int y = 0; y < plate.height(); ++y)
+    bright += std::count_if(plate.row(y), plate.row(y) + plate.width(), [](const Rgb8& p) {
+      return std::max({p.r, p.g, p.b}) == 255;
+    });
+  return static_cast<double>(bright) > kMostBright * static_cast<double>(plate.size().area());
+}
+
+/// The folder that holds the room must be free before the head turns for minutes.
+Result<void> check_out(const fs::path& out) {
+  MIXRIG_ASSIGN(const PartialPath writable, make_partial_folder(out, "manifest.toml"));
+  return {};
+}
+
+Result<SweepIdentity> identity_of(const LiveScanOptions& options, const SweepSetup& setup) {
+  SweepIdentity identity;
+  calibration_file::InputHash rig, calibration;
+  MIXRIG_TRY(rig.add_file(options.rig));
+  MIXRIG_TRY(calibration.add_file(setup.calibration_path));
+  identity.rig = rig.text(), identity.calibration = calibration.text();
+  identity.field_deg = options.field_deg, identity.overlap = options.overlap;
+  identity.view_frames = options.view_frames;
+  return identity;
+}
+
+/// Runs the devices from view `scan.views` on.
+Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
+                        const LiveScanOptions& options, const model::SweepPlan& plan,
+                        take::GrowingTake& take, const std::atomic<bool>& stop, Clock& clock,
+                        LiveScan& scan) {
+  live::SweepOptions sweep;
+  sweep.settings.view_frames = options.view_frames;
+  for (const model::HeadView& view : plan.views)
+    sweep.views.push_back({view.pan_rad, view.tilt_rad});
+  sweep.first = static_cast<std::size_t>(scan.views);
+  sweep.progress = [&](std::size_t done, Duration left) {
+    if (options.progress) options.progress(static_cast<int>(done), scan.planned, left);
+  };
+  sweep.save = [&](std::span<const capture::Capture> frames,
+                   device::PanTiltAngles at) -> Result<void> {
+    MIXRIG_TRY(take.append(frames, at));
+    scan.bright_views += is_bright(frames[0].plate) ? 1 : 0;
+    return {};
+  };
+  live::LiveSession session(setup.rig, devices, clock);
+  MIXRIG_TRY(session.start());
+  const HostTime begin = clock.now();
+  live::LiveSweepRig rig(setup.rig, devices, session);
+  const auto swept = live::run_sweep(rig, sweep, stop, clock);
+  session.stop();
+  scan.seconds = seconds(clock.now() - begin);
+  scan.views = take.frames() / options.view_frames;
+  if (swept) {
+    scan.restarts = swept->restarts, scan.stopped = swept->stopped;
+    return {};
+  }
+  Error error = swept.error();
+  error.context += fmt::format(
+      " ({} of {} views are in '{}'; the same command goes on with the "
+      "next)",
+      scan.views, scan.planned, scan.sweep.string());
+  return error;
+}
+
+}  // namespace
+
+fs::path sweep_folder(const fs::path& out) {
+  fs::path folder = out.has_filename() ? out : out.parent_path();
+  folder += ".sweep";
+  return folder;
+}
+
+Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bool>& stop,
+                            Clock& clock) {
+  MIXRIG_ASSIGN(const SweepSetup setup, sweep_setup(options));
+  MIXRIG_TRY(check_out(options.out));
+  LiveScan scan;
+  scan.sweep = sweep_folder(options.out), scan.calibration = setup.calibration_path;
+  MIXRIG_ASSIGN(SweepIdentity identity, identity_of(options, setup));
+  MIXRIG_TRY(check_sweep_folder(scan.sweep, identity));
+  MIXRIG_ASSIGN(
+      live::Devices devices,
+      live::open_devices(setup.rig, live::DeviceOpener(clock, open_recordings(setup.rig))));
+  MIXRIG_TRY(check_sizes(setup, devices));
+  MIXRIG_ASSIGN(const model::SweepPlan plan, plan_for(options, setup, devices.pan_tilt->info()));
+  for (const model::HeadView& view : plan.views)
+    identity.views_rad.insert(identity.views_rad.end(), {view.pan_rad, view.tilt_rad});
+  MIXRIG_TRY(begin_or_resume(scan.sweep, identity));
+  MIXRIG_ASSIGN(take::TakeInfo info, live::take_info(setup.rig, devices));
+  MIXRIG_ASSIGN(take::GrowingTake take, take::GrowingTake::open(scan.sweep, info));
+  scan.planned = static_cast<int>(plan.views.size());
+  scan.views = scan.resumed = take.frames() / options.view_frames;
+  scan.covered_share = plan.covered_share;
+  if (options.progress) options.progress(scan.views, scan.planned, {});
+  if (scan.views < scan.planned)
+    MIXRIG_TRY(sweep_with(devices, setup, options, plan, take, stop, clock, scan));
+  return scan;
+}
+
+}  // namespace mixrig::session
