@@ -46,7 +46,7 @@ struct HeadMotion {
 class RenderedHead {
  public:
   virtual ~RenderedHead() = default;
-  virtual device::PanTiltInfo info() const = 0;  ///< without its URI
+  virtual device::PanTiltInfo limits() const = 0;  ///< without its URI
   /// At mid-exposure of the captures that are read from now on.
   virtual void turn(const HeadMotion& motion) = 0;
 };

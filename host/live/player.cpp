@@ -64,7 +64,7 @@ Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureS
     return Error{ErrorCode::kData, uri + ": has no frames or no rate_hz: it cannot be played"};
   if (capture::RenderedHead* head = player->source_->head()) {
     head->turn({});
-    device::PanTiltInfo unit = head->info();
+    device::PanTiltInfo unit = head->limits();
     unit.uri = uri + "/head";
     player->motion_ = std::make_shared<SteeredMotion>(std::move(unit));
   }

@@ -142,7 +142,7 @@ Result<void> ViewTaker::check(HostTime now) const {
                  fmt::format("no frames that could be paired came from the cameras for {:.0f} s: "
                              "run mixrig diag",
                              seconds(settings_.frame_timeout))};
-  if (now - angled_ > settings_.angle_timeout)
+  if (framed_ - angled_ > settings_.angle_timeout)
     return Error{ErrorCode::kDevice,
                  fmt::format("the pan-tilt unit is lost: no angle for {:.0f} s: check its cable "
                              "and power, then run the same command again",

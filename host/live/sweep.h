@@ -36,7 +36,7 @@ struct SweepSettings {
   Duration move_timeout = std::chrono::seconds(5);  ///< without coming nearer to the view
   Duration settle_timeout = std::chrono::seconds(15);  ///< from the arrival to the last frame
   Duration frame_timeout = std::chrono::seconds(5);    ///< without frames
-  Duration angle_timeout = std::chrono::seconds(3);    ///< without an angle of the unit
+  Duration angle_timeout = std::chrono::seconds(3);    ///< with frames, but no angle of the unit
 };
 
 /// Waits for one view and collects its frames. A frame counts if its exposure began after the unit

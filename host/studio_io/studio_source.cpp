@@ -18,7 +18,7 @@ constexpr int kLongest = 100000;  ///< frames of a studio take
 class StudioHead final : public capture::RenderedHead {
  public:
   explicit StudioHead(studio::Studio& studio) : studio_(studio) {}
-  device::PanTiltInfo info() const override {
+  device::PanTiltInfo limits() const override {
     constexpr double kMostPan_rad = std::numbers::pi, kMostTilt_rad = 0.5 * std::numbers::pi;
     const double step_rad = studio_.info().pan_tilt->step_rad;
     return {{},

@@ -59,5 +59,22 @@ TEST_F(Session, AHeadThatAnswersTooLateCostsItsAngleAndNoSet) {
   session_->stop();
 }
 
+TEST_F(Session, MovesItsHeadBetweenTwoAnswers) {
+  add_head();
+  ASSERT_FALSE(session_->move_head({0.5, 0})) << "it does not run";
+  ASSERT_TRUE(session_->start());
+  ASSERT_TRUE(session_->move_head({0.5, 0.25}));
+  const auto sets = run(200);
+  ASSERT_FALSE(sets.empty());
+  ASSERT_TRUE(sets.back().pan_tilt);
+  EXPECT_NEAR(sets.back().pan_tilt->pan_rad, 0.5, 1e-9);
+  EXPECT_NEAR(sets.back().pan_tilt->tilt_rad, 0.25, 1e-9);
+  EXPECT_EQ(session_->move_head({9, 0}).error().code, ErrorCode::kUsage) << "its own error";
+  head_->set_fault(fake::FakePanTilt::Fault::kSilent);
+  EXPECT_EQ(session_->move_head({0.1, 0}).error().code, ErrorCode::kTimeout);
+  session_->stop();
+  EXPECT_EQ(session_->move_head({0.5, 0}).error().code, ErrorCode::kUsage);
+}
+
 }  // namespace
 }  // namespace mixrig::live
