@@ -39,8 +39,8 @@ std::filesystem::path sweep_folder(const std::filesystem::path& out);
 
 /// Plans views for the depth camera's field of view within the limits of the unit, drives the unit
 /// through them and writes each view when it is complete. Where the folder of the sweep holds views
-/// of the same plan, rig and calibration, it goes on with the next one; views that are all there
-/// open no device. After an error, or when `stop` was set, the folder is a take of the views so
+/// of the same plan, rig and calibration, it goes on with the next one; where they are all there
+/// nothing moves. After an error, or when `stop` was set, the folder is a take of the views so
 /// far. Errors: kUsage for a rig without head, depth camera or calibration, for values out of
 /// range, for an output that is something else or holds another plan; kFormat for a calibration
 /// that lacks the unit or a camera or is of another picture size; those of the devices and of

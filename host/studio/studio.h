@@ -49,7 +49,7 @@ struct Sweep {
   std::vector<HeadAngles> views;
   int frames_per_view = 4;  ///< StudioOptions::frames is views times this
   bool people = false;      ///< from the second view on; otherwise nobody is in the room
-  HeadMotion moved;         ///< where there are no views, at the time `moved_s`
+  HeadMotion moved{};       ///< where there are no views, at the time `moved_s`
   double moved_s = 0;
 };
 

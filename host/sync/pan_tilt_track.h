@@ -10,7 +10,8 @@
 
 namespace mixrig::sync {
 
-/// The last positions of both axes, each with its own time. Nothing allocates. One thread.
+/// The last positions of both axes, each with its own time. Nothing allocates. One
+/// thread.
 class PanTiltTrack {
  public:
   void add(const device::PanTiltSample& sample);
@@ -22,6 +23,7 @@ class PanTiltTrack {
 
  private:
   static constexpr std::size_t kKept = 128;
+  static constexpr Duration kSpacing = std::chrono::milliseconds(5);  ///< of equal positions
   struct Point {
     HostTime at{};
     double rad = 0;

@@ -10,6 +10,7 @@
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/unit/hal_device/pan_tilt_contract.h"
 
 namespace mixrig::live {
 namespace {
@@ -58,6 +59,14 @@ TEST(SteeredMotion, BeyondItsLimitsNothingMoves) {
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().code, ErrorCode::kUsage);
   EXPECT_EQ(motion.at(HostTime(9s)).angles.tilt_rad, 0);
+}
+
+test::PanTiltUnderTest make_steered() {
+  auto clock = std::make_shared<ManualClock>();
+  auto* raw = clock.get();
+  device::PanTiltInfo info = unit();
+  info.version = "made", info.resolution = {0.001, 0.001}, info.maximum.pan_rad = 2.5;
+  return {make_steered_head(std::make_shared<SteeredMotion>(info), *clock), raw, std::move(clock)};
 }
 
 /// Red is the pan in hundredths of a radian.
@@ -113,3 +122,13 @@ TEST(SteeredHead, ThePicturesAreThoseOfWhereItStoodAtTheirTime) {
 
 }  // namespace
 }  // namespace mixrig::live
+
+namespace mixrig::test {
+namespace {
+
+INSTANTIATE_TEST_SUITE_P(Steered, PanTiltContract,
+                         ::testing::Values(PanTiltMaker{"steered", live::make_steered}),
+                         [](const auto& maker) { return maker.param.name; });
+
+}  // namespace
+}  // namespace mixrig::test

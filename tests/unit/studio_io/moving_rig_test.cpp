@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The files beside a moving take, read back by their readers and held against the take's poses.
+#include <algorithm>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -93,6 +94,63 @@ TEST_F(MovingRig, ASweepStandsStillAtEachViewAndItsPosesAreThoseOfTheChain) {
                                                  capture.pan_tilt->tilt_rad);
     EXPECT_LT(test::angle_between(chain, test::isometry(capture.world_from_target)), 3e-4);
   }
+}
+
+TEST(StudioHead, TheCamerasSeeTheRoomFromWhereTheHeadStands) {
+  auto source = open_studio_source("sweep,14,sr3000,,64x48");
+  ASSERT_TRUE(source) << source.error().context;
+  EXPECT_FALSE((*source)->info().has_truth);
+  capture::RenderedHead* head = (*source)->head();
+  ASSERT_NE(head, nullptr);
+  EXPECT_NEAR(head->limits().maximum.tilt_rad, M_PI / 2, 1e-12);
+  const auto studio = studio::Studio::create(options_of(studio::Scenario::kPan));
+  const studio::PanTiltUnit unit = *studio->info().pan_tilt;
+  capture::Capture rest, capture;
+  ASSERT_TRUE((*source)->read(1, rest));
+  head->turn({{0.4, -0.2}, {}, 0});
+  ASSERT_TRUE((*source)->read(2, capture));
+  ASSERT_TRUE(capture.pan_tilt);
+  EXPECT_NEAR(capture.pan_tilt->pan_rad, 0.4, 0.51 * kStep_rad);
+  EXPECT_NEAR(capture.pan_tilt->tilt_rad, -0.2, 0.51 * kStep_rad);
+  const auto turned = geometry::inverse(rest.world_from_target) * capture.world_from_target;
+  const auto expected = studio::rest_from_turned(unit, 0.4, -0.2);
+  EXPECT_LT(test::angle_between(test::isometry(turned), test::isometry(expected)), 5e-4);
+  EXPECT_FALSE(std::equal(rest.plate.row(24), rest.plate.row(24) + 64, capture.plate.row(24)));
+}
+
+TEST(StudioHead, ASwingIsInThePicturesAndNotInTheAngles) {
+  auto source = open_studio_source("sweep,14,sr3000,,64x48");
+  ASSERT_TRUE(source);
+  capture::Capture still, swung;
+  (*source)->head()->turn({{0.4, 0}, {}, 0});
+  ASSERT_TRUE((*source)->read(5, still));
+  (*source)->head()->turn({{0.4, 0}, {}, 0.01});
+  ASSERT_TRUE((*source)->read(5, swung));
+  EXPECT_EQ(still.pan_tilt->pan_rad, swung.pan_tilt->pan_rad);
+  EXPECT_NEAR(test::angle_between(test::isometry(still.world_from_target),
+                                  test::isometry(swung.world_from_target)),
+              0.01, 2e-5);  // the axis has a scale
+}
+
+TEST(StudioHead, TurnsOnUntilTheLaterExposureOfTheDepthCamera) {
+  studio::StudioOptions options = options_of(studio::Scenario::kSweep);
+  options.realism.late_depth = true;
+  auto studio = studio::Studio::create(options);
+  ASSERT_TRUE(studio);
+  studio::Frame still, turning;
+  studio->turn_head({{0.4, 0}, {}, 0});
+  studio->render(5, still);
+  studio->turn_head({{0.4, 0}, {2, 0}, 0});
+  studio->render(5, turning);
+  EXPECT_TRUE(std::equal(still.color.row(24), still.color.row(24) + 64, turning.color.row(24)));
+  EXPECT_FALSE(std::equal(still.tof_distance_m.row(70), still.tof_distance_m.row(70) + 176,
+                          turning.tof_distance_m.row(70)));
+}
+
+TEST(StudioHead, OtherScenariosHaveNone) {
+  auto source = open_studio_source("pan,14,sr3000,4,64x48");
+  ASSERT_TRUE(source);
+  EXPECT_EQ((*source)->head(), nullptr);
 }
 
 TEST_F(MovingRig, TheSourceGivesWhatTheTakeHolds) {

@@ -38,5 +38,18 @@ TEST(PanTiltTrack, AHeadThatStandsStillStaysThereForAWhile) {
   EXPECT_FALSE(track.at(at(3000ms))) << "older than what is kept";
 }
 
+TEST(PanTiltTrack, AUnitThatAnswersOftenIsKnownSomeFramesBack) {
+  PanTiltTrack track;
+  for (int i = 0; i < 20000; ++i) {
+    const auto time = HostTime(std::chrono::microseconds(100) * i);
+    const double rad = 0.001 * std::min(500, i / 20);  // a step each 2 ms for a second
+    track.add({{rad, -0.5}, time, time});
+  }
+  const auto back = track.at(HostTime(std::chrono::milliseconds(1999 - 300)));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->pan_rad, 0.5);
+  EXPECT_EQ(back->tilt_rad, -0.5);
+}
+
 }  // namespace
 }  // namespace mixrig::sync
