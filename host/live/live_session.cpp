@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace mixrig::live {
 namespace {
@@ -192,29 +191,6 @@ bool LiveSession::follow_trigger(HostTime& next_status) {
       push({.kind = Event::Kind::kTick, .tick = {ticks[i].tick, *at}, .stream = 0, .frame = {}});
   }
   return true;
-}
-
-Result<void> LiveSession::move_head(device::PanTiltAngles target) {
-  if (!running_ || !devices_.pan_tilt)
-    return Error{ErrorCode::kUsage, "there is no running pan-tilt unit to move"};
-  std::unique_lock lock(mutex_);
-  head_target_ = target;
-  head_answer_.reset();
-  head_answered_.wait(lock, [this] { return head_answer_.has_value(); });
-  return *std::move(head_answer_);
-}
-
-void LiveSession::obey_head_command() {
-  std::optional<device::PanTiltAngles> target;
-  {
-    const std::lock_guard lock(mutex_);
-    target = std::exchange(head_target_, std::nullopt);
-  }
-  if (!target) return;
-  Result<void> answer = devices_.pan_tilt->move_to(*target);
-  const std::lock_guard lock(mutex_);
-  head_answer_ = std::move(answer);
-  head_answered_.notify_all();
 }
 
 void LiveSession::run_pan_tilt() {

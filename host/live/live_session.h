@@ -55,6 +55,8 @@ class LiveSession {
   /// Errors: kUsage where the session does not run or the rig has no head; those of
   /// device::PanTilt::move_to.
   Result<void> move_head(device::PanTiltAngles target);
+  /// Stops both axes. Errors as above.
+  Result<void> halt_head();
   /// All cameras have ended by themselves (end of a recording, a device that failed) and all their
   /// frames were paired: next() delivers the remaining sets, then none.
   bool ended() const;
@@ -93,6 +95,11 @@ class LiveSession {
   void run_trigger();
   bool follow_trigger(HostTime& next_status);
   void run_pan_tilt();
+  struct HeadCommand {
+    bool halt = false;
+    device::PanTiltAngles target;
+  };
+  Result<void> command_head(const HeadCommand& command);
   void obey_head_command();
   void run_sync();
   void on_event(const Event& event);
@@ -125,8 +132,8 @@ class LiveSession {
   sync::PanTiltTrack track_;
   Ring<LiveSet, kHeld> held_;  ///< sets that wait for their angle
   SessionReport counts_;
-  std::optional<device::PanTiltAngles> head_target_;  ///< of a command that waits for its thread
-  std::optional<Result<void>> head_answer_;           ///< to it
+  std::optional<HeadCommand> head_command_;  ///< waits for the thread of the head
+  std::optional<Result<void>> head_answer_;  ///< to it
   std::condition_variable head_answered_;
 };
 

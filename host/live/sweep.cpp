@@ -47,11 +47,17 @@ Result<bool> take_view(SweepRig& rig, device::PanTiltAngles target, ViewTaker& t
   MIXRIG_TRY(rig.move_to(target));
   taker.begin(target, clock.now());
   while (!taker.taken()) {
-    if (stop) return false;
+    if (stop) {
+      (void)rig.halt();
+      return false;
+    }
     HostTime exposed_from{};
     MIXRIG_ASSIGN(const bool there, rig.next(kSweepWait, frame, exposed_from));
     if (there) taker.add(frame, exposed_from, clock.now());
-    MIXRIG_TRY(taker.check(clock.now()));
+    if (auto fine = taker.check(clock.now()); !fine) {
+      if (fine.error().code != ErrorCode::kDevice) (void)rig.halt();  // a lost unit is not asked
+      return std::move(fine).error();
+    }
   }
   return true;
 }
@@ -169,8 +175,8 @@ Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
   while (report.views < options.views.size() && !report.stopped) {
     const std::size_t view = report.views;
     auto taken = take_view(rig, options.views[view], taker, frame, stop, clock);
+    report.stopped = taken && !*taken;
     if (!taken) return at_view(std::move(taken).error(), options, view);
-    report.stopped = !*taken;
     if (report.stopped) break;
     if (auto saved = options.save(taker.frames(), taker.angles()); !saved)
       return at_view(std::move(saved).error(), options, view);

@@ -24,6 +24,8 @@ class SweepRig {
   virtual device::PanTiltAngles step() const = 0;
   /// Starts moving. Errors: those of device::PanTilt::move_to.
   virtual Result<void> move_to(device::PanTiltAngles target) = 0;
+  /// Stops both axes.
+  virtual Result<void> halt() = 0;
   /// The next frames of one moment with the head's angle at mid-exposure; false when none came in
   /// time. `exposed_from` becomes the start of the earliest exposure among them. Errors: kDevice
   /// when there will be no more.
@@ -97,8 +99,9 @@ struct SweepReport {
   bool stopped = false;
 };
 
-/// Takes the views that are not there yet, one after another, until `stop` is set. Errors: those of
-/// the rig, of ViewTaker::check and of `save`, with the number and angles of the view.
+/// Takes the views that are not there yet, one after another, until `stop` is set; then, and after
+/// an error that is not the unit's, the unit is halted. Errors: those of the rig, of
+/// ViewTaker::check and of `save`, with the number and angles of the view.
 Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
                               const std::atomic<bool>& stop, Clock& clock);
 

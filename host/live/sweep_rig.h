@@ -15,6 +15,7 @@ class LiveSweepRig final : public SweepRig {
   LiveSweepRig(const RigConfig& config, const Devices& devices, LiveSession& session);
   device::PanTiltAngles step() const override { return devices_.pan_tilt->info().resolution; }
   Result<void> move_to(device::PanTiltAngles target) override { return session_.move_head(target); }
+  Result<void> halt() override { return session_.halt_head(); }
   Result<bool> next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) override;
   std::uint64_t left_out() const { return left_out_; }  ///< sets without colour or depth
 

@@ -203,7 +203,7 @@ Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bo
   scan.planned = static_cast<int>(plan.views.size());
   scan.views = scan.resumed = take.frames() / options.view_frames;
   scan.covered_share = plan.covered_share;
-  if (options.progress) options.progress(scan.views, scan.planned, {});
+  if (options.planned) options.planned(scan);
   if (scan.views < scan.planned)
     MIXRIG_TRY(sweep_with(devices, setup, options, plan, take, stop, clock, scan));
   return scan;

@@ -12,17 +12,6 @@
 
 namespace mixrig::session {
 
-struct LiveScanOptions {
-  std::filesystem::path rig;          ///< rig.toml
-  std::filesystem::path calibration;  ///< empty: that of rig.toml
-  std::filesystem::path out;          ///< of the room; the sweep lies beside it
-  Size field_deg{270, 180};           ///< pan x tilt
-  double overlap = 0.1;
-  int view_frames = 4;
-  /// Called after each view, and once at first; `left` is 0 then.
-  std::function<void(int done, int views, Duration left)> progress;
-};
-
 struct LiveScan {
   std::filesystem::path sweep, calibration;  ///< for scan_room
   int views = 0, planned = 0;
@@ -32,6 +21,19 @@ struct LiveScan {
   int bright_views = 0;      ///< taken now, with more than 1 % of the pixels saturated
   double seconds = 0;        ///< from the first move to the last view
   bool stopped = false;      ///< `stop` was set before the last view
+};
+
+struct LiveScanOptions {
+  std::filesystem::path rig;          ///< rig.toml
+  std::filesystem::path calibration;  ///< empty: that of rig.toml
+  std::filesystem::path out;          ///< of the room; the sweep lies beside it
+  Size field_deg{270, 180};           ///< pan x tilt
+  double overlap = 0.1;
+  int view_frames = 4;
+  /// Called once before the unit moves: views, planned, resumed and covered_share are known.
+  std::function<void(const LiveScan& plan)> planned;
+  /// Called after each view.
+  std::function<void(int done, int views, Duration left)> progress;
 };
 
 /// Folder of the sweep of a room: OUT.sweep.

@@ -186,6 +186,25 @@ Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
   return model_room(arguments, arguments.sweep, arguments.session.calibration);
 }
 
+/// Before the head turns for minutes.
+void print_plan(const session::LiveScan& plan) {
+  std::printf("%d views", plan.planned);
+  if (plan.resumed > 0) std::printf(", %d of them from an earlier run", plan.resumed);
+  std::printf("\n");
+  if (plan.covered_share < 1 - kWholeField)
+    std::printf("the limits of the unit leave out %.1f %% of the field\n",
+                100 * (1 - plan.covered_share));
+  std::fflush(stdout);
+}
+
+void print_brightness(const session::LiveScan& scan) {
+  if (scan.bright_views == 0) return;
+  std::printf(
+      "%d views have more than 1 %% saturated pixels: a shorter exposure_ms in rig.toml "
+      "would show what is bright\n",
+      scan.bright_views);
+}
+
 Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   session::LiveScanOptions options;
   options.rig = arguments.rig, options.calibration = arguments.session.calibration;
@@ -193,27 +212,15 @@ Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   options.view_frames = arguments.view_frames;
   MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
   std::optional<Progress> bar;
-  options.progress = [&](int done, int views, Duration left) {
-    if (!bar) bar.emplace("sweep", views);
-    bar->step(done, seconds(left));
+  options.planned = [&](const session::LiveScan& plan) {
+    print_plan(plan);
+    bar.emplace("sweep", plan.planned);
+    bar->step(plan.views);
   };
+  options.progress = [&](int done, int, Duration left) { bar->step(done, seconds(left)); };
   SystemClock clock;
   const StopOnSignal signals;
   return session::sweep_room(options, StopOnSignal::flag(), clock);
-}
-
-void print(const session::LiveScan& scan) {
-  std::printf("%d views", scan.views);
-  if (scan.resumed > 0) std::printf(", %d of them from an earlier run", scan.resumed);
-  std::printf("; %.1f s for the others\n", scan.seconds);
-  if (scan.covered_share < 1 - kWholeField)
-    std::printf("the limits of the unit leave out %.1f %% of the field\n",
-                100 * (1 - scan.covered_share));
-  if (scan.bright_views > 0)
-    std::printf(
-        "%d views have more than 1 %% saturated pixels: a shorter exposure_ms in rig.toml "
-        "would show what is bright\n",
-        scan.bright_views);
 }
 
 Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
@@ -225,7 +232,8 @@ Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
                                          std::to_string(scan.planned) +
                                          " views, which are kept in '" + scan.sweep.string() +
                                          "': the same command goes on with the next"};
-  print(scan);
+  std::printf("%.1f s for %d views\n", scan.seconds, scan.views - scan.resumed);
+  print_brightness(scan);
   MIXRIG_ASSIGN(nlohmann::json report, model_room(arguments, scan.sweep, scan.calibration));
   report["sweep"] = {{"seconds", scan.seconds},
                      {"resumed", scan.resumed},

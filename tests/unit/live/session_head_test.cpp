@@ -70,6 +70,10 @@ TEST_F(Session, MovesItsHeadBetweenTwoAnswers) {
   EXPECT_NEAR(sets.back().pan_tilt->pan_rad, 0.5, 1e-9);
   EXPECT_NEAR(sets.back().pan_tilt->tilt_rad, 0.25, 1e-9);
   EXPECT_EQ(session_->move_head({9, 0}).error().code, ErrorCode::kUsage) << "its own error";
+  ASSERT_TRUE(session_->move_head({-2, 0.25}));
+  ASSERT_TRUE(session_->halt_head());
+  const auto halted = run(200);
+  EXPECT_GT(halted.back().pan_tilt->pan_rad, 0.45);
   head_->set_fault(fake::FakePanTilt::Fault::kSilent);
   EXPECT_EQ(session_->move_head({0.1, 0}).error().code, ErrorCode::kTimeout);
   session_->stop();

@@ -33,6 +33,10 @@ class FakeSweepRig final : public SweepRig {
     targets.push_back(target);
     return {};
   }
+  Result<void> halt() override {
+    ++halts;
+    return {};
+  }
   Result<bool> next(Duration, capture::Capture& frame, HostTime& exposed_from) override {
     clock_.advance(40ms);
     ++number_;
@@ -52,6 +56,7 @@ class FakeSweepRig final : public SweepRig {
   void home() { from_ = to_ = {}; }
 
   std::vector<PanTiltAngles> targets;
+  int halts = 0;
   std::function<void(int number)> on_frame;
   std::set<int> dropped;  ///< numbers of frames that do not come
   bool refuses = false, unit_lost = false, frames_lost = false, stuck = false;
@@ -197,6 +202,7 @@ TEST_F(Sweep, AUnitThatGivesNoAnglesIsLost) {
   EXPECT_NE(error.context.find("view 3 of 3 (pan 57.3, tilt -11.5 deg)"), std::string::npos)
       << error.context;
   EXPECT_EQ(saved_.size(), 2U);
+  EXPECT_EQ(rig_.halts, 0) << "it would not answer";
 }
 
 TEST_F(Sweep, GoesOnWithTheViewsThatAreMissing) {
@@ -219,6 +225,7 @@ TEST_F(Sweep, EndsBetweenFramesWhenItIsStopped) {
   const auto report = run();
   ASSERT_TRUE(report);
   EXPECT_TRUE(report->stopped);
+  EXPECT_EQ(rig_.halts, 1);
   EXPECT_EQ(report->views, 1U);
   EXPECT_EQ(saved_.size(), 1U);
 }
