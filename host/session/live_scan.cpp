@@ -12,6 +12,8 @@
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
+#include "host/config/table.h"
+#include "host/live/held_controls.h"
 #include "host/live/live_capture.h"
 #include "host/live/sweep_rig.h"
 #include "host/model/sweep_plan.h"
@@ -24,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostControls_bytes = 4096;
+constexpr Duration kAdjusting = std::chrono::seconds(1);
 constexpr double kMostBright = 0.01;  ///< share of a plate's pixels
 
 /// The rig, reduced to what a sweep uses, and its calibration.
@@ -135,6 +139,29 @@ Result<SweepIdentity> identity_of(const LiveScanOptions& options, const SweepSet
   return identity;
 }
 
+/// Automatic control would give each view an exposure and a white balance of its own. After a
+/// second of frames what it has found is held, also for a run that goes on with this sweep.
+Result<void> hold_colors(const SweepSetup& setup, live::Devices& devices, live::LiveSweepRig& rig,
+                         const fs::path& sweep, const std::atomic<bool>& stop, Clock& clock) {
+  const live::CameraConfig& config = setup.rig.cameras.front();
+  device::Camera& camera = *devices.cameras.front();
+  if (!live::adjusts_itself(config, camera.info())) return {};
+  const fs::path file = sweep / "controls.toml";
+  live::HeldControls earlier;
+  std::error_code error;
+  if (fs::exists(file, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(file, kMostControls_bytes));
+    MIXRIG_ASSIGN(earlier, live::parse_held(text, file.string()));
+  } else {
+    capture::Capture frame;
+    HostTime exposed_from{};
+    for (const HostTime end = clock.now() + kAdjusting; clock.now() < end && !stop;)
+      if (const auto there = rig.next(end - clock.now(), frame, exposed_from); !there)
+        return there.error();
+  }
+  return write_file(file, live::held_text(live::hold_controls(config, camera, earlier)));
+}
+
 /// Runs the devices from view `scan.views` on.
 Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
                         const LiveScanOptions& options, const model::SweepPlan& plan,
@@ -158,6 +185,7 @@ Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
   MIXRIG_TRY(session.start());
   const HostTime begin = clock.now();
   live::LiveSweepRig rig(setup.rig, devices, session);
+  MIXRIG_TRY(hold_colors(setup, devices, rig, scan.sweep, stop, clock));
   const auto swept = live::run_sweep(rig, sweep, stop, clock);
   session.stop();
   scan.seconds = seconds(clock.now() - begin);
