@@ -31,7 +31,7 @@ std::string first_other_key(const std::string& a, const std::string& b, bool vie
   for (std::size_t begin = 0; begin < a.size();) {
     const std::size_t end = std::min(a.find('\n', begin), a.size());
     const std::string line = a.substr(begin, end - begin + 1);
-    const std::string key = line.substr(0, line.find(' '));
+    std::string key = line.substr(0, line.find(' '));
     if (key == "views_rad" && !views) return {};
     if (b.find(line) == std::string::npos) return key;
     begin = end + 1;
