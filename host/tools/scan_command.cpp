@@ -307,9 +307,12 @@ void add_scan_command(Command app, Context& context) {
   command.add_option("--take", arguments->sweep,
                      "Recorded sweep, or frames with poses: folder or take.toml");
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
-  command.add_flag("--no-smooth", arguments->no_smooth, "A sweep: leave the noise of the distances in");
-  command.add_flag("--no-planes", arguments->no_planes, "A sweep: leave walls as measured, not straight");
-  command.add_flag("--no-align", arguments->no_align, "A sweep: take the angles of the unit as they are");
+  command.add_flag("--no-smooth", arguments->no_smooth,
+                   "A sweep: leave the noise of the distances in");
+  command.add_flag("--no-planes", arguments->no_planes,
+                   "A sweep: leave walls as measured, not straight");
+  command.add_flag("--no-align", arguments->no_align,
+                   "A sweep: take the angles of the unit as they are");
   command.add_option("--static", arguments->take, "TAKE: folder or take.toml");
   command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
   command.add_option("OUT", arguments->out, "background folder to write").required();
