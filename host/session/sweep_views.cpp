@@ -61,7 +61,7 @@ Result<void> read_by_angles(const capture::Capture& frame, const calibration_fil
 Result<void> read_by_pose(const capture::Capture& frame, ViewReader& reader) {
   if (frame.pose_origin == capture::PoseOrigin::kUnknown)
     return Error{
-        ErrorCode::kData,
+        ErrorCode::kUsage,
         fmt::format("frame {} has no pose: give --calibration with a pan-tilt unit to scan "
                     "by the angles of the head",
                     frame.number)};
