@@ -48,7 +48,8 @@ struct RoomScan {
 
 /// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its
 /// own pose. Errors: those of take and calibration; kFormat where the calibration has no unit,
-/// kData where a frame has no angles, or no pose; kNotFound where `evaluate` finds no truth.
+/// kData where a frame has no angles, kUsage where it has no pose; kNotFound where `evaluate`
+/// finds no truth.
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
 /// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb

@@ -428,7 +428,8 @@ TEST_F(CameraPoseTest, UnderAMotionCaptureTheBackgroundIsLearnedAtItsPoses) {
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_TRUE(session_.setup.background.depth_m.empty()) << "a frozen background";
   ASSERT_FALSE(session_.setup.background_models.empty());
-  EXPECT_NEAR(session_.setup.background_models.front().world_from_face[0].translation_m.x(), 0.1, 1e-3);
+  EXPECT_NEAR(session_.setup.background_models.front().world_from_face[0].translation_m.x(), 0.1,
+              1e-3);
 }
 
 TEST_F(CameraPoseTest, ABackgroundOfAMovingCameraNeedsALearnedFrameWithAPose) {

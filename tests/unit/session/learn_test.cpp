@@ -174,7 +174,8 @@ TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {
   ASSERT_TRUE(model::save(background, folder));
   ASSERT_TRUE(prepare_background(session, {}));
   ASSERT_FALSE(session.setup.background_models.empty());
-  EXPECT_NEAR(session.setup.background_models.front().world_from_face[0].translation_m.x(), 0.5, 1e-12);
+  EXPECT_NEAR(session.setup.background_models.front().world_from_face[0].translation_m.x(), 0.5,
+              1e-12);
   EXPECT_TRUE(session.setup.background.depth_m.empty());
 }
 
