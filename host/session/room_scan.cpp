@@ -64,16 +64,6 @@ Result<measure::RoomFrame> true_frame(const fs::path& path) {
   }
 }
 
-Result<measure::RoomErrors> room_errors_of(const model::Panorama& panorama, const fs::path& take) {
-  MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
-  MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
-  if (truth.empty() || truth[0].pixels.size() != panorama.size())
-    return Error{ErrorCode::kData,
-                 "'" + (take / "truth/room.exr").string() +
-                     "' has another size than the panorama: scan with its height"};
-  return measure::room_errors(panorama.distance_m.view(), truth[0].pixels.view(), frame, kLengths);
-}
-
 Result<void> write_mesh(const RoomScan& scan, const fs::path& path) {
   if (scan.mesh.indices.empty()) return {};
   scene::Model file;
@@ -95,6 +85,16 @@ Result<std::optional<calibration_file::PanTilt>> unit_of(const fs::path& calibra
 }
 
 }  // namespace
+
+Result<measure::RoomErrors> judge_room(const model::Panorama& panorama, const fs::path& take) {
+  MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
+  MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
+  if (truth.empty() || truth[0].pixels.size() != panorama.size())
+    return Error{ErrorCode::kData,
+                 "'" + (take / "truth/room.exr").string() +
+                     "' has another size than the panorama: scan with its height"};
+  return measure::room_errors(panorama.distance_m.view(), truth[0].pixels.view(), frame, kLengths);
+}
 
 Result<RoomScan> scan_room(const RoomScanOptions& options) {
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(options.take));
@@ -126,7 +126,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.mesh = model::simplified(grid, scan.panorama.size(), scan.tolerance_m, crew);
   scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
-    MIXRIG_ASSIGN(scan.errors, room_errors_of(scan.panorama, options.take));
+    MIXRIG_ASSIGN(scan.errors, judge_room(scan.panorama, options.take));
     if (!scan.mesh.indices.empty())
       scan.mesh_errors = measure::mesh_errors(
           {scan.mesh.positions_m.front().data(), 3 * scan.mesh.positions_m.size()},

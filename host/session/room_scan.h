@@ -46,6 +46,11 @@ struct RoomScan {
   std::optional<measure::MeshErrors> mesh_errors;  ///< against the panorama; with `evaluate`
 };
 
+/// Against the truth that a studio's take of a sweep holds. Errors: kNotFound without truth, kData
+/// where it has another size, those of reading it.
+Result<measure::RoomErrors> judge_room(const model::Panorama& panorama,
+                                       const std::filesystem::path& take);
+
 /// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its
 /// own pose. Errors: those of take and calibration; kFormat where the calibration has no unit,
 /// kData where a frame has no angles, kUsage where it has no pose; kNotFound where `evaluate`

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig info: describes a take.
+// mixrig info: describes a take or a scanned room.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,11 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "host/measure/percentile.h"
+#include "host/model/room_file.h"
 #include "host/output/contact_sheet.h"
 #include "host/session/run_report.h"
 #include "host/take/take.h"
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
+#include "host/tools/info_room.h"
 
 namespace mixrig::tools {
 namespace {
@@ -126,7 +128,7 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
               info.has_truth ? "yes" : "none");
 }
 
-Result<nlohmann::json> info(const std::string& folder) {
+Result<nlohmann::json> info_take(const std::string& folder) {
   MIXRIG_ASSIGN(const take::TakeReader reader, take::TakeReader::open(folder));
   MIXRIG_ASSIGN(const auto source, take::open_take_source(folder));
   MIXRIG_ASSIGN(const DepthStatistics depth, depth_statistics(*source));
@@ -134,13 +136,31 @@ Result<nlohmann::json> info(const std::string& folder) {
   return report_of(reader.info(), depth);
 }
 
+struct InfoArguments {
+  std::string of, truth, picture;
+};
+
+Result<nlohmann::json> info(const InfoArguments& arguments) {
+  if (model::is_room(arguments.of))
+    return info_room({arguments.of, arguments.truth, arguments.picture});
+  if (!arguments.truth.empty() || !arguments.picture.empty())
+    return Error{ErrorCode::kUsage,
+                 "'" + arguments.of + "' is not a scanned room: --truth and --picture are of one"};
+  return info_take(arguments.of);
+}
+
 }  // namespace
 
 void add_info_command(Command app, Context& context) {
-  auto take = std::make_shared<std::string>();
-  Command command = app.add_subcommand("info", "describe a take: streams, cameras, depth");
-  command.add_option("TAKE", *take, "folder or take.toml").required();
-  command.callback([&context, take] { context.action = [take] { return info(*take); }; });
+  auto arguments = std::make_shared<InfoArguments>();
+  Command command = app.add_subcommand(
+      "info", "describe a take (streams, cameras, depth) or a scanned room (size, uncertainty)");
+  command.add_option("TAKE|ROOM", arguments->of, "folder or take.toml; folder of a room")
+      .required();
+  command.add_option("--truth", arguments->truth, "of a room: the take it was scanned from");
+  command.add_option("--picture", arguments->picture, "of a room: PNG of plan and elevation");
+  command.callback(
+      [&context, arguments] { context.action = [arguments] { return info(*arguments); }; });
 }
 
 }  // namespace mixrig::tools

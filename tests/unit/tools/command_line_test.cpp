@@ -66,6 +66,32 @@ TEST(CommandLine, ScanGivesABackgroundThatRunTakes) {
   EXPECT_NE(other_size.err.find("scan it again"), std::string::npos) << other_size.err;
 }
 
+TEST(CommandLine, InfoDescribesAScannedRoom) {
+  const TinyTake take;
+  take.text("take/take.toml", take.text_of("take/take.toml") +
+                                  "\n[pose]\nworld_from_target = { rotation = [[1.0, 0.0, 0.0], "
+                                  "[0.0, 0.0, 1.0], [0.0, -1.0, 0.0]], translation_m = [1.0, 0.0, "
+                                  "1.5] }\n");
+  const Outcome scan = take.mixrig("scan --take take room");
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  const Outcome info = take.mixrig("info room --json info.json --picture plan.png");
+  ASSERT_EQ(info.status, 0) << info.err;
+  EXPECT_NE(info.out.find("a room of 4 views, 4 frames"), std::string::npos) << info.out;
+  EXPECT_NE(take.text_of("info.json").find("\"kind\": \"room\""), std::string::npos);
+  Image<Rgb8> picture;
+  ASSERT_TRUE(image_io::read_rgb8(take.path("plan.png"), picture));
+  int wall = 0;
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) wall += picture.at(x, y) == Rgb8{100, 110, 120};
+  EXPECT_GT(wall, 10000) << "the elevation shows the wall";
+  const Outcome refused = take.mixrig("info take --picture plan.png");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("is not a scanned room"), std::string::npos) << refused.err;
+  const Outcome no_truth = take.mixrig("info room --truth take");
+  EXPECT_NE(no_truth.status, 0);
+  EXPECT_NE(no_truth.err.find("truth"), std::string::npos) << no_truth.err;
+}
+
 TEST(CommandLine, InfoAndExplainDescribeATake) {
   const TinyTake take;
   const Outcome info = take.mixrig("info take --json info.json");
