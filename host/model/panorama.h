@@ -43,8 +43,8 @@ class ViewAverage {
   Image<std::uint8_t> count_;
 };
 
-/// A large plane of the room: points p in base axes with inverse_m . p = 1. It does not hold the
-/// origin.
+/// A large plane of the room: points p in base axes with inverse_per_m . p = 1. It does not hold
+/// the origin.
 struct RoomPlane {
   Eigen::Vector3d inverse_per_m;  ///< unit normal over distance from the origin
   double solid_angle_sr = 0;      ///< of what was found on it

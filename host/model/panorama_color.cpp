@@ -98,25 +98,21 @@ class Painter {
         factor_(factor),
         panorama_(panorama),
         size_{factor * panorama.size().width, factor * panorama.size().height},
-        least_cosine_(widest_cosine(target)) {
+        least_cosine_(widest_cosine(target)),
+        directions_(size_) {
     for (const ScanView& view : views)
       eyes_.push_back({&view, geometry::inverse(view.base_from_tof),
                        geometry::inverse(view.base_from_target),
                        view.base_from_target.translation_m,
                        view.base_from_target.rotation * Vector3d::UnitZ()});
-    // On the horizon a direction has its azimuth's sine and cosine.
-    for (int x = 0; x < size_.width; ++x)
-      horizon_.push_back(direction_of(size_, x, 0).head<2>().normalized());
   }
 
   void row(int y, Rgb8* to) const {
-    const double up = direction_of(size_, 0, y).z(), across = std::sqrt(1 - up * up);
     for (int x = 0; x < size_.width; ++x) {
       const float distance_m =
           distance_between(panorama_, (x + 0.5) / factor_ - 0.5, (y + 0.5) / factor_ - 0.5);
       if (distance_m <= 0) continue;
-      const Vector2d ahead = across * horizon_[static_cast<std::size_t>(x)];
-      to[x] = color_of_point(distance_m * Vector3d(ahead.x(), ahead.y(), up));
+      to[x] = color_of_point(distance_m * directions_(x, y));
     }
   }
 
@@ -142,7 +138,7 @@ class Painter {
   Size size_;  ///< of the colour
   double least_cosine_;
   std::vector<Eye> eyes_;
-  std::vector<Vector2d> horizon_;
+  Directions directions_;
   const std::vector<std::uint8_t>& srgb_ = srgb_bytes_of_linear16();
 };
 

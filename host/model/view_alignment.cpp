@@ -186,9 +186,10 @@ void Aligner::find_samples() {
   });
 }
 
-/// Whether all pixels within `reach` of (x, y) are in the picture.
-bool is_inside(Size size, int x, int y, int reach) {
-  return x >= reach && y >= reach && x < size.width - reach && y < size.height - reach;
+/// Whether all pixels within `reach` of a place are in the picture.
+bool is_inside(Size size, const Vector2d& px, int reach) {
+  return px.x() >= reach && px.y() >= reach && px.x() <= size.width - 1 - reach &&
+         px.y() <= size.height - 1 - reach;
 }
 
 /// Leaves evenly spaced ones.
@@ -216,8 +217,7 @@ void Aligner::find_samples_of(std::size_t from) {
         const Vector3d p = posed_[sample.to].tof_from_base * sample.point_m;
         if (p.z() <= 0) continue;
         const auto px = tof_.project(p);
-        if (!px || !is_inside(size, static_cast<int>(px->x()), static_cast<int>(px->y()), 1))
-          continue;
+        if (!px || !is_inside(size, *px, 1)) continue;
         if (!sample.plate_px && !view.plate.empty())
           sample.plate_px = target_.project(posed_[from].target_from_base * sample.point_m);
         samples_[from].push_back(sample);
@@ -234,9 +234,8 @@ std::optional<Difference> Aligner::distance(const Sample& sample) const {
   const Vector3d p = to.tof_from_base * p_base;
   if (p.z() <= 0) return {};
   const auto px = tof_.project(p);
-  if (!px || !(px->allFinite())) return {};
+  if (!px || !is_inside(tof_.size_px(), *px, kNormal_px)) return {};
   const int x = static_cast<int>(std::lround(px->x())), y = static_cast<int>(std::lround(px->y()));
-  if (!is_inside(tof_.size_px(), x, y, kNormal_px)) return {};
   const auto point = [&](int u, int v) { return rays_.row(v)[u].at(other.distance_m.row(v)[u]); };
   const float here_m = other.distance_m.row(y)[x];
   for (const auto& [dx, dy] : {std::pair{kNormal_px, 0}, {0, kNormal_px}}) {

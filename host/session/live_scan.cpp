@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostControls_bytes = 4096;
 constexpr Duration kAdjusting = std::chrono::seconds(1);
-constexpr double kMostBright = 0.01;  ///< share of a plate's pixels
 
 /// The rig, reduced to what a sweep uses, and its calibration.
 struct SweepSetup {
@@ -113,15 +112,6 @@ Result<model::SweepPlan> plan_for(const LiveScanOptions& options, const SweepSet
   return model::plan_sweep(task);
 }
 
-bool is_bright(const Image<Rgb8>& plate) {
-  long bright = 0;
-  for (int y = 0; y < plate.height(); ++y)
-    bright += std::count_if(plate.row(y), plate.row(y) + plate.width(), [](const Rgb8& p) {
-      return std::max({p.r, p.g, p.b}) == 255;
-    });
-  return static_cast<double>(bright) > kMostBright * static_cast<double>(plate.size().area());
-}
-
 /// The folder that holds the room must be free before the head turns for minutes.
 Result<void> check_out(const fs::path& out) {
   MIXRIG_ASSIGN(const PartialPath writable, make_partial_folder(out, "manifest.toml"));
@@ -176,11 +166,7 @@ Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
     if (options.progress) options.progress(static_cast<int>(done), scan.planned, left);
   };
   sweep.save = [&](std::span<const capture::Capture> frames,
-                   device::PanTiltAngles at) -> Result<void> {
-    MIXRIG_TRY(take.append(frames, at));
-    scan.bright_views += is_bright(frames[0].plate) ? 1 : 0;
-    return {};
-  };
+                   device::PanTiltAngles at) -> Result<void> { return take.append(frames, at); };
   live::LiveSession session(setup.rig, devices, clock);
   MIXRIG_TRY(session.start());
   const HostTime begin = clock.now();

@@ -18,7 +18,6 @@ struct LiveScan {
   int resumed = 0;           ///< of the views, those of an earlier run
   double covered_share = 0;  ///< of the field, by the plan; below 1 where the unit's limits are
   int restarts = 0;          ///< frames that were shifted against those before them
-  int bright_views = 0;      ///< taken now, with more than 1 % of the pixels saturated
   double seconds = 0;        ///< from the first move to the last view
   bool stopped = false;      ///< `stop` was set before the last view
 };

@@ -10,8 +10,7 @@
 
 namespace mixrig::sync {
 
-/// The last positions of both axes, each with its own time. Nothing allocates. One
-/// thread.
+/// The last positions of both axes, each with its own time. Nothing allocates. One thread.
 class PanTiltTrack {
  public:
   void add(const device::PanTiltSample& sample);

@@ -128,8 +128,10 @@ nlohmann::json findings_json(const std::vector<model::Finding>& findings) {
                     {"value", f.value}});
   }
   if (saturated > 0)
-    std::printf("%d views have saturated colour (lamps, windows), up to %.1f %% of a picture\n",
-                saturated, most_pct);
+    std::printf(
+        "%d views have saturated colour (lamps, windows), up to %.1f %% of a picture: a "
+        "shorter exposure would show what is bright\n",
+        saturated, most_pct);
   return list;
 }
 
@@ -197,14 +199,6 @@ void print_plan(const session::LiveScan& plan) {
   std::fflush(stdout);
 }
 
-void print_brightness(const session::LiveScan& scan) {
-  if (scan.bright_views == 0) return;
-  std::printf(
-      "%d views have more than 1 %% saturated pixels: a shorter exposure_ms in rig.toml "
-      "would show what is bright\n",
-      scan.bright_views);
-}
-
 Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   session::LiveScanOptions options;
   options.rig = arguments.rig, options.calibration = arguments.session.calibration;
@@ -233,12 +227,10 @@ Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
                                          " views, which are kept in '" + scan.sweep.string() +
                                          "': the same command goes on with the next"};
   std::printf("%.1f s for %d views\n", scan.seconds, scan.views - scan.resumed);
-  print_brightness(scan);
   MIXRIG_ASSIGN(nlohmann::json report, model_room(arguments, scan.sweep, scan.calibration));
   report["sweep"] = {{"seconds", scan.seconds},
                      {"resumed", scan.resumed},
                      {"restarts", scan.restarts},
-                     {"bright_views", scan.bright_views},
                      {"covered_pct", 100 * scan.covered_share}};
   std::error_code ignored;  // what remains can be removed by hand
   if (!arguments.keep_sweep) std::filesystem::remove_all(scan.sweep, ignored);
