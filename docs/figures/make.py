@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes the page of figures (docs/figures/README.md with plots and pictures) and the table of
 figures in README.md: every scenario and depth camera of the virtual studio, plain composites beside
-the compositor, true and estimated calibration, true and wrong lamps.
+the compositor, the judged look and the plain one, true and estimated calibration, true and wrong
+lamps.
 
     docs/figures/make.py --mixrig build/release/host/tools/mixrig
 
@@ -39,6 +40,8 @@ def collect(shop, chosen, calibrated):
                 take = shop.take(scenario, rig, seed)
                 for lamps in ("true", "off"):
                     runs[lamps, scenario, rig, seed] = shop.run(take, lamps)
+                runs["plain", scenario, rig, seed] = shop.run(
+                    shop.take(scenario, rig, seed, plain=True))
     for seed in calibrated:
         for scenario in ("walk", "pan"):
             for rig in RIGS:
@@ -80,16 +83,20 @@ def main():
     parser.add_argument("--seeds", type=int, help="only the first N of the list")
     parser.add_argument("--tuned", action="store_true",
                         help="the seeds that may be tuned on; give another --out")
+    parser.add_argument("--takes", action="store_true",
+                        help="only renders the takes, so that the runs can be timed on an idle machine")
     arguments = parser.parse_args()
     if arguments.tuned and arguments.out.resolve() == (ROOT / "docs/figures").resolve():
         sys.exit("make.py: the page shows held-out seeds: give --tuned another --out")
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
     calibrated = chosen[:1] if arguments.tuned else seeds("kCalibratedFigures")
-    shop = Workshop(arguments.mixrig, arguments.cache)
+    shop = Workshop(arguments.mixrig, arguments.cache, arguments.takes)
     runs = collect(shop, chosen, calibrated)
+    if arguments.takes:
+        return
     arguments.out.mkdir(parents=True, exist_ok=True)
     pictures = worst_pictures(shop, runs, arguments.out)
-    command = " ".join(["docs/figures/make.py"] + sys.argv[1:2 if arguments.tuned else 1])
+    command = " ".join(["docs/figures/make.py"] + (["--tuned"] if arguments.tuned else []))
     page = Page(runs, chosen, calibrated, pictures,
                 f"{machine()}, cpu back end; commit {commit()}; up to {shop.load():.0f} "
                 f"processes running beside; made by `{command}`")

@@ -36,8 +36,8 @@ class Workshop:
     """Calls the command; what it made before with the same arguments is used again. Takes are
     rendered anew when the studio's sources change, runs repeated when the command changes."""
 
-    def __init__(self, mixrig, cache, log=print):
-        self.mixrig, self.log = Path(mixrig).resolve(), log
+    def __init__(self, mixrig, cache, only_takes=False, log=print):
+        self.mixrig, self.only_takes, self.log = Path(mixrig).resolve(), only_takes, log
         studio = sorted(p for room in ("studio", "studio_io")
                         for p in (ROOT / "host" / room).rglob("*.[ch]*"))
         self.takes = Path(cache).resolve() / ("takes-" + digest(studio))
@@ -48,19 +48,23 @@ class Workshop:
     def call(self, *words):
         self.log("mixrig " + " ".join(map(str, words)))
         subprocess.run([self.mixrig, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
-        (self.runs / "load.txt").write_text(f"{max(self.load(), os.getloadavg()[0]):.1f}")
+        if words[0] == "run":
+            (self.runs / "load.txt").write_text(f"{max(self.load(), os.getloadavg()[0]):.1f}")
 
     def load(self):
         """The largest mean number of running processes while these runs were made."""
         file = self.runs / "load.txt"
         return float(file.read_text()) if file.exists() else 0.0
 
-    def take(self, scenario, rig, seed, size=SIZE, frames=None, tolerance=False):
+    def take(self, scenario, rig, seed, size=SIZE, frames=None, tolerance=False, plain=False):
         frames = frames or FRAMES[scenario]
-        name = f"{scenario}-{rig}-{seed}-{frames}-{size}" + ("-tolerance1" if tolerance else "")
+        name = f"{scenario}-{rig}-{seed}-{frames}-{size}" + ("-tolerance1" if tolerance else "") + \
+            ("-plain" if plain else "")
         out = self.takes / name
         if not (out / "take.toml").exists():
-            self.call("studio", out, *studio_words(scenario, rig, seed, frames, size, tolerance))
+            self.call("studio", out, "--scenario", scenario, "--rig", rig, "--seed", seed,
+                      "--frames", frames, "--size", size, *(["--tolerance", 1] if tolerance else []),
+                      *(["--plain"] if plain else []))
         return out
 
     def calibration(self, rig, seed):
@@ -68,7 +72,7 @@ class Workshop:
         out = self.runs / f"calibration-{rig}-{seed}.toml"
         boards = self.takes / f"boards-{rig}-{seed}"
         if not (boards / "views.toml").exists():
-            self.call("studio", boards, "--plain", "--scenario", "board", "--views", BOARD_VIEWS,
+            self.call("studio", boards, "--scenario", "board", "--views", BOARD_VIEWS,
                       "--rig", rig, "--seed", seed, "--tolerance", 1, "--size", SIZE)
         if not out.exists():
             self.call("calibrate", "rig", boards, "--out", out)
@@ -76,6 +80,8 @@ class Workshop:
 
     def run(self, take, condition="true", calibration=None, frames=None, baselines=True):
         """The report of a run. `condition`: "true" lamps, or lamps that are "off"."""
+        if self.only_takes:
+            return None
         name = "-".join([take.name, condition] + (["estimated"] if calibration else []) +
                         ([frames] if frames else []) + ([] if baselines else ["alone"]))
         report = self.runs / (name + ".json")
@@ -97,11 +103,6 @@ class Workshop:
         worst = max(errors, key=lambda n: judge(errors[n]))
         folder = self.runs / f"{take.name}-{condition}-{worst}"
         return worst, folder / "contact_sheet.png"
-
-
-def studio_words(scenario, rig, seed, frames, size, tolerance):
-    return ["--plain", "--scenario", scenario, "--rig", rig, "--seed", seed, "--frames", frames, "--size",
-            size] + (["--tolerance", 1] if tolerance else [])
 
 
 def wrong_lamps(take):
