@@ -130,26 +130,36 @@ double quantile_of(const std::vector<Weighted>& sorted, double weight) {
 
 }  // namespace
 
+Image<float> off_surface_mm(ImageView<const float> model_m, ImageView<const float> true_m) {
+  Image<float> off_mm(model_m.size, -1.0F);
+  for (int y = 0; y + 1 < model_m.size.height; ++y)
+    for (int x = 0; x < model_m.size.width; ++x)
+      if (model_m.at(x, y) > 0 && true_m.at(x, y) > 0)
+        off_mm.row(y)[x] = static_cast<float>(1000 * off_surface_m(model_m, true_m, x, y));
+  return off_mm;
+}
+
 RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> true_m,
                        const RoomFrame& frame, int count) {
   RoomErrors errors;
   for (std::size_t axis = 0; axis < 3; ++axis)
     errors.axes[axis] = lengths(model_m, true_m, frame, axis, count);
-  std::vector<Weighted> off_mm;
+  const Image<float> off_mm = off_surface_mm(model_m, true_m);
+  std::vector<Weighted> known;
   double all = 0, over = 0;
   for (int y = 0; y + 1 < model_m.size.height; ++y)
     for (int x = 0; x < model_m.size.width; ++x) {
-      if (model_m.at(x, y) <= 0 || true_m.at(x, y) <= 0) continue;
-      const double mm = 1000 * off_surface_m(model_m, true_m, x, y);
+      const auto mm = static_cast<double>(off_mm.row(y)[x]);
+      if (mm < 0) continue;
       const double solid = std::sin(std::numbers::pi * (y + 0.5) / model_m.size.height);
       all += solid, over += mm > 20 ? solid : 0;
-      off_mm.push_back({mm, solid});
+      known.push_back({mm, solid});
     }
-  errors.points = off_mm.size();
-  std::sort(off_mm.begin(), off_mm.end(),
+  errors.points = known.size();
+  std::sort(known.begin(), known.end(),
             [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
-  errors.p50_mm = quantile_of(off_mm, 0.5 * all);
-  errors.p95_mm = quantile_of(off_mm, 0.95 * all);
+  errors.p50_mm = quantile_of(known, 0.5 * all);
+  errors.p95_mm = quantile_of(known, 0.95 * all);
   errors.over_20mm_pct = all > 0 ? 100 * over / all : 0;
   return errors;
 }

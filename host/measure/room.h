@@ -37,4 +37,8 @@ struct RoomErrors {
 RoomErrors room_errors(ImageView<const float> model_m, ImageView<const float> true_m,
                        const RoomFrame& frame, int count);
 
+/// Distance of the model's point to the plane of the true surface in each direction, millimetres;
+/// -1 where one of the two is not known, and in the last row.
+Image<float> off_surface_mm(ImageView<const float> model_m, ImageView<const float> true_m);
+
 }  // namespace mixrig::measure

@@ -10,6 +10,7 @@
 #include "host/model/panorama_color.h"
 #include "host/model/panorama_finish.h"
 #include "host/model/room_planes.h"
+#include "host/model/view_gains.h"
 
 namespace mixrig::model {
 namespace {
@@ -270,6 +271,7 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
       share_of_field(panorama, [&](int x, int y) { return panorama.distance_m.row(y)[x] > 0; });
   panorama.measured_share =
       share_of_field(panorama, [&](int x, int y) { return panorama.views.row(y)[x] > 0; });
+  if (options.equalise) panorama.gains = find_gains(views, tof, target, panorama, crew);
   paint(views, tof, target, color_factor(target, height), panorama, crew);
   return panorama;
 }

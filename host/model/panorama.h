@@ -2,6 +2,7 @@
 // The views of a sweep fused into one picture of all directions around the pan-tilt unit.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,23 @@ struct RoomPlane {
   }
 };
 
+/// What the linear light of the target camera's pixels is multiplied with: exp(a r^2 + b r^4), r
+/// the distance from the principal point over half the picture's diagonal.
+struct Vignetting {
+  double a = 0, b = 0;
+
+  double factor(double r2) const { return std::exp(r2 * (a + r2 * b)); }
+};
+
+/// What makes the pictures of all views equally bright (view_gains.h).
+struct ViewGains {
+  std::vector<Eigen::Array3f> gains;  ///< of each view, for linear red, green, blue
+  Vignetting vignetting;
+  int samples = 0;  ///< pairs of views at a place, held out
+  /// Robust root mean squares of what the held-out pairs disagree by, without and with.
+  double before_pct = 0, after_pct = 0;
+};
+
 /// Equirectangular, from the origin of the unit's base (z up along the pan axis, x along the tilt
 /// axis, y ahead). Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise from ahead
 /// as pan is; row y at elevation pi/2 - pi (y + 0.5) / height.
@@ -68,6 +86,7 @@ struct Panorama {
   double measured_share = 0;  ///< of the field's solid angle, before holes are filled
   double known_share = 0;     ///< after
   std::vector<RoomPlane> planes{};  ///< that it was straightened to, the largest first
+  ViewGains gains{};                ///< that its colour was made with
 
   Size size() const { return distance_m.size(); }
 };
@@ -99,6 +118,7 @@ struct PanoramaOptions {
   int height_px = 720;
   bool smooth = true;
   bool straighten = true;
+  bool equalise = true;
 };
 
 /// Looks for the surface on each ray of the panorama in each view: the point on the ray that the
@@ -109,7 +129,8 @@ struct PanoramaOptions {
 /// moved stood before the room. Small holes are filled from their border.
 /// `smooth` averages the inverse distances of pixels within 3 pixels in elevation, in pairs
 /// opposite each other, where a pair agrees with the pixel to three sigma. `straighten` moves what
-/// lies on large planes onto them (room_planes.h).
+/// lies on large planes onto them (room_planes.h). `equalise` takes out what the views' exposures
+/// and the lens's corners differ by (view_gains.h).
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
                        const geometry::CameraModel& target, const PanoramaOptions& options,
                        Crew& crew);

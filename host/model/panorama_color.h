@@ -9,12 +9,16 @@ namespace mixrig::model {
 /// Mean linear colour of the views that see the surface, weighted towards the middle of their
 /// pictures; `factor` times as many pixels a side as distances. A view whose depth camera sees
 /// something before the surface does not count; one that measured nothing there only where no view
-/// sees it. What no target camera sees stays black.
+/// sees it. What no target camera sees stays black. `panorama.gains` makes the views equally bright
+/// where it is not empty.
 void paint(std::span<const ScanView> views, const geometry::CameraModel& tof,
            const geometry::CameraModel& target, int factor, Panorama& panorama, Crew& crew);
 
 /// The distance between the pixels of a panorama: along a surface its inverse is interpolated, at
 /// a depth step the nearest pixel's is taken. `x`, `y` in pixels; columns go around.
 float distance_between(const Panorama& panorama, double x, double y);
+
+/// Squared distance from the principal point over half the picture's diagonal.
+double radius2_of(const geometry::CameraModel& camera, const Eigen::Vector2d& px);
 
 }  // namespace mixrig::model

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "hal/base/order_statistics.h"
 #include "hal/base/srgb.h"
 #include "host/render/compositor.h"
+#include "host/report/canvas.h"
 
 namespace mixrig::report {
 namespace {
@@ -48,6 +51,30 @@ Image<Rgb8> depth_picture(ImageView<const float> depth_m, float near_m, float fa
   const float scale = 1.0F / std::max(far_m - near_m, 1e-3F);
   return mapped(depth_m,
                 [&](float z) { return known(z) ? rainbow((z - near_m) * scale) : Rgb8{}; });
+}
+
+Rgb8 error_color(float share) {
+  if (!(share >= 0)) return {};
+  const float t = std::sqrt(std::min(share, 1.0F));
+  return {to_byte(1 - 0.2F * t * t), to_byte(1 - 0.85F * t), to_byte(1 - 1.6F * t)};
+}
+
+Image<Rgb8> error_picture(ImageView<const float> error, float most, const std::string& unit) {
+  constexpr int kScale_px = 44, kBar_px = 256;
+  Canvas canvas({error.size.width, error.size.height + kScale_px}, {255, 255, 255});
+  canvas.picture(0, 0, mapped(error, [&](float e) { return error_color(e / most); }));
+  Image<Rgb8> bar({kBar_px, 12});
+  for (int y = 0; y < bar.height(); ++y)
+    for (int x = 0; x < kBar_px; ++x)
+      bar.row(y)[x] = error_color(static_cast<float>(x) / (kBar_px - 1));
+  const int left = 16, top = error.size.height + 8;
+  canvas.picture(left, top, bar);
+  for (const double share : {0.0, 0.25, 1.0})
+    canvas.text(
+        {left + share * kBar_px, top + 28.0},
+        fmt::format("{:g}{}", share * static_cast<double>(most), share < 1 ? "" : " " + unit), 12,
+        {40, 40, 40});
+  return canvas.finish();
 }
 
 std::pair<float, float> depth_range(ImageView<const float> depth_m) {

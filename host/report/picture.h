@@ -2,10 +2,17 @@
 // Inspection images as colour pictures.
 #pragma once
 
+#include <string>
+
 #include "hal/base/image.h"
 
 namespace mixrig::report {
 
+/// Error 0..1 as colour: white, yellow, red by its square root, red beyond; black where it is not
+/// known (negative, not a number).
+Rgb8 error_color(float share);
+/// The same of error / most, with a scale below.
+Image<Rgb8> error_picture(ImageView<const float> error, float most, const std::string& unit);
 /// Depth as colour: warm is near, cold is far, black is unknown. From near_m to far_m.
 Image<Rgb8> depth_picture(ImageView<const float> depth_m, float near_m, float far_m);
 /// The 1st and 99th percentile of known depths; {0, 1} if none is known.

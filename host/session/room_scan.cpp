@@ -17,6 +17,7 @@
 #include "host/capture/calibrated_source.h"
 #include "host/image_io/image_io.h"
 #include "host/model/room_file.h"
+#include "host/report/picture.h"
 #include "host/scene/glb_writer.h"
 #include "host/session/sweep_views.h"
 #include "host/take/take_source.h"
@@ -27,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLengths = 100;  ///< per axis (Schiller et al. 2010, table 1)
+constexpr float kLargestShown_mm = 40;
 constexpr double kLeastTurn_rad = kLeastTurn_deg * kDeg;
 
 class Stopwatch {
@@ -86,14 +88,16 @@ Result<std::optional<calibration_file::PanTilt>> unit_of(const fs::path& calibra
 
 }  // namespace
 
-Result<measure::RoomErrors> judge_room(const model::Panorama& panorama, const fs::path& take) {
+Result<JudgedRoom> judge_room(const model::Panorama& panorama, const fs::path& take) {
   MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
   MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
   if (truth.empty() || truth[0].pixels.size() != panorama.size())
     return Error{ErrorCode::kData,
                  "'" + (take / "truth/room.exr").string() +
                      "' has another size than the panorama: scan with its height"};
-  return measure::room_errors(panorama.distance_m.view(), truth[0].pixels.view(), frame, kLengths);
+  const auto model_m = panorama.distance_m.view(), true_m = truth[0].pixels.view();
+  return JudgedRoom{measure::room_errors(model_m, true_m, frame, kLengths),
+                    measure::off_surface_mm(model_m, true_m)};
 }
 
 Result<RoomScan> scan_room(const RoomScanOptions& options) {
@@ -126,7 +130,8 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.mesh = model::simplified(grid, scan.panorama.size(), scan.tolerance_m, crew);
   scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
-    MIXRIG_ASSIGN(scan.errors, judge_room(scan.panorama, options.take));
+    MIXRIG_ASSIGN(JudgedRoom judged, judge_room(scan.panorama, options.take));
+    scan.errors = judged.errors, scan.off_mm = std::move(judged.off_mm);
     if (!scan.mesh.indices.empty())
       scan.mesh_errors = measure::mesh_errors(
           {scan.mesh.positions_m.front().data(), 3 * scan.mesh.positions_m.size()},
@@ -151,6 +156,9 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   std::future<Result<void>> mesh =
       std::async(std::launch::async, [&] { return write_mesh(scan, partial.path() / "room.glb"); });
   const Result<void> pictures = model::write_room(scan.panorama, manifest, partial.path());
+  if (!scan.off_mm.empty())
+    MIXRIG_TRY(image_io::write_png(partial.path() / "error.png",
+                                   report::error_picture(scan.off_mm, kLargestShown_mm, "mm")));
   MIXRIG_TRY(mesh.get());
   MIXRIG_TRY(pictures);
   return partial.commit();

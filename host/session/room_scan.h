@@ -43,13 +43,18 @@ struct RoomScan {
   double model_seconds = 0;                       ///< from averaged views to the panorama
   double mesh_seconds = 0;                        ///< from the panorama to the mesh
   std::optional<measure::RoomErrors> errors;
+  Image<float> off_mm;                             ///< measure::off_surface_mm, with `evaluate`
   std::optional<measure::MeshErrors> mesh_errors;  ///< against the panorama; with `evaluate`
+};
+
+struct JudgedRoom {
+  measure::RoomErrors errors;
+  Image<float> off_mm;  ///< measure::off_surface_mm
 };
 
 /// Against the truth that a studio's take of a sweep holds. Errors: kNotFound without truth, kData
 /// where it has another size, those of reading it.
-Result<measure::RoomErrors> judge_room(const model::Panorama& panorama,
-                                       const std::filesystem::path& take);
+Result<JudgedRoom> judge_room(const model::Panorama& panorama, const std::filesystem::path& take);
 
 /// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its
 /// own pose. Errors: those of take and calibration; kFormat where the calibration has no unit,
@@ -58,8 +63,8 @@ Result<measure::RoomErrors> judge_room(const model::Panorama& panorama,
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
 /// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb
-/// (where there are triangles) and manifest.toml into `folder`: whole or not at all. Errors: kUsage
-/// where the folder is something else, kIo.
+/// (where there are triangles), error.png (of a judged room) and manifest.toml into `folder`: whole
+/// or not at all. Errors: kUsage where the folder is something else, kIo.
 Result<void> save_room(const RoomScan& scan, const std::filesystem::path& calibration,
                        const std::filesystem::path& folder);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/report/canvas.h"
+#include "host/report/picture.h"
 
 namespace mixrig::tools {
 namespace {
@@ -61,15 +62,6 @@ void draw_residuals(Canvas& canvas, const Panel& p, const Intrinsics& in) {
     }
 }
 
-/// Colour of an uncertainty: white at 0, through yellow, to red at one pixel and more.
-Rgb8 heat(double sigma_px) {
-  const double t = std::clamp(std::sqrt(sigma_px), 0.0, 1.0);
-  const auto level = [](double v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
-  };
-  return {level(1 - 0.2 * t * t), level(1 - 0.85 * t), level(1 - 1.6 * t)};
-}
-
 void draw_uncertainty(Canvas& canvas, const Panel& p, const Intrinsics& in,
                       const UncertaintyMap& map) {
   frame(canvas, p,
@@ -83,7 +75,7 @@ void draw_uncertainty(Canvas& canvas, const Panel& p, const Intrinsics& in,
       if (!std::isfinite(map.sigma_px[i])) continue;
       const double x = p.left_px + c * width, y = kTop_px + r * height;
       Image<Rgb8> cell({static_cast<int>(std::ceil(width)), static_cast<int>(std::ceil(height))},
-                       heat(map.sigma_px[i]));
+                       report::error_color(static_cast<float>(map.sigma_px[i])));
       canvas.picture(static_cast<int>(x), static_cast<int>(y), cell);
       canvas.text({x + width / 2, y + height / 2}, fmt::format("{:.2f}", map.sigma_px[i]), 11, kInk,
                   report::Align::kCenter);

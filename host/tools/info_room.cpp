@@ -182,8 +182,8 @@ Result<nlohmann::json> info_room(const InfoRoomOptions& options) {
                            {"calibration_hash", manifest.calibration_hash}};
   report["spans"] = spans_json(spans_of(model::find_planes(p)));
   if (!options.truth.empty()) {
-    MIXRIG_ASSIGN(const measure::RoomErrors errors, session::judge_room(p, options.truth));
-    report["evaluate"] = errors_of(errors);
+    MIXRIG_ASSIGN(const session::JudgedRoom judged, session::judge_room(p, options.truth));
+    report["evaluate"] = errors_of(judged.errors);
   }
   if (!options.picture.empty())
     MIXRIG_TRY(image_io::write_png(options.picture, plan_and_elevation(surfaces).view()));

@@ -33,6 +33,7 @@ struct ScanArguments {
   double overlap = 0.1;
   int view_frames = 4;
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
+  bool no_gains = false;
   bool keep_sweep = false;
 };
 
@@ -111,6 +112,24 @@ nlohmann::json agreement_json(const model::Alignment& a) {
   return {{"median_mm", 1e3 * a.median_m}, {"p95_mm", 1e3 * a.p95_m}, {"places", a.samples}};
 }
 
+/// What the pictures of the views differed by, and what is left of it.
+nlohmann::json gains_json(const model::ViewGains& g) {
+  double most = 1;
+  for (const Eigen::Array3f& gain : g.gains)
+    most = std::max<double>(most, std::max(gain.maxCoeff(), 1 / gain.minCoeff()));
+  const double corner_pct = 100 * (1 - 1 / g.vignetting.factor(1));
+  if (!g.gains.empty())
+    std::printf(
+        "colours of overlapping views differed by %.1f %%, %.1f %% with gains (up to a factor of "
+        "%.2f) and a lens that darkens corners by %.0f %%\n",
+        g.before_pct, g.after_pct, most, corner_pct);
+  return {{"places", g.samples},
+          {"before_pct", g.before_pct},
+          {"after_pct", g.after_pct},
+          {"largest_factor", most},
+          {"corners_pct", corner_pct}};
+}
+
 /// Each fault in a line of its own, saturated views in one: most rooms have lamps.
 nlohmann::json findings_json(const std::vector<model::Finding>& findings) {
   nlohmann::json list = nlohmann::json::array();
@@ -154,6 +173,7 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
   options.evaluate = arguments.evaluate, options.align = !arguments.no_align;
   options.panorama.smooth = !arguments.no_smooth;
   options.panorama.straighten = !arguments.no_planes;
+  options.panorama.equalise = !arguments.no_gains;
   options.threads = arguments.session.threads;
   MIXRIG_ASSIGN(const session::RoomScan room, session::scan_room(options));
   MIXRIG_TRY(session::save_room(room, options.calibration, arguments.out));
@@ -178,6 +198,7 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
                            {"fill_pct", 100 * p.known_share},
                            {"planes", p.planes.size()},
                            {"overlaps", agreement_json(room.alignment)},
+                           {"gains", gains_json(p.gains)},
                            {"findings", findings_json(room.findings)}};
   if (room.errors) report["evaluate"] = errors_json(*room.errors);
   if (room.mesh_errors) report["evaluate"]["mesh"] = errors_json(*room.mesh_errors);
@@ -301,6 +322,8 @@ void add_scan_command(Command app, Context& context) {
   command.add_flag("--evaluate", arguments->evaluate, "Hold a sweep's room against its truth");
   command.add_flag("--no-smooth", arguments->no_smooth,
                    "A sweep: leave the noise of the distances in");
+  command.add_flag("--no-gains", arguments->no_gains,
+                   "A sweep: views keep their brightness and the lens its dark corners");
   command.add_flag("--no-planes", arguments->no_planes,
                    "A sweep: leave walls as measured, not straight");
   command.add_flag("--no-align", arguments->no_align,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/report/picture.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "host/report/canvas.h"
@@ -30,6 +32,20 @@ TEST(DepthPicture, ShowsUnknownAsBlackAndNearWarmerThanFar) {
   EXPECT_EQ(out.at(0, 0), Rgb8{});
   EXPECT_GT(out.at(1, 0).r, out.at(1, 0).b);
   EXPECT_GT(out.at(2, 0).b, out.at(2, 0).r);
+}
+
+TEST(ErrorPicture, IsWhiteAtZeroRedAtTheMostBlackWhereUnknownWithAScaleBelow) {
+  Image<float> error({640, 2}, 0.0F);
+  error.at(1, 0) = 10.0F, error.at(2, 0) = 400.0F, error.at(3, 0) = -1.0F;
+  error.at(4, 0) = std::numeric_limits<float>::quiet_NaN();
+  const Image<Rgb8> out = error_picture(error, 40.0F, "mm");
+  EXPECT_EQ(out.width(), 640);
+  EXPECT_GT(out.height(), 2);
+  EXPECT_EQ(out.at(0, 0), (Rgb8{255, 255, 255}));
+  EXPECT_EQ(out.at(2, 0), (Rgb8{204, 38, 0}));
+  EXPECT_GT(out.at(1, 0).g, out.at(2, 0).g);  // a quarter of the largest: half way
+  EXPECT_EQ(out.at(3, 0), Rgb8{});
+  EXPECT_EQ(out.at(4, 0), Rgb8{});
 }
 
 TEST(TickStep, IsARoundNumberWithAtMostEightTicks) {
