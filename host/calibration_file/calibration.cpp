@@ -42,7 +42,12 @@ const CalibratedCamera* Calibration::camera(std::string_view name) const {
 const CalibratedPose* Calibration::pose(std::string_view name) const { return named(poses, name); }
 
 void merge(Calibration& into, const Calibration& newer) {
+  const std::vector<CalibratedCamera> before = into.cameras;
   merge_named(into.cameras, newer.cameras);
+  // Another calibration of a lens does not see how dark its corners are.
+  for (CalibratedCamera& camera : into.cameras)
+    if (const auto* old = named(before, camera.name); old && camera.vignetting.is_none())
+      camera.vignetting = old->vignetting;
   merge_named(into.poses, newer.poses);
   if (newer.depth_error) into.depth_error = newer.depth_error;
   if (newer.pan_tilt) into.pan_tilt = newer.pan_tilt;

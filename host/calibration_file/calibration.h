@@ -15,6 +15,7 @@
 #include "hal/base/result.h"
 #include "host/geometry/any_camera.h"
 #include "host/geometry/pose.h"
+#include "host/geometry/vignetting.h"
 
 namespace mixrig::calibration_file {
 
@@ -34,6 +35,7 @@ struct CalibratedCamera {
   double residual_px = 0;      ///< root mean square distance of observed to projected points
   int views = 0, points = 0;   ///< number of views and points in residual_px
   Origin origin;
+  geometry::Vignetting vignetting{};  ///< of pinholes; none where it was not measured
 };
 
 /// Pose of a camera (or of the head, or of a tracked body) in the target camera.
@@ -94,7 +96,8 @@ struct Calibration {
   const CalibratedPose* pose(std::string_view name) const;
 };
 
-/// Entries of `newer` replace those of the same name, the others stay.
+/// Entries of `newer` replace those of the same name, the others stay. A camera without vignetting
+/// keeps the one that was known.
 void merge(Calibration& into, const Calibration& newer);
 
 /// Cameras and poses come in alphabetical order. Errors: kNotFound, kFormat (file:line: key ...).

@@ -2,6 +2,7 @@
 #include "host/calibration_file/tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -15,6 +16,7 @@ using geometry::LensKind;
 
 constexpr Range kSide{1, 16384}, kFocal{1, 1e6}, kCenter{-1e5, 1e5}, kLens{-1e9, 1e9};
 constexpr Range kPlace_m{-1e6, 1e6}, kResidual_px{0, 1e6}, kCount{0, 1e9};
+constexpr Range kVignetting{-3, 3};
 
 std::vector<double> row_by_row(const Eigen::MatrixXd& matrix) {
   std::vector<double> values;
@@ -89,6 +91,17 @@ void set_origin(Writer& table, const Origin& origin, const Eigen::MatrixXd& cova
                      row_by_row(covariance));
 }
 
+geometry::Vignetting parse_vignetting(const Table& table) {
+  if (!table.has("vignetting")) return {};
+  const auto v = table.numbers("vignetting", 2, 2, kVignetting);
+  return {v[0], v[1]};
+}
+
+void set_vignetting(Writer& table, const geometry::Vignetting& vignetting) {
+  if (!vignetting.is_none())
+    table.set("vignetting", std::array<double, 2>{vignetting.a, vignetting.b});
+}
+
 CalibratedCamera parse_camera(const Table& table, const std::string& name) {
   CalibratedCamera camera;
   camera.name = name;
@@ -96,6 +109,7 @@ CalibratedCamera parse_camera(const Table& table, const std::string& name) {
   const auto size = table.numbers("size_px", 2, 2, kSide);
   camera.model = geometry::make_camera(kind, {static_cast<int>(size[0]), static_cast<int>(size[1])},
                                        parse_parameters(table, kind));
+  camera.vignetting = parse_vignetting(table);
   camera.covariance = parse_square(table, "covariance", geometry::parameter_count(kind));
   camera.residual_px = table.number_or("residual_px", 0, kResidual_px);
   camera.views = table.integer_or("views", 0, kCount);
@@ -108,6 +122,8 @@ CalibratedCamera parse_camera(const Table& table, const std::string& name) {
 
 geometry::CameraModel parse_pinhole(const Table& table) {
   const CalibratedCamera camera = parse_camera(table, "");
+  if (!camera.vignetting.is_none())
+    table.fail("vignetting", "is read from a calibration file alone: move the camera there");
   if (const auto* pinhole = std::get_if<geometry::CameraModel>(&camera.model)) return *pinhole;
   table.fail("model", "must be \"pinhole\": colour and depth are not read through a fisheye");
   return {};
@@ -141,6 +157,7 @@ Writer camera_table(const geometry::AnyCamera& camera) {
 
 Writer camera_table(const CalibratedCamera& camera) {
   Writer table = model_table(camera.model, true);
+  set_vignetting(table, camera.vignetting);
   table.set("residual_px", camera.residual_px);
   table.set("views", camera.views).set("points", camera.points);
   set_origin(table, camera.origin, camera.covariance);

@@ -88,6 +88,7 @@ Result<geometry::CameraModel> camera_of(const calibration_file::Calibration& cal
 /// `info` with the values of the calibration.
 Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibration& calibration) {
   MIXRIG_ASSIGN(info.target, camera_of(calibration, "target", info.target.size_px()));
+  info.vignetting = calibration.camera("target")->vignetting;
   MIXRIG_ASSIGN(info.tof, camera_of(calibration, "tof", info.tof.size_px()));
   const calibration_file::CalibratedPose* pose = calibration.pose("tof");
   if (pose == nullptr)

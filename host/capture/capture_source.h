@@ -13,6 +13,7 @@
 #include "host/capture/capture.h"
 #include "host/capture/source_report.h"
 #include "host/capture/truth.h"
+#include "host/geometry/vignetting.h"
 
 namespace mixrig::capture {
 
@@ -24,6 +25,7 @@ struct SourceInfo : RigCameras {
   double rate_hz = 0;                      ///< of the plate; 0 where unknown
   double depth_unit_m = 0.001;             ///< one step of 16-bit depth
   int frames = 0;                          ///< kEndless for live devices
+  geometry::Vignetting vignetting;         ///< of the plate; only a calibration file has it
   std::filesystem::path calibration;       ///< file that replaces the cameras, or empty
   std::filesystem::path file;              ///< take.toml or rig.toml; empty for the studio
   std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras

@@ -2,7 +2,6 @@
 // The views of a sweep fused into one picture of all directions around the pan-tilt unit.
 #pragma once
 
-#include <cmath>
 #include <span>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "host/geometry/camera_model.h"
 #include "host/geometry/depth_noise.h"
 #include "host/geometry/pose.h"
+#include "host/geometry/vignetting.h"
 
 namespace mixrig::model {
 
@@ -57,19 +57,11 @@ struct RoomPlane {
   }
 };
 
-/// What the linear light of the target camera's pixels is multiplied with: exp(a r^2 + b r^4), r
-/// the distance from the principal point over half the picture's diagonal.
-struct Vignetting {
-  double a = 0, b = 0;
-
-  double factor(double r2) const { return std::exp(r2 * (a + r2 * b)); }
-};
-
 /// What makes the pictures of all views equally bright (view_gains.h).
 struct ViewGains {
   std::vector<Eigen::Array3f> gains;  ///< of each view, for linear red, green, blue
-  Vignetting vignetting;
-  int samples = 0;  ///< pairs of views at a place, held out
+  geometry::Vignetting vignetting;    ///< of the target camera
+  int samples = 0;                    ///< pairs of views at a place, held out
   /// Robust root mean squares of what the held-out pairs disagree by, without and with.
   double before_pct = 0, after_pct = 0;
 };

@@ -73,7 +73,8 @@ class Painter {
     if (weight <= 0) return;
     Eigen::Array3f color = color_at(eye.plate(), px);
     if (const ViewGains& g = panorama_.gains; !g.gains.empty())
-      color *= g.gains[view] * static_cast<float>(g.vignetting.factor(radius2_of(target_, px)));
+      color *= g.gains[view] * static_cast<float>(g.vignetting.factor(
+                                   geometry::Vignetting::radius2(target_.pinhole, px)));
     sum.head<3>() += weight * color.matrix();
     sum[3] += weight;
   }
@@ -88,12 +89,6 @@ class Painter {
 };
 
 }  // namespace
-
-double radius2_of(const geometry::CameraModel& camera, const Vector2d& px) {
-  const Vector2d half = 0.5 * Vector2d(camera.size_px().width, camera.size_px().height);
-  return (px - Vector2d(camera.pinhole.cx_px, camera.pinhole.cy_px)).squaredNorm() /
-         half.squaredNorm();
-}
 
 float distance_between(const Panorama& p, double x, double y) {
   const Around around(p.size(), {x, y});

@@ -18,7 +18,4 @@ void paint(std::span<const ScanView> views, const geometry::CameraModel& tof,
 /// a depth step the nearest pixel's is taken. `x`, `y` in pixels; columns go around.
 float distance_between(const Panorama& panorama, double x, double y);
 
-/// Squared distance from the principal point over half the picture's diagonal.
-double radius2_of(const geometry::CameraModel& camera, const Eigen::Vector2d& px);
-
 }  // namespace mixrig::model

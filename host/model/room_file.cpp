@@ -32,6 +32,7 @@ std::string room_text(const Panorama& p, const RoomManifest& manifest) {
   root.set("triangles", manifest.triangles);
   root.set("mesh_tolerance_mm", config::rounded(kRoomMm * manifest.mesh_tolerance_m, 6));
   root.set("calibration_hash", manifest.calibration_hash);
+  calibration_file::set_vignetting(root, manifest.vignetting);
   if (manifest.world_from_base)
     root.set("world_from_base", calibration_file::pose_table(*manifest.world_from_base));
   return root.text();
@@ -56,6 +57,7 @@ Result<RoomFile> read_room_manifest(const fs::path& path) {
   room.manifest.triangles = root.integer("triangles", {0, 1e9});
   room.manifest.mesh_tolerance_m = root.number("mesh_tolerance_mm", {0, 1e6}) / kRoomMm;
   room.manifest.calibration_hash = root.text_or("calibration_hash", "");
+  room.manifest.vignetting = calibration_file::parse_vignetting(root);
   const config::Table pose = root.table("world_from_base");
   const geometry::Pose world_from_base = calibration_file::parse_pose(pose);
   if (pose.present()) room.manifest.world_from_base = world_from_base;
@@ -87,6 +89,11 @@ Result<void> write_room(const Panorama& p, const RoomManifest& manifest, const f
   MIXRIG_TRY(image_io::write_png(folder / "distance.png",
                                  ImageView<const std::uint16_t>(distance_mm.view())));
   return write_file(folder / kRoomManifest, room_text(p, manifest));
+}
+
+Result<RoomManifest> read_manifest(const fs::path& folder) {
+  MIXRIG_ASSIGN(RoomFile room, read_room_manifest(folder / kRoomManifest));
+  return std::move(room.manifest);
 }
 
 Result<RoomFile> load_room(const fs::path& folder) {

@@ -16,7 +16,8 @@ struct RoomManifest {
   int views = 0, frames = 0;
   int triangles = 0;
   double mesh_tolerance_m = 0;
-  std::string calibration_hash;  ///< of the calibration that the sweep was fused with
+  std::string calibration_hash;       ///< of the calibration that the sweep was fused with
+  geometry::Vignetting vignetting{};  ///< of the target camera, taken out of the colour
   std::optional<geometry::Pose> world_from_base{};  ///< where the views had poses of their own
 };
 
@@ -32,6 +33,9 @@ bool is_room(const std::filesystem::path& folder);
 /// mm) into a folder that exists. Errors: kIo.
 Result<void> write_room(const Panorama& panorama, const RoomManifest& manifest,
                         const std::filesystem::path& folder);
+
+/// Without reading the pictures. Errors: kNotFound, kFormat.
+Result<RoomManifest> read_manifest(const std::filesystem::path& folder);
 
 /// Field is what is known. Errors: kNotFound, kFormat, kData (sizes that disagree).
 Result<RoomFile> load_room(const std::filesystem::path& folder);

@@ -10,7 +10,6 @@
 
 #include "hal/base/order_statistics.h"
 #include "hal/base/srgb.h"
-#include "host/model/panorama_color.h"
 #include "host/model/view_eye.h"
 
 namespace mixrig::model {
@@ -99,7 +98,7 @@ class PairFinder {
     if (!px || eyes_[view].visible(point_m) < 1) return {};
     const auto color = even_color(eyes_[view].plate(), *px);
     if (!color) return {};
-    Sight sight{static_cast<int>(view), radius2_of(target_, *px), {}};
+    Sight sight{static_cast<int>(view), geometry::Vignetting::radius2(target_.pinhole, *px), {}};
     for (std::size_t c = 0; c < 3; ++c)
       sight.log_color[c] = std::log((*color)[static_cast<int>(c)]);
     return sight;

@@ -21,6 +21,7 @@
 #include "host/geometry/camera_model.h"
 #include "host/geometry/depth_noise.h"
 #include "host/geometry/pose.h"
+#include "host/geometry/vignetting.h"
 
 namespace mixrig::render {
 
@@ -104,8 +105,10 @@ struct Backdrop {
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
 /// textures and background, which are borrowed.
 struct CompositorSetup {
-  geometry::CameraModel target;  ///< the plate, with its lens
-  geometry::Pinhole view;        ///< what is composited: ideal, any size
+  geometry::CameraModel target;     ///< the plate, with its lens
+  geometry::Vignetting vignetting;  ///< of the plate: it is taken out, so that corners of plate and
+                                    ///< composite are as bright as the middle
+  geometry::Pinhole view;           ///< what is composited: ideal, any size
   geometry::CameraModel tof;
   geometry::Pose target_from_tof;
   bool depth_is_distance = false;  ///< along the ray, not along z

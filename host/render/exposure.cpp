@@ -29,7 +29,8 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
       const int y = (2 * j + 1) * view.height / (2 * kGridY);
       const glm::vec2 at = tables.plate_is_view ? glm::vec2(x, y) : tables.plate_px.row(y)[x];
       if (!(at.x >= 0 && at.y >= 0)) continue;
-      const Place place{x, y, static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F)};
+      const float gain = tables.plate_gain.empty() ? 1 : tables.plate_gain.row(y)[x];
+      const Place place{x, y, static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F), gain};
       if (place.plate_x < plate.width && place.plate_y < plate.height) grid_.push_back(place);
     }
   samples_.reserve(grid_.size());
@@ -43,7 +44,7 @@ void ExposureMeter::learn(const BackgroundView& background) {
   for (const Place& place : grid_) {
     const Rgbf b = background.color.row(place.view_y)[place.view_x];
     const glm::vec3 learned(b.r, b.g, b.b);
-    if (is_usable(learned)) samples_.push_back({place.plate_x, place.plate_y, learned});
+    if (is_usable(learned)) samples_.push_back({place.plate_x, place.plate_y, place.gain, learned});
   }
 }
 
@@ -51,7 +52,7 @@ void ExposureMeter::learn(std::span<const glm::vec4> colors) {
   samples_.clear();
   for (std::size_t i = 0; i < std::min(colors.size(), grid_.size()); ++i)
     if (is_usable(glm::vec3(colors[i])))
-      samples_.push_back({grid_[i].plate_x, grid_[i].plate_y, glm::vec3(colors[i])});
+      samples_.push_back({grid_[i].plate_x, grid_[i].plate_y, grid_[i].gain, glm::vec3(colors[i])});
 }
 
 glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
@@ -59,8 +60,8 @@ glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
   ratios_.clear();
   for (const Sample& s : samples_) {
     const Rgb8 p = plate.row(s.y)[s.x];
-    const glm::vec3 now(linear[p.r], linear[p.g], linear[p.b]);
-    if (is_usable(now))
+    const glm::vec3 seen(linear[p.r], linear[p.g], linear[p.b]), now = s.gain * seen;
+    if (is_usable(seen))
       ratios_.push_back({std::log(luminance(now) / luminance(s.learned)), now, s.learned});
   }
   if (ratios_.size() < kLeastSamples) return glm::vec3(1);

@@ -21,8 +21,9 @@ class ExposureMeter {
   /// Where the background is compared with the plate.
   struct Place {
     int view_x = 0, view_y = 0, plate_x = 0, plate_y = 0;
+    float gain = 1;  ///< of the plate's light (Tables::plate_gain)
   };
-  /// Reads `tables.plate_px` now, so call it before that is given away.
+  /// Reads `tables.plate_px` and `plate_gain` now, so call it before these are given away.
   ExposureMeter(const Tables& tables, const BackgroundView& background);
   std::span<const Place> places() const { return grid_; }
   /// Takes another background of the same size. Allocates nothing.
@@ -37,6 +38,7 @@ class ExposureMeter {
  private:
   struct Sample {
     int x = 0, y = 0;      ///< plate pixel
+    float gain = 1;        ///< of its light
     glm::vec3 learned{0};  ///< linear
   };
   struct Ratio {

@@ -33,6 +33,17 @@ Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::
   return map;
 }
 
+Image<float> plate_gain(const CompositorSetup& setup, const Image<glm::vec2>& plate_px) {
+  Image<float> gain(plate_px.size());
+  for (int y = 0; y < gain.height(); ++y)
+    for (int x = 0; x < gain.width(); ++x) {
+      const glm::vec2 at = plate_px.row(y)[x];
+      gain.row(y)[x] = static_cast<float>(setup.vignetting.factor(
+          geometry::Vignetting::radius2(setup.target.pinhole, {at.x, at.y})));
+    }
+  return gain;
+}
+
 /// Rows, then columns: the largest value within `radius`, which for inverse depth is the nearest.
 Image<float> largest_within(const Image<float>& image, int radius) {
   Image<float> rows(image.size()), out(image.size());
@@ -128,8 +139,10 @@ Tables make_tables(const CompositorSetup& setup) {
   t.plate_size = setup.target.size_px();
   t.view_size = setup.view.size_px;
   t.tof_ray = tof_rays(setup.tof);
-  t.plate_is_view = setup.target.lens.is_ideal() && setup.view == setup.target.pinhole;
+  t.plate_is_view = setup.target.lens.is_ideal() && setup.view == setup.target.pinhole &&
+                    setup.vignetting.is_none();
   if (!t.plate_is_view) t.plate_px = plate_map(setup.target, setup.view);
+  if (!setup.vignetting.is_none()) t.plate_gain = plate_gain(setup, t.plate_px);
 
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);

@@ -25,7 +25,8 @@ struct PackedNormal {
 struct Tables {
   Size tof_size, plate_size, view_size;
   Image<glm::vec2> tof_ray;     ///< (x/z, y/z) of a ToF pixel; NaN where the lens has no ray
-  bool plate_is_view = false;   ///< ideal lens and view = plate: plate_px is empty then
+  bool plate_is_view = false;   ///< ideal lens, view = plate, no vignetting: plate_px is empty then
+  Image<float> plate_gain;      ///< of each view pixel, for linear light; empty without vignetting
   Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
   bool has_background = false;  ///< the images below are empty without
   Image<float> key_limit_w;     ///< foreground is w > this, 1/m; infinite without background depth

@@ -70,7 +70,8 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"upload", view, "inputs to the device that draws"},
       {"plate", view,
        tables.plate_is_view ? "the lens is ideal: pixels are copied"
-                            : "samples the plate through its lens"},
+                            : fmt::format("samples the plate through its lens{}",
+                                          setup.vignetting.is_none() ? "" : ", evens its corners")},
       {"correct", tof,
        std::string(setup.depth_is_distance ? "distance to z, " : "") +
            "flying pixels, depth steps"},
@@ -158,6 +159,7 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
   std::vector<BufferLine> lines;
   add(lines, "rays of the ToF camera", tables.tof_ray);
   add(lines, "plate map", tables.plate_px);
+  add(lines, "plate gain", tables.plate_gain);
   add(lines, "key limit", tables.key_limit_w);
   add(lines, "background normals", tables.background_normal);
   if (session.background) {

@@ -83,7 +83,7 @@ class WideFrame {
   WideFrame(const render::CompositorSetup& setup, const WideView& wide)
       : setup_(setup), wide_(wide), color_(wide.camera.size_px) {
     setup_.view = wide.camera;
-    setup_.target = {wide.camera, {}};
+    setup_.target = {wide.camera, {}}, setup_.vignetting = {};
     setup_.background = {};
     tables_.view_size = wide.camera.size_px;
     tables_.key_limit_w.reset(wide.camera.size_px);

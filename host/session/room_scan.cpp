@@ -151,6 +151,7 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   manifest.triangles = static_cast<int>(scan.mesh.indices.size() / 3);
   manifest.mesh_tolerance_m = scan.tolerance_m;
   manifest.calibration_hash = calibration.empty() ? "" : hash.text();
+  manifest.vignetting = scan.panorama.gains.vignetting;
   manifest.world_from_base = scan.world_from_base;
   // The large picture is encoded twice, beside itself: it is in the model, too.
   std::future<Result<void>> mesh =

@@ -158,6 +158,7 @@ Result<void> use_room(Session& session, const std::filesystem::path& folder) {
                    folder.string() +
                        " is a room, whose origin is the foot of the pan-tilt unit: say where that "
                        "stands by background.world_from_base"});
+  if (session.setup.vignetting.is_none()) session.setup.vignetting = file->manifest.vignetting;
   Crew crew;
   session.room = model::make_faces(file->panorama, crew);
   const model::RoomFaces& faces = *session.room;
@@ -221,7 +222,7 @@ geometry::Pinhole resized(const geometry::Pinhole& view, Size size) {
 Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
                                          std::optional<Size> view_size) {
   render::CompositorSetup setup;
-  setup.target = info.target;
+  setup.target = info.target, setup.vignetting = info.vignetting;
   setup.view = info.view ? *info.view : geometry::ideal_view(info.target);
   if (view_size) {
     if (view_size->empty() || view_size->width > 16384 || view_size->height > 16384)

@@ -16,6 +16,7 @@ void add_board_commands(Command app, Context& context) {
   add_rig_command(app, context);
   add_align_command(app, context);
   add_calibrate_external_command(app, context);
+  add_calibrate_vignetting_command(app, context);
   add_track_command(app, context);
 }
 

@@ -39,6 +39,7 @@ void add_diag_command(Command app, Context& context);
 void add_rig_command(Command app, Context& context);
 void add_align_command(Command app, Context& context);
 void add_calibrate_external_command(Command app, Context& context);
+void add_calibrate_vignetting_command(Command app, Context& context);
 void add_track_command(Command app, Context& context);
 void add_calibrate_intrinsics_command(Command app, Context& context);
 void add_calibrate_rig_command(Command app, Context& context);

@@ -53,6 +53,21 @@ TEST_F(PlatePassTest, mean_of_black_and_white_is_bright) {
   EXPECT_NEAR(255 * read(pass->in_view()).at(0, 0).r, 188, 1);  // linear 0.5, not byte 128
 }
 
+TEST_F(PlatePassTest, multiplies_light_against_vignetting) {
+  render::Tables tables;
+  tables.plate_size = tables.view_size = {2, 1};
+  tables.plate_px = make_image<glm::vec2>({2, 1}, [](int x, int) { return glm::vec2(x, 0); });
+  tables.plate_gain = make_image<float>({2, 1}, [](int x, int) { return x == 0 ? 1.0F : 1.5F; });
+  auto pass = PlatePass::create(tables);
+  ASSERT_TRUE(pass);
+  pass->upload_plate(Image<Rgb8>({2, 1}, Rgb8{120, 60, 240}));
+  pass->draw();
+  const auto view = read(pass->in_view());
+  EXPECT_EQ(glm::round(255.0F * view.at(0, 0)), glm::vec4(120, 60, 240, 255));
+  // sRGB 120 and 60 are linear 0.18782 and 0.04519; 1.5 times that is sRGB 144.7 and 73.6.
+  EXPECT_EQ(glm::round(255.0F * view.at(1, 0)), glm::vec4(145, 74, 255, 255));
+}
+
 TEST_F(PlatePassTest, draws_nothing_without_a_lens) {
   render::Tables tables;
   tables.plate_size = tables.view_size = {20, 17};

@@ -111,7 +111,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
-  tables_.plate_px = {};  // plate_scratch_ holds it in a faster form
+  tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
   objects_.w.reset(tables_.view_size);

@@ -6,6 +6,8 @@
 namespace mixrig::render::cpu {
 namespace {
 
+constexpr std::uint32_t kGainOne = 4096;
+
 void decode_row(const Rgb8* from, int width, Rgbx16* to) {
   const auto& linear = srgb_to_linear();
   for (int x = 0; x < width; ++x)
@@ -18,6 +20,16 @@ void sample_row(const PlateTap* taps, int width, const Image<Rgbx16>& from, Rgbx
   for (int x = 0; x < width; ++x) {
     const Rgbx16* p = first + taps[x].offset;
     store(to + x, blend(p, p + down, taps[x].fraction_x, taps[x].fraction_y));
+  }
+}
+
+/// Brighter by `gain`, as far as white.
+void brighten_row(const std::uint16_t* gain, int width, Rgbx16* row) {
+  for (int x = 0; x < width; ++x) {
+    const U32x4 light = __builtin_convertvector(load<U16x4>(row + x), U32x4);
+    const U32x4 more = (light * gain[x] + kGainOne / 2) / kGainOne;
+    const U32x4 white = U32x4{} + 0xFFFFU;
+    store(row + x, __builtin_convertvector(more < white ? more : white, U16x4));
   }
 }
 
@@ -36,6 +48,11 @@ PlateScratch::PlateScratch(const Tables& tables) {
       const auto stride = static_cast<std::uint32_t>(decoded.stride());
       taps.row(y)[x] = {v.pixel * stride + u.pixel, u.fraction, v.fraction};
     }
+  gain.reset(tables.plate_gain.size());
+  for (int y = 0; y < gain.height(); ++y)
+    for (int x = 0; x < gain.width(); ++x)
+      gain.row(y)[x] = static_cast<std::uint16_t>(
+          std::lround(static_cast<float>(kGainOne) * tables.plate_gain.row(y)[x]));
 }
 
 void draw_plate(Crew& crew, ImageView<const Rgb8> plate, PlateScratch& scratch,
@@ -48,8 +65,10 @@ void draw_plate(Crew& crew, ImageView<const Rgb8> plate, PlateScratch& scratch,
   });
   if (plate_is_view) return;
   crew.rows(out.height(), kGrain, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
+    for (int y = begin; y < end; ++y) {
       sample_row(scratch.taps.row(y), out.width(), scratch.decoded, out.row(y));
+      if (!scratch.gain.empty()) brighten_row(scratch.gain.row(y), out.width(), out.row(y));
+    }
   });
 }
 

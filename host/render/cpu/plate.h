@@ -20,6 +20,7 @@ struct PlateScratch {
   explicit PlateScratch(const Tables& tables);
   Image<Rgbx16> decoded;  ///< the plate in linear light; empty where plate and view are one
   Image<PlateTap> taps;
+  Image<std::uint16_t> gain;  ///< of each view pixel, 4096 = 1; empty without vignetting
 };
 
 /// Resamples `plate` into `out` (view size).

@@ -146,6 +146,7 @@ Result<void> GlesCompositor::create_passes() {
                      ") lacks memory or a format for this view: use --backend cpu"};
   // The GPU has them now.
   tables_.tof_ray = tables_.plate_px = {};
+  tables_.plate_gain = {};
   tables_.key_limit_w = {};
   tables_.background_normal = {};
   return {};

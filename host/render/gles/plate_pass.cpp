@@ -9,9 +9,13 @@ Result<PlatePass> PlatePass::create(const Tables& tables) {
   pass.plate_ = make_texture(tables.plate_size, GL_SRGB8, Sampling::kLinear);
   if (pass.is_view_) return pass;
   pass.map_ = make_texture(tables.plate_px.view(), GL_RG32F);
+  Image<float> none({1, 1}, 1.0F);
+  const bool darkens = !tables.plate_gain.empty();
+  pass.gain_ = make_texture(darkens ? tables.plate_gain.view() : none.view(), GL_R32F);
   // sRGB bytes hold linear light as finely as the plate brought it.
   pass.view_ = make_texture(tables.view_size, GL_SRGB8_ALPHA8);
   MIXRIG_ASSIGN(pass.step_, make_step("plate.frag", {&pass.view_}));
+  pass.step_.program.set("has_gain", darkens);
   return pass;
 }
 

@@ -11,14 +11,14 @@ class PlatePass {
   static Result<PlatePass> create(const Tables& tables);
   void upload_plate(ImageView<const Rgb8> plate) const { upload(plate_, plate); }
   /// Draws where there is a lens to see through.
-  void draw() const { run(step_, {&plate_, &map_}); }
+  void draw() const { run(step_, {&plate_, &map_, &gain_}); }
   /// Linear light when sampled, view size.
   const Texture& in_view() const { return is_view_ ? plate_ : view_; }
   bool draws() const { return !is_view_; }
 
  private:
   bool is_view_ = false;
-  Texture plate_, map_, view_;
+  Texture plate_, map_, gain_, view_;
   Step step_;
 };
 

@@ -92,6 +92,20 @@ TEST(CalibrationFile, UpdatesOneEntryAndKeepsTheOthers) {
   EXPECT_FALSE(std::filesystem::exists(folder / "calibration.toml.partial"));
 }
 
+TEST(CalibrationFile, ALensKeepsItsVignettingWhenItIsCalibratedAgain) {
+  Calibration all = whole();
+  all.cameras[0].vignetting = {0.31, 1.0 / 3};
+  auto read = parse_calibration(calibration_text(all), "c.toml");
+  ASSERT_TRUE(read) << read.error().context;
+  EXPECT_EQ(read->camera("target")->vignetting, all.cameras[0].vignetting);
+  EXPECT_TRUE(read->camera("a: b#")->vignetting.is_none());
+  merge(*read, whole());
+  EXPECT_EQ(read->camera("target")->vignetting, all.cameras[0].vignetting);
+  all.cameras[0].vignetting = {0.5, 0};
+  merge(*read, all);
+  EXPECT_EQ(read->camera("target")->vignetting, (geometry::Vignetting{0.5, 0}));
+}
+
 TEST(CalibrationFile, DoesNotTouchWhatItCannotRead) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("calibration.toml", "format = 2\n");
@@ -119,6 +133,8 @@ TEST(CalibrationFile, SaysWhatIsWrongAndWhere) {
         Case{"error_m = [", "error_m = [1, ", "array of 3 numbers"},
         Case{"views = 20", "view = 20", "\"cameras.target.view\": not known"},
         Case{"covariance = [", "covariance = [[1],", "covariance"},
+        Case{"fx = 1100.1", "vignetting = [1, 9]\nfx = 1100.1", "9 is out of range"},
+        Case{"fx = 1100.1", "vignetting = 1\nfx = 1100.1", "vignetting"},
         Case{"[depth_error]", "[depth_eror]", "did you mean \"depth_error\"?"},
         Case{"[depth_error]", "[depth_error", "not valid TOML"}}) {
     std::string bad = good;
@@ -177,6 +193,14 @@ TEST(Tables, AnInlineCameraMayHoldAllThatCalibrationTomlHolds) {
                      [&](const config::Table& t) { model = parse_pinhole(t); }),
             "");
   EXPECT_EQ(geometry::parameters_of(model), geometry::parameters_of(camera.model));
+}
+
+TEST(Tables, AnInlineCameraHasNoVignetting) {
+  CalibratedCamera camera = some_camera("", LensKind::kPinhole);
+  camera.vignetting = {0.3, 0};
+  EXPECT_NE(error_of(camera_table(camera).text(), [](const config::Table& t) { parse_pinhole(t); })
+                .find("calibration file"),
+            std::string::npos);
 }
 
 TEST(Tables, ColourAndDepthAreNotReadThroughAFisheye) {

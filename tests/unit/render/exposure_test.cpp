@@ -50,6 +50,13 @@ TEST(ExposureMeter, FindsTheGainOfEachChannel) {
   }
 }
 
+TEST(ExposureMeter, ComparesThePlateWithoutItsVignetting) {
+  Room room;
+  room.tables.plate_gain.reset(kExposureSize, 1.6F);
+  ExposureMeter meter(room.tables, room.background());
+  EXPECT_NEAR(meter.gain(room.plate(glm::vec3(1.0F / 1.6F))).g, 1, 0.01);
+}
+
 TEST(ExposureMeter, PeopleInHalfOfThePictureDoNotMoveIt) {
   const Room room;
   ExposureMeter meter(room.tables, room.background());

@@ -54,6 +54,23 @@ TEST(Plate, half_a_pixel_off_is_the_mean_of_light_and_the_border_is_clamped) {
   EXPECT_EQ(out.at(3, 0).g, 65535);
 }
 
+TEST(Plate, vignetting_is_taken_out_as_far_as_white) {
+  render::CompositorSetup setup = plain_setup({33, 25}, 20, {4, 4}, 4);
+  setup.vignetting = {0.4, 0.2};
+  const Image<Rgb8> plate({33, 25}, Rgb8{100, 30, 250});
+  const auto out = draw(setup, plate);
+  const auto& linear = render::cpu::srgb_to_linear();
+  for (const auto& [x, y] : {std::pair{16, 12}, {0, 0}, {32, 3}, {20, 24}}) {
+    const double dx = x - setup.target.pinhole.cx_px, dy = y - setup.target.pinhole.cy_px;
+    const double r2 = (dx * dx + dy * dy) / (16.5 * 16.5 + 12.5 * 12.5);
+    const double gain = std::exp(0.4 * r2 + 0.2 * r2 * r2);
+    EXPECT_NEAR(out.at(x, y).r, gain * linear[100], 0.0003 * linear[100] + 1);
+    EXPECT_NEAR(out.at(x, y).g, gain * linear[30], 0.0003 * linear[30] + 1);
+    EXPECT_NEAR(out.at(x, y).b, std::min(65535.0, gain * linear[250]), 0.0003 * 65535);
+  }
+  EXPECT_EQ(out.at(0, 0).b, 65535);
+}
+
 TEST(Plate, lens_is_followed) {
   render::CompositorSetup setup = plain_setup({33, 33}, 20, {4, 4}, 4);
   setup.target.lens = geometry::Lens({-0.2, 0, 0, 0, 0, 0, 0, 0});
