@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "host/model/panorama.h"
 
 namespace mixrig::model {
+namespace {
+
+// Wider than the noise of dark surfaces, narrower than people are deep.
+constexpr float kTwoSurfaces_m = 0.1F, kTwoSurfacesSigmas = 4;
+
+}  // namespace
 
 ViewAverage::ViewAverage(const geometry::CameraModel& tof, const geometry::DepthNoise& noise,
                          bool depth_is_distance)
@@ -19,8 +26,15 @@ ViewAverage::ViewAverage(const geometry::CameraModel& tof, const geometry::Depth
   clear();
 }
 
-void ViewAverage::clear() {
-  sum_m_.reset(ray_.size()), weight_.reset(ray_.size()), count_.reset(ray_.size());
+void ViewAverage::clear() { surfaces_.reset(ray_.size()); }
+
+void ViewAverage::add(float distance_m, float weight, float gap_m, Surfaces& to) const {
+  for (Surface& surface : to) {
+    if (surface.count > 0 && std::abs(distance_m - surface.mean_m()) > gap_m) continue;
+    surface.sum_m += weight * distance_m, surface.weight += weight;
+    ++surface.count;
+    return;
+  }
 }
 
 void ViewAverage::add(ImageView<const float> depth_m, ImageView<const float> amplitude) {
@@ -29,10 +43,12 @@ void ViewAverage::add(ImageView<const float> depth_m, ImageView<const float> amp
       const float depth = depth_m.row(y)[x];
       if (!(depth > 0) || !std::isfinite(depth)) continue;
       const float a = amplitude.empty() ? 1.0F : amplitude.row(y)[x];
-      const float weight = a > 0 && std::isfinite(a) ? a * a : 0.0F;
-      sum_m_.row(y)[x] += weight * ray_.row(y)[x] * depth;
-      weight_.row(y)[x] += weight;
-      if (weight > 0 && count_.row(y)[x] < 255) ++count_.row(y)[x];
+      const float weight = a * a;
+      if (!(a > 0) || !std::isfinite(weight) || weight <= 0) continue;
+      const float distance_m = ray_.row(y)[x] * depth;
+      const auto sigma_m = static_cast<float>(
+          noise_.sigma_m(static_cast<double>(distance_m) * z_of_distance_.row(y)[x]));
+      add(distance_m, weight, kTwoSurfaces_m + kTwoSurfacesSigmas * sigma_m, surfaces_.row(y)[x]);
     }
 }
 
@@ -40,11 +56,16 @@ void ViewAverage::finish(Image<float>& distance_m, Image<float>& sigma_m) const 
   distance_m.reset(ray_.size()), sigma_m.reset(ray_.size());
   for (int y = 0; y < ray_.height(); ++y)
     for (int x = 0; x < ray_.width(); ++x) {
-      if (count_.row(y)[x] == 0) continue;
-      const float mean_m = sum_m_.row(y)[x] / weight_.row(y)[x];
+      const Surfaces& all = surfaces_.row(y)[x];
+      if (all[0].count == 0) continue;
+      const Surface& seen =
+          *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
+            return a.count != b.count ? a.count < b.count : a.count > 0 && a.mean_m() < b.mean_m();
+          });
+      const float mean_m = seen.mean_m();
       const double one_m = noise_.sigma_m(static_cast<double>(mean_m) * z_of_distance_.row(y)[x]);
       distance_m.row(y)[x] = mean_m;
-      sigma_m.row(y)[x] = static_cast<float>(one_m / std::sqrt(count_.row(y)[x]));
+      sigma_m.row(y)[x] = static_cast<float>(one_m / std::sqrt(seen.count));
     }
 }
 

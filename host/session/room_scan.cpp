@@ -107,14 +107,14 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
       options.calibration.empty() ? recorded->info().calibration : options.calibration;
   MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
   const Stopwatch reading;
-  MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr));
+  Crew crew(options.threads);
+  MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr, crew));
   const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;
   scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;
   scan.world_from_base = sweep.world_from_base;
   scan.read_seconds = reading.seconds();
   const Stopwatch modelling;
-  Crew crew(options.threads);
   scan.alignment = model::align(sweep.views, tof, target, kLeastTurn_rad, crew);
   if (options.align)
     for (std::size_t i = 0; i < sweep.views.size(); ++i)

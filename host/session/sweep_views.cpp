@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "host/model/plate_median.h"
 #include "host/pose/pan_tilt_poses.h"
 
 namespace mixrig::session {
@@ -11,32 +12,38 @@ namespace {
 /// Averages the frames of one view after the other.
 class ViewReader {
  public:
-  ViewReader(const capture::SourceInfo& info, SweepViews& out)
+  ViewReader(const capture::SourceInfo& info, SweepViews& out, Crew& crew)
       : info_(info),
         average_(info.tof, info.noise, info.depth_kind == capture::DepthKind::kDistance),
-        out_(out) {}
+        out_(out),
+        crew_(crew) {}
 
-  void begin(const geometry::Pose& base_from_target, const capture::Capture& frame) {
+  void begin(const geometry::Pose& base_from_target) {
     finish();
     model::ScanView& view = out_.views.emplace_back();
     view.base_from_target = base_from_target;
     view.base_from_tof = base_from_target * info_.target_from_tof;
-    view.plate = frame.plate;
   }
   void add(const capture::Capture& frame) {
     average_.add(frame.depth_m.view(), frame.amplitude.view());
+    plate_.add(frame.plate.view());
     ++out_.frames;
   }
   void finish() {
-    if (!out_.views.empty())
-      average_.finish(out_.views.back().distance_m, out_.views.back().sigma_m);
-    average_.clear();
+    if (!out_.views.empty()) {
+      model::ScanView& view = out_.views.back();
+      average_.finish(view.distance_m, view.sigma_m);
+      plate_.finish(view.plate, crew_);
+    }
+    average_.clear(), plate_.clear();
   }
 
  private:
   const capture::SourceInfo& info_;
   model::ViewAverage average_;
+  model::PlateMedian plate_;
   SweepViews& out_;
+  Crew& crew_;
 };
 
 bool same(const device::PanTiltAngles& a, const device::PanTiltAngles& b) {
@@ -52,7 +59,7 @@ Result<void> read_by_angles(const capture::Capture& frame, const calibration_fil
                              frame.number)};
   if (sweep.angles.empty() || !same(sweep.angles.back(), *frame.pan_tilt)) {
     sweep.angles.push_back(*frame.pan_tilt);
-    reader.begin(pose::base_from_target(unit, *frame.pan_tilt), frame);
+    reader.begin(pose::base_from_target(unit, *frame.pan_tilt));
   }
   reader.add(frame);
   return {};
@@ -65,7 +72,7 @@ Result<void> read_by_pose(const capture::Capture& frame, ViewReader& reader) {
         fmt::format("frame {} has no pose: give --calibration with a pan-tilt unit to scan "
                     "by the angles of the head",
                     frame.number)};
-  reader.begin(frame.world_from_target, frame);
+  reader.begin(frame.world_from_target);
   reader.add(frame);
   return {};
 }
@@ -85,10 +92,10 @@ void set_base(SweepViews& sweep) {
 
 }  // namespace
 
-Result<SweepViews> read_sweep(capture::CaptureSource& source,
-                              const calibration_file::PanTilt* unit) {
+Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_file::PanTilt* unit,
+                              Crew& crew) {
   SweepViews sweep;
-  ViewReader reader(source.info(), sweep);
+  ViewReader reader(source.info(), sweep, crew);
   capture::Capture frame;
   for (int number = 1; number <= source.info().frames; ++number) {
     MIXRIG_ASSIGN(const bool more, source.read(number, frame));

@@ -22,10 +22,11 @@ struct SweepViews {
 };
 
 /// Frames of equal angles in sequence are one view of `unit`, their depth averaged as they are
-/// read. Without a unit each frame is a view at its own pose, and the base is at their mean
-/// position with the axes of the world. Errors: those of the source; kData where a frame has no
-/// angles, and for more than kMostViews; kUsage without a unit where a frame has no pose.
-Result<SweepViews> read_sweep(capture::CaptureSource& source,
-                              const calibration_file::PanTilt* unit);
+/// read, their colour the median (model::PlateMedian). Without a unit each frame is a view at its
+/// own pose, and the base is at their mean position with the axes of the world. Errors: those of
+/// the source; kData where a frame has no angles, and for more than kMostViews; kUsage without a
+/// unit where a frame has no pose.
+Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_file::PanTilt* unit,
+                              Crew& crew);
 
 }  // namespace mixrig::session

@@ -68,14 +68,6 @@ int empty_frames_of(const StudioOptions& o) {
   return std::min(kEmptyFrames, o.frames / 2);
 }
 
-/// Time of the people at a time of the take: in a sweep the head has turned between views.
-double people_time_s(const StudioOptions& o, double time_s) {
-  if (o.scenario != Scenario::kSweep || o.sweep.views.empty()) return time_s;
-  constexpr double kTurn_s = 1.5;
-  const auto frame = std::lround(time_s * kFrameRate_hz);
-  return time_s + kTurn_s * static_cast<double>(frame / o.sweep.frames_per_view);
-}
-
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
@@ -181,11 +173,25 @@ Result<Studio> Studio::create(const StudioOptions& options) {
 
 const StudioInfo& Studio::info() const { return state_->info; }
 
+double Studio::State::people_time_s(double time_s) const {
+  if (options.scenario != Scenario::kSweep || options.sweep.views.empty()) return time_s;
+  constexpr double kTurn_s = 1.5, kCross_s = 0.7;
+  const int frame = static_cast<int>(std::lround(time_s * kFrameRate_hz));
+  const int per_view = options.sweep.frames_per_view, stop = frame / per_view;
+  if (!options.sweep.crossing) return time_s + kTurn_s * stop;
+  const double frame_s = frame / kFrameRate_hz;
+  const Eigen::Vector3d right =
+      camera_at(layout, options, frame_s).world_from_target.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d ahead = (stop % 2 == 1 ? 1 : -1) * Eigen::Vector3d::UnitZ().cross(right);
+  return cast.first().time_towards(ahead.x(), ahead.y()) +
+         kCross_s * (frame % per_view - 0.5 * (per_view - 1)) + time_s - frame_s;
+}
+
 void Studio::State::place_person(int number, double time_s) {
   const bool present = number > info.empty_frames;
   const auto fill = [&](auto& scene, double t) {
     spare.clear();
-    if (present) cast.build(people_time_s(options, t), spare);
+    if (present) cast.build(people_time_s(t), spare);
     scene.set(spare);
   };
   fill(person, time_s);
@@ -195,7 +201,7 @@ void Studio::State::place_person(int number, double time_s) {
 
 void Studio::State::fill_person(Occluder& scene, double time_s) {
   spare.clear();
-  cast.build(people_time_s(options, time_s), spare);
+  cast.build(people_time_s(time_s), spare);
   scene.set(spare);
 }
 
@@ -308,7 +314,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.draw_truth(place, *truth);
   truth->person_on_floor_m.reset();
   if (number > s.info.empty_frames) {
-    const Vec3 pelvis = s.cast.first().at(people_time_s(s.options, frame.time_s)).pelvis;
+    const Vec3 pelvis = s.cast.first().at(s.people_time_s(frame.time_s)).pelvis;
     truth->person_on_floor_m = Eigen::Vector2d(pelvis.x(), pelvis.y());
   }
 }

@@ -49,6 +49,8 @@ struct Sweep {
   std::vector<HeadAngles> views;
   int frames_per_view = 4;  ///< StudioOptions::frames is views times this
   bool people = false;      ///< from the second view on; otherwise nobody is in the room
+  bool crossing = false;    ///< people: the first walks around the head and crosses the middle of
+                            ///< every second view, 0.7 s from one of its frames to the next
   HeadMotion moved{};       ///< where there are no views, at the time `moved_s`
   double moved_s = 0;
 };

@@ -15,6 +15,8 @@ namespace mixrig::studio {
 struct Studio::State {
   State(const StudioOptions& o, const TraceDevice& device);
 
+  /// Time of the people at a time of the take: in a sweep the head has turned between views.
+  double people_time_s(double time_s) const;
   /// Builds the person of a frame: at mid-exposure and at the times of the four ToF taps.
   void place_person(int number, double time_s);
   /// The person at a time, whether present in the frame or not.

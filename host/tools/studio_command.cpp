@@ -32,7 +32,7 @@ struct StudioArguments {
   std::string field = "270x180";
   double overlap = 0.1, most_tilt_deg = 90;
   int frames_per_view = 4;
-  bool sweep_people = false;
+  bool sweep_people = false, sweep_crossing = false;
   std::string eye, look_at;
   std::optional<double> pan_deg;
 };
@@ -81,7 +81,8 @@ Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPres
   for (const model::HeadView& view : plan.views)
     sweep.views.push_back({view.pan_rad, view.tilt_rad});
   sweep.frames_per_view = arguments.frames_per_view;
-  sweep.people = arguments.sweep_people;
+  sweep.people = arguments.sweep_people || arguments.sweep_crossing;
+  sweep.crossing = arguments.sweep_crossing;
   std::printf("%zu views, %.1f %% of the field\n", plan.views.size(), 100 * plan.covered_share);
   return sweep;
 }
@@ -210,6 +211,10 @@ void add_sweep_options(Command command, StudioArguments& arguments) {
   option("--most-tilt", arguments.most_tilt_deg, "Limit of the unit up and down, degrees");
   option("--view-frames", arguments.frames_per_view, "Frames of each view");
   command.add_flag("--walker", arguments.sweep_people, "A person walks from the second view on")
+      .group(group);
+  command
+      .add_flag("--crossing", arguments.sweep_crossing,
+                "A person crosses every second view, 0.7 s from one of its frames to the next")
       .group(group);
 }
 

@@ -135,6 +135,10 @@ Layout make_layout(const StudioOptions& options) {
   layout.light = make_light(scenario == Scenario::kDark);
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
                         scenario == Scenario::kHandheld || scenario == Scenario::kPendulum;
+  if (options.sweep.crossing) {  // around the head
+    stage.object = layout.eye_m.head<2>().cast<float>();
+    stage.path_half_m = {0.8F, 1.1F};
+  }
   return layout;
 }
 

@@ -76,6 +76,16 @@ PersonMotion::OnPath PersonMotion::on_path(double distance_m) const {
       static_cast<float>(std::atan2(turn_ * b * std::cos(angle), -turn_ * a * std::sin(angle)))};
 }
 
+double PersonMotion::time_towards(double x, double y) const {
+  const double angle =
+      turn_ * std::atan2(y / stage_.path_half_m.y(), x / stage_.path_half_m.x()) / (2 * kPi);
+  const double step = (angle - std::floor(angle)) * kPathSteps;
+  const auto low = std::min(static_cast<std::size_t>(step), arc_m_.size() - 2);
+  const double along_m =
+      arc_m_[low] + (step - static_cast<double>(low)) * (arc_m_[low + 1] - arc_m_[low]);
+  return start_s_ + (along_m - start_m_) / speed_m_s_;
+}
+
 Posture PersonMotion::at(double time_s) const { return walks() ? walk(time_s) : stay(time_s); }
 
 bool PersonMotion::walks() const {

@@ -196,7 +196,7 @@ TEST(Panorama, ColourIsAsFineAsTheTargetCamera) {
 
 TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   ViewAverage average(box_camera(), {0.01, 0, 0}, true);
-  Image<float> first({96, 80}, 2.0F), second({96, 80}, 2.3F), strong({96, 80}, 2.0F),
+  Image<float> first({96, 80}, 2.0F), second({96, 80}, 2.1F), strong({96, 80}, 2.0F),
       weak({96, 80}, 1.0F);
   first.at(3, 4) = 0;
   second.at(5, 6) = std::nanf("");
@@ -204,13 +204,32 @@ TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   average.add(second.view(), weak.view());
   Image<float> distance_m, sigma_m;
   average.finish(distance_m, sigma_m);
-  EXPECT_NEAR(distance_m.at(0, 0), (4 * 2.0 + 2.3) / 5, 1e-5);
+  EXPECT_NEAR(distance_m.at(0, 0), (4 * 2.0 + 2.1) / 5, 1e-5);
   EXPECT_NEAR(sigma_m.at(0, 0), 0.01 / std::sqrt(2), 1e-6);
-  EXPECT_NEAR(distance_m.at(3, 4), 2.3, 1e-5);
+  EXPECT_NEAR(distance_m.at(3, 4), 2.1, 1e-5);
   EXPECT_NEAR(distance_m.at(5, 6), 2.0, 1e-5);
   average.clear();
   average.finish(distance_m, sigma_m);
   EXPECT_EQ(distance_m.at(0, 0), 0);
+}
+
+TEST(ViewAverage, OfTwoSurfacesKeepsTheOneThatMostFramesSeeOrTheFartherOne) {
+  const auto averaged_m = [](const std::vector<float>& depths_m) {
+    ViewAverage average(box_camera(), {0.01, 0, 0}, true);
+    for (const float depth_m : depths_m)
+      average.add(Image<float>({96, 80}, depth_m).view(), Image<float>({96, 80}, 1.0F).view());
+    Image<float> distance_m, sigma_m;
+    average.finish(distance_m, sigma_m);
+    return distance_m.at(40, 40);
+  };
+  EXPECT_NEAR(averaged_m({3.01F, 2, 2.99F, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({2, 3.01F, 2.99F, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({2, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({3, 2}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({2, 2.02F, 3}), 2.01, 1e-5);
+  EXPECT_NEAR(averaged_m({1, 2, 3, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({4, 1, 3, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({1, 2, 4, 5, 3, 3}), 5, 1e-5) << "a fifth surface is left out";
 }
 
 }  // namespace
