@@ -22,12 +22,14 @@ inline constexpr int kEndless = std::numeric_limits<int>::max();
 
 struct SourceInfo : RigCameras {
   std::string name;
-  double rate_hz = 0;                      ///< of the plate; 0 where unknown
-  double depth_unit_m = 0.001;             ///< one step of 16-bit depth
-  int frames = 0;                          ///< kEndless for live devices
-  geometry::Vignetting vignetting;         ///< of the plate; only a calibration file has it
-  std::filesystem::path calibration;       ///< file that replaces the cameras, or empty
-  std::filesystem::path file;              ///< take.toml or rig.toml; empty for the studio
+  double rate_hz = 0;                 ///< of the plate; 0 where unknown
+  double depth_unit_m = 0.001;        ///< one step of 16-bit depth
+  bool amplitude_is_light = false;    ///< amplitudes fall with the square of the distance: they are
+                                      ///< those of the light that comes back, not a confidence
+  int frames = 0;                     ///< kEndless for live devices
+  geometry::Vignetting vignetting;    ///< of the plate; only a calibration file has it
+  std::filesystem::path calibration;  ///< file that replaces the cameras, or empty
+  std::filesystem::path file;         ///< take.toml or rig.toml; empty for the studio
   std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras
   bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
   bool has_poses = false;

@@ -15,6 +15,7 @@
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/capture/calibrated_source.h"
+#include "host/capture/unwrapped_source.h"
 #include "host/image_io/image_io.h"
 #include "host/model/room_file.h"
 #include "host/report/picture.h"
@@ -105,7 +106,8 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   MIXRIG_ASSIGN(const auto unit, unit_of(options.calibration));
   const fs::path calibration =
       options.calibration.empty() ? recorded->info().calibration : options.calibration;
-  MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
+  MIXRIG_ASSIGN(auto calibrated, capture::with_calibration(std::move(recorded), calibration));
+  const auto source = capture::without_wrapped_depth(std::move(calibrated));
   const Stopwatch reading;
   Crew crew(options.threads);
   MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr, crew));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/capture/calibrated_source.h"
+#include "host/capture/unwrapped_source.h"
 #include "host/image_io/scale.h"
 #include "host/model/room_file.h"
 #include "host/session/camera_pose.h"
@@ -253,6 +254,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   session->calibration = choose_calibration(options, *session);
   MIXRIG_ASSIGN(session->source,
                 capture::with_calibration(std::move(session->source), session->calibration.file));
+  session->source = capture::without_wrapped_depth(std::move(session->source));
   MIXRIG_ASSIGN(session->setup, setup_of(session->source->info(), options.view_size));
   if (const auto& learn = session->scene.background.learn) {
     if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)

@@ -138,6 +138,7 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.view = pinhole_of(info.view);
   take.target_from_tof = info.tof.target_from_tof;
   take.depth_kind = capture::DepthKind::kDistance;
+  take.amplitude_is_light = true;
   take.depth_unit_m = info.tof.depth_unit_m;
   take.noise = {info.tof.noise.floor_m, info.tof.noise.linear, info.tof.noise.quadratic_per_m};
   take.has_poses = take.has_truth = take.true_poses = true;

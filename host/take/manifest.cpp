@@ -79,8 +79,10 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
     info.calibration = config::path_at(root, "calibration", path.parent_path());
   info.color = read_stream(root.required_table("color"));
   read_depth(root.required_table("depth"), info);
-  if (const Table amplitude = root.table("amplitude"); amplitude.present())
+  if (const Table amplitude = root.table("amplitude"); amplitude.present()) {
     info.amplitude = read_stream(amplitude);
+    info.amplitude_is_light = amplitude.boolean_or("light", false);
+  }
   if (is_list(info.color) != is_list(info.depth) || (info.amplitude && is_list(info.color)))
     root.fail("depth", "lists (.txt) must name both colour and depth, and no amplitude");
   const Table target = root.required_table("target");

@@ -27,6 +27,12 @@ Writer depth_table(const TakeInfo& info) {
   return table;
 }
 
+Writer amplitude_table(const TakeInfo& info) {
+  Writer table = stream_table(*info.amplitude);
+  if (info.amplitude_is_light) table.set("light", true);
+  return table;
+}
+
 Writer target_table(const TakeInfo& info) {
   Writer table = calibration_file::camera_table(info.target);
   if (info.view)
@@ -57,7 +63,7 @@ std::string manifest_text(const TakeInfo& info) {
   root.set("format", 1).set("name", info.name).set("root", ".");
   if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
   root.set("color", stream_table(info.color)).set("depth", depth_table(info));
-  if (info.amplitude) root.set("amplitude", stream_table(*info.amplitude));
+  if (info.amplitude) root.set("amplitude", amplitude_table(info));
   root.set("target", target_table(info));
   root.set("tof", calibration_file::camera_table(info.tof));
   root.set("target_from_tof", pose_table(info.target_from_tof));

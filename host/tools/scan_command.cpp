@@ -13,6 +13,7 @@
 
 #include "hal/base/order_statistics.h"
 #include "host/capture/calibrated_source.h"
+#include "host/capture/unwrapped_source.h"
 #include "host/pose/fixed_poses.h"
 #include "host/session/learn.h"
 #include "host/session/live_scan.h"
@@ -269,7 +270,8 @@ Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
   const std::filesystem::path calibration =
       arguments.session.calibration.empty() ? recorded->info().calibration
                                             : std::filesystem::path(arguments.session.calibration);
-  MIXRIG_ASSIGN(const auto source, capture::with_calibration(std::move(recorded), calibration));
+  MIXRIG_ASSIGN(auto calibrated, capture::with_calibration(std::move(recorded), calibration));
+  const auto source = capture::without_wrapped_depth(std::move(calibrated));
   MIXRIG_ASSIGN(const auto setup, session::setup_of(source->info(), size));
   const auto poses = pose::make_own_poses(true, source->info().moves);
   MIXRIG_ASSIGN(const model::StaticBackground background,
