@@ -81,6 +81,10 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   read_depth(root.required_table("depth"), info);
   if (const Table amplitude = root.table("amplitude"); amplitude.present())
     info.amplitude = read_stream(amplitude);
+  if (const Table fisheye = root.table("fisheye"); fisheye.present()) {
+    info.fisheye = read_stream(fisheye);
+    if (is_list(*info.fisheye)) fisheye.fail("path", "give numbered pictures or a Matroska file");
+  }
   if (is_list(info.color) != is_list(info.depth) || (info.amplitude && is_list(info.color)))
     root.fail("depth", "lists (.txt) must name both colour and depth, and no amplitude");
   const Table target = root.required_table("target");
