@@ -97,6 +97,7 @@ struct TakeWriter::State {
   TakeInfo info;
   StreamWriter color, depth, amplitude, fisheye;
   std::string poses, fisheye_rows;
+  HostTime last_fisheye = HostTime::min();
   Image<std::uint16_t> steps;
   int frames = 0;
 };
@@ -113,6 +114,9 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
 /// The picture of a frame in which it is fresh.
 Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
   if (frame.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
+  // A camera that started again may stamp a picture before its last one: a reader refuses that.
+  if (frame.fisheye_mid_exposure <= last_fisheye) return {};
+  last_fisheye = frame.fisheye_mid_exposure;
   MIXRIG_TRY(fisheye.write(frame.fisheye.view()));
   fisheye_rows += fisheye_row(fisheye.info().count,
                               {frames + 1, frame.fisheye_counter, frame.fisheye_mid_exposure});

@@ -127,6 +127,18 @@ TEST_P(FisheyeTake, AMissingTableAndADamagedPictureAreErrorsOfOneLine) {
   EXPECT_NE(opened.error().context.find("fisheye.csv"), std::string::npos);
 }
 
+TEST_P(FisheyeTake, APictureThatIsNotLaterThanTheLastIsLeftOut) {
+  auto writer = TakeWriter::create(folder_ / "back", made_info(), GetParam());
+  ASSERT_TRUE(writer);
+  for (const int number : {4, 1, 7}) ASSERT_TRUE(writer->write(frame_with_fisheye(number)));
+  ASSERT_TRUE(writer->finish());
+  auto reader = TakeReader::open(folder_ / "back");
+  ASSERT_TRUE(reader) << reader.error().context;
+  EXPECT_EQ(reader->info().fisheye->count, 2);
+  EXPECT_EQ(status_of(*reader, 3), StreamStatus::kFresh);
+  EXPECT_EQ(frame_.fisheye_counter, 707U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, FisheyeTake,
                          ::testing::Values(StreamFormat::kPng, StreamFormat::kMatroska));
 
