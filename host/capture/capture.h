@@ -36,14 +36,16 @@ std::string_view name(PoseOrigin origin);
 /// Buffers are kept when a Capture is read into again. Images of streams that are not kFresh or
 /// kRepeated are empty.
 struct Capture {
-  int number = 0;           ///< 1-based, counts the captures of a source
-  std::uint64_t tick = 0;   ///< of the 100 Hz master; 0 where the source has none
-  HostTime mid_exposure{};  ///< of the plate, on the source's clock
-  double time_s = 0;        ///< of the plate, since the source's start or its own epoch
-  Image<Rgb8> plate;        ///< sRGB, distorted, size of cameras->target
-  Image<float> depth_m;     ///< size of cameras->tof, as DepthKind; 0 = unknown
-  Image<float> amplitude;   ///< as depth_m; empty where the source has none
-  Image<Rgb8> fisheye;      ///< empty where the source has none
+  int number = 0;                     ///< 1-based, counts the captures of a source
+  std::uint64_t tick = 0;             ///< of the 100 Hz master; 0 where the source has none
+  HostTime mid_exposure{};            ///< of the plate, on the source's clock
+  double time_s = 0;                  ///< of the plate, since the source's start or its own epoch
+  Image<Rgb8> plate;                  ///< sRGB, distorted, size of cameras->target
+  Image<float> depth_m;               ///< size of cameras->tof, as DepthKind; 0 = unknown
+  Image<float> amplitude;             ///< as depth_m; empty where the source has none
+  Image<Rgb8> fisheye;                ///< sRGB, distorted; at its own rate, its status says of when
+  HostTime fisheye_mid_exposure{};    ///< of `fisheye`, on the clock of mid_exposure; 0: no picture
+  std::uint64_t fisheye_counter = 0;  ///< of `fisheye`: its camera's own; 0: no picture
   std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure
   std::shared_ptr<const RigCameras> cameras;      ///< intrinsics in force
   geometry::Pose world_from_target;
@@ -53,6 +55,9 @@ struct Capture {
   StreamStatus status_of(Stream stream) const { return status[static_cast<std::size_t>(stream)]; }
   void set_status(Stream stream, StreamStatus s) { status[static_cast<std::size_t>(stream)] = s; }
 };
+
+/// Takes the fisheye's picture, stamp and counter out; its status stays.
+void clear_fisheye(Capture& capture);
 
 /// Dropping the last reference returns the buffers to their pool.
 using CapturePtr = std::shared_ptr<const Capture>;

@@ -90,13 +90,22 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
   info.color.rate_hz =
       line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
   info.rate_hz = info.depth.rate_hz = info.color.rate_hz;
+  if (const std::size_t fisheye = fisheye_index(config); fisheye > 0) {
+    const TriggerLine* its = config.line_of(config.cameras[fisheye]);
+    info.fisheye.emplace().rate_hz =
+        its != nullptr ? 100.0 / its->channel.divider : devices.cameras[fisheye]->info().rate_hz;
+  }
   return info;
 }
 
-SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices) : devices_(devices) {
+std::size_t fisheye_index(const RigConfig& config) {
   for (std::size_t i = 1; i < config.cameras.size(); ++i)
-    if (config.cameras[i].name == "fisheye") fisheye_ = i;
+    if (config.cameras[i].name == "fisheye") return i;
+  return 0;
 }
+
+SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices)
+    : devices_(devices), fisheye_(fisheye_index(config)) {}
 
 Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   using capture::Stream;
@@ -125,13 +134,16 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
 Result<void> SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {
   using capture::Stream;
   using capture::StreamStatus;
-  const device::FramePtr& frame = set.frames.frames[fisheye_].frame;
+  const sync::TimedFrame& timed = set.frames.frames[fisheye_];
+  const device::FramePtr& frame = timed.frame;
   if (!frame) {
-    capture.fisheye.reset({});
+    capture::clear_fisheye(capture);
     capture.set_status(Stream::kFisheye, StreamStatus::kMissing);
     return {};
   }
   MIXRIG_TRY(capture::decode_rgb8(*frame, capture.fisheye));
+  capture.fisheye_mid_exposure = timed.mid_exposure;
+  capture.fisheye_counter = frame->sequence;
   capture.set_status(Stream::kFisheye, last_fisheye_ == frame->sequence ? StreamStatus::kRepeated
                                                                         : StreamStatus::kFresh);
   last_fisheye_ = frame->sequence;

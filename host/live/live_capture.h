@@ -17,22 +17,26 @@ namespace mixrig::live {
 /// Errors: kUsage for a rig without a camera or without a depth camera.
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices);
 
+/// Index of the further camera named "fisheye" in `config.cameras`; 0 where the rig has none.
+std::size_t fisheye_index(const RigConfig& config);
+
 /// Decodes frame sets. Not thread-safe.
 class SetDecoder {
  public:
   /// `config` and `devices` must outlive it.
   SetDecoder(const RigConfig& config, const Devices& devices);
   /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its
-  /// picture; mid-exposure, tick, head angles and the streams' status. Keeps the buffers of
-  /// `capture`, and does not change its number, time, cameras and pose. Errors: kData where the set
-  /// lacks colour or depth, or one of them cannot be decoded: skip it.
+  /// picture with its own mid-exposure and counter; mid-exposure, tick, head angles and the
+  /// streams' status. Keeps the buffers of `capture`, and does not change its number, time, cameras
+  /// and pose. Errors: kData where the set lacks colour or depth, or one of them cannot be decoded:
+  /// skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
 
  private:
   Result<void> decode_fisheye(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
-  std::size_t fisheye_ = 0;  ///< index of its stream; 0 where the rig has none
+  const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
   std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames
 };
 

@@ -84,9 +84,10 @@ class Recorder {
   int frames() const { return number_; }
 
  private:
-  /// Frames of the further cameras, each once.
+  /// Frames of the further cameras but the fisheye, which is in the take, each once.
   Result<void> write_others(const LiveSet& set) {
     for (std::size_t i = 1; i < devices_.cameras.size(); ++i) {
+      if (i == fisheye_index(config_)) continue;
       const auto& timed = set.frames.frames[i];
       Extra& extra = extra_[i];
       if (!timed.frame || (extra.count > 0 && timed.frame->sequence == extra.last)) continue;

@@ -2,6 +2,7 @@
 // The rig presets.
 #include "host/studio/rig.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "hal/base/angles.h"
@@ -83,6 +84,20 @@ FisheyeInfo fisheye_camera() {
   o.cx_px = 0.5 * (kSize.width - 1), o.cy_px = 0.5 * (kSize.height - 1);
   o.k1 = -0.012, o.k2 = 0.0015;
   return {o, mounted(0.07, 0.08, 0.4)};
+}
+
+FisheyeOptics scaled(const FisheyeOptics& optics, Size size_px) {
+  const double factor = std::min(static_cast<double>(size_px.width) / optics.size_px.width,
+                                 static_cast<double>(size_px.height) / optics.size_px.height);
+  const auto centre = [&](double at_px, int from, int to) {
+    return factor * (at_px - 0.5 * (from - 1)) + 0.5 * (to - 1);
+  };
+  FisheyeOptics out = optics;
+  out.size_px = size_px;
+  out.f_px = factor * optics.f_px;
+  out.cx_px = centre(optics.cx_px, optics.size_px.width, size_px.width);
+  out.cy_px = centre(optics.cy_px, optics.size_px.height, size_px.height);
+  return out;
 }
 
 Optics with_lens_error(Optics optics, double error_px) {

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "host/studio/sensors/fisheye.h"
 #include "host/studio/stage/object.h"
 #include "host/studio/studio_state.h"
 
@@ -57,6 +56,10 @@ Result<void> check(const StudioOptions& o) {
     return wrong("frames of a sweep must be its views times the frames of a view");
   if (!(o.pan_rad >= 0 && o.pan_rad <= 2))
     return wrong(fmt::format("the pan must be 0 to 2 radians to a side, not {}", o.pan_rad));
+  for (const int side : {o.fisheye_px.width, o.fisheye_px.height})
+    if (side < 64 || side > 4096)
+      return wrong(fmt::format("the fisheye must have 64 to 4096 pixels per side, not {}x{}",
+                               o.fisheye_px.width, o.fisheye_px.height));
   MIXRIG_TRY(check_place(o));
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
@@ -77,7 +80,7 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.target = rig.target;
   info.view = without_distortion(info.target);
   info.tof = {rig.tof.optics, rig.tof.target_from_tof, rig.tof.unit_m, rig.tof.noise};
-  info.fisheye = {rig.fisheye, rig.target_from_fisheye};
+  describe_fisheye(options, rig, info);
   info.light = layout.light;
   info.object = build_object(layout.world_from_object);
   info.capture_volume = capture_volume(layout);
@@ -305,10 +308,6 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   }
   s.tof.render({s.taps, &s.person, &s.room, number, frame.time_s}, s.materials, s.crew,
                frame.tof_distance_m, frame.tof_amplitude);
-  if (s.options.fisheye)
-    draw_fisheye(s.info.fisheye.optics,
-                 place.world_from_target * s.info.fisheye.target_from_fisheye, s.room, s.casters,
-                 s.materials, s.lamps, s.info.light, s.crew, frame.fisheye);
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);

@@ -62,12 +62,13 @@ struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
   RigPreset rig = RigPreset::kKinect2;
   unsigned seed = 1;
-  int frames = 60;           ///< length of the take, 2..100000
-  Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
-  int threads = 0;           ///< 0: one per core
-  double tolerance = 0;      ///< of lenses and mounting by seed, 0..2: 0 as the preset says
-  bool raw_depth = false;    ///< leave the ToF camera's systematic error in
-  bool fisheye = false;      ///< render Frame::fisheye
+  int frames = 60;              ///< length of the take, 2..100000
+  Size size_px{1280, 1024};     ///< target camera, 32..4096 a side
+  int threads = 0;              ///< 0: one per core
+  double tolerance = 0;         ///< of lenses and mounting by seed, 0..2: 0 as the preset says
+  bool raw_depth = false;       ///< leave the ToF camera's systematic error in
+  bool fisheye = false;         ///< the take has the fisheye's pictures
+  Size fisheye_px{1280, 1024};  ///< of them, 64..4096 a side; the same field
   bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
   int people = 1;            ///< 1..3
@@ -158,6 +159,8 @@ struct StudioInfo {
   Optics view;  ///< truth is given in this view: the target camera without distortion
   TofInfo tof;
   FisheyeInfo fisheye;
+  int fisheye_pictures = 0;  ///< of render_fisheye(); 0 without StudioOptions::fisheye
+  double fisheye_rate_hz = 0;
   Light light;
   VirtualObject object;
   Volume capture_volume;  ///< around the person's places, with its bottom on the floor
@@ -175,9 +178,18 @@ struct Frame {
   Image<Rgb8> color;
   Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
-  Image<Rgb8> fisheye;          ///< 185 degrees; empty unless StudioOptions::fisheye
   geometry::Pose world_from_target;
   std::optional<HeadAngles> head;  ///< pan and sweep: encoders at mid-exposure, in whole steps
+};
+
+/// A picture of the fisheye at its own time: 10 Hz, in a sweep one for each frame; never at the
+/// mid-exposure of a frame.
+struct FisheyePicture {
+  int number = 0;                     ///< 1-based
+  int frame = 0;                      ///< the frame whose mid-exposure is nearest
+  double time_s = 0;                  ///< mid-exposure, on the clock of Frame::time_s
+  geometry::Pose world_from_fisheye;  ///< at mid-exposure
+  Image<Rgb8> picture;                ///< sRGB; black outside the image circle
 };
 
 /// Ground truth of a frame, in the ideal view.
@@ -207,6 +219,9 @@ class Studio {
   const StudioInfo& info() const;
   /// Renders frame `number` (1..frames), and its truth unless `truth` is null.
   void render(int number, Frame& frame, Truth* truth = nullptr);
+
+  /// Renders picture `number` (1..info().fisheye_pictures), in any order with the frames.
+  void render_fisheye(int number, FisheyePicture& out);
 
   /// Scenario sweep without views: the head at mid-exposure of the frames that are rendered from
   /// now on. It turns at its rate while each is exposed.

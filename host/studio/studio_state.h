@@ -5,12 +5,16 @@
 #include "host/studio/people/cast.h"
 #include "host/studio/rig_of_seed.h"
 #include "host/studio/sensors/color_camera.h"
+#include "host/studio/sensors/fisheye.h"
 #include "host/studio/sensors/picture.h"
 #include "host/studio/sensors/shutter.h"
 #include "host/studio/sensors/tof_camera.h"
 #include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
+
+/// Sets what `info` says of the fisheye; its frames must be set.
+void describe_fisheye(const StudioOptions& options, const Rig& rig, StudioInfo& info);
 
 struct Studio::State {
   State(const StudioOptions& o, const TraceDevice& device);
@@ -21,6 +25,8 @@ struct Studio::State {
   void place_person(int number, double time_s);
   /// The person at a time, whether present in the frame or not.
   void fill_person(Occluder& scene, double time_s);
+  /// Light of the fisheye from where the camera and the people are at a time, added to `light`.
+  void expose_fisheye(double time_s, const FisheyeSample& sample);
   /// Traces and lights the parts that do not move, unless they are cached.
   void trace_static(const CameraPlace& place, double time_s, bool with_truth);
   /// Mirrored and bounced light of the room or the object.
@@ -71,6 +77,7 @@ struct Studio::State {
   NormalTable normal;
   Image<Rgbf> still, slice, exposed;  ///< of the plate: without people, at one time, exposed
   Image<float> plate_z_m;
+  Image<Rgbf> fisheye_light;
   Mesh spare;  ///< reused memory
 };
 

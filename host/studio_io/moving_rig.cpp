@@ -142,6 +142,13 @@ calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
   calibration_file::Calibration known;
   known.cameras = {{"target", take.target, {}, 0, 0, 0, {}}, {"tof", take.tof, {}, 0, 0, 0, {}}};
   known.poses.push_back({"tof", take.target_from_tof, {}, 0, 0, {}});
+  if (take.fisheye) {
+    const studio::FisheyeOptics& f = info.fisheye.optics;
+    const geometry::FisheyeModel model(
+        {f.size_px, f.f_px, f.f_px, f.cx_px, f.cy_px, {f.k1, f.k2, 0, 0}});
+    known.cameras.push_back({"fisheye", model, {}, 0, 0, 0, {}});
+    known.poses.push_back({"fisheye", info.fisheye.target_from_fisheye, {}, 0, 0, {}});
+  }
   if (info.mocap)
     known.poses.push_back({"body", geometry::inverse(info.mocap->body_from_target), {}, 0, 0, {}});
   if (info.pan_tilt) known.pan_tilt = true_unit(*info.pan_tilt);
@@ -154,8 +161,9 @@ Result<void> write_moving_rig(const studio::StudioOptions& options, const studio
                               const std::filesystem::path& folder) {
   if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
   if (info.mocap) MIXRIG_TRY(write_tracked_body(options, *info.mocap, folder));
-  if (!info.mocap && !info.pan_tilt) return {};
-  MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
+  const bool moving = info.mocap || info.pan_tilt;
+  if (!moving && !take.fisheye) return {};
+  if (moving) MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
   return calibration_file::write_calibration(folder / "truth/calibration.toml",
                                              true_calibration(info, take));
 }

@@ -24,14 +24,15 @@ geometry::Pose world_from_base(const studio::StudioInfo& info);
 /// there. `info` must have a system.
 double mocap_time_offset_s(const studio::StudioInfo& info);
 
-/// The true rig as a calibration: cameras of `take`, the tracked body, the pan-tilt unit. Its base
-/// is that of estimation::PanTiltChain.
+/// The true rig as a calibration: cameras of `take`, the fisheye where the take has one, the
+/// tracked body, the pan-tilt unit. Its base is that of estimation::PanTiltChain.
 calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
                                                const take::TakeInfo& take);
 
 /// Writes pan_tilt.csv and ticks.csv for the frames whose angles are given, if there are any;
 /// mocap.txt, mocap_target.txt, mocap_markers.csv, constellation.toml, truth/rig.json and
-/// truth/calibration.toml where the camera moves. `folder` must hold a folder "truth". Errors: kIo.
+/// truth/calibration.toml where the camera moves; the last also where the take has a fisheye.
+/// `folder` must hold a folder "truth". Errors: kIo.
 Result<void> write_moving_rig(const studio::StudioOptions& options, const studio::StudioInfo& info,
                               const take::TakeInfo& take,
                               const std::vector<studio::HeadAngles>& head,

@@ -11,6 +11,7 @@
 #include "host/image_io/image_io.h"
 #include "host/scene/glb_writer.h"
 #include "host/studio/stage/court.h"
+#include "host/studio_io/fisheye_pictures.h"
 #include "host/studio_io/moving_rig.h"
 
 namespace mixrig::studio_io {
@@ -133,6 +134,8 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.rate_hz = take.color.rate_hz = take.depth.rate_hz = info.rate_hz;
   take.color.count = take.depth.count = info.frames;
   take.amplitude = take.depth;
+  if (info.fisheye_pictures > 0)
+    take.fisheye = take::StreamInfo{{}, 1, info.fisheye_pictures, info.fisheye_rate_hz};
   take.target = camera_of(info.target);
   take.tof = camera_of(info.tof.optics);
   take.view = pinhole_of(info.view);
@@ -216,17 +219,20 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
   capture::Capture take_frame;
   capture::Truth take_truth;
   std::vector<studio::HeadAngles> head;
+  FisheyePictures fisheye;
   for (int number = 1; number <= info.frames; ++number) {
     studio.render(number, frame, &truth);
     if (frame.head) head.push_back(*frame.head);
     swap_into(frame, take_frame);
     swap_into(truth, take_truth);
+    fisheye.add_to(studio, take_frame);
     MIXRIG_TRY(writer.write(take_frame));
     MIXRIG_TRY(writer.write_truth(take_truth));
     progress(number);
   }
   if (options.scenario == studio::Scenario::kSweep)
     MIXRIG_TRY(write_room_truth(studio, writer.staging()));
+  if (take.fisheye) MIXRIG_TRY(write_file(writer.staging() / kFisheyeTruth, fisheye.truth()));
   MIXRIG_TRY(write_moving_rig(options, info, take, head, writer.staging()));
   MIXRIG_TRY(writer.finish());
   return info;

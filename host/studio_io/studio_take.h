@@ -22,6 +22,7 @@ void swap_into(studio::Truth& from, capture::Truth& to);
 Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::path& folder);
 
 /// Renders a whole take with truth, and the scene, into `folder`: whole or not at all.
+/// With StudioOptions::fisheye the take has that stream and truth/fisheye.tum.
 /// `progress` is called after each frame with the number done.
 /// Errors: kUsage for options out of range or a folder that is not a take, kIo, kUnsupported.
 Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host/take/fisheye_stream.h"
+
 namespace mixrig::take {
 namespace {
 
@@ -80,6 +82,32 @@ Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view tex
     return true;
   }));
   return angles;
+}
+
+Result<std::vector<FisheyeStamp>> parse_fisheye_table(std::string_view text,
+                                                      const std::string& name) {
+  std::vector<FisheyeStamp> stamps;
+  MIXRIG_TRY(for_each_row(text, name, 4, [&](const std::vector<std::string_view>& cells) {
+    FisheyeStamp stamp;
+    std::size_t picture = 0;
+    std::int64_t ns = 0;
+    if (!parse(cells[0], picture) || !parse(cells[1], stamp.frame) ||
+        !parse(cells[2], stamp.counter) || !parse(cells[3], ns))
+      return false;
+    stamp.mid_exposure = HostTime(std::chrono::nanoseconds(ns));
+    if (picture != stamps.size() + 1 || stamp.frame < 1) return false;
+    if (!stamps.empty() &&
+        (stamp.frame <= stamps.back().frame || stamp.mid_exposure <= stamps.back().mid_exposure))
+      return false;
+    stamps.push_back(stamp);
+    return true;
+  }));
+  return stamps;
+}
+
+std::string fisheye_row(int picture, const FisheyeStamp& stamp) {
+  return fmt::format("{},{},{},{}\n", picture, stamp.frame, stamp.counter,
+                     stamp.mid_exposure.time_since_epoch().count());
 }
 
 }  // namespace mixrig::take

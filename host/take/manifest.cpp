@@ -83,6 +83,10 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
     info.amplitude = read_stream(amplitude);
     info.amplitude_is_light = amplitude.boolean_or("light", false);
   }
+  if (const Table fisheye = root.table("fisheye"); fisheye.present()) {
+    info.fisheye = read_stream(fisheye);
+    if (is_list(*info.fisheye)) fisheye.fail("path", "give numbered pictures or a Matroska file");
+  }
   if (is_list(info.color) != is_list(info.depth) || (info.amplitude && is_list(info.color)))
     root.fail("depth", "lists (.txt) must name both colour and depth, and no amplitude");
   const Table target = root.required_table("target");

@@ -64,6 +64,7 @@ std::string manifest_text(const TakeInfo& info) {
   if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
   root.set("color", stream_table(info.color)).set("depth", depth_table(info));
   if (info.amplitude) root.set("amplitude", amplitude_table(info));
+  if (info.fisheye && info.fisheye->count > 0) root.set("fisheye", stream_table(*info.fisheye));
   root.set("target", target_table(info));
   root.set("tof", calibration_file::camera_table(info.tof));
   root.set("target_from_tof", pose_table(info.target_from_tof));

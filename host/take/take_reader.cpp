@@ -12,10 +12,11 @@
 #include "host/capture/pose_source.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
+#include "host/take/fisheye_stream.h"
 #include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
-#include "host/take/matroska.h"
 #include "host/take/picture_files.h"
+#include "host/take/stored_stream.h"
 #include "host/take/trajectory.h"
 #include "host/take/tum_folder.h"
 
@@ -46,6 +47,7 @@ struct TumLists {
 struct TakeReader::State {
   Manifest manifest;
   std::unique_ptr<PictureStream> color, depth, amplitude;
+  std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
   std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
   std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
@@ -54,7 +56,6 @@ struct TakeReader::State {
 
   TakeInfo& info() { return manifest.info; }
   Result<void> open_streams();
-  Result<std::unique_ptr<PictureStream>> open_stream(const StreamInfo& stream, PixelKind kind);
   Result<TumLists> read_lists();
   Result<void> index_numbered();
   Result<void> index_lists(const TumLists& lists);
@@ -66,17 +67,6 @@ struct TakeReader::State {
                           Image<float>& out);
   fs::path truth_file(const char* what, int number) const;
 };
-
-Result<std::unique_ptr<PictureStream>> TakeReader::State::open_stream(const StreamInfo& stream,
-                                                                      PixelKind kind) {
-  const fs::path path = info().root / stream.path;
-  if (is_matroska(stream)) return open_matroska(path, kind, stream.count, stream.rate_hz);
-  MIXRIG_ASSIGN(NumberedName name, NumberedName::parse(path.string()));
-  return std::unique_ptr<PictureStream>(
-      std::make_unique<PictureFiles>([name = std::move(name), first = stream.first](int index) {
-        return fs::path(name.with(first + index));
-      }));
-}
 
 Result<TumLists> TakeReader::State::read_lists() {
   TumLists lists;
@@ -102,10 +92,10 @@ Result<void> TakeReader::State::open_streams() {
     depth = stream_of(lists.depth);
     return index_lists(lists);
   }
-  MIXRIG_ASSIGN(color, open_stream(info().color, PixelKind::kRgb8));
-  MIXRIG_ASSIGN(depth, open_stream(info().depth, PixelKind::kGray16));
+  MIXRIG_ASSIGN(color, open_stored(info().root, info().color, PixelKind::kRgb8));
+  MIXRIG_ASSIGN(depth, open_stored(info().root, info().depth, PixelKind::kGray16));
   if (info().amplitude) {
-    MIXRIG_ASSIGN(amplitude, open_stream(*info().amplitude, PixelKind::kGray16));
+    MIXRIG_ASSIGN(amplitude, open_stored(info().root, *info().amplitude, PixelKind::kGray16));
   }
   return index_numbered();
 }
@@ -264,6 +254,9 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   MIXRIG_ASSIGN(state->manifest, open_manifest(path));
   MIXRIG_TRY(state->open_streams());
   MIXRIG_TRY(state->read_tables());
+  if (state->info().fisheye) {
+    MIXRIG_ASSIGN(state->fisheye, open_fisheye_stream(state->info()));
+  }
   state->take_times_from_ticks();
   TakeInfo& info = state->info();
   info.rate_hz = info.color.rate_hz;
@@ -303,6 +296,10 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
   MIXRIG_TRY(
       s.read_steps(*s.depth, index.depth, info.depth_unit_m, info.depth_unknown, frame.depth_m));
   MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(), s.depth->name(index.depth), "tof"));
+  if (s.fisheye)
+    MIXRIG_TRY(s.fisheye->read(frame));
+  else
+    capture::clear_fisheye(frame);
   if (!s.amplitude) return {};
   MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, 1.0, 0, frame.amplitude));
   return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");

@@ -11,6 +11,7 @@
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
 #include "host/take/depth_steps.h"
+#include "host/take/fisheye_stream.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"
@@ -81,18 +82,22 @@ struct TakeWriter::State {
         info(take_info),
         color(partial.path(), "color", PixelKind::kRgb8, format, rate(info.color)),
         depth(partial.path(), "depth", PixelKind::kGray16, format, rate(info.depth)),
-        amplitude(partial.path(), "amplitude", PixelKind::kGray16, format, rate(info.depth)) {}
+        amplitude(partial.path(), "amplitude", PixelKind::kGray16, format, rate(info.depth)),
+        fisheye(partial.path(), "fisheye", PixelKind::kRgb8, format,
+                rate(info.fisheye.value_or(StreamInfo{}))) {}
 
   static double rate(const StreamInfo& stream) {
     return stream.rate_hz > 0 ? stream.rate_hz : kDefaultRate_hz;
   }
   Result<void> write_text(const char* name, const std::string& text) const;
   Result<void> copy_calibration();
+  Result<void> write_fisheye(const capture::Capture& frame);
 
   PartialPath partial;
   TakeInfo info;
-  StreamWriter color, depth, amplitude;
-  std::string poses;
+  StreamWriter color, depth, amplitude, fisheye;
+  std::string poses, fisheye_rows;
+  HostTime last_fisheye = HostTime::min();
   Image<std::uint16_t> steps;
   int frames = 0;
 };
@@ -104,6 +109,18 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
   file.close();
   if (file) return {};
   return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
+}
+
+/// The picture of a frame in which it is fresh.
+Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
+  if (frame.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
+  // A camera that started again may stamp a picture before its last one: a reader refuses that.
+  if (frame.fisheye_mid_exposure <= last_fisheye) return {};
+  last_fisheye = frame.fisheye_mid_exposure;
+  MIXRIG_TRY(fisheye.write(frame.fisheye.view()));
+  fisheye_rows += fisheye_row(fisheye.info().count,
+                              {frames + 1, frame.fisheye_counter, frame.fisheye_mid_exposure});
+  return {};
 }
 
 /// Copies the calibration into the take.
@@ -146,6 +163,7 @@ Result<void> TakeWriter::write(const capture::Capture& frame) {
     to_steps(frame.amplitude, 1.0, 0, s.steps);
     MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
   }
+  MIXRIG_TRY(s.write_fisheye(frame));
   s.poses += trajectory_line({frame.time_s, frame.world_from_target});
   ++s.frames;
   return {};
@@ -172,7 +190,8 @@ const fs::path& TakeWriter::staging() const { return state_->partial.path(); }
 Result<void> TakeWriter::finish() {
   State& s = *state_;
   if (s.frames == 0) return Error{ErrorCode::kData, "a take needs at least one frame"};
-  for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude}) MIXRIG_TRY(stream->finish());
+  for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude, &s.fisheye})
+    MIXRIG_TRY(stream->finish());
   s.info.color = s.color.info();
   s.info.depth = s.depth.info();
   // A frame counts only if all its streams were written.
@@ -181,6 +200,12 @@ Result<void> TakeWriter::finish() {
   if (s.amplitude.info().count > 0) {
     s.info.amplitude = s.amplitude.info();
     s.info.amplitude->count = std::min(s.frames, s.info.amplitude->count);
+  }
+  s.info.fisheye.reset();
+  if (s.fisheye.info().count > 0) {
+    s.info.fisheye = s.fisheye.info();
+    MIXRIG_TRY(
+        s.write_text(kFisheyeTable, "picture,frame,counter,mid_exposure_ns\n" + s.fisheye_rows));
   }
   if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
   MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));

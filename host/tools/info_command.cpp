@@ -91,6 +91,7 @@ nlohmann::json report_of(const take::TakeInfo& info, const DepthStatistics& dept
         {"p50_m", depth.median_m},
         {"p99_m", depth.farthest_m}}}};
   if (info.amplitude) report["streams"]["amplitude"] = stream_json(*info.amplitude);
+  if (info.fisheye) report["streams"]["fisheye"] = stream_json(*info.fisheye);
   return report;
 }
 
@@ -113,6 +114,7 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
   print_stream("color", info.color);
   print_stream("depth", info.depth);
   if (info.amplitude) print_stream("amplitude", *info.amplitude);
+  if (info.fisheye) print_stream("fisheye", *info.fisheye);
   print_camera("target", info.target);
   print_camera("tof", info.tof);
   std::printf("  base line  %.1f mm, %.2f degrees apart\n",

@@ -2,6 +2,8 @@
 // The fisheye picture.
 #include "host/studio/sensors/fisheye.h"
 
+#include <cmath>
+
 #include "host/studio/srgb.h"
 
 namespace mixrig::studio {
@@ -10,16 +12,17 @@ namespace {
 constexpr int kFisheyeBand = 4;
 /// Relative to the target camera: short, so that lamps are much brighter than the lit surfaces.
 constexpr float kExposure = 0.6F;
+constexpr float kFisheyeFullWell_e = 12000, kFisheyeReadNoise_e = 8;
 
 }  // namespace
 
-void draw_fisheye(const FisheyeOptics& camera, const geometry::Pose& world_from_fisheye,
-                  const TraceScene& room, const ShadowCasters& casters, const Materials& materials,
-                  const LampSet& lamps, const Light& light, Crew& crew, Image<Rgb8>& picture) {
-  picture.reset(camera.size_px);
+void add_fisheye_light(const FisheyeOptics& camera, const FisheyeSample& sample,
+                       const geometry::Pose& world_from_fisheye, const TraceScene& room,
+                       const ShadowCasters& casters, const Materials& materials,
+                       const LampSet& lamps, const Light& light, Crew& crew, Image<Rgbf>& sum) {
   const Vec3 eye = world_from_fisheye.translation_m.cast<float>();
   const Eigen::Matrix3f turn = world_from_fisheye.rotation.toRotationMatrix().cast<float>();
-  const float exposure = kExposure * static_cast<float>(light.exposure);
+  const float exposure = sample.share * kExposure * static_cast<float>(light.exposure);
   const auto shade = [&](const Vec3& ray) -> Vec3 {
     Hit hit, person;
     const bool on_room = room.intersect(eye, ray, kMiss, hit);
@@ -41,8 +44,32 @@ void draw_fisheye(const FisheyeOptics& camera, const geometry::Pose& world_from_
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < camera.size_px.width; ++x) {
         Eigen::Vector3d ray;
+        if (!fisheye_ray(camera, x + sample.x_px, y + sample.y_px, ray)) continue;
+        const Vec3 lit = exposure * shade(turn * ray.cast<float>());
+        Rgbf& out = sum.at(x, y);
+        out = {out.r + lit.x(), out.g + lit.y(), out.b + lit.z()};
+      }
+  });
+}
+
+void develop_fisheye(const FisheyeOptics& camera, const Image<Rgbf>& light, std::uint64_t key,
+                     const NormalTable& normal, Crew& crew, Image<Rgb8>& picture) {
+  picture.reset(camera.size_px);
+  crew.rows(camera.size_px.height, kFisheyeBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < camera.size_px.width; ++x) {
+        Eigen::Vector3d ray;
         if (!fisheye_ray(camera, x, y, ray)) continue;
-        picture.at(x, y) = srgb_from_linear(Vec3(exposure * shade(turn * ray.cast<float>())));
+        const std::uint64_t bits =
+            hash_key(key, static_cast<std::uint64_t>(y) * 65536 + static_cast<unsigned>(x));
+        const Rgbf& c = light.at(x, y);
+        Vec3 noisy(c.r, c.g, c.b);
+        for (int i = 0; i < 3; ++i) {
+          const float charge = kFisheyeFullWell_e * noisy[i];
+          noisy[i] += std::sqrt(charge + kFisheyeReadNoise_e * kFisheyeReadNoise_e) *
+                      normal(bits >> (12 * i)) / kFisheyeFullWell_e;
+        }
+        picture.at(x, y) = srgb_from_linear(noisy);
       }
   });
 }

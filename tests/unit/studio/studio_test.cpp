@@ -147,15 +147,15 @@ TEST(Studio, fisheye_shows_saturated_lamps_in_a_circle) {
   options.fisheye = true;
   auto studio = Studio::create(options);
   ASSERT_TRUE(studio);
-  Frame frame;
-  studio->render(1, frame);
-  ASSERT_FALSE(frame.fisheye.empty());
+  FisheyePicture frame;
+  studio->render_fisheye(1, frame);
+  ASSERT_EQ(frame.picture.size(), (Size{1280, 1024}));
   int saturated = 0;
-  for (int y = 0; y < frame.fisheye.height(); ++y)
-    for (int x = 0; x < frame.fisheye.width(); ++x)
-      saturated += frame.fisheye.at(x, y) == Rgb8{255, 255, 255};
+  for (int y = 0; y < frame.picture.height(); ++y)
+    for (int x = 0; x < frame.picture.width(); ++x)
+      saturated += frame.picture.at(x, y) == Rgb8{255, 255, 255};
   EXPECT_GT(saturated, 50);
-  EXPECT_EQ(frame.fisheye.at(0, 0), Rgb8{});
+  EXPECT_EQ(frame.picture.at(0, 0), Rgb8{});
 }
 
 TEST(Studio, wrong_options_are_one_line) {
