@@ -26,7 +26,8 @@ struct ScanView {
 /// Averages the depth of a view's frames, each weighted by the square of its amplitude: that is by
 /// the inverse of its variance (Schiller et al. 2010, section 3). Where frames saw several
 /// surfaces, further apart than noise, the one that most of them saw counts, of as many the farther
-/// one: who walked through stood before the room. A fifth surface is left out. Not thread-safe.
+/// one: who walked through stood before the room. Where none was seen twice, all are averaged: they
+/// may be noise. A fifth surface is left out. Not thread-safe.
 class ViewAverage {
  public:
   /// `depth_is_distance`: depth is along the ray, not along z.
@@ -51,6 +52,7 @@ class ViewAverage {
   };
   using Surfaces = std::array<Surface, 4>;
   void add(float distance_m, float weight, float gap_m, Surfaces& to) const;
+  static Surface most_seen(const Surfaces& all);
 
   Image<Surfaces> surfaces_;
 };

@@ -52,16 +52,24 @@ void ViewAverage::add(ImageView<const float> depth_m, ImageView<const float> amp
     }
 }
 
+ViewAverage::Surface ViewAverage::most_seen(const Surfaces& all) {
+  const Surface& best =
+      *std::max_element(all.begin(), all.end(), [](const Surface& a, const Surface& b) {
+        return a.count != b.count ? a.count < b.count : a.count > 0 && a.mean_m() < b.mean_m();
+      });
+  if (best.count > 1) return best;
+  Surface mean;
+  for (const Surface& surface : all)
+    mean.sum_m += surface.sum_m, mean.weight += surface.weight, mean.count += surface.count;
+  return mean;
+}
+
 void ViewAverage::finish(Image<float>& distance_m, Image<float>& sigma_m) const {
   distance_m.reset(ray_.size()), sigma_m.reset(ray_.size());
   for (int y = 0; y < ray_.height(); ++y)
     for (int x = 0; x < ray_.width(); ++x) {
-      const Surfaces& all = surfaces_.row(y)[x];
-      if (all[0].count == 0) continue;
-      const Surface& seen =
-          *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
-            return a.count != b.count ? a.count < b.count : a.count > 0 && a.mean_m() < b.mean_m();
-          });
+      const Surface seen = most_seen(surfaces_.row(y)[x]);
+      if (seen.count == 0) continue;
       const float mean_m = seen.mean_m();
       const double one_m = noise_.sigma_m(static_cast<double>(mean_m) * z_of_distance_.row(y)[x]);
       distance_m.row(y)[x] = mean_m;

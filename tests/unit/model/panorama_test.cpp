@@ -213,7 +213,7 @@ TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   EXPECT_EQ(distance_m.at(0, 0), 0);
 }
 
-TEST(ViewAverage, OfTwoSurfacesKeepsTheOneThatMostFramesSeeOrTheFartherOne) {
+TEST(ViewAverage, OfSurfacesKeepsTheOneThatMostFramesSeeOrTheFartherOne) {
   const auto averaged_m = [](const std::vector<float>& depths_m) {
     ViewAverage average(box_camera(), {0.01, 0, 0}, true);
     for (const float depth_m : depths_m)
@@ -224,12 +224,13 @@ TEST(ViewAverage, OfTwoSurfacesKeepsTheOneThatMostFramesSeeOrTheFartherOne) {
   };
   EXPECT_NEAR(averaged_m({3.01F, 2, 2.99F, 3}), 3, 1e-5);
   EXPECT_NEAR(averaged_m({2, 3.01F, 2.99F, 3}), 3, 1e-5);
-  EXPECT_NEAR(averaged_m({2, 3}), 3, 1e-5);
-  EXPECT_NEAR(averaged_m({3, 2}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({2, 3, 2, 3}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({3, 3, 2, 2}), 3, 1e-5);
+  EXPECT_NEAR(averaged_m({2, 3}), 2.5, 1e-5) << "none was seen twice";
   EXPECT_NEAR(averaged_m({2, 2.02F, 3}), 2.01, 1e-5);
   EXPECT_NEAR(averaged_m({1, 2, 3, 3}), 3, 1e-5);
   EXPECT_NEAR(averaged_m({4, 1, 3, 3}), 3, 1e-5);
-  EXPECT_NEAR(averaged_m({1, 2, 4, 5, 3, 3}), 5, 1e-5) << "a fifth surface is left out";
+  EXPECT_NEAR(averaged_m({1, 2, 4, 6, 3, 3}), 3.25, 1e-5) << "a fifth surface is left out";
 }
 
 }  // namespace
