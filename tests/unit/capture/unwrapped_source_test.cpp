@@ -40,7 +40,7 @@ TEST(UnwrappedSource, LeavesOutWhatReturnsTooLittleLight) {
   EXPECT_FALSE(*source->read(3, capture));
 }
 
-TEST(UnwrappedSource, BelievesAConfidenceNothing) {
+TEST(UnwrappedSource, LeavesAConfidenceAlone) {
   const auto source = without_wrapped_depth(std::make_unique<LitSource>(false));
   Capture capture;
   ASSERT_TRUE(*source->read(1, capture));

@@ -13,6 +13,7 @@ inline constexpr Size kColorSize{33, 20}, kDepthSize{17, 12};
 inline TakeInfo made_info() {
   TakeInfo info;
   info.name = "a \"made\" take\n";
+  info.amplitude_is_light = true;
   info.color.rate_hz = info.depth.rate_hz = 30.0;
   info.target.pinhole = {kColorSize, 30.0, 30.5, 16.0, 9.5};
   info.target.lens = geometry::Lens({-0.1, 0.01, 0.001, -0.002, 0, 0, 0, 0});

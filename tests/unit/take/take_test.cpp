@@ -62,6 +62,7 @@ TEST_P(TakeRoundTrip, FramesAndCalibrationComeBackInAnyOrder) {
   EXPECT_TRUE(info.target_from_tof.matrix().isApprox(made.target_from_tof.matrix(), 1e-12));
   EXPECT_TRUE(info.has_poses);
   EXPECT_FALSE(info.has_truth);
+  EXPECT_TRUE(info.amplitude_is_light);
   capture::Capture frame;
   for (const int number : {1, 2, 3, 12, 5, 4, 6, 1}) {
     const auto read = reader->read(number, frame);

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// ticks.csv, pan_tilt.csv and fisheye.csv of any bytes; fisheye rows that are accepted are written
+// and read again.
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "host/take/fisheye_stream.h"
+#include "host/take/frame_tables.h"
+#include "tests/fuzz/target.h"
+
+MIXRIG_FUZZ_TARGET(take_tables) {
+  using namespace mixrig;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  static_cast<void>(take::parse_ticks(text, "ticks.csv"));
+  static_cast<void>(take::parse_pan_tilt(text, "pan_tilt.csv"));
+  const auto stamps = take::parse_fisheye_table(text, "fisheye.csv");
+  if (!stamps) return 0;
+  std::string again = "picture,frame,counter,mid_exposure_ns\n";
+  int picture = 0;
+  for (const take::FisheyeStamp& stamp : *stamps) again += take::fisheye_row(++picture, stamp);
+  const auto read = take::parse_fisheye_table(again, "fisheye.csv");
+  if (!read || read->size() != stamps->size()) std::abort();
+  return 0;
+}
