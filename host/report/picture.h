@@ -8,7 +8,7 @@
 
 namespace mixrig::report {
 
-/// Error 0..1 as colour: white, yellow, red by its square root, red beyond; black where it is not
+/// Error 0..1 as colour: white, orange, red by its square root, red beyond; black where it is not
 /// known (negative, not a number).
 Rgb8 error_color(float share);
 /// The same of error / most, with a scale below.
