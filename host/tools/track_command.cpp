@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig track --mocap: the pose of every frame of a motion capture, recorded or live.
+// mixrig track: the pose of every frame of a motion capture, recorded or live; of every picture of
+// a take in a scanned room.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -12,7 +13,10 @@
 #include "host/mocap/live.h"
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
+#include "host/scene/scene.h"
+#include "host/session/room_track.h"
 #include "host/tools/command.h"
+#include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
@@ -20,6 +24,8 @@ namespace {
 
 struct TrackArguments {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
+  std::string model, take, scene, camera = "fisheye", tum;
+  int patches = 300, finest = 0, threads = 0;
   int body = 0;
   std::optional<double> duration_s;
   std::size_t frames = 0;
@@ -118,7 +124,58 @@ void print(const mocap::MocapTrack& track, const std::optional<stream::NatNetCou
     std::printf("%d without: %s\n", count, reason.c_str());
 }
 
+/// Where the room stands, as a scene says; none where it does not.
+Result<std::optional<geometry::Pose>> place_of_room(const std::string& file) {
+  if (file.empty()) return std::optional<geometry::Pose>();
+  MIXRIG_ASSIGN(const scene::Scene scene, scene::load_scene(file));
+  if (scene.background.world_from_base) return scene.background.world_from_base;
+  if (scene.pose_source == scene::PoseSource::kPanTilt)
+    return std::optional(scene.camera.world_from_base);
+  return Error{ErrorCode::kFormat, file +
+                                       ": does not say where the room stands: add "
+                                       "background.world_from_base"};
+}
+
+void print(const session::RoomTrack& track, const nlohmann::json& json) {
+  std::printf("%zu pictures, %.1f %% without a pose, %.0f pictures a second\n",
+              track.pictures.size(), json["lost_pct"].get<double>(), json["fps"].get<double>());
+  if (json.contains("rms_mm"))
+    std::printf(
+        "error of the target camera: %.2f mm RMS, 95 %% within %.2f mm, %.4f deg RMS; "
+        "expected %.2f mm\n",
+        json["rms_mm"].get<double>(), json["p95_mm"].get<double>(), json["rms_deg"].get<double>(),
+        json["sigma_mm"].get<double>());
+}
+
+Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
+  session::RoomTrackOptions options;
+  options.room = arguments.model, options.take = arguments.take;
+  options.calibration = arguments.calibration;
+  options.camera = arguments.camera == "target" ? session::TrackedCamera::kTarget
+                                                : session::TrackedCamera::kFisheye;
+  MIXRIG_ASSIGN(options.world_from_base, place_of_room(arguments.scene));
+  options.tracker.align.patches = arguments.patches;
+  options.tracker.align.finest = arguments.finest;
+  options.threads = arguments.threads;
+  MIXRIG_ASSIGN(const session::RoomTrack track, session::track_room(options));
+  const nlohmann::json json = session::to_json(track);
+  print(track, json);
+  if (track.counts.lost == track.counts.pictures)
+    return Error{ErrorCode::kData, arguments.take +
+                                       ": the room explains none of its pictures: is it a take of "
+                                       "this room, and is the camera calibrated?"};
+  if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, session::to_tum(track)));
+  return json;
+}
+
 Result<nlohmann::json> track(const TrackArguments& arguments) {
+  if (arguments.mocap.empty() == arguments.model.empty())
+    return Error{ErrorCode::kUsage, "track: give either --mocap, or --model with --take"};
+  if (!arguments.model.empty()) {
+    if (arguments.take.empty())
+      return Error{ErrorCode::kUsage, "track: --model needs --take: whose pictures?"};
+    return track_in_room(arguments);
+  }
   MIXRIG_ASSIGN(const auto options, track_options(arguments));
   MIXRIG_ASSIGN(const auto body, constellation_of(arguments));
   MIXRIG_ASSIGN(const Frames all, read_frames(arguments));
@@ -143,11 +200,27 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
 void add_track_command(Command app, Context& context) {
   auto arguments = std::make_shared<TrackArguments>();
   Command command = app.add_subcommand("track", "the pose of every frame, as TUM lines");
+  command.add_option("--mocap", arguments->mocap,
+                     "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
+                     "natnet[:HOST[:PORT]][,GROUP]");
+  command.add_option("--model", arguments->model,
+                     "room written by scan, in which the camera of --take is tracked");
+  command.add_option("--take", arguments->take, "--model: folder or take.toml");
+  command.add_option("--camera", arguments->camera, "--model: by whose pictures")
+      .one_of({"fisheye", "target"})
+      .show_default();
+  command.add_option("--scene", arguments->scene,
+                     "--model: scene.toml that says where the room stands; else poses are in its "
+                     "own axes where its folder does not say");
+  command.add_option("--patches", arguments->patches, "--model: of a picture")
+      .show_default()
+      .range(20, 5000);
   command
-      .add_option("--mocap", arguments->mocap,
-                  "motion capture: CSV of markers or bodies, NatNet packets as sent, or live: "
-                  "natnet[:HOST[:PORT]][,GROUP]")
-      .required();
+      .add_option("--finest", arguments->finest,
+                  "--model: pictures are aligned down to 1/2^N of their size")
+      .show_default()
+      .range(0, 3);
+  command.add_option("--threads", arguments->threads, "--model: 0: one per core").non_negative();
   command.add_option("--constellation", arguments->constellation,
                      "TOML of the body's markers: poses are computed from markers alone");
   command.add_option("--body", arguments->body, "number of the rigid body; 0: the only one")
@@ -164,7 +237,9 @@ void add_track_command(Command app, Context& context) {
                   "seconds of a live stream; if not given, until Ctrl-C or 5 s without data")
       .positive();
   command.add_option("--frames", arguments->frames, "number of frames of a live stream");
-  command.add_option("--out", arguments->out, "trajectory in TUM format, z up");
+  command.add_option("--out", arguments->out, "--mocap: trajectory in TUM format, z up");
+  command.add_option("OUT", arguments->tum,
+                     "--model: poses of the target camera at its pictures, TUM format");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }

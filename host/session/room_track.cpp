@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/room_track.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/calibration_file/calibration.h"
+#include "host/measure/percentile.h"
+#include "host/model/room_file.h"
+#include "host/take/take_source.h"
+#include "host/trajectory/trajectory.h"
+
+namespace mixrig::session {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kNanosecond_s = 1e-9;
+constexpr const char* kTruthOfFisheye = "truth/fisheye.tum";
+
+/// A camera and where the target camera is in its axes.
+struct CameraOfRig {
+  geometry::AnyCamera model;
+  geometry::Pose camera_from_target;
+};
+
+Result<CameraOfRig> camera_of(const RoomTrackOptions& options, const capture::SourceInfo& info) {
+  const fs::path& path = options.calibration.empty() ? info.calibration : options.calibration;
+  if (options.camera == TrackedCamera::kTarget && path.empty()) return CameraOfRig{info.target, {}};
+  const char* name = options.camera == TrackedCamera::kTarget ? "target" : "fisheye";
+  if (path.empty())
+    return Error{ErrorCode::kUsage,
+                 "track: the take does not say where its fisheye is: give its "
+                 "calibration.toml by --calibration"};
+  MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                calibration_file::read_calibration(path));
+  const auto* camera = known.camera(name);
+  const auto* pose = known.pose(name);
+  if (camera == nullptr || (options.camera == TrackedCamera::kFisheye && pose == nullptr))
+    return Error{ErrorCode::kData,
+                 fmt::format("{}: holds no {} with its pose in the rig: calibrate it by mixrig "
+                             "calibrate intrinsics and rig, or track by --camera target",
+                             path.string(), name)};
+  return CameraOfRig{camera->model,
+                     pose == nullptr ? geometry::Pose{} : geometry::inverse(pose->target_from)};
+}
+
+/// The picture of a capture and its time; no picture where it has none of its own.
+struct Picture {
+  const Image<Rgb8>* image = nullptr;
+  double time_s = 0;
+};
+
+Picture picture_of(const capture::Capture& capture, TrackedCamera camera) {
+  if (camera == TrackedCamera::kTarget)
+    return {capture.plate.empty() ? nullptr : &capture.plate, capture.time_s};
+  if (capture.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
+  const double behind_s =
+      kNanosecond_s *
+      static_cast<double>((capture.mid_exposure - capture.fisheye_mid_exposure).count());
+  return {&capture.fisheye, capture.time_s - behind_s};
+}
+
+/// True poses of the target camera by time.
+class TruePath {
+ public:
+  TruePath(const RoomTrackOptions& options, const capture::SourceInfo& info,
+           const CameraOfRig& camera)
+      : poses_of_frames_(info.true_poses) {
+    if (options.camera != TrackedCamera::kFisheye) return;
+    const fs::path folder =
+        fs::is_directory(options.take) ? options.take : options.take.parent_path();
+    auto samples = trajectory::read_samples(folder / kTruthOfFisheye);
+    if (!samples) return;
+    fisheye_ = *std::move(samples);
+    camera_from_target_ = camera.camera_from_target;
+  }
+
+  std::optional<geometry::Pose> at(double time_s, const capture::Capture& capture) const {
+    constexpr double kSame_s = 1e-6;
+    const auto near =
+        std::lower_bound(fisheye_.begin(), fisheye_.end(), time_s - kSame_s,
+                         [](const trajectory::TimedPose& p, double t) { return p.t_s < t; });
+    if (near != fisheye_.end() && near->t_s < time_s + kSame_s)
+      return near->world_from_body * camera_from_target_;
+    if (time_s == capture.time_s && poses_of_frames_ &&
+        capture.pose_origin == capture::PoseOrigin::kRecorded)
+      return capture.world_from_target;
+    return std::nullopt;
+  }
+
+ private:
+  bool poses_of_frames_;
+  std::vector<trajectory::TimedPose> fisheye_;
+  geometry::Pose camera_from_target_;
+};
+
+/// Errors of the pictures that have a pose and truth.
+struct PathErrors {
+  std::vector<double> shift_mm, turn_deg, nees, number;
+};
+
+PathErrors errors_of(const RoomTrack& track) {
+  PathErrors errors;
+  for (std::size_t i = 0; i < track.pictures.size(); ++i) {
+    const TrackedPicture& p = track.pictures[i];
+    if (!p.pose.known || !p.truth) continue;
+    const Eigen::Quaterniond turn = p.truth->rotation * p.world_from_target.rotation.conjugate();
+    const Eigen::AngleAxisd angle(turn);
+    errors.shift_mm.push_back(1e3 *
+                              (p.world_from_target.translation_m - p.truth->translation_m).norm());
+    errors.turn_deg.push_back(angle.angle() * 180 / std::numbers::pi);
+    errors.number.push_back(static_cast<double>(i));
+    errors.nees.push_back(p.nees);
+  }
+  return errors;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// Of y over x by least squares; 0 for fewer than two values.
+double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
+  const double mean_x = mean_of(x), mean_y = mean_of(y);
+  double xx = 0, xy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    xx += (x[i] - mean_x) * (x[i] - mean_x), xy += (x[i] - mean_x) * (y[i] - mean_y);
+  return xx > 0 ? xy / xx : 0;
+}
+
+/// e^T C^-1 e of the camera's pose in the room.
+double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_room_from_camera) {
+  const Eigen::AngleAxisd turn(true_room_from_camera.rotation *
+                               pose.room_from_camera.rotation.conjugate());
+  Eigen::Matrix<double, 6, 1> e;
+  e << turn.angle() * turn.axis(),
+      true_room_from_camera.translation_m - pose.room_from_camera.translation_m;
+  return e.dot(pose.covariance.ldlt().solve(e));
+}
+
+}  // namespace
+
+Result<RoomTrack> track_room(const RoomTrackOptions& options) {
+  MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(options.room));
+  MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
+  MIXRIG_ASSIGN(const CameraOfRig camera, camera_of(options, source->info()));
+  const TruePath truth(options, source->info(), camera);
+  const auto place =
+      options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
+  const geometry::Pose world_from_base = place.value_or(geometry::Pose{});
+  Crew crew(options.threads);
+  tracking::Tracker tracker(room.panorama, camera.model, options.tracker, crew);
+  RoomTrack track;
+  track.world_known = place.has_value();
+  capture::Capture capture;
+  const int frames = source->info().frames;
+  for (int number = 1; number <= frames; ++number) {
+    MIXRIG_ASSIGN(const bool there, source->read(number, capture));
+    if (!there) break;
+    if (options.progress) options.progress(number, frames);
+    const Picture picture = picture_of(capture, options.camera);
+    if (picture.image == nullptr) continue;
+    if (picture.image->size() != geometry::size_px(camera.model))
+      return Error{ErrorCode::kData,
+                   fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}",
+                               options.take.string(), picture.image->width(),
+                               picture.image->height(), geometry::size_px(camera.model).width,
+                               geometry::size_px(camera.model).height)};
+    const auto start = std::chrono::steady_clock::now();
+    TrackedPicture tracked;
+    tracked.time_s = picture.time_s;
+    tracked.pose = tracker.track(*picture.image, picture.time_s);
+    track.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    tracked.world_from_target =
+        world_from_base * tracked.pose.room_from_camera * camera.camera_from_target;
+    if (place) tracked.truth = truth.at(picture.time_s, capture);
+    if (tracked.truth && tracked.pose.known)
+      tracked.nees = nees_of(tracked.pose, geometry::inverse(world_from_base) * *tracked.truth *
+                                               geometry::inverse(camera.camera_from_target));
+    track.pictures.push_back(tracked);
+  }
+  if (track.pictures.empty())
+    return Error{ErrorCode::kData, options.take.string() +
+                                       ": has no pictures of that camera: record it with the "
+                                       "fisheye in rig.toml, or track by --camera target"};
+  track.counts = tracker.counts();
+  return track;
+}
+
+nlohmann::json to_json(const RoomTrack& track) {
+  const auto frames = static_cast<double>(track.pictures.size());
+  std::vector<double> sigma_mm;
+  for (const TrackedPicture& p : track.pictures)
+    if (p.pose.known)
+      sigma_mm.push_back(1e3 * std::sqrt(p.pose.covariance.diagonal().tail<3>().sum()));
+  nlohmann::json json = {{"frames", track.pictures.size()},
+                         {"lost_pct", 100 * static_cast<double>(track.counts.lost) / frames},
+                         {"fps", track.seconds > 0 ? frames / track.seconds : 0},
+                         {"searches", track.counts.searches},
+                         {"sigma_mm", mean_of(sigma_mm)}};
+  const PathErrors errors = errors_of(track);
+  if (errors.shift_mm.empty()) return json;
+  json["rms_mm"] = rms_of(errors.shift_mm), json["rms_deg"] = rms_of(errors.turn_deg);
+  json["p95_mm"] = measure::quantile({errors.shift_mm.begin(), errors.shift_mm.end()}, 0.95);
+  json["max_mm"] = *std::max_element(errors.shift_mm.begin(), errors.shift_mm.end());
+  json["drift_mm_per_1000"] = 1000 * slope_of(errors.number, errors.shift_mm);
+  json["nees"] = mean_of(errors.nees);
+  return json;
+}
+
+std::string to_tum(const RoomTrack& track) {
+  std::string text = "# t x y z qx qy qz qw of world_from_target\n";
+  for (const TrackedPicture& p : track.pictures) {
+    if (!p.pose.known) continue;
+    const auto& t = p.world_from_target.translation_m;
+    const auto& q = p.world_from_target.rotation;
+    text += fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.time_s,
+                        t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return text;
+}
+
+}  // namespace mixrig::session

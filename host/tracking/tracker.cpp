@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/tracking/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixrig::tracking {
+namespace {
+
+constexpr int kPyramidLevels = 6;
+/// A longer step says nothing about the next one.
+constexpr double kLongestStep_s = 0.5;
+constexpr double kFinerThanPicture = 0.75;  ///< pixels of the room to those of the picture
+
+PatchMapOptions map_options(const geometry::AnyCamera& camera, const AlignOptions& align) {
+  PatchMapOptions options;
+  options.finest_rad = kFinerThanPicture * (1 << align.finest) / geometry::parameters_of(camera)[0];
+  return options;
+}
+
+/// The motion that takes `share` of the way from the identity to `pose`; past it above 1.
+geometry::Pose part_of(const geometry::Pose& pose, double share) {
+  const Eigen::AngleAxisd turn(pose.rotation);
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis())),
+          share * pose.translation_m};
+}
+
+TrackedPose known_pose(const PatchFit& fit) {
+  TrackedPose pose;
+  pose.known = true;
+  pose.room_from_camera = geometry::inverse(fit.camera_from_room);
+  const Eigen::Matrix3d turn = pose.room_from_camera.rotation.toRotationMatrix();
+  Eigen::Matrix<double, 6, 6> turns = Eigen::Matrix<double, 6, 6>::Zero();
+  turns.topLeftCorner<3, 3>() = turns.bottomRightCorner<3, 3>() = turn;
+  pose.covariance = turns * fit.covariance * turns.transpose();
+  pose.visible = fit.visible, pose.inliers = fit.inliers;
+  return pose;
+}
+
+}  // namespace
+
+geometry::Pose looking_ahead() {
+  Eigen::Matrix3d axes;
+  axes << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  return {Eigen::Quaterniond(axes), Eigen::Vector3d::Zero()};
+}
+
+Tracker::Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
+                 const TrackerOptions& options, Crew& crew)
+    : camera_(camera),
+      options_(options),
+      crew_(crew),
+      map_(make_patch_map(room, map_options(camera, options.align), crew)),
+      align_(map_, camera_, options.align),
+      first_(room, map_, camera_, options.align, crew) {}
+
+std::optional<geometry::Pose> Tracker::predicted(double time_s) const {
+  if (!last_ || lost_) return std::nullopt;
+  const double step_s = before_ ? last_->time_s - before_->time_s : 0;
+  if (!(step_s > 0) || step_s > kLongestStep_s) return last_->room_from_camera;
+  const geometry::Pose motion =
+      geometry::inverse(before_->room_from_camera) * last_->room_from_camera;
+  return last_->room_from_camera * part_of(motion, (time_s - last_->time_s) / step_s);
+}
+
+std::optional<PatchFit> Tracker::follow(double time_s) {
+  const auto start = predicted(time_s);
+  if (!start) return std::nullopt;
+  PatchFit fit = align_.align(picture_, geometry::inverse(*start));
+  if (explains(fit)) return fit;
+  fit = align_.align(picture_, geometry::inverse(last_->room_from_camera));
+  if (explains(fit)) return fit;
+  return std::nullopt;
+}
+
+std::optional<PatchFit> Tracker::search(double time_s) {
+  ++counts_.searches;
+  SearchField field = options_.start;
+  if (last_) {
+    const double passed_s = std::max(time_s - last_->time_s, 0.1);
+    field.room_from_camera = last_->room_from_camera;
+    field.radius_m = std::min(field.radius_m, 0.3 + options_.speed_m_s * passed_s);
+    field.radius_rad = std::min(field.radius_rad, 0.3 + options_.speed_rad_s * passed_s);
+  }
+  auto fit = first_.find(picture_, field);
+  if (fit) ++counts_.found;
+  return fit;
+}
+
+TrackedPose Tracker::track(ImageView<const Rgb8> picture, double time_s) {
+  ++counts_.pictures;
+  picture_.build(picture, kPyramidLevels, crew_);
+  std::optional<PatchFit> fit = follow(time_s);
+  const bool searched = !fit;
+  if (!fit) fit = search(time_s);
+  lost_ = !fit;
+  if (!fit) {
+    ++counts_.lost;
+    before_.reset();
+    return {};
+  }
+  TrackedPose pose = known_pose(*fit);
+  pose.searched = searched;
+  before_ = searched ? std::nullopt : last_;
+  last_ = Past{time_s, pose.room_from_camera};
+  return pose;
+}
+
+}  // namespace mixrig::tracking

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pose of a camera in a scanned room, picture after picture (Schiller et al. 2010,
+// section 5.1).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "host/tracking/first_pose.h"
+
+namespace mixrig::tracking {
+
+/// room_from_camera at the room's origin: ahead is y of the room, down is -z.
+geometry::Pose looking_ahead();
+
+struct TrackerOptions {
+  AlignOptions align;
+  /// Where the first pose is looked for, in axes of the room: by default the place of the scan, the
+  /// camera looking ahead.
+  SearchField start{looking_ahead()};
+  /// A camera that is lost is looked for around its last pose, in a field that grows so fast.
+  double speed_m_s = 1, speed_rad_s = 2;
+};
+
+/// What is known of one picture's camera.
+struct TrackedPose {
+  bool known = false;
+  geometry::Pose room_from_camera;
+  /// Of (rotation vector rad, translation m) in axes of the room: R = exp(w) * R_estimate.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  int visible = 0, inliers = 0;  ///< patches
+  bool searched = false;         ///< without the pose before
+};
+
+struct TrackerCounts {
+  std::uint64_t pictures = 0, lost = 0, searches = 0;
+  std::uint64_t found = 0;  ///< by a search
+};
+
+/// Aligns the room's patches to each picture from the pose that constant velocity predicts. Each
+/// picture is held against the room itself, so errors do not add up. A picture that the room does
+/// not explain is lost, and the camera is looked for. Does not allocate while it is tracked. Not
+/// thread-safe.
+class Tracker {
+ public:
+  /// `room` is read here alone; `crew` must outlive the tracker.
+  Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
+          const TrackerOptions& options, Crew& crew);
+
+  /// A picture of the camera's size; times grow.
+  TrackedPose track(ImageView<const Rgb8> picture, double time_s);
+  /// What constant velocity says of a time near the last picture's; none before the first pose and
+  /// while the camera is lost.
+  std::optional<geometry::Pose> predicted(double time_s) const;
+
+  const TrackerCounts& counts() const { return counts_; }
+  /// The patches of the last picture that was not searched for.
+  const PatchAlign& patches() const { return align_; }
+
+ private:
+  struct Past {
+    double time_s = 0;
+    geometry::Pose room_from_camera;
+  };
+  std::optional<PatchFit> follow(double time_s);
+  std::optional<PatchFit> search(double time_s);
+
+  const geometry::AnyCamera camera_;
+  const TrackerOptions options_;
+  Crew& crew_;
+  const PatchMap map_;
+  PatchAlign align_;
+  const FirstPose first_;
+  GreyPyramid picture_;
+  std::optional<Past> last_, before_;  ///< the newest two poses that were known
+  bool lost_ = true;
+  TrackerCounts counts_;
+};
+
+}  // namespace mixrig::tracking

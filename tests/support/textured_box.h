@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// A box with patterned walls, as a panorama and as fisheye pictures, by formula: rays, walls and an
+// equidistant lens, none of them the pipeline's.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hal/base/image.h"
+#include "host/geometry/fisheye_model.h"
+#include "host/geometry/pose.h"
+#include "host/model/panorama.h"
+
+namespace mixrig::test {
+
+class TexturedBox {
+ public:
+  /// `contrast` 0: bare walls. Rooms of other patterns look different.
+  explicit TexturedBox(unsigned pattern = 1, double contrast = 1)
+      : pattern_(pattern), contrast_(contrast) {}
+
+  static constexpr std::array<double, 3> kLow_m{-2.1, -1.6, -1.4}, kHigh_m{2.3, 2.9, 1.5};
+
+  /// Distance to the walls along a unit ray, from inside.
+  static double distance_m(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
+    double nearest = 1e9;
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      if (ray[k] > 1e-12) nearest = std::min(nearest, (kHigh_m[i] - eye[k]) / ray[k]);
+      if (ray[k] < -1e-12) nearest = std::min(nearest, (kLow_m[i] - eye[k]) / ray[k]);
+    }
+    return nearest;
+  }
+
+  /// 0 to 1, of what a ray meets.
+  double grey(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) const {
+    const Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
+    return 0.5 +
+           contrast_ * (0.55 * (noise(p / 0.5, 11) - 0.5) + 0.4 * (noise(p / 0.13, 23) - 0.5));
+  }
+
+  model::Panorama panorama(int height = 360) const {
+    model::Panorama room;
+    const Size size{2 * height, height};
+    room.distance_m.reset(size), room.color.reset(size);
+    room.sigma_m.reset(size, 0.001F), room.views.reset(size, 2), room.field.reset(size, 1);
+    const Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / size.width);
+        const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / height);
+        const Eigen::Vector3d ray(-std::cos(elevation) * std::sin(azimuth),
+                                  std::cos(elevation) * std::cos(azimuth), std::sin(elevation));
+        room.distance_m.at(x, y) = static_cast<float>(distance_m(eye, ray));
+        room.color.at(x, y) = byte(grey(eye, ray), 0);
+      }
+    return room;
+  }
+
+  static constexpr double kF_px = 85;
+  static constexpr Size kPicture{320, 256};
+  /// The lens of picture(): radius = kF_px * angle from the axis.
+  static geometry::FisheyeModel camera() {
+    return geometry::FisheyeModel({kPicture, kF_px, kF_px, 160.3, 127.1, {}});
+  }
+
+  /// What the fisheye sees, with noise of `sigma` grey values of 255 that `seed` chooses; black
+  /// more than 92 degrees off the axis.
+  Image<Rgb8> picture(const geometry::Pose& room_from_camera, double sigma = 0,
+                      unsigned seed = 1) const {
+    Image<Rgb8> out(kPicture);
+    std::uint64_t state = seed * 0x9E3779B97F4A7C15ULL + 1;
+    for (int y = 0; y < kPicture.height; ++y)
+      for (int x = 0; x < kPicture.width; ++x) {
+        const double u = x - 160.3, v = y - 127.1, radius = std::hypot(u, v);
+        const double angle = radius / kF_px;
+        if (angle > 92 * std::numbers::pi / 180) continue;
+        const double across = radius > 0 ? std::sin(angle) / radius : 0;
+        const Eigen::Vector3d ray =
+            room_from_camera.rotation * Eigen::Vector3d(across * u, across * v, std::cos(angle));
+        double noise = 0;  // of 12 uniform values: normal enough
+        for (int k = 0; k < (sigma > 0 ? 12 : 0); ++k) {
+          state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+          noise += static_cast<double>(state >> 40) / (1 << 24) - 0.5;
+        }
+        out.at(x, y) = byte(grey(room_from_camera.translation_m, ray), sigma * noise);
+      }
+    return out;
+  }
+
+ private:
+  static Rgb8 byte(double grey, double noise) {
+    const auto v = static_cast<std::uint8_t>(std::clamp(std::lround(255 * grey + noise), 1L, 255L));
+    return {v, v, v};
+  }
+  double corner(const Eigen::Vector3i& at, unsigned kind) const {
+    std::uint32_t h = pattern_ * 0x9E3779B9U + kind;
+    for (int k = 0; k < 3; ++k) {
+      h ^= static_cast<std::uint32_t>(at[k]) + 0x9E3779B9U + (h << 6) + (h >> 2);
+      h *= 0x85EBCA6BU, h ^= h >> 13;
+    }
+    return static_cast<double>(h & 0xFFFF) / 0xFFFF;
+  }
+  /// Value noise, smooth between the corners of unit cells.
+  double noise(const Eigen::Vector3d& p, unsigned kind) const {
+    Eigen::Vector3i cell;
+    Eigen::Vector3d f;
+    for (int k = 0; k < 3; ++k) {
+      cell[k] = static_cast<int>(std::floor(p[k]));
+      const double t = p[k] - cell[k];
+      f[k] = t * t * (3 - 2 * t);
+    }
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) {
+      const Eigen::Vector3i bit(c & 1, (c >> 1) & 1, c >> 2);
+      double share = 1;
+      for (int k = 0; k < 3; ++k) share *= bit[k] != 0 ? f[k] : 1 - f[k];
+      sum += share * corner(cell + bit, kind);
+    }
+    return sum;
+  }
+
+  unsigned pattern_;
+  double contrast_;
+};
+
+/// A camera near the middle of the box that looks along y, moved and turned.
+inline geometry::Pose in_the_box(const Eigen::Vector3d& place_m, const Eigen::Vector3d& turn_rad) {
+  Eigen::Matrix3d axes;
+  axes << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  const double angle = turn_rad.norm();
+  const Eigen::Vector3d axis =
+      angle > 0 ? Eigen::Vector3d(turn_rad / angle) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)) * Eigen::Quaterniond(axes), place_m};
+}
+
+}  // namespace mixrig::test

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/count_allocations.h"
+#include "tests/support/textured_box.h"
+
+namespace mixrig::tracking {
+namespace {
+
+using test::in_the_box;
+using test::TexturedBox;
+
+constexpr double kRate_hz = 10;
+
+/// A path of 0.3 m/s and 20 deg/s.
+geometry::Pose on_the_path(int picture) {
+  const double t = picture / kRate_hz;
+  return in_the_box({0.3 * t - 0.3, 0.1 * t, 0.05 * t}, {0.05 * t, 0.02, 0.35 * t});
+}
+
+TrackerOptions narrow_options() {
+  TrackerOptions options;
+  options.start.radius_m = 0.5, options.start.radius_rad = 0.5;
+  return options;
+}
+
+double sigma_mm(const TrackedPose& pose) {
+  return 1e3 * std::sqrt(pose.covariance.diagonal().tail<3>().sum());
+}
+
+double error_mm(const TrackedPose& pose, const geometry::Pose& truth) {
+  return 1e3 * (pose.room_from_camera.translation_m - truth.translation_m).norm();
+}
+
+TEST(Tracker, FollowsACameraWithoutDriftAndWithoutAllocation) {
+  const TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 12; ++i) {
+    const Image<Rgb8> picture = box.picture(on_the_path(i), 2, static_cast<unsigned>(i));
+    const long before = test::allocations;
+    const TrackedPose pose = tracker.track(picture, i / kRate_hz);
+    if (i > 1) {
+      EXPECT_EQ(test::allocations, before) << i;
+    }
+    ASSERT_TRUE(pose.known) << i;
+    EXPECT_EQ(pose.searched, i == 0);
+    EXPECT_LT(error_mm(pose, on_the_path(i)), 2) << i;
+    EXPECT_LT(
+        error_mm(pose, on_the_path(i)),
+        5e3 * std::sqrt(pose.covariance(3, 3) + pose.covariance(4, 4) + pose.covariance(5, 5)));
+  }
+  EXPECT_EQ(tracker.counts().pictures, 12U);
+  EXPECT_EQ(tracker.counts().lost, 0U);
+  EXPECT_EQ(tracker.counts().searches, 1U);
+}
+
+TEST(Tracker, PredictsByConstantVelocity) {
+  const TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  EXPECT_FALSE(tracker.predicted(0));
+  for (int i = 0; i < 3; ++i) tracker.track(box.picture(on_the_path(i)), i / kRate_hz);
+  const auto ahead = tracker.predicted(2.5 / kRate_hz);
+  ASSERT_TRUE(ahead);
+  const double t = 2.5 / kRate_hz;
+  EXPECT_LT((ahead->translation_m - Eigen::Vector3d(0.3 * t - 0.3, 0.1 * t, 0.05 * t)).norm(),
+            0.002);
+}
+
+TEST(Tracker, ACoveredLensIsLostAndFoundAgainWhereItIsThen) {
+  const TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 3; ++i)
+    ASSERT_TRUE(tracker.track(box.picture(on_the_path(i)), i / kRate_hz).known);
+  const Image<Rgb8> covered(TexturedBox::kPicture);
+  for (int i = 3; i < 6; ++i) EXPECT_FALSE(tracker.track(covered, i / kRate_hz).known);
+  EXPECT_FALSE(tracker.predicted(0.6));
+  EXPECT_EQ(tracker.counts().lost, 3U);
+  const TrackedPose again = tracker.track(box.picture(on_the_path(6)), 6 / kRate_hz);
+  ASSERT_TRUE(again.known);
+  EXPECT_TRUE(again.searched);
+  EXPECT_LT(error_mm(again, on_the_path(6)), 2);
+}
+
+TEST(Tracker, LightsThatGoOutAreLostOrRight) {
+  const TexturedBox box, dark(1, 0.08);
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 6; ++i) {
+    const auto& lit = i < 3 ? box : dark;
+    const TrackedPose pose =
+        tracker.track(lit.picture(on_the_path(i), 2, static_cast<unsigned>(i)), i / kRate_hz);
+    if (i < 3) {
+      ASSERT_TRUE(pose.known);
+    }
+    if (pose.known) {
+      EXPECT_LT(error_mm(pose, on_the_path(i)), 4 * sigma_mm(pose)) << i << " " << sigma_mm(pose);
+    }
+  }
+}
+
+TEST(Tracker, AnotherRoomIsNeverTracked) {
+  const TexturedBox box, other(9);
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_FALSE(tracker.track(other.picture(on_the_path(i), 2), i / kRate_hz).known);
+  EXPECT_EQ(tracker.counts().lost, 3U);
+}
+
+}  // namespace
+}  // namespace mixrig::tracking
