@@ -5,7 +5,7 @@ namespace mixrig::capture {
 
 std::string_view name(PoseLoss loss) {
   constexpr std::array<std::string_view, kPoseLosses> kNames{
-      "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old"};
+      "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old", "untracked"};
   return kNames[static_cast<std::size_t>(loss)];
 }
 

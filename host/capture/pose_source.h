@@ -25,11 +25,13 @@ enum class PoseLoss : std::uint8_t {
   kNotFinite,  ///< NaN or infinite
   kNoAngle,    ///< the angle of the head is not known
   kTooOld,     ///< older than the scene accepts
+  kUntracked,  ///< the tracker does not recognise the room in the picture
   kCount
 };
 inline constexpr std::size_t kPoseLosses = static_cast<std::size_t>(PoseLoss::kCount);
 
-/// "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old".
+/// "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old",
+/// "untracked".
 std::string_view name(PoseLoss loss);
 
 /// Of (rotation vector rad, translation m): R = exp(w) * R_estimate.

@@ -12,8 +12,8 @@ namespace {
 
 using config::Table;
 
-constexpr std::array<const char*, 7> kPoses{"take",     "floor",    "identity",  "fixed",
-                                            "recorded", "pan_tilt", "mocap:HOST"};
+constexpr std::array<const char*, 8> kPoses{"take",     "floor",    "identity",   "fixed",
+                                            "recorded", "pan_tilt", "mocap:HOST", "tracker"};
 constexpr const char* kMocapPrefix = "mocap:";
 constexpr double kMs = 1e-3;
 

@@ -70,7 +70,7 @@ struct Light {
   std::vector<Lamp> lamps;
 };
 
-enum class PoseSource { kTake, kFloor, kIdentity, kFixed, kRecorded, kPanTilt, kMocap };
+enum class PoseSource { kTake, kFloor, kIdentity, kFixed, kRecorded, kPanTilt, kMocap, kTracker };
 /// The word of scene.toml: "pan_tilt".
 const char* name(PoseSource source);
 

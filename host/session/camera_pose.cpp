@@ -13,6 +13,7 @@
 #include "host/pose/mocap_poses.h"
 #include "host/pose/pan_tilt_poses.h"
 #include "host/pose/recorded_poses.h"
+#include "host/session/tracker_pose.h"
 #include "host/session/world_frame.h"
 
 namespace mixrig::session {
@@ -148,6 +149,8 @@ Poses make_poses(const Session& session, const Clock* clock) {
                                                      : trajectory_poses(session);
     case scene::PoseSource::kPanTilt:
       return pan_tilt_poses(session);
+    case scene::PoseSource::kTracker:
+      return tracker_poses(session);
     case scene::PoseSource::kMocap:
       break;
   }

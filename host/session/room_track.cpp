@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/calibration_file/calibration.h"
 #include "host/measure/percentile.h"
 #include "host/model/room_file.h"
+#include "host/session/rig_camera.h"
 #include "host/take/take_source.h"
 #include "host/trajectory/trajectory.h"
 
@@ -20,34 +20,17 @@ namespace mixrig::session {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kNanosecond_s = 1e-9;
 constexpr const char* kTruthOfFisheye = "truth/fisheye.tum";
 
-/// A camera and where the target camera is in its axes.
-struct CameraOfRig {
-  geometry::AnyCamera model;
-  geometry::Pose camera_from_target;
-};
-
-Result<CameraOfRig> camera_of(const RoomTrackOptions& options, const capture::SourceInfo& info) {
+Result<RigCamera> tracked_camera(const RoomTrackOptions& options, const capture::SourceInfo& info) {
   const fs::path& path = options.calibration.empty() ? info.calibration : options.calibration;
-  if (options.camera == TrackedCamera::kTarget && path.empty()) return CameraOfRig{info.target, {}};
-  const char* name = options.camera == TrackedCamera::kTarget ? "target" : "fisheye";
+  const bool by_plate = options.camera == TrackedCamera::kTarget;
+  if (by_plate && path.empty()) return RigCamera{info.target, {}};
   if (path.empty())
     return Error{ErrorCode::kUsage,
                  "track: the take does not say where its fisheye is: give its "
                  "calibration.toml by --calibration"};
-  MIXRIG_ASSIGN(const calibration_file::Calibration known,
-                calibration_file::read_calibration(path));
-  const auto* camera = known.camera(name);
-  const auto* pose = known.pose(name);
-  if (camera == nullptr || (options.camera == TrackedCamera::kFisheye && pose == nullptr))
-    return Error{ErrorCode::kData,
-                 fmt::format("{}: holds no {} with its pose in the rig: calibrate it by mixrig "
-                             "calibrate intrinsics and rig, or track by --camera target",
-                             path.string(), name)};
-  return CameraOfRig{camera->model,
-                     pose == nullptr ? geometry::Pose{} : geometry::inverse(pose->target_from)};
+  return rig_camera(path, by_plate ? "target" : "fisheye");
 }
 
 /// The picture of a capture and its time; no picture where it has none of its own.
@@ -60,9 +43,7 @@ Picture picture_of(const capture::Capture& capture, TrackedCamera camera) {
   if (camera == TrackedCamera::kTarget)
     return {capture.plate.empty() ? nullptr : &capture.plate, capture.time_s};
   if (capture.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
-  const double behind_s =
-      kNanosecond_s *
-      static_cast<double>((capture.mid_exposure - capture.fisheye_mid_exposure).count());
+  const double behind_s = seconds(capture.mid_exposure - capture.fisheye_mid_exposure);
   return {&capture.fisheye, capture.time_s - behind_s};
 }
 
@@ -70,7 +51,7 @@ Picture picture_of(const capture::Capture& capture, TrackedCamera camera) {
 class TruePath {
  public:
   TruePath(const RoomTrackOptions& options, const capture::SourceInfo& info,
-           const CameraOfRig& camera)
+           const RigCamera& camera)
       : poses_of_frames_(info.true_poses) {
     if (options.camera != TrackedCamera::kFisheye) return;
     const fs::path folder =
@@ -157,7 +138,7 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
 Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(options.room));
   MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
-  MIXRIG_ASSIGN(const CameraOfRig camera, camera_of(options, source->info()));
+  MIXRIG_ASSIGN(const RigCamera camera, tracked_camera(options, source->info()));
   const TruePath truth(options, source->info(), camera);
   const auto place =
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;

@@ -64,7 +64,8 @@ bool has_true_poses(const Session& session) {
   const PoseSource used = session.scene.pose_source;
   const bool own = session.scene.camera.trajectory.empty();
   const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
-                              used == PoseSource::kMocap || (used == PoseSource::kRecorded && !own);
+                              used == PoseSource::kMocap || used == PoseSource::kTracker ||
+                              (used == PoseSource::kRecorded && !own);
   return from_elsewhere && session.source->info().true_poses;
 }
 

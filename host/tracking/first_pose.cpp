@@ -22,7 +22,8 @@ constexpr double kPixel_rad = 0.1;  ///< of the coarse picture and room, about
 constexpr std::size_t kRays = 256;  ///< of the picture that are compared
 constexpr float kLeastCorrelation = 0.3F;
 constexpr std::size_t kSecondTurns = 200, kTurnsOfPlace = 30;
-constexpr std::size_t kFirstRays = 64;            ///< of them, with all rotations
+constexpr std::size_t kFirstRays = 64;  ///< of them, with all rotations
+constexpr int kCoarsePatches = 100;
 constexpr std::size_t kCoarse = 160, kFine = 10;  ///< poses that are aligned
 
 /// The room as it looks from a place: grey values on the six faces of a cube, -1 unknown.
@@ -287,9 +288,11 @@ std::optional<PatchFit> FirstPose::find(const GreyPyramid& picture,
                                         const SearchField& field) const {
   std::vector<PatchFit> fits;
   guess(picture, field, fits);
-  align_all(picture, 4, 2, 100, fits);
+  const int level = PatchAlign(map_, camera_, options_).coarsest();
+  const int middle = std::max(options_.finest, level - 1);
+  align_all(picture, level + 1, middle, kCoarsePatches, fits);
   keep_different(kFine, fits);
-  align_all(picture, 2, options_.finest, options_.patches, fits);
+  align_all(picture, middle, options_.finest, options_.patches, fits);
   for (const PatchFit& fit : fits)
     if (explains(fit)) return fit;
   return std::nullopt;

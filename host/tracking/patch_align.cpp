@@ -53,6 +53,8 @@ PatchAlign::PatchAlign(const PatchMap& map, const geometry::AnyCamera& camera,
       camera_(camera),
       options_(options),
       parameters_(geometry::parameters_of(camera)),
+      coarsest_(std::max(options.finest, static_cast<int>(std::log2(std::max(
+                                             1.0, options.coarsest_rad * parameters_[0]))))),
       choice_(map, camera, options.patches) {
   seen_.reserve(static_cast<std::size_t>(options.patches));
   distances_.reserve(static_cast<std::size_t>(options.patches));
@@ -177,7 +179,7 @@ bool PatchAlign::step(geometry::Pose& pose, double& moved) {
 }
 
 PatchFit PatchAlign::align(const GreyPyramid& picture, const geometry::Pose& start) {
-  return align(picture, start, options_.coarsest, options_.finest);
+  return align(picture, start, coarsest_, options_.finest);
 }
 
 PatchFit PatchAlign::align(const GreyPyramid& picture, const geometry::Pose& start, int coarsest,

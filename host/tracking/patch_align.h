@@ -15,10 +15,10 @@
 namespace mixrig::tracking {
 
 struct AlignOptions {
-  int patches = 300;   ///< of a picture, most
-  int coarsest = 3;    ///< level of the picture that is begun with
-  int finest = 0;      ///< and ended with
-  int iterations = 8;  ///< of a level, most
+  int patches = 300;           ///< of a picture, most
+  double coarsest_rad = 0.06;  ///< of a pixel, at most, on the level that is begun with
+  int finest = 0;              ///< and ended with
+  int iterations = 8;          ///< of a level, most
 };
 
 /// How well a pose explains a picture.
@@ -46,6 +46,8 @@ class PatchAlign {
 
   /// From a pose up to about 1.5 pixels of the coarsest level off.
   PatchFit align(const GreyPyramid& picture, const geometry::Pose& camera_from_room);
+  /// The level that is begun with.
+  int coarsest() const { return coarsest_; }
   /// The same on chosen levels.
   PatchFit align(const GreyPyramid& picture, const geometry::Pose& camera_from_room, int coarsest,
                  int finest);
@@ -72,6 +74,7 @@ class PatchAlign {
   const geometry::AnyCamera& camera_;
   const AlignOptions options_;
   Eigen::VectorXd parameters_;
+  int coarsest_;
   PatchChoice choice_;
   std::vector<Seen> seen_;
   std::vector<double> distances_;

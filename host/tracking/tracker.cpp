@@ -66,7 +66,12 @@ std::optional<geometry::Pose> Tracker::predicted(double time_s) const {
 std::optional<PatchFit> Tracker::follow(double time_s) {
   const auto start = predicted(time_s);
   if (!start) return std::nullopt;
-  PatchFit fit = align_.align(picture_, geometry::inverse(*start));
+  // A good prediction needs no coarse level, on which few patches are in view.
+  const geometry::Pose camera_from_room = geometry::inverse(*start);
+  const int fine = std::min(align_.coarsest(), options_.align.finest + 1);
+  PatchFit fit = align_.align(picture_, camera_from_room, fine, options_.align.finest);
+  if (explains(fit)) return fit;
+  fit = align_.align(picture_, camera_from_room);
   if (explains(fit)) return fit;
   fit = align_.align(picture_, geometry::inverse(last_->room_from_camera));
   if (explains(fit)) return fit;

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/pose/tracker_poses.h"
+
+#include <cmath>
+
+#include "hal/base/clock.h"
+
+namespace mixrig::pose {
+namespace {
+
+using capture::CameraPose;
+using capture::PoseLoss;
+
+constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;  ///< sigma of a hand-held camera's
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// Of a camera at `arm_m` from one whose covariance is known; both in axes of the room.
+capture::PoseCovariance moved_by(const capture::PoseCovariance& covariance,
+                                 const Eigen::Vector3d& arm_m) {
+  capture::PoseCovariance by = capture::PoseCovariance::Identity();
+  by.bottomLeftCorner<3, 3>() = -skew(arm_m);
+  return by * covariance * by.transpose();
+}
+
+class TrackerPoses final : public capture::PoseSource {
+ public:
+  TrackerPoses(const model::Panorama& room, const TrackerPoseOptions& options)
+      : options_(options),
+        crew_(options.threads),
+        tracker_(room, options.fisheye, options.tracker, crew_) {}
+
+  std::string_view name() const override { return "tracker"; }
+  std::string describe() const override {
+    return "tracked: the fisheye's pictures against the scanned room";
+  }
+  bool moves() const override { return true; }
+
+  CameraPose pose_of(const capture::Capture& capture) override {
+    const double plate_s = seconds(capture.mid_exposure.time_since_epoch());
+    take_picture(capture);
+    const auto room_from_fisheye = tracker_.predicted(plate_s);
+    if (!room_from_fisheye)
+      return CameraPose::lost(tracker_.counts().pictures == 0 ? PoseLoss::kAbsent
+                                                              : PoseLoss::kUntracked);
+    CameraPose pose;
+    pose.age_s = std::abs(plate_s - picture_s_);
+    pose.world_from_target =
+        options_.world_from_base * *room_from_fisheye * options_.fisheye_from_target;
+    pose.covariance = covariance_at(*room_from_fisheye, plate_s - picture_s_);
+    return pose;
+  }
+
+ private:
+  void take_picture(const capture::Capture& capture) {
+    if (capture.fisheye.empty()) return;
+    const double time_s = seconds(capture.fisheye_mid_exposure.time_since_epoch());
+    if (tracker_.counts().pictures > 0 && time_s <= picture_s_) return;
+    picture_s_ = time_s;
+    const tracking::TrackedPose tracked = tracker_.track(capture.fisheye, time_s);
+    if (tracked.known) covariance_ = tracked.covariance;
+  }
+
+  /// Of the target camera's pose in the world, `ahead_s` after the last picture.
+  capture::PoseCovariance covariance_at(const geometry::Pose& room_from_fisheye,
+                                        double ahead_s) const {
+    capture::PoseCovariance c = moved_by(
+        covariance_, room_from_fisheye.rotation * options_.fisheye_from_target.translation_m);
+    if (ahead_s > 0) {
+      const double way = 0.5 * ahead_s * ahead_s;
+      c.diagonal().head<3>().array() += std::pow(kSpeedUp_rad_s2 * way, 2);
+      c.diagonal().tail<3>().array() += std::pow(kSpeedUp_m_s2 * way, 2);
+    }
+    capture::PoseCovariance turn = capture::PoseCovariance::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
+        options_.world_from_base.rotation.toRotationMatrix();
+    return turn * c * turn.transpose();
+  }
+
+  const TrackerPoseOptions options_;
+  Crew crew_;
+  tracking::Tracker tracker_;
+  double picture_s_ = 0;  ///< of the last picture that was tracked, found or not
+  capture::PoseCovariance covariance_ = capture::PoseCovariance::Zero();
+};
+
+}  // namespace
+
+std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
+                                                        const TrackerPoseOptions& options) {
+  return std::make_unique<TrackerPoses>(room, options);
+}
+
+}  // namespace mixrig::pose

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses of the target camera from the fisheye's pictures and a scanned room.
+#pragma once
+
+#include <memory>
+
+#include "host/capture/pose_source.h"
+#include "host/geometry/any_camera.h"
+#include "host/model/panorama.h"
+#include "host/tracking/tracker.h"
+
+namespace mixrig::pose {
+
+struct TrackerPoseOptions {
+  geometry::AnyCamera fisheye;
+  geometry::Pose fisheye_from_target;
+  geometry::Pose world_from_base;  ///< of the room
+  tracking::TrackerOptions tracker;
+  int threads = 0;  ///< 0: one per core
+};
+
+/// Tracks each fresh picture of the fisheye when its capture is asked for. The plate has another
+/// time: between the newest two pictures the motion is interpolated, after the newest one it goes
+/// on (constant velocity), so that no frame waits. The covariance grows by what a camera that
+/// changes its speed by 1 m/s^2 and 2 rad/s^2 would add. A capture that brings a picture takes some
+/// milliseconds longer; one whose camera has to be looked for, a second or less. Allocates only
+/// then.
+std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
+                                                        const TrackerPoseOptions& options);
+
+}  // namespace mixrig::pose

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/tracker_pose.h"
+
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/model/room_file.h"
+#include "host/pose/tracker_poses.h"
+#include "host/session/rig_camera.h"
+
+namespace mixrig::session {
+namespace {
+
+Error at_pose(const Session& session, ErrorCode code, const std::string& what) {
+  return {code, session.scene.path.string() + ": camera.pose: \"tracker\", but " + what};
+}
+
+/// Known before the first frame of recordings.
+Result<void> check_fisheye(const Session& session) {
+  if (session.source->info().frames == capture::kEndless) return {};
+  capture::Capture first;
+  MIXRIG_ASSIGN(const bool there, session.source->read(1, first));
+  if (there && first.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kAbsent)
+    return {};
+  return at_pose(session, ErrorCode::kData,
+                 "the take has no pictures of a fisheye: record it with the fisheye in rig.toml");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& session) {
+  const scene::Background& background = session.scene.background;
+  if (!background.model || !model::is_room(*background.model))
+    return at_pose(session, ErrorCode::kFormat,
+                   "the background is no scanned room: scan it by mixrig scan and name it by "
+                   "background.model");
+  MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(*background.model));
+  const auto place =
+      background.world_from_base ? background.world_from_base : room.manifest.world_from_base;
+  if (!place)
+    return at_pose(session, ErrorCode::kFormat,
+                   background.model->string() +
+                       " does not say where it stands: give background.world_from_base");
+  if (session.calibration.file.empty())
+    return at_pose(session, ErrorCode::kFormat,
+                   fmt::format("{} has no fisheye: name a calibration.toml that has one by "
+                               "`calibration` or --calibration",
+                               session.calibration.where));
+  MIXRIG_ASSIGN(const RigCamera fisheye, rig_camera(session.calibration.file, "fisheye"));
+  MIXRIG_TRY(check_fisheye(session));
+  pose::TrackerPoseOptions options;
+  options.fisheye = fisheye.model;
+  options.fisheye_from_target = fisheye.camera_from_target;
+  options.world_from_base = *place;
+  return pose::make_tracker_poses(room.panorama, options);
+}
+
+}  // namespace mixrig::session

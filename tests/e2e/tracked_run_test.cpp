@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// A room is scanned, then a hand-held camera is tracked in it by its fisheye: mixrig track, and
+// mixrig run with pose = "tracker". The bounds were chosen on seeds 5 and 6; the test has 33.
+#include <fstream>
+#include <sstream>
+
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+class TrackedRun : public CommandTest {
+ protected:
+  static constexpr int kFrames = 30;
+
+  void SetUp() override {
+    CommandTest::SetUp();
+    const std::string rig = " --rig sr3000 --seed 33 --plain --size 160x128";
+    ASSERT_EQ(mixrig("studio " + path("sweep") +
+                     " --scenario sweep --field 150x100 --view-frames 1" + rig),
+              0);
+    ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
+                     path("sweep/truth/calibration.toml") + " " + path("room")),
+              0);
+    ASSERT_EQ(mixrig("studio " + path("take") +
+                     " --scenario handheld --eye 1.2,2.1,1.4 --look-at 3.2,2.1,0.5 --frames " +
+                     std::to_string(kFrames) + " --fisheye --fisheye-size 320x256" + rig),
+              0);
+  }
+
+  /// What the command says where it must fail.
+  std::string refusal(const std::string& words) const {
+    const std::string log = path("refusal");
+    const std::string line = std::string(MIXRIG_COMMAND) + " " + words + " >" + log + " 2>&1";
+    EXPECT_NE(std::system(line.c_str()), 0) << words;
+    std::ifstream file(log);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+};
+
+nlohmann::json world_from_base(const std::string& take) {
+  std::ifstream file(take + "/truth/rig.json");
+  return nlohmann::json::parse(file).at("world_from_base");
+}
+
+/// The take's own scene with the tracker and the scanned room.
+std::string tracker_scene(const std::string& take, const std::string& room,
+                          const nlohmann::json& place) {
+  std::ifstream file(take + "/scene.toml");
+  std::stringstream text;
+  text << file.rdbuf();
+  std::string scene = text.str();
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const auto at = scene.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    const auto end = scene.find('\n', at);
+    if (at != std::string::npos) scene.replace(at, end - at, to);
+  };
+  replace("pose = ", "pose = \"tracker\"");
+  replace("learn = ", "model = \"" + room + "\"\nworld_from_base = { rotation_xyzw = " +
+                          place.at("rotation_xyzw").dump() +
+                          ", translation_m = " + place.at("translation_m").dump() + " }");
+  return "calibration = \"truth/calibration.toml\"\n" + scene;
+}
+
+TEST_F(TrackedRun, FollowsAHandHeldCamera) {
+  const std::string of_take = "track --model " + path("room") + " --take " + path("take") + " ";
+  EXPECT_NE(refusal(of_take + path("path.tum")).find("give its calibration.toml"),
+            std::string::npos);
+  EXPECT_NE(refusal("track --model " + path("room")).find("--model needs --take"),
+            std::string::npos);
+  EXPECT_NE(refusal(of_take + "--calibration " + path("sweep/truth/calibration.toml") +
+                    " --scene " + path("take/scene.toml"))
+                .find("does not say where the room stands"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(path("path.tum")));
+  ASSERT_EQ(mixrig(of_take + "--calibration " + path("take/truth/calibration.toml") + " --scene " +
+                   path("sweep/scene_pan_tilt.toml") + " " + path("path.tum") + " --json " +
+                   path("track.json")),
+            0);
+  const auto tracked = report("track.json");
+  EXPECT_EQ(tracked.at("frames").get<int>(), 12);  // 10 Hz
+  EXPECT_EQ(tracked.at("lost_pct").get<double>(), 0);
+  EXPECT_EQ(tracked.at("searches").get<int>(), 1);
+  EXPECT_LT(tracked.at("rms_mm").get<double>(), 4);
+  EXPECT_LT(tracked.at("rms_deg").get<double>(), 0.08);
+  EXPECT_TRUE(std::filesystem::exists(path("path.tum")));
+
+  std::ofstream(path("take/scene_tracker.toml"))
+      << tracker_scene(path("take"), path("room"), world_from_base(path("sweep")));
+  ASSERT_EQ(mixrig("run " + path("take/scene_tracker.toml") + " --source take:" + path("take") +
+                   " --frames 5-30 --out " + path("out") + " --json " + path("run.json")),
+            0);
+  const auto pose = report("run.json").at("pose");
+  EXPECT_EQ(pose.at("source").get<std::string>(), "tracker");
+  EXPECT_EQ(pose.at("lost").get<int>(), 0);
+  EXPECT_LT(pose.at("error").at("shift_mm").at("rms").get<double>(), 4);
+  EXPECT_LT(pose.at("slip_px").at("rms").get<double>(), 0.5);
+}
+
+}  // namespace
+}  // namespace mixrig::test
