@@ -70,6 +70,8 @@ void print_field(const Intrinsics& in) {
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
+  // Where lenses of two and of four terms that fit the points equally still agree.
+  constexpr double kMostBeyond_rad = 15 * kDegree;
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))
     why.push_back(fmt::format("a pixel is uncertain by {:.2f} px where it is worst", map.worst_px));
@@ -83,6 +85,12 @@ std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& 
   if (in.points_out > kPointsOut * (in.points + in.points_out))
     why.push_back(fmt::format("{:.0f} % of the points do not fit",
                               100.0 * in.points_out / (in.points + in.points_out)));
+  if (const auto angle = geometry::max_angle_rad(in.camera);
+      angle && *angle - in.point_angle_rad > kMostBeyond_rad)
+    why.push_back(fmt::format(
+        "the board was shown out to {:.0f} degrees from the axis and the image ends at {:.0f}: the "
+        "lens is less certain there than stated: show it nearer to the rim",
+        in.point_angle_rad / kDegree, *angle / kDegree));
   if (in.bundle.views.size() < kFewViews)
     why.push_back(fmt::format("only {} views", in.bundle.views.size()));
   return why;

@@ -2,6 +2,7 @@
 // Calibration of a lens of 190 degrees whose image is a circle inside the picture, with boards held
 // mostly near its rim.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -102,29 +103,56 @@ double nees_of(const Intrinsics& found) {
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(count);
 }
 
-/// Root mean square angle between the rays of pixels at an angle from the true axis, once a common
-/// rotation (which no board tells from another pose) is taken out.
-double ray_error_deg(const AnyCamera& found, double theta) {
+constexpr std::array kAngles_deg{30, 60, 80, 90, 94};
+using AngleErrors = Eigen::Array<double, kAngles_deg.size(), 1>;
+
+/// Pairs of rays of the two lenses to the pixels at an angle from the axis of `truth`.
+template <typename Use>
+void pair_rays(const AnyCamera& truth, const AnyCamera& other, double angle, Use use) {
+  for (double phi = 0; phi < 6.2; phi += 0.6) {
+    const Vector3d ray(std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi),
+                       std::cos(angle));
+    const auto px = geometry::project(truth, ray);
+    if (const auto seen = px ? geometry::unproject(other, *px) : std::nullopt) use(ray, *seen);
+  }
+}
+
+/// Mean squares of the angles between these rays, degrees, once a common rotation (which no board
+/// tells from another pose) is taken out.
+AngleErrors ray_errors_deg2(const AnyCamera& truth, const AnyCamera& other) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  const auto rays = [&](double angle, auto&& use) {
-    for (double phi = 0; phi < 6.2; phi += 0.3) {
-      const Vector3d truth(std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi),
-                           std::cos(angle));
-      if (const auto ray = geometry::unproject(found, *geometry::project(true_lens(), truth)))
-        use(truth, *ray);
-    }
-  };
-  for (double angle = 0.1; angle < 1.5; angle += 0.1)
-    rays(angle, [&](const Vector3d& a, const Vector3d& b) { sum += a * b.transpose(); });
+  for (double angle = 0.1; angle < 1.6; angle += 0.1)
+    pair_rays(truth, other, angle,
+              [&](const Vector3d& a, const Vector3d& b) { sum += a * b.transpose(); });
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
-  double squares = 0;
-  int count = 0;
-  rays(theta, [&](const Vector3d& a, const Vector3d& b) {
-    squares += (a - turn * b).squaredNorm();
-    ++count;
-  });
-  return std::sqrt(squares / count) / kDegree;
+  AngleErrors errors = AngleErrors::Zero();
+  for (std::size_t i = 0; i < kAngles_deg.size(); ++i) {
+    int count = 0;
+    pair_rays(truth, other, kAngles_deg[i] * kDegree, [&](const Vector3d& a, const Vector3d& b) {
+      errors[static_cast<Eigen::Index>(i)] += (a - turn * b).squaredNorm() / (kDegree * kDegree);
+      ++count;
+    });
+    errors[static_cast<Eigen::Index>(i)] /= count;
+  }
+  return errors;
+}
+
+/// The same by lenses drawn from the covariance.
+AngleErrors stated_errors_deg2(const Intrinsics& found) {
+  constexpr int kDraws = 10;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(found.covariance);
+  AngleErrors sum = AngleErrors::Zero();
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd z(axes.eigenvalues().size());
+    for (Eigen::Index i = 0; i < z.size(); ++i)
+      z[i] = normal(random) * std::sqrt(std::max(axes.eigenvalues()[i], 0.0));
+    const Eigen::VectorXd v = found.bundle.intrinsics + axes.eigenvectors() * z;
+    sum += ray_errors_deg2(found.camera, geometry::make_camera(LensKind::kFisheye, kSize, v));
+  }
+  return sum / kDraws;
 }
 
 TEST(CircularFisheye, TheTrueLensFoldsInsideThePictureAndNotInsideItsCircle) {
@@ -135,7 +163,8 @@ TEST(CircularFisheye, TheTrueLensFoldsInsideThePictureAndNotInsideItsCircle) {
 }
 
 TEST(CircularFisheye, IsFoundWithinItsSigmasFromBoardsNearTheRim) {
-  double nees = 0, rim = 0, rim_error = 0;
+  double nees = 0;
+  AngleErrors errors = AngleErrors::Zero(), stated = AngleErrors::Zero();
   constexpr int kRuns = 6;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
     const auto views = observe_fisheye(poses_near_the_rim(seed, 14), 0.1, seed);
@@ -148,31 +177,42 @@ TEST(CircularFisheye, IsFoundWithinItsSigmasFromBoardsNearTheRim) {
     EXPECT_NEAR(found->sigma_px, 0.1, 0.01);
     EXPECT_NEAR(found->held_out_px, 0.1 * std::sqrt(2.0), 0.02);
     EXPECT_GT(found->point_angle_rad, 80 * kDegree);
-    const auto largest = geometry::max_angle_rad(found->camera);
-    ASSERT_TRUE(largest);
     // The smallest angle on the rim, where fx and fy differ.
-    EXPECT_NEAR(*largest / kDegree, 94.8, 0.3);
-    const UncertaintyMap map = projection_uncertainty(*found, 12, 9);
-    EXPECT_GE(map.worst_px, map.rim_px);
-    EXPECT_TRUE(std::isnan(map.sigma_px.front())) << "a corner of the picture is no image";
-    const double error_px = ray_error_deg(found->camera, 94.5 * kDegree) * kDegree * 100;
+    EXPECT_NEAR(geometry::max_angle_rad(found->camera).value_or(0) / kDegree, 94.8, 0.3);
     nees += nees_of(*found) / kRuns;
-    rim += map.rim_px * map.rim_px / kRuns;
-    rim_error += error_px * error_px / kRuns;
-    std::printf(
-        "seed %u: %d terms, points to %.1f deg, largest %.2f deg, rim %.3f px, worst %.3f px; ray "
-        "error "
-        "deg at 30, 60, 80, 90, 94.5: %.4f %.4f %.4f %.4f %.4f\n",
-        seed, found->lens_terms, found->point_angle_rad / kDegree, *largest / kDegree, map.rim_px,
-        map.worst_px, ray_error_deg(found->camera, 30 * kDegree),
-        ray_error_deg(found->camera, 60 * kDegree), ray_error_deg(found->camera, 80 * kDegree),
-        ray_error_deg(found->camera, 90 * kDegree), ray_error_deg(found->camera, 94.5 * kDegree));
+    errors += ray_errors_deg2(true_lens(), found->camera) / kRuns;
+    stated += stated_errors_deg2(*found) / kRuns;
   }
-  std::printf("NEES %.3f; rim: stated %.3f px, error about %.3f px\n", nees, std::sqrt(rim),
-              std::sqrt(rim_error));
+  std::printf("NEES %.3f; angle: error and what the covariance states, degrees:\n", nees);
+  for (std::size_t i = 0; i < kAngles_deg.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    std::printf("  %d: %.4f %.4f\n", kAngles_deg[i], std::sqrt(errors[at]), std::sqrt(stated[at]));
+    EXPECT_LT(errors[at], 3 * stated[at]) << kAngles_deg[i];
+    EXPECT_GT(errors[at], stated[at] / 5) << kAngles_deg[i];
+  }
   // Chi-squared of 6 runs of 8 parameters: 95 % lie within 0.64 .. 1.44.
-  EXPECT_GT(nees, 0.5);
-  EXPECT_LT(nees, 1.6);
+  EXPECT_GT(nees, 0.64);
+  EXPECT_LT(nees, 1.44);
+}
+
+TEST(CircularFisheye, UncertaintyIsStatedOutToTheLargestAngleOnly) {
+  const auto views = observe_fisheye(poses_near_the_rim(1, 14), 0.1, 1);
+  IntrinsicsOptions options = circular();
+  options.lens_terms = 4;
+  const auto found = solve_intrinsics(kBoard, kSize, views, options);
+  ASSERT_TRUE(found) << found.error().context;
+  const UncertaintyMap map = projection_uncertainty(*found, 16, 12);
+  for (int i = 0; i < 16 * 12; ++i) {
+    const Vector2d px((i % 16 + 0.5) * 40 - 0.5, (i / 16 + 0.5) * 40 - 0.5);
+    EXPECT_EQ(std::isnan(map.sigma_px[static_cast<std::size_t>(i)]),
+              !geometry::unproject(found->camera, px).has_value());
+    if (!true_circle().contains(px)) {
+      EXPECT_TRUE(std::isnan(map.sigma_px[static_cast<std::size_t>(i)])) << px.transpose();
+    }
+  }
+  EXPECT_GT(map.rim_px, 0.05);
+  EXPECT_GE(map.worst_px, map.rim_px);
+  EXPECT_LT(map.worst_px, 0.3);
 }
 
 TEST(CircularFisheye, PointsBeyondTheCircleDoNotCount) {
