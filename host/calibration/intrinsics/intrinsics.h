@@ -8,8 +8,8 @@
 #include "hal/base/result.h"
 #include "host/calibration/board/board.h"
 #include "host/calibration/board/detect_board.h"
+#include "host/calibration/board/image_circle.h"
 #include "host/calibration/intrinsics/bundle.h"
-#include "host/calibration/intrinsics/image_circle.h"
 
 namespace mixrig::calibration {
 

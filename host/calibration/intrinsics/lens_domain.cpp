@@ -9,7 +9,6 @@
 namespace mixrig::calibration {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 using geometry::AnyCamera;
 
@@ -19,33 +18,6 @@ double angle_of(const Vector3d& ray) { return std::atan2(ray.head<2>().norm(), r
 
 double fold_of(const AnyCamera& camera) {
   return std::get<geometry::FisheyeModel>(camera).fold_rad();
-}
-
-Error folds_in_circle(const AnyCamera& lens, const ImageCircle& circle) {
-  return {ErrorCode::kData,
-          fmt::format("the lens folds inside its image circle of radius {:.1f} px, {:.1f} degrees "
-                      "from its axis: show the board nearer to the rim, or ask for fewer terms by "
-                      "--lens",
-                      circle.radius_px, fold_of(lens) / kDegree)};
-}
-
-/// The smallest angle on the rim inside the picture; nullopt where all of it lies outside. Errors:
-/// kData where the lens folds before.
-Result<std::optional<double>> rim_angle(const AnyCamera& lens, Size size_px,
-                                        const ImageCircle& circle) {
-  constexpr int kDirections = 720;
-  std::optional<double> least;
-  for (int i = 0; i < kDirections; ++i) {
-    const double phi = i * 2 * M_PI / kDirections;
-    const Vector2d px =
-        circle.center_px + circle.radius_px * Vector2d(std::cos(phi), std::sin(phi));
-    if (px.x() < 0 || px.y() < 0 || px.x() > size_px.width - 1 || px.y() > size_px.height - 1)
-      continue;
-    const auto ray = geometry::unproject(lens, px);
-    if (!ray) return folds_in_circle(lens, circle);
-    least = std::min(least.value_or(M_PI), angle_of(*ray));
-  }
-  return least;
 }
 
 }  // namespace
@@ -64,7 +36,7 @@ Result<AnyCamera> camera_in_image(const Bundle& bundle, Size size_px,
                                   const std::optional<ImageCircle>& circle) {
   AnyCamera lens = geometry::make_camera(bundle.kind, size_px, bundle.intrinsics);
   if (circle && bundle.kind == geometry::LensKind::kFisheye) {
-    MIXRIG_ASSIGN(const auto angle, rim_angle(lens, size_px, *circle));
+    MIXRIG_ASSIGN(const auto angle, rim_angle_rad(lens, *circle));
     // Points are inside the circle: one far beyond its angle lies on the lens's far side.
     if (angle && largest_point_angle_rad(bundle) > *angle + kBeyondPoints_rad)
       return folds_in_circle(lens, *circle);

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "hal/base/result.h"
+#include "host/calibration/board/image_circle.h"
 #include "host/calibration/intrinsics/bundle.h"
-#include "host/calibration/intrinsics/image_circle.h"
 
 namespace mixrig::calibration {
 

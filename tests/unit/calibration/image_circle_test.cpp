@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image circle in pictures drawn by formula.
-#include "host/calibration/intrinsics/image_circle.h"
+#include "host/calibration/board/image_circle.h"
 
 #include <algorithm>
 #include <cmath>

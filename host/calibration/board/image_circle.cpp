@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration/intrinsics/image_circle.h"
+#include "host/calibration/board/image_circle.h"
 
 #include <algorithm>
 #include <array>
@@ -238,7 +238,8 @@ bool dark_outside(Picture picture, const Levels& levels, const Circle& circle) {
       outside += 1;
       light += picture.at(x, y) > levels.step() ? 1 : 0;
     }
-  return outside > kLeastOutside * static_cast<double>(size.area()) && light <= kMostLightOutside * outside;
+  return outside > kLeastOutside * static_cast<double>(size.area()) &&
+         light <= kMostLightOutside * outside;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image circle of a fisheye, found in its pictures.
+// The image circle of a fisheye, found in its pictures, and the angle of its rim.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 
 #include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/geometry/any_camera.h"
 
 namespace mixrig::calibration {
 
@@ -42,5 +44,13 @@ class BrightestPicture {
 ///  - it holds the middle of the picture, and most pixels along its inner side are lit.
 /// Its radius is that where the light begins, half way up the step. Pure.
 std::optional<ImageCircle> find_image_circle(ImageView<const std::uint8_t> brightest);
+
+/// The smallest angle from the axis on the circle's rim inside the picture, so that every ray out
+/// to it has an image; nullopt where all of the rim lies outside. `lens`: a fisheye without a
+/// largest angle. Errors: kData where it folds before, folds_in_circle().
+Result<std::optional<double>> rim_angle_rad(const geometry::AnyCamera& lens,
+                                            const ImageCircle& circle);
+/// Says so in a line for the user. `lens`: a fisheye.
+Error folds_in_circle(const geometry::AnyCamera& lens, const ImageCircle& circle);
 
 }  // namespace mixrig::calibration
