@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -184,6 +185,35 @@ TEST(RealFisheyes, MovingCamera) {
   const double theirs = pose_only_rms_px(reference, set.board, set.views);
   std::printf("moving: poses fitted to our corners with the reference %.4f px\n", theirs);
   EXPECT_LT(all->rms_px, theirs);
+}
+
+/// Four of the ten views nearest to the rim: where no lens reached the sides of the picture they
+/// were refused at every number of terms. The others judge what is found now.
+TEST(RealFisheyes, FewViewsNearTheRim) {
+  const auto folder = fisheye_recording("fisheye-moving-camera");
+  if (!folder) GTEST_SKIP() << "no recording fisheye-moving-camera: set MIXRIG_DATA";
+  const FisheyeSet set = read_set(*folder, "Fisheye2", "checkerboard:8x6:117mm");
+  ASSERT_TRUE(set.circle);
+  constexpr std::size_t kPool = 10, kUsed = 4;
+  constexpr int kDraws = 12;
+  std::vector<ObservedView> pool = nearest_to_rim(set, kPool);
+  std::mt19937 random(1);
+  int refused_before = 0;
+  double worst_px = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    for (std::size_t i = 0; i < kUsed; ++i) std::swap(pool[i], pool[i + random() % (kPool - i)]);
+    const auto used = pool.begin() + kUsed;
+    const std::vector<ObservedView> views(pool.begin(), used), others(used, pool.end());
+    const auto before = fit(set, views, false), now = fit(set, views, true);
+    refused_before += !before || before->ends_at_points ? 1 : 0;
+    ASSERT_TRUE(now) << draw << ": " << now.error().context;
+    worst_px = std::max(worst_px, pose_only_rms_px(now->camera, set.board, others));
+  }
+  std::printf(
+      "moving: four views near the rim: %d of %d draws were refused, worst held out %.3f px\n",
+      refused_before, kDraws, worst_px);
+  EXPECT_GE(refused_before, 3);
+  EXPECT_LT(worst_px, 0.25);
 }
 
 void circular_side(const fs::path& folder, const char* side, double most_held_out_px) {
