@@ -91,6 +91,11 @@ std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& 
         "the board was shown out to {:.0f} degrees from the axis and the image ends at {:.0f}: the "
         "lens is less certain there than stated: show it nearer to the rim",
         in.point_angle_rad / kDegree, *angle / kDegree));
+  if (in.ends_at_points)
+    why.push_back(fmt::format(
+        "the lens folds inside the picture and is not known beyond {:.0f} degrees from its axis: "
+        "show the board nearer to the sides, or give the --image-circle",
+        geometry::max_angle_rad(in.camera).value_or(0) / kDegree));
   if (in.bundle.views.size() < kFewViews)
     why.push_back(fmt::format("only {} views", in.bundle.views.size()));
   return why;

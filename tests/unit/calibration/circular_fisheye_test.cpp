@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 #include "host/calibration/intrinsics/intrinsics.h"
