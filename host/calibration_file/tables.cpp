@@ -16,7 +16,7 @@ using geometry::LensKind;
 
 constexpr Range kSide{1, 16384}, kFocal{1, 1e6}, kCenter{-1e5, 1e5}, kLens{-1e9, 1e9};
 constexpr Range kPlace_m{-1e6, 1e6}, kResidual_px{0, 1e6}, kCount{0, 1e9};
-constexpr Range kVignetting{-3, 3};
+constexpr Range kVignetting{-3, 3}, kMaxAngle_rad{0.01, M_PI};
 
 std::vector<double> row_by_row(const Eigen::MatrixXd& matrix) {
   std::vector<double> values;
@@ -35,6 +35,15 @@ Eigen::VectorXd parse_parameters(const Table& table, LensKind kind) {
   const auto lens = table.numbers("distortion", 4, most, kLens);
   std::copy(lens.begin(), lens.end(), values.data() + 4);
   return values;
+}
+
+/// Of a fisheye; the rim of its image circle.
+std::optional<double> parse_max_angle(const Table& table, LensKind kind) {
+  if (!table.has("max_angle_rad")) return std::nullopt;
+  const double angle = table.number("max_angle_rad", kMaxAngle_rad);
+  if (kind == LensKind::kFisheye) return angle;
+  table.fail("max_angle_rad", "is for model = \"fisheye\" alone: remove it");
+  return std::nullopt;
 }
 
 Eigen::Matrix3d parse_rotation(const Table& table) {
@@ -64,6 +73,7 @@ Writer model_table(const geometry::AnyCamera& camera, bool name_the_model) {
                                      static_cast<std::size_t>(values.size()) - 4);
   const bool ideal = std::all_of(lens.begin(), lens.end(), [](double k) { return k == 0; });
   if (!ideal || kind != LensKind::kPinhole) table.set("distortion", lens);
+  if (const auto angle = geometry::max_angle_rad(camera)) table.set("max_angle_rad", *angle);
   return table;
 }
 
@@ -108,7 +118,7 @@ CalibratedCamera parse_camera(const Table& table, const std::string& name) {
   const auto kind = static_cast<LensKind>(table.one_of("model", {"pinhole", "fisheye"}, 0));
   const auto size = table.numbers("size_px", 2, 2, kSide);
   camera.model = geometry::make_camera(kind, {static_cast<int>(size[0]), static_cast<int>(size[1])},
-                                       parse_parameters(table, kind));
+                                       parse_parameters(table, kind), parse_max_angle(table, kind));
   camera.vignetting = parse_vignetting(table);
   camera.covariance = parse_square(table, "covariance", geometry::parameter_count(kind));
   camera.residual_px = table.number_or("residual_px", 0, kResidual_px);

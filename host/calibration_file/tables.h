@@ -13,9 +13,9 @@
 
 namespace mixrig::calibration_file {
 
-/// Reads model, size_px, fx, fy, cx, cy, distortion and the optional vignetting, covariance,
-/// residual_px, views, points, date, tool_version and input_hash. What is wrong is noted in the
-/// document.
+/// Reads model, size_px, fx, fy, cx, cy, distortion and the optional max_angle_rad (fisheye),
+/// vignetting, covariance, residual_px, views, points, date, tool_version and input_hash. What is
+/// wrong is noted in the document.
 CalibratedCamera parse_camera(const config::Table& table, const std::string& name);
 /// Reads the optional vignetting, [a, b] of geometry::Vignetting, and writes it where there is any.
 geometry::Vignetting parse_vignetting(const config::Table& table);

@@ -110,10 +110,17 @@ Eigen::VectorXd parameters_of(const AnyCamera& camera) {
   return v;
 }
 
-AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& v) {
+std::optional<double> max_angle_rad(const AnyCamera& camera) {
+  const auto* fisheye = std::get_if<FisheyeModel>(&camera);
+  return fisheye != nullptr ? fisheye->parameters().max_angle_rad : std::nullopt;
+}
+
+AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& v,
+                      std::optional<double> max_angle_rad) {
   assert(v.size() == parameter_count(kind));
+  assert(kind == LensKind::kFisheye || !max_angle_rad);
   if (kind == LensKind::kFisheye)
-    return FisheyeModel({size_px, v[0], v[1], v[2], v[3], {v[4], v[5], v[6], v[7]}});
+    return FisheyeModel({size_px, v[0], v[1], v[2], v[3], {v[4], v[5], v[6], v[7]}, max_angle_rad});
   Lens::Coefficients k{};
   std::copy_n(v.data() + 4, 8, k.begin());
   return CameraModel{{size_px, v[0], v[1], v[2], v[3]}, Lens(k)};

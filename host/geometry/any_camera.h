@@ -33,8 +33,11 @@ std::string_view name_of(LensKind kind);
 LensKind kind_of(const AnyCamera& camera);
 Size size_px(const AnyCamera& camera);
 Eigen::VectorXd parameters_of(const AnyCamera& camera);
-/// Precondition: as many parameters as the kind has.
-AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& parameters);
+/// Largest angle from the axis that a fisheye states; none for a pinhole.
+std::optional<double> max_angle_rad(const AnyCamera& camera);
+/// Precondition: as many parameters as the kind has, and a largest angle for a fisheye alone.
+AnyCamera make_camera(LensKind kind, Size size_px, const Eigen::VectorXd& parameters,
+                      std::optional<double> max_angle_rad = std::nullopt);
 
 /// Pixel of a point in camera axes; nullopt outside the domain of the model.
 std::optional<Eigen::Vector2d> project(const AnyCamera& camera, const Eigen::Vector3d& p);

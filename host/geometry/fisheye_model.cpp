@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/geometry/fisheye_model.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "host/geometry/lens_equations.h"
 
@@ -11,7 +14,7 @@ namespace {
 using Coefficients = std::array<double, 4>;
 
 /// The angle where the mapping stops growing, or pi.
-double find_domain(const Coefficients& k) {
+double find_fold(const Coefficients& k) {
   constexpr double kStep = 1e-3;
   for (double theta = kStep; theta < M_PI; theta += kStep) {
     if (bend_slope(k.data(), theta) > 0) continue;
@@ -25,11 +28,47 @@ double find_domain(const Coefficients& k) {
   return M_PI;
 }
 
+/// A largest angle that validate() refuses is none.
+double smaller(double fold_rad, const std::optional<double>& max_angle_rad) {
+  return max_angle_rad && *max_angle_rad > 0 ? std::min(fold_rad, *max_angle_rad) : fold_rad;
+}
+
+Error bad_lens(const std::string& what) { return {ErrorCode::kData, what}; }
+
+/// The lens must not fold inside its image: inside the circle where that is known, else inside the
+/// circles about the centre that touch the picture's sides.
+Result<void> check_fold(const FisheyeModel& camera) {
+  const auto& p = camera.parameters();
+  const double width = p.size_px.width - 1, height = p.size_px.height - 1;
+  const double left = p.cx_px / p.fx_px, right = (width - p.cx_px) / p.fx_px;
+  const double top = p.cy_px / p.fy_px, bottom = (height - p.cy_px) / p.fy_px;
+  const double rim = bend(p.k.data(), camera.fold_rad());
+  constexpr double kDegree = M_PI / 180;
+  if (!p.max_angle_rad) {
+    for (const double side : {left, right, top, bottom})
+      if (std::abs(side) > rim)
+        return bad_lens(fmt::format(
+            "the lens folds inside the picture, {:.1f} degrees from its axis: check the "
+            "coefficients k1 to k4",
+            camera.fold_rad() / kDegree));
+    return {};
+  }
+  const double corner = std::hypot(std::max(std::abs(left), std::abs(right)),
+                                   std::max(std::abs(top), std::abs(bottom)));
+  if (camera.fold_rad() < *p.max_angle_rad && rim < corner)
+    return bad_lens(fmt::format(
+        "the lens folds inside its image, {:.1f} degrees from its axis, and its largest angle is "
+        "{:.1f} degrees: check the coefficients k1 to k4",
+        camera.fold_rad() / kDegree, *p.max_angle_rad / kDegree));
+  return {};
+}
+
 }  // namespace
 
 FisheyeModel::FisheyeModel(const Parameters& parameters)
     : parameters_(parameters),
-      domain_rad_(find_domain(parameters.k)),
+      fold_rad_(find_fold(parameters.k)),
+      domain_rad_(smaller(fold_rad_, parameters.max_angle_rad)),
       rim_(bend(parameters.k.data(), domain_rad_)) {}
 
 std::optional<Eigen::Vector2d> FisheyeModel::project(const Eigen::Vector3d& p) const {
@@ -85,18 +124,14 @@ Eigen::Matrix<double, 2, 3> FisheyeModel::jacobian(const Eigen::Vector3d& p) con
 
 Result<void> validate(const FisheyeModel& camera) {
   const auto& p = camera.parameters();
-  const auto bad = [](const std::string& what) { return Error{ErrorCode::kData, what}; };
   if (p.size_px.empty() || p.size_px.width > 16384 || p.size_px.height > 16384)
-    return bad("the picture size must lie in 1..16384 pixels");
+    return bad_lens("the picture size must lie in 1..16384 pixels");
   for (double value : {p.fx_px, p.fy_px, p.cx_px, p.cy_px, p.k[0], p.k[1], p.k[2], p.k[3]})
-    if (!std::isfinite(value)) return bad("fx, fy, cx, cy and k1 to k4 must be finite");
-  if (!(p.fx_px > 0) || !(p.fy_px > 0)) return bad("fx and fy must be positive");
-  const double width = p.size_px.width - 1, height = p.size_px.height - 1;
-  for (const Eigen::Vector2d& px : {Eigen::Vector2d(p.cx_px, 0), Eigen::Vector2d(p.cx_px, height),
-                                    Eigen::Vector2d(0, p.cy_px), Eigen::Vector2d(width, p.cy_px)})
-    if (!camera.unproject(px))
-      return bad("the lens folds inside the picture: check the coefficients k1 to k4");
-  return {};
+    if (!std::isfinite(value)) return bad_lens("fx, fy, cx, cy and k1 to k4 must be finite");
+  if (!(p.fx_px > 0) || !(p.fy_px > 0)) return bad_lens("fx and fy must be positive");
+  if (p.max_angle_rad && !(*p.max_angle_rad > 0 && *p.max_angle_rad <= M_PI))
+    return bad_lens("the largest angle must lie between 0 and pi rad");
+  return check_fold(camera);
 }
 
 }  // namespace mixrig::geometry

@@ -145,7 +145,7 @@ calibration_file::Calibration true_calibration(const studio::StudioInfo& info,
   if (take.fisheye) {
     const studio::FisheyeOptics& f = info.fisheye.optics;
     const geometry::FisheyeModel model(
-        {f.size_px, f.f_px, f.f_px, f.cx_px, f.cy_px, {f.k1, f.k2, 0, 0}});
+        {f.size_px, f.f_px, f.f_px, f.cx_px, f.cy_px, {f.k1, f.k2, 0, 0}, 0.5 * f.field_rad});
     known.cameras.push_back({"fisheye", model, {}, 0, 0, 0, {}});
     known.poses.push_back({"fisheye", info.fisheye.target_from_fisheye, {}, 0, 0, {}});
   }

@@ -19,6 +19,7 @@ using calibration::BoardSpec;
 /// What was seen in one file.
 struct Seen {
   Size size_px;
+  Image<std::uint8_t> gray;  ///< until it is added to the brightest picture
   std::optional<calibration::BoardView> board;
   std::optional<Error> error;
 };
@@ -41,10 +42,12 @@ Seen look_at(const std::string& path, const BoardSpec& board) {
   auto view = calibration::detect_board(*gray, board);
   if (!view) return seen.error = view.error(), seen;
   seen.board = std::move(*view);
+  seen.gray = std::move(*gray);
   return seen;
 }
 
-std::vector<Seen> look_at_all(const std::vector<std::string>& images, const BoardSpec& board) {
+std::vector<Seen> look_at_all(const std::vector<std::string>& images, const BoardSpec& board,
+                              calibration::BrightestPicture& brightest) {
   std::vector<Seen> seen(images.size());
   Progress bar("finding the board", static_cast<int>(seen.size()));
   // One picture a thread at a time; the bar belongs to the caller's thread.
@@ -56,6 +59,10 @@ std::vector<Seen> look_at_all(const std::vector<std::string>& images, const Boar
       for (int i = from + begin; i < from + end; ++i)
         seen[static_cast<std::size_t>(i)] = look_at(images[static_cast<std::size_t>(i)], board);
     });
+    for (int i = from; i < from + count; ++i) {
+      brightest.add(seen[static_cast<std::size_t>(i)].gray.view());
+      seen[static_cast<std::size_t>(i)].gray = {};
+    }
     bar.step(from + count);
   }
   return seen;
@@ -75,8 +82,8 @@ Error no_board(const std::vector<std::string>& images, const BoardSpec& board) {
 }  // namespace
 
 Result<BoardViews> collect_views(const std::vector<std::string>& images, const BoardSpec& board) {
-  const auto seen = look_at_all(images, board);
   BoardViews all;
+  const auto seen = look_at_all(images, board, all.brightest);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const std::string name = fs::path(images[i]).filename().string();
     if (seen[i].error) return *seen[i].error;

@@ -12,7 +12,8 @@ namespace mixrig::tools {
 struct BoardViews {
   Size size_px;  ///< of all pictures
   std::vector<calibration::ObservedView> views;
-  std::vector<std::string> without;  ///< names of the pictures that do not show the board
+  std::vector<std::string> without;         ///< names of the pictures that do not show the board
+  calibration::BrightestPicture brightest;  ///< of all pictures
 };
 
 /// Finds the board in every picture, with progress. Errors: those of reading; kData where sizes

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig calibrate intrinsics: lens and focal length of one camera from pictures of a board.
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -23,13 +25,14 @@ namespace {
 
 namespace fs = std::filesystem;
 using calibration::BoardSpec;
+using calibration::ImageCircle;
 using calibration::Intrinsics;
 using calibration::UncertaintyMap;
 
 struct IntrinsicsArguments {
   std::vector<std::string> images;
   std::string board, model = "pinhole", camera = "target", out, picture, lens = "auto";
-  std::string opencv, kalibr, mrcal;
+  std::string opencv, kalibr, mrcal, circle = "auto";
   bool hold_center = false;
 };
 
@@ -98,6 +101,39 @@ Result<int> lens_terms_of(const IntrinsicsArguments& arguments) {
                                       ": use auto, 0, 2, 4, 5 or 8 (fisheye: auto, 0, 2 or 4)"};
 }
 
+/// The circle of --image-circle: as given, none, or found in the pictures. Errors: kUsage.
+Result<std::optional<ImageCircle>> circle_of(const IntrinsicsArguments& arguments,
+                                             const calibration::BrightestPicture& brightest) {
+  if (arguments.model != "fisheye" && arguments.circle != "auto" && arguments.circle != "none")
+    return Error{ErrorCode::kUsage, "--image-circle is of a fisheye: give --model fisheye"};
+  if (arguments.model != "fisheye" || arguments.circle == "none")
+    return std::optional<ImageCircle>();
+  if (arguments.circle == "auto") return calibration::find_image_circle(brightest.image());
+  const char* at = arguments.circle.data();
+  const char* const end = at + arguments.circle.size();
+  std::array<double, 3> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const auto [next, code] = std::from_chars(at, end, v[i]);
+    const bool last = i + 1 == v.size();
+    const bool ends = last ? next == end : next != end && *next == ',';
+    constexpr double kMost_px = 1e5;
+    if (code != std::errc() || !ends || !(std::abs(v[i]) < kMost_px) || (last && v[i] < 1))
+      return Error{ErrorCode::kUsage, "--image-circle " + arguments.circle +
+                                          ": use auto, none, or X,Y,RADIUS in pixels"};
+    at = next + 1;
+  }
+  return std::optional(ImageCircle{{v[0], v[1]}, v[2], 0, 0});
+}
+
+/// Other tools' files hold no largest angle.
+void warn_of_losses(const IntrinsicsArguments& arguments, const Intrinsics& in) {
+  if (!geometry::max_angle_rad(in.camera) || (arguments.opencv.empty() && arguments.kalibr.empty()))
+    return;
+  log_warning("calibrate",
+              "OpenCV and Kalibr files hold no largest angle: the camera's is in calibration.toml "
+              "alone (--out)");
+}
+
 Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
   MIXRIG_ASSIGN(const BoardSpec board, calibration::parse_board(arguments.board));
   calibration::IntrinsicsOptions options;
@@ -105,8 +141,10 @@ Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
       arguments.model == "fisheye" ? geometry::LensKind::kFisheye : geometry::LensKind::kPinhole;
   MIXRIG_ASSIGN(options.lens_terms, lens_terms_of(arguments));
   options.hold_center = arguments.hold_center;
+  MIXRIG_TRY(circle_of(arguments, {}));
   MIXRIG_ASSIGN(const BoardViews all, collect_views(arguments.images, board));
   MIXRIG_TRY(check_board(arguments.images, board, all));
+  MIXRIG_ASSIGN(options.circle, circle_of(arguments, all.brightest));
   auto solved = calibration::solve_intrinsics(board, all.size_px, all.views, options);
   if (!solved) {
     Error error = solved.error();
@@ -122,6 +160,7 @@ Result<nlohmann::json> calibrate(const IntrinsicsArguments& arguments) {
   const auto advice = calibration::advise(*solved, board);
   const auto why = objections(*solved, map);
   warn_if_swapped(arguments, *solved);
+  warn_of_losses(arguments, *solved);
   MIXRIG_TRY(write_files(arguments, *solved, map));
   print(arguments.camera, all, *solved, map, advice, why);
   return report_of(arguments.camera, all, *solved, map, advice, why);
@@ -146,6 +185,8 @@ void add_calibrate_intrinsics_command(Command app, Context& context) {
       .one_of({"pinhole", "fisheye"});
   command.add_option("--lens", arguments->lens,
                      "lens coefficients: 0, 2, 4, 5, 8; auto: by the error on held-out views");
+  command.add_option("--image-circle", arguments->circle,
+                     "fisheye: X,Y,RADIUS in pixels, none, or auto: found in the pictures");
   command.add_flag("--hold-center", arguments->hold_center,
                    "keep the principal point in the middle of the picture");
   command.add_option("--camera", arguments->camera,

@@ -20,11 +20,58 @@ nlohmann::json numbers(const std::vector<double>& values) {
   return list;
 }
 
+constexpr double kDegree = M_PI / 180;
+
+/// What is known of a fisheye's field; null for a pinhole.
+nlohmann::json field_of(const Intrinsics& in) {
+  if (geometry::kind_of(in.camera) != geometry::LensKind::kFisheye) return {};
+  nlohmann::json field{{"points_deg", in.point_angle_rad / kDegree},
+                       {"largest_deg", nullptr},
+                       {"ends_at_points", in.ends_at_points},
+                       {"points_beyond", in.points_beyond},
+                       {"circle", nullptr}};
+  if (const auto angle = geometry::max_angle_rad(in.camera))
+    field["largest_deg"] = *angle / kDegree;
+  if (in.circle)
+    field["circle"] = {{"center_px", {in.circle->center_px.x(), in.circle->center_px.y()}},
+                       {"radius_px", in.circle->radius_px},
+                       {"residual_px", in.circle->residual_px},
+                       {"seen", in.circle->seen}};
+  return field;
+}
+
+void print_field(const Intrinsics& in) {
+  if (geometry::kind_of(in.camera) != geometry::LensKind::kFisheye) return;
+  if (!in.circle)
+    std::printf("image circle  none: the picture is taken to be filled\n");
+  else
+    std::printf("image circle  (%.1f, %.1f) px, radius %.1f px, %s; %d points beyond it\n",
+                in.circle->center_px.x(), in.circle->center_px.y(), in.circle->radius_px,
+                in.circle->seen > 0 ? fmt::format("found on {:.0f} % of its rim to {:.2f} px",
+                                                  100 * in.circle->seen, in.circle->residual_px)
+                                          .c_str()
+                                    : "as given",
+                in.points_beyond);
+  const auto angle = geometry::max_angle_rad(in.camera);
+  std::printf(
+      "angles        points lie out to %.1f degrees from the axis; the lens is used out to %s"
+      "\n",
+      in.point_angle_rad / kDegree,
+      angle ? fmt::format("{:.1f}{}", *angle / kDegree,
+                          in.ends_at_points ? ", since it folds inside the picture: show "
+                                              "the board nearer to the sides"
+                                            : ", the rim of the image circle")
+                  .c_str()
+            : "the sides of the picture");
+}
+
 }  // namespace
 
 std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& map) {
   constexpr double kWorst_px = 2.0, kMedian_px = 0.5, kRms_px = 1.0, kPointsOut = 0.1;
   constexpr int kFewViews = 6;
+  // Where lenses of two and of four terms that fit the points equally still agree.
+  constexpr double kMostBeyond_rad = 15 * kDegree;
   std::vector<std::string> why;
   if (!(map.worst_px <= kWorst_px))
     why.push_back(fmt::format("a pixel is uncertain by {:.2f} px where it is worst", map.worst_px));
@@ -38,6 +85,17 @@ std::vector<std::string> objections(const Intrinsics& in, const UncertaintyMap& 
   if (in.points_out > kPointsOut * (in.points + in.points_out))
     why.push_back(fmt::format("{:.0f} % of the points do not fit",
                               100.0 * in.points_out / (in.points + in.points_out)));
+  if (const auto angle = geometry::max_angle_rad(in.camera);
+      angle && *angle - in.point_angle_rad > kMostBeyond_rad)
+    why.push_back(fmt::format(
+        "the board was shown out to {:.0f} degrees from the axis and the image ends at {:.0f}: the "
+        "lens is less certain there than stated: show it nearer to the rim",
+        in.point_angle_rad / kDegree, *angle / kDegree));
+  if (in.ends_at_points)
+    why.push_back(fmt::format(
+        "the lens folds inside the picture and is not known beyond {:.0f} degrees from its axis: "
+        "show the board nearer to the sides, or give the --image-circle",
+        geometry::max_angle_rad(in.camera).value_or(0) / kDegree));
   if (in.bundle.views.size() < kFewViews)
     why.push_back(fmt::format("only {} views", in.bundle.views.size()));
   return why;
@@ -74,12 +132,14 @@ nlohmann::json report_of(const std::string& camera, const BoardViews& all, const
           {"held_out_px", in.held_out_px},
           {"points", in.points},
           {"points_out", in.points_out},
+          {"field", field_of(in)},
           {"views", views},
           {"uncertainty",
            {{"columns", map.columns},
             {"rows", map.rows},
             {"sigma_px", numbers(map.sigma_px)},
             {"median_px", map.median_px},
+            {"rim_px", map.rim_px},
             {"worst_px", map.worst_px}}},
           {"coverage", calibration::coverage(in, map.columns, map.rows)},
           {"advice",
@@ -104,6 +164,7 @@ void print(const std::string& camera, const BoardViews& all, const Intrinsics& i
       std::printf("  %-4s %14.6g  +- %.3g\n", std::string(names[i]).c_str(), values[k],
                   std::sqrt(in.covariance(k, k)));
   }
+  print_field(in);
   std::printf(
       "residual      %.4f px RMS over %d points of %zu views (%d points left out); held out %.4f "
       "px\n",

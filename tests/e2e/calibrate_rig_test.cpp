@@ -61,6 +61,10 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
     EXPECT_LT(2 * off_mm(cameras.at(name), pose), off_mm(found.at("by_corners").at(name), pose))
         << name;
   }
+  // The fisheye of 185 degrees ends at the rim of its image circle.
+  const std::string written = read(out), key = "max_angle_rad = ";
+  ASSERT_NE(written.find(key), std::string::npos);
+  EXPECT_NEAR(std::stod(written.substr(written.find(key) + key.size())) * 180 / M_PI, 92.5, 0.3);
   EXPECT_NEAR(found.at("bend_mm").get<double>(), 2, 0.1);
   EXPECT_NE(found.at("warnings").dump().find("bent"), std::string::npos);
   const json& depth = found.at("depth_error");

@@ -9,6 +9,7 @@
 
 #include "hal/base/order_statistics.h"
 #include "host/calibration/intrinsics/lens_choice.h"
+#include "host/calibration/intrinsics/lens_domain.h"
 #include "host/calibration/intrinsics/start_bundle.h"
 #include "host/calibration/intrinsics/two_cameras.h"
 #include "host/estimation/decompositions.h"
@@ -77,6 +78,33 @@ Bundle make_bundle(const BoardSpec& board, const std::vector<ObservedView>& view
   bundle.kind = kind;
   for (const std::size_t v : which) bundle.views.push_back(bundle_view(points_m, views[v].board));
   return bundle;
+}
+
+/// The views without the points beyond the image circle, whose number is `beyond`.
+std::vector<ObservedView> within_circle(std::vector<ObservedView> views, const ImageCircle& circle,
+                                        int& beyond) {
+  for (ObservedView& view : views) {
+    BoardView kept = view.board;
+    kept.ids.clear();
+    kept.px.clear();
+    for (std::size_t i = 0; i < view.board.px.size(); ++i) {
+      if (!circle.contains(view.board.px[i])) continue;
+      kept.ids.push_back(view.board.ids[i]);
+      kept.px.push_back(view.board.px[i]);
+    }
+    beyond += static_cast<int>(view.board.px.size() - kept.px.size());
+    view.board = kept;
+  }
+  return views;
+}
+
+/// Excludes views of which the image circle leaves too few points for a pose.
+void leave_out_empty(const std::vector<ObservedView>& views, std::vector<ViewFit>& fits) {
+  constexpr std::size_t kFewestPoints = 6;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (views[v].board.px.size() < kFewestPoints)
+      fits[v].why_not = "fewer than " + std::to_string(kFewestPoints) +
+                        " of its points lie inside the image circle";
 }
 
 Error refuse(const std::string& what) { return {ErrorCode::kData, what}; }
@@ -167,9 +195,11 @@ void fill_view_fits(Intrinsics& out, const std::vector<std::size_t>& which) {
 }  // namespace
 
 Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
-                                    const std::vector<ObservedView>& views,
+                                    const std::vector<ObservedView>& given,
                                     const IntrinsicsOptions& options) {
   Intrinsics out;
+  out.circle = options.circle;
+  std::vector<ObservedView> views = given;
   for (const ObservedView& view : views) {
     out.views.emplace_back();
     out.views.back().name = view.name;
@@ -177,6 +207,10 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
   for (const ObservedView& view : views)
     for (const auto& px : view.board.px)
       if (!px.allFinite()) return refuse(view.name + ": holds a point that is not finite");
+  if (options.circle) {
+    views = within_circle(std::move(views), *options.circle, out.points_beyond);
+    leave_out_empty(views, out.views);
+  }
   leave_out_blurred(views, out.views);
   std::vector<std::size_t> which;
   constexpr int kRounds = 5;
@@ -194,7 +228,8 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
   if (which.size() != out.bundle.views.size())
     return refuse("the views do not agree with each other: pictures of two cameras?");
   const auto foreign = std::count_if(out.views.begin(), out.views.end(), [](const ViewFit& view) {
-    return !view.why_not.empty() && !view.why_not.starts_with("blurred");
+    return !view.why_not.empty() && !view.why_not.starts_with("blurred") &&
+           !view.why_not.starts_with("fewer than");
   });
   // Three of them are enough for a camera of their own.
   constexpr std::size_t kMostShare = 5;
@@ -216,7 +251,7 @@ Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
       MIXRIG_TRY(check_one_camera(out, again, which));
     return judged.error();
   }
-  out.camera = geometry::make_camera(options.kind, size_px, out.bundle.intrinsics);
+  out.point_angle_rad = largest_point_angle_rad(out.bundle);
   fill_view_fits(out, which);
   return out;
 }

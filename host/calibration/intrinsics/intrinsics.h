@@ -8,6 +8,7 @@
 #include "hal/base/result.h"
 #include "host/calibration/board/board.h"
 #include "host/calibration/board/detect_board.h"
+#include "host/calibration/board/image_circle.h"
 #include "host/calibration/intrinsics/bundle.h"
 
 namespace mixrig::calibration {
@@ -21,9 +22,12 @@ struct IntrinsicsOptions {
   geometry::LensKind kind = geometry::LensKind::kPinhole;
   /// Lens coefficients to solve for: 0, 2 (k1 k2), 4 (p1 p2 too), 5 (k3 too), 8 (k4 k5 k6 too) for
   /// a pinhole; 0, 2, 4 for a fisheye. -1: as many as lower the error on views left out of the fit.
-  /// A lens chosen by its number may fold within the picture: see validate().
+  /// A pinhole chosen by its number may fold within the picture: see validate().
   int lens_terms = -1;
   bool hold_center = false;  ///< keep the principal point in the middle of the picture
+  /// Of a fisheye: where its image ends. Points beyond it do not count, and the camera's largest
+  /// angle is that of its rim.
+  std::optional<ImageCircle> circle;
 };
 
 /// Result for one view.
@@ -46,8 +50,13 @@ struct Intrinsics {
   double held_out_px = 0;  ///< root mean square over views left out of the fit (5 folds); 0 where
                            ///< there are too few views to leave any out
   int points = 0, points_out = 0;
-  std::vector<ViewFit> views;  ///< all that were given, in their order
-  Bundle bundle;               ///< of the views in use
+  int points_beyond = 0;              ///< beyond the image circle, not counted in points_out
+  double point_angle_rad = 0;         ///< largest angle from the axis of a point in use
+  bool ends_at_points = false;        ///< the lens folds inside the picture: its largest angle is
+                                      ///< kBeyondPoints_rad (lens_domain.h) beyond point_angle_rad
+  std::optional<ImageCircle> circle;  ///< as given
+  std::vector<ViewFit> views;         ///< all that were given, in their order
+  Bundle bundle;                      ///< of the views in use
 };
 
 /// Robust least squares: starts from a search over focal lengths, leaves out points beyond five
@@ -56,6 +65,10 @@ struct Intrinsics {
 /// board that is not as stated, pictures of two cameras; the line says which and what to do. Views
 /// of two cameras are refused where each group by itself fits them at least 1.25 times better than
 /// one camera does (three views or more a group); fewer foreign views are left out.
+///
+/// A fisheye that folds inside its image circle is refused. Without a circle the whole picture is
+/// image, and a lens that folds inside it is only taken where there is no other: then its largest
+/// angle is just beyond the outermost point, since the lens is not known farther out.
 Result<Intrinsics> solve_intrinsics(const BoardSpec& board, Size size_px,
                                     const std::vector<ObservedView>& views,
                                     const IntrinsicsOptions& options);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hal/base/order_statistics.h"
+#include "host/calibration/intrinsics/lens_domain.h"
 #include "host/calibration/intrinsics/start_bundle.h"
 
 namespace mixrig::calibration {
@@ -120,13 +121,27 @@ struct Candidate {
   int terms = 0;
   double held_out_px = 0;
   Bundle bundle;
+  geometry::AnyCamera camera;
 };
+
+/// Which part of the picture a lens must be valid in.
+enum class Reach { kImage, kPoints };
+
+Result<geometry::AnyCamera> camera_of(const Bundle& bundle, Size size_px,
+                                      const IntrinsicsOptions& options, Reach reach) {
+  // A pinhole with a requested number of terms is used even if it folds; the caller may check.
+  if (options.lens_terms >= 0 && options.kind == LensKind::kPinhole)
+    return geometry::make_camera(bundle.kind, size_px, bundle.intrinsics);
+  return reach == Reach::kImage ? camera_in_image(bundle, size_px, options.circle)
+                                : camera_near_points(bundle, size_px);
+}
 
 /// Solves with each number of lens terms, the most terms first. That solution decides which points
 /// are outliers, so that all are judged on the same points, and no simpler lens rejects points only
-/// because it cannot fit them. `folds`: a lens was left out because it folds within the picture.
+/// because it cannot fit them. `fold`: why the last lens was left out that folds.
 std::vector<Candidate> candidates(const Bundle& from, Size size_px,
-                                  const IntrinsicsOptions& options, bool& folds) {
+                                  const IntrinsicsOptions& options, Reach reach,
+                                  std::optional<Error>& fold) {
   std::vector<int> all{options.lens_terms};
   if (options.lens_terms < 0) all = terms_to_try(options.kind);
   std::reverse(all.begin(), all.end());
@@ -136,14 +151,13 @@ std::vector<Candidate> candidates(const Bundle& from, Size size_px,
     Bundle tried = start;
     const auto free = free_parameters(options.kind, terms, options.hold_center);
     if (!solve_robustly(tried, size_px, free, !found.empty())) continue;
-    // A requested number of terms is used even if the lens folds; the caller may check.
-    if (options.lens_terms < 0 &&
-        !validate(geometry::make_camera(tried.kind, size_px, tried.intrinsics))) {
-      folds = true;
+    auto camera = camera_of(tried, size_px, options, reach);
+    if (!camera) {
+      fold = camera.error();
       continue;
     }
     for (std::size_t v = 0; v < start.views.size(); ++v) start.views[v].used = tried.views[v].used;
-    found.push_back({terms, held_out_px(tried, free), tried});
+    found.push_back({terms, held_out_px(tried, free), tried, *camera});
   }
   return found;
 }
@@ -151,12 +165,16 @@ std::vector<Candidate> candidates(const Bundle& from, Size size_px,
 }  // namespace
 
 Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions& options) {
-  bool folds = false;
-  const auto found = candidates(out.bundle, size_px, options, folds);
-  if (found.empty() && folds)
+  std::optional<Error> fold;
+  auto found = candidates(out.bundle, size_px, options, Reach::kImage, fold);
+  out.ends_at_points =
+      found.empty() && fold && options.kind == LensKind::kFisheye && !options.circle;
+  if (out.ends_at_points) found = candidates(out.bundle, size_px, options, Reach::kPoints, fold);
+  if (found.empty() && fold && options.kind == LensKind::kPinhole)
     return Error{ErrorCode::kData,
                  "the lens that fits the views folds where none reaches: show the board near the "
                  "sides of the picture, or ask for fewer terms by --lens"};
+  if (found.empty() && fold) return *fold;
   if (found.empty())
     return Error{ErrorCode::kData,
                  "no camera fits these views: is the board as stated, and is --model right?"};
@@ -167,6 +185,7 @@ Result<void> choose_lens(Intrinsics& out, Size size_px, const IntrinsicsOptions&
   for (const Candidate& c : found)
     if (c.held_out_px <= kAsGood * least) best = &c;  // the richest come first
   out.bundle = best->bundle;
+  out.camera = best->camera;
   out.lens_terms = best->terms;
   out.held_out_px = std::isfinite(best->held_out_px) ? best->held_out_px : 0;
   return {};

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "hal/base/order_statistics.h"
 #include "host/estimation/decompositions.h"
@@ -59,10 +60,27 @@ MatrixXd information_of_view(const Bundle& bundle, const BundleView& view) {
          all.topRightCorner(count, 6).lazyProduct(pose.solve(all.bottomLeftCorner(6, count)));
 }
 
+bool in_picture(const Vector2d& px, Size size) {
+  return px.x() >= 0 && px.y() >= 0 && px.x() <= size.width - 1 && px.y() <= size.height - 1;
+}
+
+/// The part of the picture that has an image: all of it, or the box about the image circle in it.
+struct Box {
+  Vector2d low_px, high_px;
+};
+Box image_box(const geometry::AnyCamera& camera) {
+  const Size size = geometry::size_px(camera);
+  const Vector2d last(size.width, size.height);
+  const auto* fisheye = std::get_if<geometry::FisheyeModel>(&camera);
+  if (fisheye == nullptr || !fisheye->parameters().max_angle_rad) return {Vector2d::Zero(), last};
+  const Vector2d center(fisheye->parameters().cx_px, fisheye->parameters().cy_px);
+  return {(center - fisheye->rim_px()).cwiseMax(0), (center + fisheye->rim_px()).cwiseMin(last)};
+}
+
 /// Positions in which the board could be held.
 struct Place {
   const char* words;
-  double x, y;  // share of the picture
+  double x, y;  // share of the image's box
 };
 constexpr std::array<Place, 9> kPlaces{{{"top left", 0.2, 0.2},
                                         {"top", 0.5, 0.2},
@@ -87,7 +105,9 @@ BundleView hold_board(const Intrinsics& in, const std::vector<Vector3d>& points_
                       const Place& place, const Tilt& tilt, double distance_m) {
   BundleView view;
   const Size size = geometry::size_px(in.camera);
-  const auto ray = geometry::unproject(in.camera, {place.x * size.width, place.y * size.height});
+  const Box box = image_box(in.camera);
+  const auto ray = geometry::unproject(
+      in.camera, box.low_px + Vector2d(place.x, place.y).cwiseProduct(box.high_px - box.low_px));
   if (!ray) return view;
   // From the optical axis to the ray, the short way.
   const Vector3d d = ray->normalized();
@@ -100,13 +120,41 @@ BundleView hold_board(const Intrinsics& in, const std::vector<Vector3d>& points_
   view.camera_from_board = vector_of(pose);
   for (const auto& p : points_m) {
     const auto px = geometry::project(in.camera, pose * p);
-    if (!px || px->x() < 0 || px->y() < 0 || px->x() > size.width - 1 || px->y() > size.height - 1)
-      continue;
+    if (!px || !in_picture(*px, size)) continue;
     view.points_m.push_back(p);
     view.px.push_back(*px);
   }
   view.used.assign(view.px.size(), 1);
   return view;
+}
+
+/// Standard deviation of the pixel of a far point, in its worse direction.
+std::optional<double> far_sigma_px(const Intrinsics& in, const estimation::SymmetricSolver& solver,
+                                   const Vector3d& ray) {
+  const Vector3d p = kFar_m * ray;
+  const auto at = geometry::project_with_jacobians(in.bundle.kind, in.bundle.intrinsics.data(), p);
+  if (!at) return std::nullopt;
+  const Row2 j = by_everything(in.bundle, *at, p);
+  const Eigen::Matrix2d covariance = j.lazyProduct(solver.solve(j.transpose()));
+  const double worse = estimation::planar_spectrum_of(covariance).values[1];
+  return in.sigma_px * std::sqrt(std::max(worse, 0.0));
+}
+
+/// Rays at the largest angle of a fisheye that lie inside the picture.
+std::vector<Vector3d> rim_rays(const geometry::AnyCamera& camera) {
+  std::vector<Vector3d> rays;
+  const auto angle = geometry::max_angle_rad(camera);
+  constexpr int kDirections = 36;
+  for (int i = 0; angle && i < kDirections; ++i) {
+    const double phi = i * 2 * M_PI / kDirections;
+    // Just inside, so that rounding does not put it outside.
+    const double theta = *angle * (1 - 1e-9);
+    const Vector3d ray(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                       std::cos(theta));
+    const auto px = geometry::project(camera, ray);
+    if (px && in_picture(*px, geometry::size_px(camera))) rays.push_back(ray);
+  }
+  return rays;
 }
 
 /// Root of the mean variance of the pixels of far points, given the information on the intrinsics.
@@ -120,7 +168,8 @@ double mean_sigma_px(const std::vector<Row2>& rows, const MatrixXd& information,
 }  // namespace
 
 UncertaintyMap projection_uncertainty(const Intrinsics& in, int columns, int rows) {
-  UncertaintyMap map{columns, rows, {}, 0, 0};
+  UncertaintyMap map;
+  map.columns = columns, map.rows = rows;
   const MatrixXd information = calibration::information(in.bundle);
   const estimation::SymmetricSolver solver(information);
   std::vector<double> known;
@@ -129,19 +178,16 @@ UncertaintyMap projection_uncertainty(const Intrinsics& in, int columns, int row
       map.sigma_px.push_back(std::numeric_limits<double>::quiet_NaN());
       const auto ray = geometry::unproject(
           in.camera, cell_middle(geometry::size_px(in.camera), columns, rows, c, r));
-      if (!ray) continue;
-      const Vector3d p = kFar_m * *ray;
-      const auto at =
-          geometry::project_with_jacobians(in.bundle.kind, in.bundle.intrinsics.data(), p);
-      if (!at) continue;
-      const Row2 j = by_everything(in.bundle, *at, p);
-      const Eigen::Matrix2d covariance = j.lazyProduct(solver.solve(j.transpose()));
-      const double worse = estimation::planar_spectrum_of(covariance).values[1];
-      map.sigma_px.back() = in.sigma_px * std::sqrt(std::max(worse, 0.0));
-      known.push_back(map.sigma_px.back());
+      const auto sigma_px = ray ? far_sigma_px(in, solver, *ray) : std::nullopt;
+      if (!sigma_px) continue;
+      map.sigma_px.back() = *sigma_px;
+      known.push_back(*sigma_px);
     }
   map.median_px = upper_median(known);
-  map.worst_px = known.empty() ? 0 : *std::max_element(known.begin(), known.end());
+  for (const Vector3d& ray : rim_rays(in.camera))
+    map.rim_px = std::max(map.rim_px, far_sigma_px(in, solver, ray).value_or(0));
+  map.worst_px = map.rim_px;
+  for (const double sigma_px : known) map.worst_px = std::max(map.worst_px, sigma_px);
   return map;
 }
 

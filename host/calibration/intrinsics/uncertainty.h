@@ -11,13 +11,15 @@
 namespace mixrig::calibration {
 
 /// Standard deviation of the pixel of a far point, in its worse direction, at the centres of
-/// columns x rows cells; NaN where the lens has no ray. As mrcal defines it (Kogan, "mean-pcam"):
-/// the far point is tied to the boards, whose poses move with the intrinsics, so that a rotation of
-/// the whole camera adds no uncertainty.
+/// columns x rows cells; NaN where the lens has no ray, such as beyond its image circle. As mrcal
+/// defines it (Kogan, "mean-pcam"): the far point is tied to the boards, whose poses move with the
+/// intrinsics, so that a rotation of the whole camera adds no uncertainty.
 struct UncertaintyMap {
   int columns = 0, rows = 0;
   std::vector<double> sigma_px;  ///< row by row
-  double median_px = 0, worst_px = 0;
+  double median_px = 0;
+  double rim_px = 0;    ///< the worst at the largest angle inside the picture; 0 where it has none
+  double worst_px = 0;  ///< of the cells and the rim
 };
 UncertaintyMap projection_uncertainty(const Intrinsics& intrinsics, int columns, int rows);
 

@@ -237,6 +237,9 @@ void fill_calibration(const RigData& data, const SolveReport& solved, const RigL
     calibration_file::CalibratedCamera out;
     out.name = camera.name;
     out.model = geometry::make_camera(camera.lens, camera.size_px, camera.parameters);
+    if (const auto circle = circle_of(data, c))
+      if (const auto angle = rim_angle_rad(out.model, *circle))
+        out.model = geometry::make_camera(camera.lens, camera.size_px, camera.parameters, *angle);
     const auto count = static_cast<Eigen::Index>(camera.parameters.size());
     out.covariance = Eigen::MatrixXd::Zero(count, count);
     for (std::size_t i = 0; i < camera.free.size(); ++i)

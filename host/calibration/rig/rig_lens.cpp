@@ -143,9 +143,10 @@ std::vector<int> lens_counts(geometry::LensKind kind) {
   return kind == geometry::LensKind::kPinhole ? std::vector{9, 8} : std::vector{8, 6};
 }
 
-/// True where the lens is implausible in parts of the picture that no view covers.
-bool folds(const RigCamera& camera) {
-  return !geometry::validate(geometry::make_camera(camera.lens, camera.size_px, camera.parameters));
+/// True where the lens is implausible in parts of the image that no view covers.
+bool folds(const RigCamera& camera, const std::optional<ImageCircle>& circle) {
+  const auto lens = geometry::make_camera(camera.lens, camera.size_px, camera.parameters);
+  return circle ? !rim_angle_rad(lens, *circle) : !geometry::validate(lens);
 }
 
 SolveReport solve_free(const RigData& data, std::size_t camera, const std::vector<int>& views,
@@ -208,7 +209,8 @@ Result<RigModel> solve_lens(RigData& data, std::size_t camera, Crew& crew) {
     simpler.cameras[0].parameters.tail(simpler.cameras[0].parameters.size() - counts[i]).setZero();
     const SolveReport tried = solve_free(data, camera, views, counts[i], 0.1, simpler, crew);
     const double saved = (tried.cost - report.cost) * static_cast<double>(report.rows);
-    if (folds(model.cameras[0]) || saved < kSignificant * (counts[0] - counts[i]) * report.cost)
+    if (folds(model.cameras[0], circle_of(data, camera)) ||
+        saved < kSignificant * (counts[0] - counts[i]) * report.cost)
       model = simpler, report = tried;
   }
   const double rms = std::sqrt(mean_square(distances(data, model, camera, views)));

@@ -117,6 +117,17 @@ Result<void> load_pictures(RigData& data, Crew& crew) {
   return error.result();
 }
 
+/// Image circles of the fisheyes, in all their pictures.
+void find_circles(RigData& data) {
+  for (std::size_t c = 0; c < data.set.cameras.size(); ++c) {
+    data.circles.emplace_back();
+    if (data.set.cameras[c].lens != geometry::LensKind::kFisheye) continue;
+    BrightestPicture brightest;
+    for (const auto& pictures : data.pictures) brightest.add(pictures[c].gray.view());
+    data.circles.back() = find_image_circle(brightest.image());
+  }
+}
+
 Result<void> find_corners(RigData& data, Crew& crew,
                           const std::function<void(int, int)>& progress) {
   const BoardSpec spec = spec_of(data.set);
@@ -131,10 +142,11 @@ Result<void> find_corners(RigData& data, Crew& crew,
         if (!board) return error.keep(board.error());
         if (!*board) continue;
         const BoardView& seen = **board;
-        if (static_cast<int>(seen.ids.size()) >= kLeastStartCorners)
-          for (std::size_t k = 0; k < seen.ids.size(); ++k)
-            data.corners[view][c].push_back(
-                {{seen.ids[k] % inner + 1.0, seen.ids[k] / inner + 1.0}, seen.px[k]});
+        auto& corners = data.corners[view][c];
+        for (std::size_t k = 0; k < seen.ids.size(); ++k)
+          if (!data.circles[c] || data.circles[c]->contains(seen.px[k]))
+            corners.push_back({{seen.ids[k] % inner + 1.0, seen.ids[k] / inner + 1.0}, seen.px[k]});
+        if (static_cast<int>(corners.size()) < kLeastStartCorners) corners.clear();
         const std::lock_guard lock(mutex);
         data.blur_px = std::max(data.blur_px, seen.blur_px);
       }
@@ -190,8 +202,13 @@ Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>
                       std::vector<std::vector<SeenCorner>>(cameras));
   data.misfound.resize(cameras);
   MIXRIG_TRY(load_pictures(data, crew));
+  find_circles(data);
   MIXRIG_TRY(find_corners(data, crew, progress));
   return data;
+}
+
+std::optional<ImageCircle> circle_of(const RigData& data, std::size_t camera) {
+  return camera < data.circles.size() ? data.circles[camera] : std::nullopt;
 }
 
 std::vector<int> seen_by(const RigData& data, std::size_t camera) {

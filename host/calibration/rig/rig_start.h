@@ -3,8 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/calibration/board/image_circle.h"
 #include "host/calibration/rig/rig_terms.h"
 #include "host/calibration/rig/view_set.h"
 
@@ -22,16 +25,20 @@ struct Misfound {
 struct RigData {
   ViewSet set;  ///< cameras that take part
   BoardPrint print;
-  Pictures pictures;  ///< view, camera
-  SeenCorners corners;
-  std::vector<Misfound> misfound;  ///< a camera; filled by start_rig()
-  double blur_px = 0;              ///< largest median blur that the detector saw
+  Pictures pictures;                                ///< view, camera
+  SeenCorners corners;                              ///< inside the image circles
+  std::vector<std::optional<ImageCircle>> circles;  ///< a camera; none known where it is empty
+  std::vector<Misfound> misfound;                   ///< a camera; filled by start_rig()
+  double blur_px = 0;                               ///< largest median blur that the detector saw
 };
 /// Reads all pictures of the cameras that `wanted` names (all if empty) and finds the board in
 /// them; calls `progress` with the number of views done and of all views. Errors: kUsage,
 /// kNotFound, kFormat.
 Result<RigData> load_rig_data(const ViewSet& set, const std::vector<std::string>& wanted,
                               Crew& crew, const std::function<void(int, int)>& progress);
+
+/// The image circle of a camera: that of a fisheye whose pictures show one.
+std::optional<ImageCircle> circle_of(const RigData& data, std::size_t camera);
 
 /// Views in which a camera sees the board.
 std::vector<int> seen_by(const RigData& data, std::size_t camera);

@@ -77,6 +77,43 @@ TEST(CalibrationFile, ReadsBackTheBitsThatItWrote) {
   EXPECT_EQ(read->pan_tilt->covariance.rows(), 9);
 }
 
+TEST(CalibrationFile, HoldsTheLargestAngleOfAFisheye) {
+  const auto angle_of = [](const std::string& text) {
+    const auto read = parse_calibration(text, "c.toml");
+    EXPECT_TRUE(read) << read.error().context;
+    return read ? geometry::max_angle_rad(read->camera("fisheye")->model) : std::nullopt;
+  };
+  Calibration all;
+  all.cameras = {some_camera("fisheye", LensKind::kFisheye)};
+  const std::string without = calibration_text(all);
+  EXPECT_EQ(without.find("max_angle"), std::string::npos);
+  EXPECT_EQ(angle_of(without), std::nullopt);
+  for (const double angle : {1.0 / 3, 1.6, M_PI}) {
+    all.cameras[0].model = geometry::make_camera(
+        LensKind::kFisheye, {1280, 1024}, geometry::parameters_of(all.cameras[0].model), angle);
+    EXPECT_EQ(angle_of(calibration_text(all)), angle);
+  }
+  const std::string good = calibration_text(all);
+  for (const char* wrong : {"nan", "inf", "-1.6", "0.0", "3.1416", "1e300", "\"1.6\"", "[1.6]"}) {
+    std::string text = good;
+    text.replace(text.find("max_angle_rad"),
+                 text.find('\n', text.find("max_angle_rad")) - text.find("max_angle_rad"),
+                 "max_angle_rad = " + std::string(wrong));
+    const auto read = parse_calibration(text, "c.toml");
+    ASSERT_FALSE(read) << wrong;
+    EXPECT_EQ(read.error().context.rfind("c.toml:", 0), 0U) << read.error().context;
+    EXPECT_NE(read.error().context.find("max_angle_rad"), std::string::npos)
+        << read.error().context;
+  }
+  Calibration pinhole;
+  pinhole.cameras = {some_camera("target", LensKind::kPinhole)};
+  const auto read =
+      parse_calibration(calibration_text(pinhole) + "max_angle_rad = 1.6\n", "c.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().context.find("for model = \"fisheye\" alone"), std::string::npos)
+      << read.error().context;
+}
+
 TEST(CalibrationFile, UpdatesOneEntryAndKeepsTheOthers) {
   const test::TemporaryFolder folder;
   const auto path = folder / "calibration.toml";

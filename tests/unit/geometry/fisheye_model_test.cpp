@@ -67,6 +67,39 @@ TEST(FisheyeModel, KnowsItsDomain) {
   EXPECT_TRUE(validate(lens()));
 }
 
+/// A lens of 200 degrees whose image is a circle of radius `150 * 100 degrees` inside the picture.
+FisheyeModel circular() {
+  FisheyeModel::Parameters p = equidistant().parameters();
+  p.max_angle_rad = 100 * M_PI / 180;
+  return FisheyeModel(p);
+}
+
+TEST(FisheyeModel, EndsAtItsLargestAngle) {
+  const FisheyeModel camera = circular();
+  const double largest = *camera.parameters().max_angle_rad;
+  EXPECT_EQ(camera.domain_rad(), largest);
+  EXPECT_NEAR(camera.fold_rad(), M_PI, 1e-12);
+  EXPECT_NEAR(camera.rim_px().x(), 150 * largest, 1e-9);
+  for (double phi = 0; phi < 6; phi += 0.7) {
+    EXPECT_TRUE(camera.project(direction(largest - 1e-9, phi)));
+    EXPECT_FALSE(camera.project(direction(largest + 1e-9, phi)));
+    const Vector2d out(std::cos(phi), std::sin(phi)), middle(499.5, 499.5);
+    const auto ray = camera.unproject(middle + (150 * largest - 1e-6) * out);
+    ASSERT_TRUE(ray);
+    EXPECT_LT((*ray - direction(largest, phi)).norm(), 1e-7);
+    EXPECT_FALSE(camera.unproject(middle + (150 * largest + 1e-6) * out));
+  }
+  EXPECT_FALSE(camera.unproject({0, 0}));  // a corner is no picture
+}
+
+TEST(FisheyeModel, LargestAngleChangesNothingInsideIt) {
+  for (double theta = 0; theta < 1.7; theta += 0.1) {
+    const Vector3d d = direction(theta, 1);
+    EXPECT_EQ(*circular().project(d), *equidistant().project(d));
+    EXPECT_EQ(circular().jacobian(d), equidistant().jacobian(d));
+  }
+}
+
 TEST(FisheyeModel, JacobianMatchesDifferences) {
   const FisheyeModel camera = lens();
   for (const Vector3d& p :
@@ -81,6 +114,24 @@ TEST(FisheyeModel, JacobianMatchesDifferences) {
   }
 }
 
+TEST(ValidateFisheye, AFoldCountsWhereThereIsImage) {
+  // theta - theta^3 / 10 turns at 1.826 rad, 104.6 degrees, 182 px from the centre.
+  FisheyeModel::Parameters p{{1000, 1000}, 150, 150, 499.5, 499.5, {-0.1, 0, 0, 0}};
+  const auto refusal = [&] {
+    const auto valid = validate(FisheyeModel(p));
+    return valid ? std::string() : valid.error().context;
+  };
+  EXPECT_NE(refusal().find("folds inside the picture, 104.6 degrees"), std::string::npos);
+  p.max_angle_rad = 1.8;  // the circle ends before the fold
+  EXPECT_EQ(refusal(), "");
+  p.max_angle_rad = 1.85;
+  EXPECT_NE(refusal().find("folds inside its image, 104.6 degrees"), std::string::npos);
+  EXPECT_NE(refusal().find("largest angle is 106.0 degrees"), std::string::npos) << refusal();
+  p.size_px = {250, 250};  // its corners lie 176 px away: the fold is beyond them
+  p.cx_px = p.cy_px = 124.5;
+  EXPECT_EQ(refusal(), "");
+}
+
 TEST(ValidateFisheye, RefusesBrokenValues) {
   FisheyeModel::Parameters p = lens().parameters();
   p.fx_px = 0;
@@ -91,6 +142,11 @@ TEST(ValidateFisheye, RefusesBrokenValues) {
   p = lens().parameters();
   p.size_px = {0, 480};
   EXPECT_FALSE(validate(FisheyeModel(p)));
+  for (const double angle : {0.0, -1.0, 3.15, static_cast<double>(NAN), 1e300}) {
+    p = equidistant().parameters();
+    p.max_angle_rad = angle;
+    EXPECT_FALSE(validate(FisheyeModel(p))) << angle;
+  }
 }
 
 }  // namespace
