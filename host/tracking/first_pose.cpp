@@ -23,8 +23,10 @@ constexpr std::size_t kRays = 256;  ///< of the picture that are compared
 constexpr float kLeastCorrelation = 0.3F;
 constexpr std::size_t kSecondTurns = 200, kTurnsOfPlace = 30;
 constexpr std::size_t kFirstRays = 64;  ///< of them, with all rotations
+/// A second pose that explains so much of what the first one does makes it a guess.
+constexpr double kAsGood = 0.8;
 constexpr int kCoarsePatches = 100;
-constexpr std::size_t kCoarse = 160, kFine = 10;  ///< poses that are aligned
+constexpr std::size_t kCoarse = 160, kFine = 24;  ///< poses that are aligned
 
 /// The room as it looks from a place: grey values on the six faces of a cube, -1 unknown.
 class Around {
@@ -212,6 +214,10 @@ std::vector<Guess> turns_of(std::span<const Ray> rays, std::span<const Eigen::Ma
   return best;
 }
 
+double share_of(const PatchFit& fit) {
+  return fit.visible > 0 ? static_cast<double>(fit.inliers) / fit.visible : 0;
+}
+
 /// The first `count` that are no repetition of one before.
 void keep_different(std::size_t count, std::vector<PatchFit>& best_first) {
   constexpr double kSame_m = 0.05, kSame_rad = 0.03;
@@ -263,7 +269,7 @@ void FirstPose::guess(const GreyPyramid& picture, const SearchField& field,
 }
 
 bool explains(const PatchFit& fit) {
-  return fit.inliers >= 25 && fit.inliers >= 0.2 * fit.visible && fit.sigma_m() < 0.03 &&
+  return fit.inliers >= std::max(12.0, 0.2 * fit.visible + 5) && fit.sigma_m() < 0.03 &&
          fit.sigma_rad() < 0.01;
 }
 
@@ -293,9 +299,11 @@ std::optional<PatchFit> FirstPose::find(const GreyPyramid& picture,
   align_all(picture, level + 1, middle, kCoarsePatches, fits);
   keep_different(kFine, fits);
   align_all(picture, middle, options_.finest, options_.patches, fits);
-  for (const PatchFit& fit : fits)
-    if (explains(fit)) return fit;
-  return std::nullopt;
+  keep_different(2, fits);
+  if (fits.empty() || !explains(fits[0])) return std::nullopt;
+  if (fits.size() > 1 && explains(fits[1]) && share_of(fits[1]) > kAsGood * share_of(fits[0]))
+    return std::nullopt;
+  return fits[0];
 }
 
 }  // namespace mixrig::tracking

@@ -26,7 +26,8 @@ class FirstPose {
   FirstPose(const model::Panorama& room, const PatchMap& map, const geometry::AnyCamera& camera,
             const AlignOptions& options, Crew& crew);
 
-  /// The best pose, or none where no pose of the field explains the picture (`explains`).
+  /// The best pose, or none where no pose of the field explains the picture (`explains`),
+  /// or another one explains it nearly as well.
   std::optional<PatchFit> find(const GreyPyramid& picture, const SearchField& field) const;
 
   /// A place on the coarse room.

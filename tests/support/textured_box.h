@@ -21,9 +21,10 @@ namespace mixrig::test {
 
 class TexturedBox {
  public:
-  /// `contrast` 0: bare walls. Rooms of other patterns look different.
-  explicit TexturedBox(unsigned pattern = 1, double contrast = 1)
-      : pattern_(pattern), contrast_(contrast) {}
+  /// `contrast` 0: bare walls. Rooms of other patterns look different. `period_m`: the pattern of
+  /// the walls repeats; 0: it does not.
+  explicit TexturedBox(unsigned pattern = 1, double contrast = 1, double period_m = 0)
+      : pattern_(pattern), contrast_(contrast), period_m_(period_m) {}
 
   static constexpr std::array<double, 3> kLow_m{-2.1, -1.6, -1.4}, kHigh_m{2.3, 2.9, 1.5};
 
@@ -40,7 +41,9 @@ class TexturedBox {
 
   /// 0 to 1, of what a ray meets.
   double grey(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) const {
-    const Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
+    Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
+    if (period_m_ > 0)
+      for (int k = 0; k < 3; ++k) p[k] -= period_m_ * std::floor(p[k] / period_m_);
     return 0.5 +
            contrast_ * (0.55 * (noise(p / 0.5, 11) - 0.5) + 0.4 * (noise(p / 0.13, 23) - 0.5));
   }
@@ -127,7 +130,7 @@ class TexturedBox {
   }
 
   unsigned pattern_;
-  double contrast_;
+  double contrast_, period_m_;
 };
 
 /// A camera near the middle of the box that looks along y, moved and turned.

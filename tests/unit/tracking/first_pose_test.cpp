@@ -15,7 +15,8 @@ using test::in_the_box;
 using test::TexturedBox;
 
 struct SearchBench {
-  SearchBench() : first(room, map, camera, {}, crew) {}
+  explicit SearchBench(const TexturedBox& box = TexturedBox())
+      : room(box.panorama()), first(room, map, camera, {}, crew) {}
 
   std::optional<PatchFit> find(const Image<Rgb8>& picture) {
     GreyPyramid pyramid;
@@ -24,7 +25,7 @@ struct SearchBench {
   }
 
   Crew crew{2};
-  model::Panorama room = TexturedBox().panorama();
+  model::Panorama room;
   geometry::AnyCamera camera = TexturedBox::camera();
   PatchMap map = make_patch_map(room, {0.009, 6, 1500}, crew);
   FirstPose first;
@@ -48,6 +49,21 @@ TEST(FirstPose, FindsPosesAnywhereInItsField) {
     EXPECT_LT((found.translation_m - truth.translation_m).norm(), 0.003) << i;
     EXPECT_LT(found.rotation.angularDistance(truth.rotation), 0.001) << i;
   }
+}
+
+TEST(FirstPose, WallsThatRepeatAreFoundRightOrNotAtAll) {
+  const TexturedBox box(3, 1, 0.5);
+  SearchBench bench(box);
+  int found = 0;
+  for (int i = 0; i < 4; ++i) {
+    const geometry::Pose truth = in_the_box({0.3 * i - 0.5, 0.2, 0.1 * i}, {0.1 * i, 0, 0.2});
+    const auto fit = bench.find(box.picture(truth, 2, static_cast<unsigned>(i) + 1));
+    if (!fit) continue;
+    ++found;
+    const geometry::Pose pose = geometry::inverse(fit->camera_from_room);
+    EXPECT_LT((pose.translation_m - truth.translation_m).norm(), 0.005) << i;
+  }
+  EXPECT_GE(found, 1);
 }
 
 TEST(FirstPose, AnotherRoomAndACoveredLensHaveNone) {
