@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/model/room_places.h"
+#include "host/model/registration/places.h"
 
 namespace mixrig::model {
 namespace {
@@ -32,13 +32,13 @@ GridTriangle triangle_of(const RoomMesh& grid, std::size_t first) {
 bool sees_better(const std::vector<JoinedPart>& parts, std::size_t own, std::size_t other,
                  const GridTriangle& triangle) {
   const Seen at_home = look(*parts[own].panorama, triangle.middle_m, triangle.normal, 0, 1);
-  const double sigma_m = at_home.sight == Sight::kAgrees ? at_home.sigma_m : 0;
+  const double sigma_m = at_home.sight == RoomSight::kAgrees ? at_home.sigma_m : 0;
   const geometry::Pose pose =
       geometry::inverse(parts[other].first_from_base) * parts[own].first_from_base;
   const Seen there = look(*parts[other].panorama, pose * triangle.middle_m,
                           pose.rotation * triangle.normal, sigma_m, kJoinedGate_m);
-  if (there.sight != Sight::kAgrees) return false;
-  if (at_home.sight != Sight::kAgrees) return true;  // at a grazing angle
+  if (there.sight != RoomSight::kAgrees) return false;
+  if (at_home.sight != RoomSight::kAgrees) return true;  // at a grazing angle
   const double own_m = at_home.sigma_m / at_home.incidence;
   const double other_m = there.sigma_m / there.incidence;
   return other < own ? other_m <= own_m : other_m < own_m;

@@ -19,16 +19,44 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+bool same_place(const fs::path& p, const fs::path& q) {
+  std::error_code error;
+  const fs::path left = fs::weakly_canonical(p, error), right = fs::weakly_canonical(q, error);
+  return !error && left == right;
+}
+
+Error merge_usage(const std::string& why) { return {ErrorCode::kUsage, "scan --merge: " + why}; }
+
+/// Whether the words can be meant so. OUT that is a room may be a room after which OUT was
+/// forgotten.
+Result<void> check_folders(const std::vector<fs::path>& rooms, const fs::path& out) {
+  if (out.empty() || rooms.size() < 2 || rooms.size() > model::kMostJoined)
+    return merge_usage("give 2 to 4 scanned rooms and then OUT, the folder to write");
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    if (same_place(rooms[i], out))
+      return merge_usage("OUT is '" + rooms[i].string() + "', one of the rooms: give another OUT");
+    for (std::size_t k = 0; k < i; ++k)
+      if (same_place(rooms[k], rooms[i]))
+        return merge_usage("'" + rooms[i].string() +
+                           "' is given twice: give rooms scanned from different positions");
+  }
+  if (model::is_room(out) && fs::exists(out / "room.exr"))
+    return merge_usage(
+        "OUT '" + out.string() +
+        "' is a scanned room itself: give another OUT after the rooms, or remove it");
+  return {};
+}
+
 Result<std::vector<model::RoomFile>> read_rooms(const std::vector<fs::path>& folders) {
-  if (folders.size() < 2 || folders.size() > model::kMostJoined)
-    return Error{ErrorCode::kUsage, "scan --merge: give 2 to 4 scanned rooms, then OUT"};
   std::vector<model::RoomFile> rooms;
   for (const fs::path& folder : folders) {
+    if (!model::is_room(folder))
+      return merge_usage("'" + folder.string() +
+                         "' is not a scanned room: give folders that scan --take or --rig wrote");
     MIXRIG_ASSIGN(auto read, model::load_rooms(folder));
     if (read.size() != 1)
-      return Error{ErrorCode::kUsage, "'" + folder.string() +
-                                          "' is a joined room: give the rooms that it was made "
-                                          "of, up to 4 at once"};
+      return merge_usage("'" + folder.string() +
+                         "' is a joined room: give the rooms that it was made of, up to 4 at once");
     rooms.push_back(std::move(read.front().room));
   }
   return rooms;
@@ -79,6 +107,7 @@ Result<std::size_t> write_joined_mesh(std::vector<model::RoomFile>& rooms,
 
 Result<RoomMerge> merge_rooms(const RoomMergeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  MIXRIG_TRY(check_folders(options.rooms, options.out));
   MIXRIG_ASSIGN(auto rooms, read_rooms(options.rooms));
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(options.out, "manifest.toml"));
   Crew crew(options.threads);

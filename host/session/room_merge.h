@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "host/model/registration/room_registration.h"
 #include "host/model/room_file.h"
-#include "host/model/room_registration.h"
 
 namespace mixrig::session {
 
@@ -25,8 +25,9 @@ struct RoomMerge {
 };
 
 /// Registers each room to the first and writes `out`: copies of the rooms, manifest.toml, room.glb;
-/// whole or not at all. Errors: those of the rooms; kUsage for a joined room among them, more than
-/// four, or a folder that is something else; kData where they cannot be joined; kIo.
+/// whole or not at all. Errors: those of the rooms; kUsage for what is no room or a joined one
+/// among them, one that is given twice or is OUT, fewer than two or more than four, an OUT that is
+/// a scanned room or something else; kData where they cannot be joined; kIo.
 Result<RoomMerge> merge_rooms(const RoomMergeOptions& options);
 
 }  // namespace mixrig::session

@@ -343,11 +343,12 @@ void add_scan_command(Command app, Context& context) {
   command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
   command.add_option("--merge", arguments->merge.rooms,
                      "A B [C D] OUT: rooms of one place, scanned from several positions, become "
-                     "one");
+                     "one. OUT is required: the last word is not a room");
   command.add_option("--near", arguments->merge.near,
                      "--merge: about where B stood in A's axes, where several answers fit: \"x y z "
                      "yaw\" in metres and degrees");
-  command.add_option("OUT", arguments->out, "background folder to write");
+  command.add_option("OUT", arguments->out,
+                     "REQUIRED, also with --merge: background folder to write");
   command.add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
   add_calibration_option(command, arguments->session);
   add_backend_options(command, arguments->session);

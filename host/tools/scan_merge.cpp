@@ -69,6 +69,7 @@ Result<nlohmann::json> scan_merge(const ScanMergeOptions& options, const std::st
   session::RoomMergeOptions merge;
   merge.rooms.assign(options.rooms.begin(), options.rooms.end());
   merge.out = out, merge.threads = threads;
+  // "--merge A B OUT" takes all three words.
   if (out.empty()) merge.out = merge.rooms.back(), merge.rooms.pop_back();
   if (!options.near.empty()) {
     if (merge.rooms.size() != 2)

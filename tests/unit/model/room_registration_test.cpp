@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rooms by formula, seen from two places: the pose is known, what is not decided is refused.
-#include "host/model/room_registration.h"
+#include "host/model/registration/room_registration.h"
 
 #include <cmath>
 #include <functional>

@@ -20,7 +20,7 @@ struct RoomPlace {
 /// Places evenly over the directions where views measured, about `step_rad` apart.
 std::vector<RoomPlace> places_of(const Panorama& panorama, double step_rad);
 
-enum class Sight : std::uint8_t {
+enum class RoomSight : std::uint8_t {
   kNone,     ///< unknown there, seen from behind or at a grazing angle
   kHidden,   ///< behind a surface of the other room
   kAgrees,   ///< on the surface that the other room has there
@@ -28,7 +28,7 @@ enum class Sight : std::uint8_t {
 };
 
 struct Seen {
-  Sight sight = Sight::kNone;
+  RoomSight sight = RoomSight::kNone;
   double off_m = 0;                ///< along the normal; positive behind the other room's surface
   double incidence = 0;            ///< cosine between ray and normal, from the other origin
   double sigma_m = 0;              ///< of the other room's distance

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/model/room_places.h"
+#include "host/model/registration/places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,10 +100,10 @@ Seen look(const Panorama& p, const Vector3d& at_m, const Vector3d& normal, doubl
   seen.sigma_m = around.of(p.sigma_m)[around.nearest()];
   seen.off_m = (away_m - there_m) * seen.incidence;
   gate_m = std::max(gate_m, 3 * std::hypot(sigma_m, seen.sigma_m));
-  seen.sight = seen.off_m > gate_m    ? Sight::kHidden
-               : seen.off_m < -gate_m ? Sight::kAgainst
-                                      : Sight::kAgrees;
-  if (seen.sight == Sight::kAgrees) seen.color = place_color(p, pixel);
+  seen.sight = seen.off_m > gate_m    ? RoomSight::kHidden
+               : seen.off_m < -gate_m ? RoomSight::kAgainst
+                                      : RoomSight::kAgrees;
+  if (seen.sight == RoomSight::kAgrees) seen.color = place_color(p, pixel);
   return seen;
 }
 

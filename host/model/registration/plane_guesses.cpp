@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/model/registration_guesses.h"
+#include "host/model/registration/plane_guesses.h"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr std::size_t kMostPlanes = 10;
 constexpr double kLeastVolume = 0.3;         ///< of three unit normals
 constexpr double kSameAngle = 0.05;          ///< of cosines: 3 degrees
-constexpr double kMostTilt_rad = 10 * kDeg;  ///< between the z axes
+constexpr double kMostTilt_rad = 25 * kDeg;  ///< between the z axes: heads of tripods
 constexpr double kMostShift_m = 50;
 
 /// Columns are unit normals; distances from the origin.
