@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
 #include "host/model/registration/fit.h"
 #include "host/model/registration/plane_guesses.h"
 
@@ -22,7 +20,7 @@ constexpr std::size_t kMostAnswers = 12, kMostAgreeing = 4;  ///< that are refin
 constexpr double kWorthRefining = 0.75;                      ///< of the evidence of the best
 constexpr double kWorthAgreeing = 0.1;                       ///< less than the best agrees
 constexpr double kNear_m = 0.75, kNear_rad = 25 * kDeg;
-constexpr double kSlide_m = 0.1, kFarthestSlide_m = 12;
+constexpr double kAlongStep_rad = 13 * kDeg, kSlide_m = 0.1;
 
 bool within(const Pose& p, const Pose& q, double most_m, double most_rad) {
   return (p.translation_m - q.translation_m).norm() < most_m &&
@@ -92,23 +90,6 @@ void refine(const Sides& sides, std::initializer_list<double> gates_m, std::vect
   keep_apart(answers);
 }
 
-/// Along the two directions on the floor that the surfaces hold least and most.
-std::vector<Pose> slid(const Sides& sides, const Pose& a_from_b) {
-  Eigen::Matrix2d across = Eigen::Matrix2d::Zero();
-  for (const FitRow& row : fit_rows(sides, a_from_b, kSurfaceGate_m, false))
-    across += row.normal.head<2>() * row.normal.head<2>().transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(across);
-  std::vector<Pose> poses;
-  for (Eigen::Index k = 0; k < 2; ++k)
-    for (int i = static_cast<int>(kFarthestSlide_m / kSlide_m); i > 0; --i)
-      for (const double way : {-1.0, 1.0}) {
-        Pose pose = a_from_b;
-        pose.translation_m.head<2>() += way * i * kSlide_m * axes.eigenvectors().col(k);
-        poses.push_back(pose);
-      }
-  return poses;
-}
-
 void erase_far(const RegistrationOptions& options, std::vector<Answer>& answers) {
   if (const auto& near = options.near_a_from_b)
     std::erase_if(answers,
@@ -123,16 +104,18 @@ std::vector<Answer> find_answers(const Panorama& a, const Panorama& b,
                                  const RegistrationOptions& options, Crew& crew) {
   const Sides coarse = sides_of(a, b, kCoarseStep_rad), middle = sides_of(a, b, kMiddleStep_rad);
   std::vector<Pose> poses = poses_from_planes(of_a, of_b);
+  std::vector<Pose> along_walls = poses_along_walls(of_a, of_b, kSlide_m);
   if (const auto& near = options.near_a_from_b) {
-    std::erase_if(poses, [&](const Pose& p) { return !within(p, *near, kNear_m, kNear_rad); });
+    const auto is_far = [&](const Pose& p) { return !within(p, *near, kNear_m, kNear_rad); };
+    std::erase_if(poses, is_far);
+    std::erase_if(along_walls, is_far);
     poses.push_back(refined_pose(coarse, *near, {0.5, 0.25, 0.12}));
   }
   std::vector<Answer> answers = judged(coarse, poses, crew);
   refine(middle, {0.1, 0.05, kSurfaceGate_m}, answers, crew);
-  if (answers.empty()) return answers;
-  std::vector<Answer> moved = judged(coarse, slid(middle, answers.front().a_from_b), crew);
-  refine(middle, {0.1, 0.05, kSurfaceGate_m}, moved, crew);
-  answers.insert(answers.end(), moved.begin(), moved.end());
+  std::vector<Answer> along = judged(sides_of(a, b, kAlongStep_rad), along_walls, crew);
+  refine(middle, {0.1, 0.05, kSurfaceGate_m}, along, crew);
+  answers.insert(answers.end(), along.begin(), along.end());
   keep_apart(answers);
   erase_far(options, answers);
   if (answers.empty()) return answers;

@@ -24,9 +24,9 @@ inline bool is_plausible(const Evidence& e) {
          e.of_known() >= kLeastOfKnown;
 }
 
-/// From triples of planes, and from shifts of the best along the floor, refined; none within 0.1 m
-/// and 3 degrees of another; the one with the most evidence first. Those with far less evidence are
-/// left out, unless what they say agrees about as well.
+/// From triples of planes, and from floor and one wall with steps along it, refined; none within
+/// 0.1 m and 3 degrees of another; the one with the most evidence first. Those with far less
+/// evidence are left out, unless what they say agrees about as well.
 std::vector<Answer> find_answers(const Panorama& a, const Panorama& b,
                                  const std::vector<RoomPlane>& of_a,
                                  const std::vector<RoomPlane>& of_b, const Sides& fine_sides,

@@ -64,7 +64,44 @@ std::optional<geometry::Pose> pose_of(const Triple& a, const Triple& b) {
   return geometry::Pose{Eigen::Quaterniond(rotation).normalized(), shift_m};
 }
 
+/// Floor and a wall: columns of `normals` are both and the direction along the wall.
+std::vector<Triple> floors_and_walls(const std::vector<RoomPlane>& planes) {
+  constexpr double kFlat = 0.8, kUpright = 0.35;
+  constexpr std::size_t kMostWalls = 4;
+  const auto normal = [](const RoomPlane& p) -> Vector3d { return p.inverse_per_m.normalized(); };
+  const auto floor = std::find_if(planes.begin(), planes.end(),
+                                  [&](const RoomPlane& p) { return normal(p).z() < -kFlat; });
+  std::vector<Triple> pairs;
+  if (floor == planes.end()) return pairs;
+  const Vector3d down = normal(*floor);
+  for (const RoomPlane& wall : planes) {
+    if (pairs.size() == kMostWalls) break;
+    if (std::abs(normal(wall).dot(down)) > kUpright) continue;
+    Triple t;
+    t.normals << down, normal(wall), down.cross(normal(wall)).normalized();
+    t.away_m = {1 / floor->inverse_per_m.norm(), 1 / wall.inverse_per_m.norm(), 0};
+    pairs.push_back(t);
+  }
+  return pairs;
+}
+
 }  // namespace
+
+std::vector<geometry::Pose> poses_along_walls(const std::vector<RoomPlane>& a,
+                                              const std::vector<RoomPlane>& b, double step_m) {
+  constexpr double kFarthest_m = 12;
+  std::vector<geometry::Pose> poses;
+  const std::vector<Triple> of_a = floors_and_walls(a), of_b = floors_and_walls(b);
+  for (const Triple& ta : of_a)
+    for (const Triple& tb : of_b) {
+      const auto pose = pose_of(ta, tb);
+      for (double s_m = -kFarthest_m; pose && s_m <= kFarthest_m; s_m += step_m) {
+        poses.push_back(*pose);
+        poses.back().translation_m += s_m * ta.normals.col(2);
+      }
+    }
+  return poses;
+}
 
 std::vector<geometry::Pose> poses_from_planes(const std::vector<RoomPlane>& a,
                                               const std::vector<RoomPlane>& b) {

@@ -14,4 +14,9 @@ namespace mixrig::model {
 std::vector<geometry::Pose> poses_from_planes(const std::vector<RoomPlane>& a,
                                               const std::vector<RoomPlane>& b);
 
+/// a_from_b of each way to put the floor and a wall of b onto those of a, at steps of `step_m` up
+/// to 12 m either way along the wall: a hall's end may be seen by one room alone.
+std::vector<geometry::Pose> poses_along_walls(const std::vector<RoomPlane>& a,
+                                              const std::vector<RoomPlane>& b, double step_m);
+
 }  // namespace mixrig::model

@@ -41,8 +41,8 @@ struct Registration {
 };
 
 /// Hypotheses from triples of planes of both rooms (room_planes.h) whose normals are in the same
-/// angles and which leave the z axes within 25 degrees of each other, and from shifts of the best
-/// one along the floor (a hall). Each is refined by robust point-to-plane alignment in both
+/// angles and which leave the z axes within 25 degrees of each other, and from the floor and one
+/// wall with steps along it (a hall). Each is refined by robust point-to-plane alignment in both
 /// directions (Chen and Medioni 1992): a place counts where the other origin can see it, one in the
 /// other room's free space is evidence against. A third of the places is held out. The covariance
 /// is described at covariance_of() (fit.h).
@@ -50,9 +50,9 @@ struct Registration {
 /// agree; the surfaces leave a direction open (a corridor); one wall alone holds a direction (two
 /// ends of a hall), or surfaces agree and colours do not, both unless a place is given; another
 /// answer, more than 0.1 m or 3 degrees away, has at least 90 % of the evidence (a tenth of a room
-/// may have changed) or overlaps enough and agrees as well, and its colours do not fit worse by
-/// three sigma of Fisher's z.
-/// Deterministic; depends on nothing but its arguments.
+/// may have changed) and agrees to within 5 % as well, or overlaps enough and agrees as well, and
+/// its colours do not fit worse by three sigma of Fisher's z. Deterministic; depends on nothing but
+/// its arguments.
 Result<Registration> register_rooms(const Panorama& a, const Panorama& b,
                                     const RegistrationOptions& options, Crew& crew);
 

@@ -13,14 +13,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNearlyAsGood = 0.9;   ///< a tenth of a room may have changed
+constexpr double kNearlyAsGood = 0.9;  ///< a tenth of a room may have changed
+constexpr double kAgreesNearlyAsWell = 0.05;
 constexpr double kAgreesAsWell = 0.01;  ///< less than the best agrees
 constexpr double kColorSigmas = 3;
 constexpr double kLeastColor = 0.8;            ///< that of a room turned half around is 0.7
 constexpr double kColorPatch_rad = 10 * kDeg;  ///< that counts as one colour
 /// Least share of the places whose normals hold a direction of the translation.
 constexpr double kLeastHold = 0.01;
-constexpr double kLeastCheck = 0.004;  ///< the same without one wall
+constexpr double kLeastCheck = 0.008;  ///< the same without one wall
 constexpr double kUpright = 0.8;       ///< normals nearer to the z axis are those of floors
 
 /// By how many sigma the colours of one answer fit better (Fisher's z).
@@ -39,9 +40,10 @@ std::string near_text(const geometry::Pose& p) {
 
 /// A smaller overlap with less against it is as good an explanation of what both rooms see.
 bool is_rival(const Answer& other, const Answer& best) {
-  return other.evidence.of_all() >= kNearlyAsGood * best.evidence.of_all() ||
-         (is_plausible(other.evidence) &&
-          other.evidence.agreeing() >= best.evidence.agreeing() - kAgreesAsWell);
+  const double worse = best.evidence.agreeing() - other.evidence.agreeing();
+  if (other.evidence.of_all() >= kNearlyAsGood * best.evidence.of_all())
+    return worse < kAgreesNearlyAsWell;
+  return is_plausible(other.evidence) && worse < kAgreesAsWell;
 }
 
 }  // namespace
