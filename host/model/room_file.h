@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "hal/base/result.h"
 #include "host/model/panorama.h"
@@ -39,5 +41,29 @@ Result<RoomManifest> read_manifest(const std::filesystem::path& folder);
 
 /// Field is what is known. Errors: kNotFound, kFormat, kData (sizes that disagree).
 Result<RoomFile> load_room(const std::filesystem::path& folder);
+
+/// A room that is joined with others: where the foot of its head stood in the first one's axes.
+struct JoinedPlace {
+  std::string folder;  ///< beside manifest.toml
+  geometry::Pose first_from_base;
+  double sigma_m = 0, sigma_rad = 0;  ///< of the pose, along its worst axis; 0 of the first
+};
+
+/// At least two, at most this many (as many as a compositor draws).
+inline constexpr std::size_t kMostJoined = 4;
+
+/// Writes the manifest of a joined room; the rooms themselves are folders beside it. Errors: kIo.
+Result<void> write_joined(std::span<const JoinedPlace> rooms, int triangles,
+                          const std::filesystem::path& folder);
+
+struct PlacedRoom {
+  RoomFile room;
+  geometry::Pose first_from_base;
+  double sigma_m = 0, sigma_rad = 0;
+};
+
+/// One room, or all rooms of a joined one, the first first. Errors as load_room; kFormat also for
+/// a folder name that leads elsewhere, and for a joined room within a joined one.
+Result<std::vector<PlacedRoom>> load_rooms(const std::filesystem::path& folder);
 
 }  // namespace mixrig::model

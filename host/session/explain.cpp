@@ -168,10 +168,10 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
     add(lines, "background colour", session.background->color);
     add(lines, "background colour spread", session.background->color_sigma);
   }
-  if (session.room) {
-    add(lines, "room depth", session.room->depth_m);
-    add(lines, "room depth spread", session.room->depth_sigma_m);
-    add(lines, "room colour", session.room->color);
+  for (const model::RoomFaces& room : session.rooms) {
+    add(lines, "room depth", room.depth_m);
+    add(lines, "room depth spread", room.depth_sigma_m);
+    add(lines, "room colour", room.color);
   }
   const auto add_map = [&](const char* name, const render::LampParams& lamp) {
     const auto side = static_cast<std::size_t>(lamp.map_size_texel);

@@ -136,7 +136,8 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
 }  // namespace
 
 Result<RoomTrack> track_room(const RoomTrackOptions& options) {
-  MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(options.room));
+  MIXRIG_ASSIGN(const auto rooms, model::load_rooms(options.room));
+  const model::RoomFile& room = rooms.front().room;  // of joined rooms the first
   MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
   MIXRIG_ASSIGN(const RigCamera camera, tracked_camera(options, source->info()));
   const TruePath truth(options, source->info(), camera);

@@ -141,16 +141,31 @@ Result<void> check_place(const Session& session, FrameRange learned, bool has_ro
           learned.second)};
 }
 
-/// A scanned room, placed by the scene, or where its own frames had poses.
+/// The pictures stay in the session; the setup sees them.
+void add_room(Session& session, const model::PlacedRoom& placed,
+              const geometry::Pose& world_from_base, Crew& crew) {
+  const model::RoomFaces& faces =
+      session.rooms.emplace_back(model::make_faces(placed.room.panorama, crew));
+  render::BackgroundModel model;
+  model.camera = faces.camera;
+  for (const geometry::Pose& base_from_face : faces.base_from_face)
+    model.world_from_face.push_back(world_from_base * base_from_face);
+  model.depth_m = faces.depth_m, model.depth_sigma_m = faces.depth_sigma_m;
+  model.color = faces.color, model.color_factor = faces.color_factor;
+  session.setup.background_models.push_back(std::move(model));
+}
+
+/// A scanned room, or several joined ones, placed by the scene, or where its own frames had poses.
 Result<void> use_room(Session& session, const std::filesystem::path& folder) {
   const scene::Scene& scene = session.scene;
-  auto file = model::load_room(folder);
-  if (!file) return at_key(session, "background.model", std::move(file).error());
+  auto rooms = model::load_rooms(folder);
+  if (!rooms) return at_key(session, "background.model", std::move(rooms).error());
+  const model::RoomManifest& first = rooms->front().room.manifest;
   geometry::Pose world_from_base;
   if (scene.background.world_from_base)
     world_from_base = *scene.background.world_from_base;
-  else if (file->manifest.world_from_base)
-    world_from_base = *file->manifest.world_from_base;
+  else if (first.world_from_base)
+    world_from_base = *first.world_from_base;
   else if (scene.pose_source == scene::PoseSource::kPanTilt)
     world_from_base = scene.camera.world_from_base;
   else
@@ -159,17 +174,15 @@ Result<void> use_room(Session& session, const std::filesystem::path& folder) {
                    folder.string() +
                        " is a room, whose origin is the foot of the pan-tilt unit: say where that "
                        "stands by background.world_from_base"});
-  if (session.setup.vignetting.is_none()) session.setup.vignetting = file->manifest.vignetting;
+  if (session.setup.vignetting.is_none()) session.setup.vignetting = first.vignetting;
+  if (rooms->size() + (scene.background.learn ? 1 : 0) > render::kMostModels)
+    return at_key(session, "background.learn",
+                  {ErrorCode::kFormat,
+                   folder.string() + " joins as many rooms as can be drawn: remove learn"});
   Crew crew;
-  session.room = model::make_faces(file->panorama, crew);
-  const model::RoomFaces& faces = *session.room;
-  render::BackgroundModel model;
-  model.camera = faces.camera;
-  for (const geometry::Pose& base_from_face : faces.base_from_face)
-    model.world_from_face.push_back(world_from_base * base_from_face);
-  model.depth_m = faces.depth_m, model.depth_sigma_m = faces.depth_sigma_m;
-  model.color = faces.color, model.color_factor = faces.color_factor;
-  session.setup.background_models.push_back(std::move(model));
+  session.rooms.reserve(rooms->size());
+  for (const model::PlacedRoom& placed : *rooms)
+    add_room(session, placed, world_from_base * placed.first_from_base, crew);
   return {};
 }
 

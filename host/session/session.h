@@ -57,7 +57,7 @@ struct Session {
   std::unique_ptr<capture::CaptureSource> source;
   calibration_file::CalibrationChoice calibration;    ///< which one is used, and why
   std::optional<model::StaticBackground> background;  ///< one view of the room
-  std::optional<model::RoomFaces> room;               ///< or all of it
+  std::vector<model::RoomFaces> rooms;                ///< or all of it, of each scan
   Image<Rgbx8> wide_color;                     ///< of `background`, where it is drawn for each pose
   std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
   std::vector<MeshArrays> meshes;

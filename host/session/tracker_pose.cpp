@@ -36,7 +36,9 @@ Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& sessio
     return at_pose(session, ErrorCode::kFormat,
                    "the background is no scanned room: scan it by mixrig scan and name it by "
                    "background.model");
-  MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(*background.model));
+  // Of joined rooms the first.
+  MIXRIG_ASSIGN(const auto rooms, model::load_rooms(*background.model));
+  const model::RoomFile& room = rooms.front().room;
   const auto place =
       background.world_from_base ? background.world_from_base : room.manifest.world_from_base;
   if (!place)

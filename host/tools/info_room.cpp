@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/angles.h"
 #include "hal/base/order_statistics.h"
 #include "host/image_io/image_io.h"
 #include "host/model/room_file.h"
@@ -157,10 +158,43 @@ nlohmann::json errors_of(const measure::RoomErrors& errors) {
           {"over_20mm_pct", errors.over_20mm_pct}};
 }
 
+/// Of a joined room: size, pose and its sigma, each.
+nlohmann::json joined_json(const std::vector<model::PlacedRoom>& rooms) {
+  std::printf("%zu rooms joined\n", rooms.size());
+  nlohmann::json list = nlohmann::json::array();
+  for (const model::PlacedRoom& placed : rooms) {
+    const model::Panorama& p = placed.room.panorama;
+    const Vector3d& t = placed.first_from_base.translation_m;
+    const double sigma_mm = median_sigma_mm(p), pose_mm = 1e3 * placed.sigma_m,
+                 pose_deg = placed.sigma_rad / kDeg;
+    std::printf(
+        "  %zu: %d views, %dx%d pixels, median sigma %.1f mm, at (%.3f, %.3f, %.3f) m to "
+        "%.1f mm and %.3f deg\n",
+        list.size() + 1, placed.room.manifest.views, p.size().width, p.size().height, sigma_mm,
+        t.x(), t.y(), t.z(), pose_mm, pose_deg);
+    const Eigen::Quaterniond& q = placed.first_from_base.rotation;
+    list.push_back({{"views", placed.room.manifest.views},
+                    {"median_sigma_mm", sigma_mm},
+                    {"translation_m", {t.x(), t.y(), t.z()}},
+                    {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+                    {"sigma_mm", pose_mm},
+                    {"sigma_deg", pose_deg}});
+  }
+  return {{"kind", "joined room"}, {"rooms", list}};
+}
+
 }  // namespace
 
 Result<nlohmann::json> info_room(const InfoRoomOptions& options) {
-  MIXRIG_ASSIGN(const model::RoomFile room, model::load_room(options.room));
+  MIXRIG_ASSIGN(const auto rooms, model::load_rooms(options.room));
+  if (rooms.size() > 1) {
+    if (!options.truth.empty() || !options.picture.empty())
+      return Error{ErrorCode::kUsage, "'" + options.room.string() +
+                                          "' is a joined room: --truth and --picture are of one "
+                                          "of the rooms in it"};
+    return joined_json(rooms);
+  }
+  const model::RoomFile& room = rooms.front().room;
   const model::Panorama& p = room.panorama;
   const model::RoomManifest& manifest = room.manifest;
   const std::vector<Surface> surfaces = surfaces_of(p);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig scan: a panorama of the room from a sweep of the head, recorded or driven now, or the
-// empty room of one view from frames of a take; the camera may move where they have poses.
+// empty room of one view from frames of a take; the camera may move where they have poses; or
+// several panoramas joined.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,6 +23,7 @@
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/scan_merge.h"
 #include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
@@ -36,6 +38,7 @@ struct ScanArguments {
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
   bool no_gains = false;
   bool keep_sweep = false;
+  ScanMergeOptions merge;
 };
 
 constexpr double kWholeField = 5e-4;  ///< share of the field that is not worth a line
@@ -284,9 +287,15 @@ Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
 
 Result<nlohmann::json> scan(const ScanArguments& arguments) {
   const auto given = [](const std::string& option) { return option.empty() ? 0 : 1; };
-  if (given(arguments.rig) + given(arguments.sweep) + given(arguments.take) != 1)
+  const bool merges = !arguments.merge.rooms.empty();
+  if (given(arguments.rig) + given(arguments.sweep) + given(arguments.take) + (merges ? 1 : 0) != 1)
     return Error{ErrorCode::kUsage,
-                 "scan: give one of --rig (sweep now), --take (a recorded sweep) and --static"};
+                 "scan: give one of --rig (sweep now), --take (a recorded sweep), --static and "
+                 "--merge (scanned rooms)"};
+  if (merges) return scan_merge(arguments.merge, arguments.out, arguments.session.threads);
+  if (!arguments.merge.near.empty()) return Error{ErrorCode::kUsage, "--near is of --merge"};
+  if (arguments.out.empty())
+    return Error{ErrorCode::kUsage, "scan: give OUT, the background folder to write"};
   if (!arguments.rig.empty()) return scan_rig(arguments);
   return arguments.sweep.empty() ? scan_still(arguments) : scan_sweep(arguments);
 }
@@ -332,7 +341,14 @@ void add_scan_command(Command app, Context& context) {
                    "A sweep: take the angles of the unit as they are");
   command.add_option("--static", arguments->take, "TAKE: folder or take.toml");
   command.add_option("--frames", arguments->frames, "--static: FIRST-LAST that show no person");
-  command.add_option("OUT", arguments->out, "background folder to write").required();
+  command.add_option("--merge", arguments->merge.rooms,
+                     "A B [C D] OUT: rooms of one place, scanned from several positions, become "
+                     "one. OUT is required: the last word is not a room");
+  command.add_option("--near", arguments->merge.near,
+                     "--merge: about where B stood in A's axes, where several answers fit: \"x y z "
+                     "yaw\" in metres and degrees");
+  command.add_option("OUT", arguments->out,
+                     "REQUIRED, also with --merge: background folder to write");
   command.add_option("--size", arguments->session.size, "WxH of the view, if not the take's");
   add_calibration_option(command, arguments->session);
   add_backend_options(command, arguments->session);

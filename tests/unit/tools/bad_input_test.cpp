@@ -24,6 +24,36 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.words; }
 
 void nothing(const TinyTake&) {}
 
+/// Folders a, b and c with the least that a scanned room has.
+void two_rooms(const TinyTake& t) {
+  for (const std::string name : {"a", "b", "c"}) {
+    fs::create_directory(t.path(name));
+    const image_io::Channel distance{"distance_m", Image<float>({8, 4}, 2.0F)};
+    const image_io::Channel sigma{"sigma_m", Image<float>({8, 4}, 0.01F)};
+    const image_io::Channel views{"views", Image<float>({8, 4}, 1.0F)};
+    EXPECT_TRUE(image_io::write_exr(t.path(name + "/room.exr"), {distance, sigma, views}));
+    const Image<Rgb8> color({8, 4}, {100, 110, 120});
+    EXPECT_TRUE(image_io::write_png(t.path(name + "/color.png"), color.view()));
+    t.text(name + "/manifest.toml",
+           "format = 1\nprojection = \"equirectangular\"\norigin = \"base\"\nsize_px = [8, 4]\n"
+           "views = 1\nframes = 1\nmeasured_pct = 100.0\nfill_pct = 100.0\ntriangles = 0\n"
+           "mesh_tolerance_mm = 1.0\n");
+  }
+}
+
+void joined_room(const TinyTake& t) {
+  two_rooms(t);
+  fs::create_directory(t.path("j"));
+  fs::rename(t.path("b"), t.path("j/room_1"));
+  fs::rename(t.path("c"), t.path("j/room_2"));
+  const std::string rest =
+      "sigma_mm = 1\nsigma_deg = 0.1\nfirst_from_base = { rotation_xyzw = [0.0, 0.0, 0.0, 1.0], "
+      "translation_m = [1.0, 0.0, 0.0] }\n";
+  t.text("j/manifest.toml",
+         "format = 1\nprojection = \"joined\"\ntriangles = 0\n[[room]]\nfolder = \"room_1\"\n" +
+             rest + "[[room]]\nfolder = \"room_2\"\n" + rest);
+}
+
 std::vector<Row> rows() {
   std::vector<Row> all{
       {"MissingScene", nothing, "run no.toml --source take:take --out out", 2, {"no.toml"}, ""},
@@ -187,6 +217,16 @@ std::vector<Row> rows() {
       {"ScanOfTooFewFrames", nothing, "scan --static take --frames 1-2 bg", 1, {"3"}, ""},
       {"ScanOfNothing", nothing, "scan bg", 2, {"--take", "--static"}, ""},
       {"ScanOfASweepWithoutCalibration", nothing, "scan --take take bg", 2, {"--calibration"}, ""},
+      {"MergeWithoutOut", two_rooms, "scan --merge a b", 2, {"2 to 4", "OUT"}, ""},
+      {"MergeOfThreeRoomsWithoutOut", two_rooms, "scan --merge a b c", 2, {"OUT 'c'"}, ""},
+      {"MergeOfARoomWithItself", two_rooms, "scan --merge a ./a out", 2, {"'./a'", "twice"}, ""},
+      {"MergeIntoARoom", two_rooms, "scan --merge a b a", 2, {"OUT is 'a'"}, ""},
+      {"MergeOfAJoinedRoom", joined_room, "scan --merge j a out", 2, {"'j'", "joined"}, ""},
+      {"MergeOfNoRoom", two_rooms, "scan --merge a take out", 2, {"'take'", "not a scanned"}, ""},
+      {"MergeOfNothing", two_rooms, "scan --merge no a out", 2, {"'no'", "not a scanned"}, ""},
+      {"MergeOfFive", two_rooms, "scan --merge a b d e f out", 2, {"2 to 4"}, ""},
+      {"MergeNearWhat", two_rooms, "scan --merge a b out --near 1", 2, {"x y z yaw"}, ""},
+      {"NearWithoutMerge", nothing, "scan --static take out --near 1", 2, {"--merge"}, ""},
       {"InfoOfNothing", nothing, "info no", 2, {"no"}, ""},
       {"InfoOfATruncatedTake",
        [](const TinyTake& t) { t.cut("take/depth/000001.png", 60); },
