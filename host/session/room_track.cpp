@@ -166,8 +166,9 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     TrackedPicture tracked;
     tracked.time_s = picture.time_s;
     tracked.pose = tracker.track(*picture.image, picture.time_s);
-    track.seconds +=
+    tracked.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    track.seconds += tracked.seconds;
     tracked.world_from_target =
         world_from_base * tracked.pose.room_from_camera * camera.camera_from_target;
     if (place) tracked.truth = truth.at(picture.time_s, capture);
@@ -187,12 +188,18 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
 nlohmann::json to_json(const RoomTrack& track) {
   const auto frames = static_cast<double>(track.pictures.size());
   std::vector<double> sigma_mm;
-  for (const TrackedPicture& p : track.pictures)
+  std::vector<float> frame_ms, search_ms;
+  for (const TrackedPicture& p : track.pictures) {
+    const bool followed = p.pose.known && !p.pose.searched;
+    (followed ? frame_ms : search_ms).push_back(static_cast<float>(1e3 * p.seconds));
     if (p.pose.known)
       sigma_mm.push_back(1e3 * std::sqrt(p.pose.covariance.diagonal().tail<3>().sum()));
+  }
   nlohmann::json json = {{"frames", track.pictures.size()},
                          {"lost_pct", 100 * static_cast<double>(track.counts.lost) / frames},
                          {"fps", track.seconds > 0 ? frames / track.seconds : 0},
+                         {"frame_ms", measure::quantile(frame_ms, 0.5)},
+                         {"search_ms", measure::quantile(search_ms, 0.5)},
                          {"searches", track.counts.searches},
                          {"sigma_mm", mean_of(sigma_mm)}};
   const PathErrors errors = errors_of(track);

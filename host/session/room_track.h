@@ -34,12 +34,13 @@ struct TrackedPicture {
   geometry::Pose world_from_target;
   std::optional<geometry::Pose> truth;  ///< world_from_target
   double nees = 0;                      ///< e^T C^-1 e, where there are truth and a pose
+  double seconds = 0;                   ///< in the tracker
 };
 
 struct RoomTrack {
   std::vector<TrackedPicture> pictures;
   tracking::TrackerCounts counts;
-  double seconds = 0;  ///< in the tracker
+  double seconds = 0;  ///< in the tracker, of all pictures
   bool world_known = false;
 };
 
@@ -49,7 +50,8 @@ struct RoomTrack {
 /// the take has none of its pictures.
 Result<RoomTrack> track_room(const RoomTrackOptions& options);
 
-/// {"frames", "lost_pct", "fps", "searches", "sigma_mm", and where truth is known "rms_mm",
+/// {"frames", "lost_pct", "fps", "frame_ms" (median of the pictures that were not searched for),
+/// "search_ms" (of the others), "searches", "sigma_mm", and where truth is known "rms_mm",
 /// "rms_deg", "p95_mm", "max_mm", "drift_mm_per_1000", "nees"}: errors of the target camera. The
 /// drift is the slope of the distance over the number of the picture; "nees" the mean of
 /// e^T C^-1 e, 6 where the covariances are right.
