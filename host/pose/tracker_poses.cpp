@@ -57,7 +57,7 @@ class TrackerPoses final : public capture::PoseSource {
 
  private:
   void take_picture(const capture::Capture& capture) {
-    if (capture.fisheye.empty()) return;
+    if (capture.fisheye.size() != geometry::size_px(options_.fisheye)) return;
     const double time_s = seconds(capture.fisheye_mid_exposure.time_since_epoch());
     if (tracker_.counts().pictures > 0 && time_s <= picture_s_) return;
     picture_s_ = time_s;

@@ -24,7 +24,7 @@ struct TrackerPoseOptions {
 /// on (constant velocity), so that no frame waits. The covariance grows by what a camera that
 /// changes its speed by 1 m/s^2 and 2 rad/s^2 would add. A capture that brings a picture takes some
 /// milliseconds longer; one whose camera has to be looked for, a second or less. Allocates only
-/// then.
+/// then. Pictures of another size than the calibrated one are left out.
 std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
                                                         const TrackerPoseOptions& options);
 

@@ -18,14 +18,19 @@ Error at_pose(const Session& session, ErrorCode code, const std::string& what) {
 }
 
 /// Known before the first frame of recordings.
-Result<void> check_fisheye(const Session& session) {
+Result<void> check_fisheye(const Session& session, Size calibrated_px) {
   if (session.source->info().frames == capture::kEndless) return {};
   capture::Capture first;
   MIXRIG_ASSIGN(const bool there, session.source->read(1, first));
-  if (there && first.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kAbsent)
-    return {};
+  if (!there || first.status_of(capture::Stream::kFisheye) == capture::StreamStatus::kAbsent)
+    return at_pose(session, ErrorCode::kData,
+                   "the take has no pictures of a fisheye: record it with the fisheye in rig.toml");
+  const Size size = first.fisheye.size();
+  if (first.fisheye.empty() || size == calibrated_px) return {};
   return at_pose(session, ErrorCode::kData,
-                 "the take has no pictures of a fisheye: record it with the fisheye in rig.toml");
+                 fmt::format("the fisheye's pictures have {}x{} pixels and it was calibrated with "
+                             "{}x{}: calibrate it with pictures of that size",
+                             size.width, size.height, calibrated_px.width, calibrated_px.height));
 }
 
 }  // namespace
@@ -51,7 +56,7 @@ Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& sessio
                                "`calibration` or --calibration",
                                session.calibration.where));
   MIXRIG_ASSIGN(const RigCamera fisheye, rig_camera(session.calibration.file, "fisheye"));
-  MIXRIG_TRY(check_fisheye(session));
+  MIXRIG_TRY(check_fisheye(session, geometry::size_px(fisheye.model)));
   pose::TrackerPoseOptions options;
   options.fisheye = fisheye.model;
   options.fisheye_from_target = fisheye.camera_from_target;

@@ -11,7 +11,7 @@ namespace mixrig::session {
 
 /// Tracks in the room that is the scene's background, by the calibration in use. Errors: kFormat
 /// where the scene has no such room, the room no place, or the calibration no file; kData where the
-/// source has no fisheye; those of the files.
+/// source has no fisheye, or pictures of another size; those of the files.
 Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& session);
 
 }  // namespace mixrig::session

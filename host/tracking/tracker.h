@@ -46,6 +46,8 @@ class Tracker {
   /// `room` is read here alone; `crew` must outlive the tracker.
   Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
           const TrackerOptions& options, Crew& crew);
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
 
   /// A picture of the camera's size; times grow.
   TrackedPose track(ImageView<const Rgb8> picture, double time_s);

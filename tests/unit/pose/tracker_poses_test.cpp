@@ -93,6 +93,12 @@ TEST_F(TrackerPosesTest, SayWhyThereIsNone) {
   EXPECT_TRUE(pose_at(0.2, 0.2).ok());
 }
 
+TEST_F(TrackerPosesTest, PicturesOfAnotherSizeAreLeftOut) {
+  EXPECT_EQ(pose_at(0, 0, Image<Rgb8>({64, 48})).loss, PoseLoss::kAbsent);
+  EXPECT_TRUE(pose_at(0.1, 0.1).ok());
+  EXPECT_TRUE(pose_at(0.14, 0.2, Image<Rgb8>({64, 48})).ok());
+}
+
 TEST_F(TrackerPosesTest, OnePictureIsTrackedOnce) {
   ASSERT_TRUE(pose_at(0, 0).ok());
   // The same stamp with a covered picture: it is not looked at again.
