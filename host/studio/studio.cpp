@@ -50,6 +50,12 @@ Result<void> check(const StudioOptions& o) {
                                o.size_px.width, o.size_px.height));
   if (o.people < 1 || o.people > 3)
     return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
+  if (o.day.crowd < 0 || o.day.crowd > 8)
+    return wrong(fmt::format("the crowd must be 0 to 8 people, not {}", o.day.crowd));
+  if (!(o.day.lamp_level >= 0 && o.day.lamp_level <= 2))
+    return wrong(fmt::format("the lamps' level must be 0 to 2, not {}", o.day.lamp_level));
+  if (o.day.moved_chair && o.clear_floor)
+    return wrong("a clear floor has no chair that could be moved: drop one of the two");
   if (o.scenario == Scenario::kSweep && !o.sweep.views.empty() &&
       (o.sweep.frames_per_view < 1 ||
        static_cast<std::size_t>(o.frames) != o.sweep.views.size() * o.sweep.frames_per_view))
@@ -134,6 +140,32 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
                &lamps, ambient,    {},      o.realism.gloss, o.realism.mirror};
   if (o.realism.gloss || o.realism.mirror) casters.reflector = &reflector;
   if (o.realism.bounce) balance_ambient();
+  light_now = info.light;
+  ambient_lit = ambient, reflected_lit = reflector.ambient;
+  materials.set_lamp_level(static_cast<float>(o.day.lamp_level));
+}
+
+void Studio::State::set_time(double time_s) {
+  const Day& day = options.day;
+  if (day.swinging_door) {
+    layout.room.door_rad = door_rad(day, time_s);
+    Mesh mesh = build_room(layout.room);
+    Mesh things = furniture_of(mesh);
+    room.set(mesh);
+    furniture.set(things);
+  }
+  const bool on = !day.lights_out_s || time_s < *day.lights_out_s;
+  if (on == lights_on) return;
+  lights_on = on;
+  constexpr float kOff = 1e-4F;
+  const float level = on ? 1 : kOff;
+  const float left = on ? 1 : ambient_share(0) / ambient_share(static_cast<float>(day.lamp_level));
+  light_now = info.light;
+  for (Panel& lamp : light_now.lamps) lamp.intensity *= level;
+  light_now.ambient *= left;
+  ambient = left * ambient_lit, reflector.ambient = left * reflected_lit;
+  lamps = LampSet(light_now);
+  materials.set_lamp_level(level * static_cast<float>(day.lamp_level));
 }
 
 void Studio::State::balance_ambient() {
@@ -209,7 +241,7 @@ void Studio::State::fill_person(Occluder& scene, double time_s) {
 }
 
 void Studio::State::trace_static(const CameraPlace& place, double time_s, bool with_truth) {
-  const bool keep = options.cache && !info.camera_moves;
+  const bool keep = options.cache && !info.camera_moves && !options.day.changes();
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
     const geometry::Pose world_from_tof = place.world_from_target * info.tof.target_from_tof;
@@ -293,6 +325,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   frame.number = number;
   frame.time_s = (number - 1) / kFrameRate_hz;
   s.options.sweep.moved_s = frame.time_s;
+  s.set_time(frame.time_s);
   const CameraPlace place = camera_at(s.layout, s.options, frame.time_s);
   frame.world_from_target = place.world_from_target;
   frame.head = place.head;

@@ -14,6 +14,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/geometry/pose.h"
+#include "host/studio/day.h"
 #include "host/studio/mocap.h"
 #include "host/studio/pan_tilt_unit.h"
 #include "host/studio/realism.h"
@@ -78,6 +79,7 @@ struct StudioOptions {
                                                     ///< scenario's; world
   double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
   Realism realism;        ///< all off: the plain look
+  Day day;
 };
 
 /// A pinhole camera with OpenCV's distortion model, and a thin prism. Pixel (0,0) is the centre of
@@ -189,6 +191,7 @@ struct FisheyePicture {
   int frame = 0;                      ///< the frame whose mid-exposure is nearest
   double time_s = 0;                  ///< mid-exposure, on the clock of Frame::time_s
   geometry::Pose world_from_fisheye;  ///< at mid-exposure
+  double people_share = 0;            ///< of the image circle, covered by people
   Image<Rgb8> picture;                ///< sRGB; black outside the image circle
 };
 

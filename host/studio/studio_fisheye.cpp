@@ -40,7 +40,7 @@ void Studio::State::expose_fisheye(double time_s, const FisheyeSample& sample) {
   const CameraPlace place = camera_at(layout, options, time_s);
   add_fisheye_light(info.fisheye.optics, sample,
                     place.world_from_target * info.fisheye.target_from_fisheye, room, casters,
-                    materials, lamps, info.light, crew, fisheye_light);
+                    materials, lamps, light_now, crew, fisheye_light, fisheye_people);
 }
 
 void Studio::render_fisheye(int number, FisheyePicture& out) {
@@ -49,9 +49,11 @@ void Studio::render_fisheye(int number, FisheyePicture& out) {
   out.time_s = fisheye_time_s(s.info, number);
   out.frame = nearest_frame(out.time_s);
   s.options.sweep.moved_s = out.time_s;
+  s.set_time(out.time_s);
   out.world_from_fisheye = camera_at(s.layout, s.options, out.time_s).world_from_target *
                            s.info.fisheye.target_from_fisheye;
   s.fisheye_light.reset(s.info.fisheye.optics.size_px);
+  s.fisheye_people = 0;
   if (s.options.realism.motion_blur)
     for (int k = 0; k < kSamples; ++k)
       s.expose_fisheye(out.time_s + ((k + 0.5) / kSamples - 0.5) * kFisheyeExposure_s,
@@ -59,6 +61,7 @@ void Studio::render_fisheye(int number, FisheyePicture& out) {
                         kInPixel[static_cast<std::size_t>(k)][1], 1.0F / kSamples});
   else
     s.expose_fisheye(out.time_s, {});
+  out.people_share = s.fisheye_people;
   const std::uint64_t key = hash_key(s.options.seed, kFisheyeNoise, static_cast<unsigned>(number));
   develop_fisheye(s.info.fisheye.optics, s.fisheye_light, key, s.normal, s.crew, out.picture);
 }

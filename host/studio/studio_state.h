@@ -19,6 +19,8 @@ void describe_fisheye(const StudioOptions& options, const Rig& rig, StudioInfo& 
 struct Studio::State {
   State(const StudioOptions& o, const TraceDevice& device);
 
+  /// Room and light of a time, where the day changes them.
+  void set_time(double time_s);
   /// Time of the people at a time of the take: in a sweep the head has turned between views.
   double people_time_s(double time_s) const;
   /// Builds the person of a frame: at mid-exposure and at the times of the four ToF taps.
@@ -61,7 +63,10 @@ struct Studio::State {
   Occluder moment;  ///< the person at another time of the exposure
   std::array<TraceScene, 4> taps;
   ShadowCasters casters;
-  Vec3 ambient;         ///< light from nowhere; the rest of info.light.ambient is bounced
+  Vec3 ambient;  ///< light from nowhere; the rest of info.light.ambient is bounced
+  Vec3 ambient_lit, reflected_lit;  ///< it, and that of the reflector, while the lamps are on
+  Light light_now;                  ///< at the time of the frame
+  bool lights_on = true;
   Reflector reflector;  ///< as the target camera sees it
   BounceCache room_bounce, object_bounce, person_bounce;
   RayGrid plate_rays, view_rays;
@@ -78,7 +83,8 @@ struct Studio::State {
   Image<Rgbf> still, slice, exposed;  ///< of the plate: without people, at one time, exposed
   Image<float> plate_z_m;
   Image<Rgbf> fisheye_light;
-  Mesh spare;  ///< reused memory
+  double fisheye_people = 0;  ///< share of its rays
+  Mesh spare;                 ///< reused memory
 };
 
 }  // namespace mixrig::studio

@@ -32,6 +32,7 @@ void FisheyePictures::add_to(studio::Studio& studio, capture::Capture& capture) 
                  t.y(), t.z());
   fmt::format_to(std::back_inserter(truth_), " {:.12f} {:.12f} {:.12f} {:.12f}\n", q[0], q[1], q[2],
                  q[3]);
+  fmt::format_to(std::back_inserter(people_), "{},{:.4f}\n", next_.number, next_.people_share);
 }
 
 }  // namespace mixrig::studio_io

@@ -232,7 +232,10 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
   }
   if (options.scenario == studio::Scenario::kSweep)
     MIXRIG_TRY(write_room_truth(studio, writer.staging()));
-  if (take.fisheye) MIXRIG_TRY(write_file(writer.staging() / kFisheyeTruth, fisheye.truth()));
+  if (take.fisheye) {
+    MIXRIG_TRY(write_file(writer.staging() / kFisheyeTruth, fisheye.truth()));
+    MIXRIG_TRY(write_file(writer.staging() / kFisheyePeople, fisheye.people()));
+  }
   MIXRIG_TRY(write_moving_rig(options, info, take, head, writer.staging()));
   MIXRIG_TRY(writer.finish());
   return info;

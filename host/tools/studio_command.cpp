@@ -37,6 +37,7 @@ struct StudioArguments {
   std::optional<double> pan_deg;
   bool fisheye = false;
   std::string fisheye_size = "640x512";
+  studio::Day day;
 };
 
 constexpr const char* kBoardScenario = "board";
@@ -106,6 +107,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
+  options.day = arguments.day;
   options.fisheye = arguments.fisheye;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
   if (arguments.pan_deg) options.pan_rad = 0.5 * *arguments.pan_deg * kDeg;
@@ -222,6 +224,21 @@ void add_sweep_options(Command command, StudioArguments& arguments) {
       .group(group);
 }
 
+void add_day_options(Command command, StudioArguments& arguments) {
+  const char* group = "Another day than that of the scan";
+  studio::Day& day = arguments.day;
+  command.add_option("--crowd", day.crowd, "People who stand close before the camera, 0 to 8")
+      .group(group);
+  command.add_option("--lamps", day.lamp_level, "Level of all lamps, 0 to 2; 1 as scanned")
+      .group(group);
+  command.add_option("--lights-out", day.lights_out_s, "Seconds into the take: then lamps go off")
+      .group(group);
+  command.add_flag("--moved-chair", day.moved_chair, "The desk's chair stands elsewhere")
+      .group(group);
+  command.add_flag("--swinging-door", day.swinging_door, "The door opens and closes every 6 s")
+      .group(group);
+}
+
 }  // namespace
 
 void add_studio_command(Command app, Context& context) {
@@ -259,6 +276,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--fisheye-size", arguments->fisheye_size, "Of them, WxH");
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);
+  add_day_options(command, *arguments);
   command.callback([arguments, &context] {
     context.action = [arguments] {
       return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "host/tracking/pose_covariance.h"
+
 namespace mixrig::tracking {
 namespace {
 
@@ -204,7 +206,6 @@ PatchFit PatchAlign::align(const GreyPyramid& picture, const geometry::Pose& sta
   }
   for (Seen& s : seen_) look(picture, fit.camera_from_room, finest, s);
   const double scale = weigh(0.7);
-  Matrix6 normal = Matrix6::Zero();
   distances_.clear();
   for (const Seen& s : seen_) {
     if (!s.in_picture) continue;
@@ -212,13 +213,12 @@ PatchFit PatchAlign::align(const GreyPyramid& picture, const geometry::Pose& sta
     if (s.weight <= 0) continue;
     ++fit.inliers;
     distances_.push_back(s.offset.norm());
-    normal += s.weight * s.jacobian.transpose() * s.information * s.jacobian;
   }
   if (fit.inliers < 6) return fit;
   const auto middle = distances_.begin() + static_cast<std::ptrdiff_t>(distances_.size() / 2);
   std::nth_element(distances_.begin(), middle, distances_.end());
   fit.offset_px = *middle;
-  fit.covariance = scale * scale * normal.inverse();
+  fit.covariance = pose_covariance(seen_, fit.camera_from_room, scale);
   return fit;
 }
 

@@ -26,6 +26,14 @@ class TexturedBox {
   explicit TexturedBox(unsigned pattern = 1, double contrast = 1, double period_m = 0)
       : pattern_(pattern), contrast_(contrast), period_m_(period_m) {}
 
+  /// Things that make walls hard. In the panorama the mirror is as far off as its glass, and the
+  /// door is closed.
+  struct Things {
+    bool mirror = false;  ///< on the wall y = 2.9, 1.2 x 1.4 m
+    double door_rad = 0;  ///< how far a door of the wall x = 2.3, 0.9 x 2 m, is open
+  };
+  void set(const Things& things) { things_ = things; }
+
   static constexpr std::array<double, 3> kLow_m{-2.1, -1.6, -1.4}, kHigh_m{2.3, 2.9, 1.5};
 
   /// Distance to the walls along a unit ray, from inside.
@@ -41,7 +49,17 @@ class TexturedBox {
 
   /// 0 to 1, of what a ray meets.
   double grey(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) const {
-    Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
+    const Eigen::Vector3d p = eye + distance_m(eye, ray) * ray;
+    if (things_.mirror && p.y() > kHigh_m[1] - 1e-6 && std::abs(p.x()) < 0.6 &&
+        std::abs(p.z()) < 0.7) {
+      const Eigen::Vector3d back(ray.x(), -ray.y(), ray.z());
+      return 0.9 * paint(p + distance_m(p - 1e-6 * ray, back) * back);
+    }
+    return things_.door_rad > 0 ? behind_the_door(eye, ray, p) : paint(p);
+  }
+
+  /// 0 to 1, of a place on a wall.
+  double paint(Eigen::Vector3d p) const {
     if (period_m_ > 0)
       for (int k = 0; k < 3; ++k) p[k] -= period_m_ * std::floor(p[k] / period_m_);
     return 0.5 +
@@ -98,6 +116,23 @@ class TexturedBox {
   }
 
  private:
+  static constexpr double kHinge_m = -0.5, kLeaf_m = 0.9, kDoorTop_m = 0.6;
+
+  double behind_the_door(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+                         const Eigen::Vector3d& on_wall) const {
+    // The leaf turns about (2.3, -0.5, z) into the box.
+    const Eigen::Vector3d along(-std::sin(things_.door_rad), std::cos(things_.door_rad), 0);
+    const Eigen::Vector3d normal(along.y(), -along.x(), 0), hinge(kHigh_m[0], kHinge_m, 0);
+    const double t = normal.dot(hinge - eye) / normal.dot(ray);
+    const Eigen::Vector3d at = eye + t * ray - hinge;
+    const double out_m = at.dot(along);
+    if (t > 0 && out_m > 0 && out_m < kLeaf_m && at.z() < kDoorTop_m &&
+        t < distance_m(eye, ray) - 1e-9)
+      return paint({kHigh_m[0], kHinge_m + out_m, at.z()});
+    const bool in_the_doorway = on_wall.x() > kHigh_m[0] - 1e-6 && on_wall.y() > kHinge_m &&
+                                on_wall.y() < kHinge_m + kLeaf_m && on_wall.z() < kDoorTop_m;
+    return in_the_doorway ? 0.1 : paint(on_wall);
+  }
   static Rgb8 byte(double grey, double noise) {
     const auto v = static_cast<std::uint8_t>(std::clamp(std::lround(255 * grey + noise), 1L, 255L));
     return {v, v, v};
@@ -131,6 +166,7 @@ class TexturedBox {
 
   unsigned pattern_;
   double contrast_, period_m_;
+  Things things_;
 };
 
 /// A camera near the middle of the box that looks along y, moved and turned.

@@ -2,15 +2,30 @@
 // The people of a take.
 #include "host/studio/people/cast.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "hal/base/angles.h"
 #include "host/studio/people/attire.h"
 #include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {
 
-constexpr unsigned kSecond = 7001, kThird = 7002;  ///< added to the seed
+constexpr unsigned kSecond = 7001, kThird = 7002, kCrowd = 7003;  ///< added to the seed
 
 const Eigen::Vector2f kBehind_m(3.95F, 2.95F);  ///< where the third stands, if not walking
+
+/// On half a circle before the camera.
+Eigen::Vector2f crowd_spot(const Layout& layout, int i, int of) {
+  constexpr double kAway_m = 0.8, kField_rad = 160 * kDeg;
+  const Eigen::Vector2d ahead = (layout.look_at_m - layout.eye_m).head<2>();
+  const double bearing =
+      std::atan2(ahead.y(), ahead.x()) + kField_rad * ((i + 0.5) / std::max(1, of) - 0.5);
+  const Eigen::Vector2d at =
+      layout.eye_m.head<2>() + kAway_m * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+  return at.cast<float>();
+}
 
 }  // namespace
 
@@ -21,8 +36,16 @@ Cast::Cast(const StudioOptions& options, const Layout& layout, double start_s) :
     stage.spot = {layout.room.guest_foot.x(), layout.room.guest_foot.y()};
     people_.emplace_back(Scenario::kStill, options.seed + kSecond, stage, start_s);
   }
-  if (options.people < 3) return;
-  stage = layout.stage;
+  if (options.people >= 3) add_third(options, layout, start_s);
+  for (int i = 0; i < options.day.crowd; ++i) {
+    stage.spot = crowd_spot(layout, i, options.day.crowd);
+    const unsigned seed = options.seed + kCrowd + static_cast<unsigned>(i);
+    people_.emplace_back(Scenario::kTalk, 2 * seed + 1, stage, start_s);  // odd: they stand
+  }
+}
+
+void Cast::add_third(const StudioOptions& options, const Layout& layout, double start_s) {
+  Stage stage = layout.stage;
   if (!people_.front().walks()) {  // and would block the path
     stage.spot = kBehind_m;
     people_.emplace_back(Scenario::kTalk, (options.seed + kThird) | 1U, stage, start_s);
@@ -37,6 +60,8 @@ void Cast::dress(const StudioOptions& options, Materials& materials) {
   if (options.people >= 2) materials.add(choose_wardrobe(options.seed + kSecond, dark));
   if (options.people >= 3)
     materials.add(wall_coloured(choose_wardrobe(options.seed + kThird, dark)));
+  for (unsigned i = 0; i < static_cast<unsigned>(options.day.crowd); ++i)
+    materials.add(choose_wardrobe(options.seed + kCrowd + i, dark));
 }
 
 void Cast::build(double time_s, Mesh& mesh) const {

@@ -10,7 +10,8 @@ namespace mixrig::studio {
 struct Layout;
 
 /// One to three people. The first is the person of the scenario; the second sits; the third walks
-/// half a lap away, or stands where the first does not walk, in clothes of the wall's colour.
+/// half a lap away, or stands where the first does not walk, in clothes of the wall's colour. And
+/// the crowd of the day.
 /// Immutable and thread-safe.
 class Cast {
  public:
@@ -23,6 +24,8 @@ class Cast {
   static void dress(const StudioOptions& options, Materials& materials);
 
  private:
+  void add_third(const StudioOptions& options, const Layout& layout, double start_s);
+
   StudioOptions options_;
   std::vector<PersonMotion> people_;
 };

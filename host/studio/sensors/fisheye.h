@@ -18,7 +18,8 @@ struct FisheyeSample {
 void add_fisheye_light(const FisheyeOptics& camera, const FisheyeSample& sample,
                        const geometry::Pose& world_from_fisheye, const TraceScene& room,
                        const ShadowCasters& casters, const Materials& materials,
-                       const LampSet& lamps, const Light& light, Crew& crew, Image<Rgbf>& sum);
+                       const LampSet& lamps, const Light& light, Crew& crew, Image<Rgbf>& sum,
+                       double& people_share);
 
 /// Photon and read noise, then sRGB; black outside the image circle. The noise depends on `key`.
 void develop_fisheye(const FisheyeOptics& camera, const Image<Rgbf>& light, std::uint64_t key,

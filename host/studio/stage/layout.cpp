@@ -11,12 +11,15 @@
 namespace mixrig::studio {
 namespace {
 
-Light make_light(bool dim) {
+/// Of a lamp that is off: the shares of the lamps stay defined.
+constexpr float kLeastLamps = 1e-4F;
+
+Light make_light(bool dim, float lamp_level) {
   Light light;
   const float level = dim ? 0.35F : 1.0F;
-  light.ambient = level * Eigen::Vector3f(0.13F, 0.135F, 0.145F);
+  light.ambient = level * ambient_share(lamp_level) * Eigen::Vector3f(0.13F, 0.135F, 0.145F);
   light.exposure = 1.1;
-  light.lamps = ceiling_lamps(level);
+  light.lamps = ceiling_lamps(level * std::max(lamp_level, kLeastLamps));
   return light;
 }
 
@@ -96,6 +99,17 @@ geometry::Pose swung(const geometry::Pose& rest, double time_s) {
 
 }  // namespace
 
+float ambient_share(float lamp_level) {
+  constexpr float kOfWindows = 0.15F;
+  return kOfWindows + (1 - kOfWindows) * lamp_level;
+}
+
+float door_rad(const Day& day, double time_s) {
+  constexpr double kPeriod_s = 6, kWide_rad = 75 * kDeg;
+  if (!day.swinging_door) return 0;
+  return static_cast<float>(0.5 * kWide_rad * (1 - std::cos(2 * kPi * time_s / kPeriod_s)));
+}
+
 Layout make_layout(const StudioOptions& options) {
   Layout layout;
   const Scenario scenario = options.scenario;
@@ -125,6 +139,7 @@ Layout make_layout(const StudioOptions& options) {
   layout.room.guest_seat = options.people >= 2;
   layout.room.mirror = options.realism.mirror;
   layout.room.desk_chair = !options.clear_floor;
+  layout.room.moved_chair = options.day.moved_chair;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
   layout.room.seat_yaw_rad = kPi_f - 0.35F;
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
@@ -132,7 +147,8 @@ Layout make_layout(const StudioOptions& options) {
                               {stage.object.x(), stage.object.y(), 0}};
   layout.pan_tilt =
       rig_of_seed(options.rig, options.seed, options.size_px, options.tolerance).pan_tilt;
-  layout.light = make_light(scenario == Scenario::kDark);
+  layout.light =
+      make_light(scenario == Scenario::kDark, static_cast<float>(options.day.lamp_level));
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
                         scenario == Scenario::kHandheld || scenario == Scenario::kPendulum;
   if (options.sweep.crossing) {  // around the head

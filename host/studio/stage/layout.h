@@ -24,6 +24,10 @@ struct CameraPlace {
   std::optional<HeadAngles> head = std::nullopt;  ///< of the encoders, in scenario pan
 };
 
+/// Of the ambient light of lamps at level 1.
+float ambient_share(float lamp_level);
+/// How far the door is open, 0 closed.
+float door_rad(const Day& day, double time_s);
 Layout make_layout(const StudioOptions& options);
 /// World pose of the target camera at rest; in scenario pan, at angles zero.
 geometry::Pose rest_pose(const Layout& layout);

@@ -149,7 +149,7 @@ Vec3 Materials::room(Material material, const Vec2& uv) const {
     case Kind::kCeiling:
       return Vec3::Constant(0.72F + 0.06F * fractal_noise(uv * 25, 2, seed_));
     case Kind::kLamp:
-      return Vec3(4.0F, 3.9F, 3.6F);
+      return std::max(lamp_level_, 0.05F) * Vec3(4.0F, 3.9F, 3.6F);
     case Kind::kMirror:
       return Vec3::Constant(0.02F);  // dust
     case Kind::kWood:

@@ -29,6 +29,8 @@ class Materials {
   /// Another person, with the next Material::person.
   void add(const Wardrobe& wardrobe) { wardrobes_.push_back(wardrobe); }
 
+  /// Of the light of lamps; 1 at first.
+  void set_lamp_level(float level) { lamp_level_ = level; }
   /// Linear RGB albedo, 0..1; for Kind::kLamp the emitted light.
   Vec3 albedo(Material material, const Vec2& uv, const Vec3& position_m) const;
   /// Albedo at the ToF camera's 850 nm.
@@ -42,6 +44,7 @@ class Materials {
   std::uint64_t seed_;
   std::vector<Wardrobe> wardrobes_;
   const VirtualObject* object_;
+  float lamp_level_ = 1;
 };
 
 }  // namespace mixrig::studio

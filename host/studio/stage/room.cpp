@@ -121,25 +121,39 @@ void add_floor_lamp(Mesh& m, float x, float y) {
   add_cylinder(m, {x, y, 1.50F}, 0.16F, 0.24F, 32, {Kind::kPaint});
 }
 
-/// The door in the wall y = 0: leaf, frame and handle.
-void add_door(Mesh& m) {
+/// The door in the wall y = 0: leaf, frame and handle. Behind it is dark.
+void add_door(Mesh& m, float open_rad) {
   constexpr float kX = 3.55F, kWide = 0.88F, kHigh = 2.02F, kFrame = 0.07F, kDeep = 0.05F;
   for (const float side : {-1.0F, 1.0F})
     add_box(m, {kX + side * (kWide + kFrame) / 2, kDeep / 2, 0}, {kFrame, kDeep, kHigh + kFrame}, 0,
             {Kind::kPaint});
   add_box(m, {kX, kDeep / 2, kHigh}, {kWide, kDeep, kFrame}, 0, {Kind::kPaint});
-  add_quad(m, {kX + kWide / 2, 0.018F, 0}, {-kWide, 0, 0}, {0, 0, kHigh}, {Kind::kDoor});
-  add_box(m, {kX + 0.36F, 0.05F, 1.03F}, {0.12F, 0.02F, 0.02F}, 0, {Kind::kMetal});
+  if (open_rad <= 0) {
+    add_quad(m, {kX + kWide / 2, 0.018F, 0}, {-kWide, 0, 0}, {0, 0, kHigh}, {Kind::kDoor});
+    add_box(m, {kX + 0.36F, 0.05F, 1.03F}, {0.12F, 0.02F, 0.02F}, 0, {Kind::kMetal});
+    return;
+  }
+  const Vec3 hinge(kX - kWide / 2, 0.018F, 0);
+  const Vec3 leaf(kWide * std::cos(open_rad), kWide * std::sin(open_rad), 0), up(0, 0, kHigh);
+  const Vec3 out(0.04F * std::sin(open_rad), -0.04F * std::cos(open_rad), 0);
+  add_quad(m, hinge + leaf, -leaf, up, {Kind::kDoor});
+  add_quad(m, hinge + out, leaf, up, {Kind::kDoor});
+  add_quad(m, hinge + leaf + out, -out, up, {Kind::kPaint});
+  add_quad(m, {kX + kWide / 2, 0.002F, 0}, {-kWide, 0, 0}, up, {Kind::kDarkWood});
 }
 
-void add_desk(Mesh& m, bool with_chair) {
+void add_desk(Mesh& m, const RoomPlan& plan) {
   add_table(m, {4.72F, 3.3F, 0}, {0.75F, 1.35F}, 0.74F, 0);
   add_box(m, {4.75F, 3.45F, 0.74F}, {0.24F, 0.34F, 0.018F}, 0.2F, {Kind::kMetal});
   add_box(m, {4.88F, 3.48F, 0.758F}, {0.012F, 0.34F, 0.22F}, 0.2F, {Kind::kPaint, 1});
   add_cylinder(m, {4.5F, 2.95F, 0.74F}, 0.04F, 0.095F, 20, {Kind::kBook, 3});
   add_box(m, {4.9F, 2.85F, 0.74F}, {0.22F, 0.3F, 0.06F}, -0.3F, {Kind::kBook, 91});
   add_box(m, {4.9F, 2.85F, 0.80F}, {0.2F, 0.28F, 0.04F}, -0.1F, {Kind::kBook, 140});
-  if (with_chair) add_chair(m, {4.2F, 3.55F, 0}, 0.25F);
+  if (!plan.desk_chair) return;
+  if (plan.moved_chair)
+    add_chair(m, {3.5F, 3.0F, 0}, 1.2F);
+  else
+    add_chair(m, {4.2F, 3.55F, 0}, 0.25F);
 }
 
 void add_thin_things(Mesh& m) {
@@ -169,8 +183,8 @@ Mesh build_room(const RoomPlan& plan) {
   add_shelves(m);
   add_cabinet(m);
   add_floor_lamp(m, 4.75F, 1.85F);
-  add_door(m);
-  add_desk(m, plan.desk_chair);
+  add_door(m, plan.door_rad);
+  add_desk(m, plan);
   if (plan.seat) add_chair(m, plan.seat_foot, plan.seat_yaw_rad);
   if (plan.guest_seat) add_chair(m, plan.guest_foot, plan.seat_yaw_rad);
   if (plan.thin_things) add_thin_things(m);

@@ -15,8 +15,10 @@ struct RoomPlan {
   bool seat = false;        ///< a chair for the person
   Vec3 seat_foot{0, 0, 0};  ///< position on the floor, below its centre
   float seat_yaw_rad = 0;
-  bool desk_chair = true;   ///< reaches into the capture volume
-  bool guest_seat = false;  ///< a second chair
+  bool desk_chair = true;    ///< reaches into the capture volume
+  bool moved_chair = false;  ///< the same, 0.9 m off and turned
+  float door_rad = 0;        ///< into the room; 0 closed
+  bool guest_seat = false;   ///< a second chair
   Vec3 guest_foot{4.35F, 1.0F, 0};
   bool mirror = false;       ///< on the far wall, in place of the middle picture
   bool thin_things = false;  ///< thin poles and a table seen at a grazing angle

@@ -103,6 +103,85 @@ TEST(Tracker, LightsThatGoOutAreLostOrRight) {
   }
 }
 
+TEST(Tracker, BlurOfFastTurnsLeavesThePoseOfMidExposure) {
+  const TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  // Exposed for 4 degrees of a turn: 6 pixels in the middle of the picture.
+  constexpr int kMoments = 9;
+  const auto at = [](double t) { return in_the_box({0.2 * t, 0.1, 0}, {0.1 * t, 0, 0.35 * t}); };
+  for (int i = 0; i < 5; ++i) {
+    const double t = i / kRate_hz;
+    Image<Rgb8> blurred(TexturedBox::kPicture);
+    Image<float> sum(TexturedBox::kPicture);
+    for (int k = 0; k < kMoments; ++k) {
+      const Image<Rgb8> moment = box.picture(at(t + 0.2 * ((k + 0.5) / kMoments - 0.5)));
+      for (int y = 0; y < sum.height(); ++y)
+        for (int x = 0; x < sum.width(); ++x) sum.at(x, y) += moment.at(x, y).g / float{kMoments};
+    }
+    for (int y = 0; y < sum.height(); ++y)
+      for (int x = 0; x < sum.width(); ++x) {
+        const auto v = static_cast<std::uint8_t>(sum.at(x, y) + 0.5F);
+        blurred.at(x, y) = {v, v, v};
+      }
+    const TrackedPose pose = tracker.track(blurred, t);
+    ASSERT_TRUE(pose.known) << i;
+    EXPECT_LT(error_mm(pose, at(t)), 4) << i;
+  }
+}
+
+TEST(Tracker, AMirrorDoesNotPullThePose) {
+  TexturedBox box;
+  box.set({.mirror = true});
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 8; ++i) {
+    const TrackedPose pose =
+        tracker.track(box.picture(on_the_path(i), 2, static_cast<unsigned>(i)), i / kRate_hz);
+    ASSERT_TRUE(pose.known) << i;
+    EXPECT_LT(error_mm(pose, on_the_path(i)), 3) << i;
+    EXPECT_LT(error_mm(pose, on_the_path(i)), 5 * sigma_mm(pose)) << i;
+  }
+}
+
+TEST(Tracker, ADoorThatSwingsIsNotFollowed) {
+  TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 10; ++i) {
+    box.set({.door_rad = 0.12 * i});
+    const TrackedPose pose =
+        tracker.track(box.picture(on_the_path(i), 2, static_cast<unsigned>(i)), i / kRate_hz);
+    ASSERT_TRUE(pose.known) << i;
+    EXPECT_LT(error_mm(pose, on_the_path(i)), 3) << i;
+    EXPECT_LT(error_mm(pose, on_the_path(i)), 5 * sigma_mm(pose)) << i;
+  }
+}
+
+TEST(Tracker, ThousandsOfPicturesDoNotDrift) {
+  const TexturedBox box;
+  Crew crew(1);
+  TrackerOptions options = narrow_options();
+  options.align.patches = 40, options.align.finest = 1;
+  Tracker tracker(box.panorama(), TexturedBox::camera(), options, crew);
+  constexpr int kPictures = 8, kLoops = 130;
+  std::vector<Image<Rgb8>> pictures;
+  for (int i = 0; i < kPictures; ++i)
+    pictures.push_back(box.picture(on_the_path(i), 2, static_cast<unsigned>(i)));
+  double first = 0, last = 0;
+  for (int n = 0; n < 2 * kLoops * kPictures; ++n) {  // to and fro
+    const int turn = n % (2 * kPictures);
+    const int i = turn < kPictures ? turn : 2 * kPictures - 1 - turn;
+    const TrackedPose pose = tracker.track(pictures[static_cast<std::size_t>(i)], n / kRate_hz);
+    ASSERT_TRUE(pose.known) << n;
+    const double error = error_mm(pose, on_the_path(i));
+    if (n >= 2 * kPictures && n < 4 * kPictures) first += error;
+    if (n >= 2 * (kLoops - 1) * kPictures) last += error;
+  }
+  EXPECT_NEAR(last / first, 1, 0.02);
+  EXPECT_LT(last / (2 * kPictures), 4);
+}
+
 TEST(Tracker, AnotherRoomIsNeverTracked) {
   const TexturedBox box, other(9);
   Crew crew(2);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// What may differ from the day on which the room was scanned or its background learned.
+#pragma once
+
+#include <optional>
+
+namespace mixrig::studio {
+
+struct Day {
+  int crowd = 0;          ///< people who stand 0.8 m before the camera, 0..8, beside the others
+  double lamp_level = 1;  ///< of all lamps, 0..2; 0.15 of the ambient light does not come from them
+  std::optional<double> lights_out_s;  ///< of the take: from then on lamp_level is 0
+  bool moved_chair = false;            ///< that of the desk
+  bool swinging_door = false;          ///< opens by 75 degrees and closes every 6 seconds
+
+  /// Whether room or light change during a take.
+  bool changes() const { return lights_out_s || swinging_door; }
+};
+
+}  // namespace mixrig::studio
