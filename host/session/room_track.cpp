@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/image_io/image_io.h"
 #include "host/measure/percentile.h"
 #include "host/model/room_file.h"
 #include "host/session/rig_camera.h"
@@ -135,6 +136,58 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
 
 }  // namespace
 
+namespace {
+
+/// Number of the frame that is played as the `step`th: to and fro.
+int played_frame(int step, int frames) {
+  const int pass = step / frames, at = step % frames;
+  return pass % 2 == 0 ? at + 1 : frames - at;
+}
+
+/// Time of a picture when the take is played to and fro, begin_s to end_s; grows.
+double played_s(double time_s, int pass, double begin_s, double end_s) {
+  const double before_s = pass * (end_s - begin_s);
+  return pass % 2 == 0 ? before_s + time_s : before_s + begin_s + end_s - time_s;
+}
+
+Result<void> check_size(const RoomTrackOptions& options, Size picture, Size calibrated) {
+  if (picture == calibrated) return {};
+  return Error{ErrorCode::kData,
+               fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}",
+                           options.take.string(), picture.width, picture.height, calibrated.width,
+                           calibrated.height)};
+}
+
+/// Squares on the places of the patches: green where they count, red where they do not.
+void draw_patches(const tracking::PatchAlign& patches, Image<Rgb8>& picture) {
+  constexpr int kHalf = 2;
+  for (const auto& seen : patches.seen()) {
+    if (!seen.in_picture) continue;
+    const Rgb8 color = seen.weight > 0 ? Rgb8{60, 255, 60} : Rgb8{255, 50, 50};
+    const int x = static_cast<int>(std::lround(seen.px.x()));
+    const int y = static_cast<int>(std::lround(seen.px.y()));
+    for (int j = -kHalf; j <= kHalf; ++j)
+      for (int i = -kHalf; i <= kHalf; ++i) {
+        const bool border = std::abs(i) == kHalf || std::abs(j) == kHalf;
+        if (border && x + i >= 0 && y + j >= 0 && x + i < picture.width() &&
+            y + j < picture.height())
+          picture.at(x + i, y + j) = color;
+      }
+  }
+}
+
+Result<void> write_drawing(const fs::path& folder, std::size_t number,
+                           const tracking::Tracker& tracker, bool known, Image<Rgb8> picture) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed)
+    return system_error(ErrorCode::kIo, "cannot create " + folder.string(), failed.value());
+  if (known) draw_patches(tracker.patches(), picture);
+  return image_io::write_png(folder / fmt::format("{:06}.png", number), picture);
+}
+
+}  // namespace
+
 Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   MIXRIG_ASSIGN(const auto rooms, model::load_rooms(options.room));
   const model::RoomFile& room = rooms.front().room;  // of joined rooms the first
@@ -149,23 +202,22 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   RoomTrack track;
   track.world_known = place.has_value();
   capture::Capture capture;
-  const int frames = source->info().frames;
-  for (int number = 1; number <= frames; ++number) {
-    MIXRIG_ASSIGN(const bool there, source->read(number, capture));
+  const int frames = source->info().frames, steps = frames * options.passes;
+  double begin_s = 0, end_s = 0;  // of the take, half a frame before and after its pictures
+  for (int step = 0; step < steps; ++step) {
+    MIXRIG_ASSIGN(const bool there, source->read(played_frame(step, frames), capture));
     if (!there) break;
-    if (options.progress) options.progress(number, frames);
+    if (options.progress) options.progress(step + 1, steps);
     const Picture picture = picture_of(capture, options.camera);
     if (picture.image == nullptr) continue;
-    if (picture.image->size() != geometry::size_px(camera.model))
-      return Error{ErrorCode::kData,
-                   fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}",
-                               options.take.string(), picture.image->width(),
-                               picture.image->height(), geometry::size_px(camera.model).width,
-                               geometry::size_px(camera.model).height)};
-    const auto start = std::chrono::steady_clock::now();
+    MIXRIG_TRY(check_size(options, picture.image->size(), geometry::size_px(camera.model)));
+    const double half_s = 0.5 / source->info().rate_hz;
+    if (track.pictures.empty()) begin_s = picture.time_s - half_s;
+    if (step < frames) end_s = picture.time_s + half_s;
     TrackedPicture tracked;
-    tracked.time_s = picture.time_s;
-    tracked.pose = tracker.track(*picture.image, picture.time_s);
+    tracked.time_s = played_s(picture.time_s, step / frames, begin_s, end_s);
+    const auto start = std::chrono::steady_clock::now();
+    tracked.pose = tracker.track(*picture.image, tracked.time_s);
     tracked.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     track.seconds += tracked.seconds;
@@ -176,6 +228,9 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
       tracked.nees = nees_of(tracked.pose, geometry::inverse(world_from_base) * *tracked.truth *
                                                geometry::inverse(camera.camera_from_target));
     track.pictures.push_back(tracked);
+    if (!options.drawings.empty())
+      MIXRIG_TRY(write_drawing(options.drawings, track.pictures.size(), tracker, tracked.pose.known,
+                               *picture.image));
   }
   if (track.pictures.empty())
     return Error{ErrorCode::kData, options.take.string() +

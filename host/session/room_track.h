@@ -24,6 +24,8 @@ struct RoomTrackOptions {
   /// Of the room; absent: as its folder says, or poses are in axes of the room.
   std::optional<geometry::Pose> world_from_base;
   tracking::TrackerOptions tracker;
+  int passes = 1;                          ///< the take is played so often, to and fro
+  std::filesystem::path drawings;          ///< folder for pictures with their patches; empty: none
   int threads = 0;                         ///< 0: one per core
   std::function<void(int, int)> progress;  ///< done and total; may be empty
 };
@@ -47,7 +49,7 @@ struct RoomTrack {
 /// Tracks every picture of the take. Truth is truth/fisheye.tum, or poses of the take that are
 /// true; it is held against the poses only where the room's place in the world is known.
 /// Errors: those of room, take and calibration; kData where the calibration lacks the camera, or
-/// the take has none of its pictures.
+/// the take has none of its pictures; kIo for drawings.
 Result<RoomTrack> track_room(const RoomTrackOptions& options);
 
 /// {"frames", "lost_pct", "fps", "frame_ms" (median of the pictures that were not searched for),

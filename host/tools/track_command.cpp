@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/mocap/live.h"
@@ -25,7 +26,9 @@ namespace {
 struct TrackArguments {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
   std::string model, take, scene, camera = "fisheye", tum;
-  int patches = 300, finest = 0, threads = 0;
+  std::string drawings;
+  double start_m = 1.2, start_deg = 70;
+  int patches = 300, finest = 0, passes = 1, threads = 0;
   int body = 0;
   std::optional<double> duration_s;
   std::size_t frames = 0;
@@ -156,6 +159,9 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   MIXRIG_ASSIGN(options.world_from_base, place_of_room(arguments.scene));
   options.tracker.align.patches = arguments.patches;
   options.tracker.align.finest = arguments.finest;
+  options.tracker.start_radius_m = arguments.start_m;
+  options.tracker.start_radius_rad = arguments.start_deg * kDeg;
+  options.passes = arguments.passes, options.drawings = arguments.drawings;
   options.threads = arguments.threads;
   MIXRIG_ASSIGN(const session::RoomTrack track, session::track_room(options));
   const nlohmann::json json = session::to_json(track);
@@ -220,6 +226,23 @@ void add_track_command(Command app, Context& context) {
                   "--model: pictures are aligned down to 1/2^N of their size")
       .show_default()
       .range(0, 3);
+  command
+      .add_option("--start-m", arguments->start_m,
+                  "--model: the first pose is looked for so far from the place of the scan")
+      .show_default()
+      .range(0, 5);
+  command
+      .add_option("--start-deg", arguments->start_deg,
+                  "--model: and turned so far from where the scan looked; 180: any way")
+      .show_default()
+      .range(0, 180);
+  command
+      .add_option("--passes", arguments->passes,
+                  "--model: the take is played so often, to and fro: does the error grow?")
+      .show_default()
+      .range(1, 10000);
+  command.add_option("--draw", arguments->drawings,
+                     "--model: folder for the pictures with their patches, green where they count");
   command.add_option("--threads", arguments->threads, "--model: 0: one per core").non_negative();
   command.add_option("--constellation", arguments->constellation,
                      "TOML of the body's markers: poses are computed from markers alone");

@@ -214,10 +214,6 @@ std::vector<Guess> turns_of(std::span<const Ray> rays, std::span<const Eigen::Ma
   return best;
 }
 
-double share_of(const PatchFit& fit) {
-  return fit.visible > 0 ? static_cast<double>(fit.inliers) / fit.visible : 0;
-}
-
 /// The first `count` that are no repetition of one before.
 void keep_different(std::size_t count, std::vector<PatchFit>& best_first) {
   constexpr double kSame_m = 0.05, kSame_rad = 0.03;
@@ -266,6 +262,10 @@ void FirstPose::guess(const GreyPyramid& picture, const SearchField& field,
   best_first.resize(all.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     best_first[i].camera_from_room = geometry::inverse(all[i].room_from_camera);
+}
+
+double share_of(const PatchFit& fit) {
+  return fit.visible > 0 ? static_cast<double>(fit.inliers) / fit.visible : 0;
 }
 
 bool explains(const PatchFit& fit) {

@@ -49,6 +49,8 @@ class FirstPose {
   std::vector<Surface> surfaces_;
 };
 
+/// Of the patches that should be seen, those that look and lie as they should; 0 to 1.
+double share_of(const PatchFit& fit);
 /// Whether patches enough to trust the pose look and lie as they should.
 bool explains(const PatchFit& fit);
 

@@ -45,10 +45,29 @@ geometry::Pose looking_ahead() {
   return {Eigen::Quaterniond(axes), Eigen::Vector3d::Zero()};
 }
 
+geometry::Pose looking_at_the_scan(const model::Panorama& room) {
+  constexpr double kHalfOfAll = 0.5;  // length of the mean of the directions of a hemisphere
+  const Size size = room.size();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      if (room.distance_m.row(y)[x] <= 0) continue;
+      const Eigen::Vector3d ray = model::direction_of(size, x, y);
+      const double share = std::hypot(ray.x(), ray.y());  // rows shrink towards the poles
+      sum += share * ray, area += share;
+    }
+  const geometry::Pose ahead = looking_ahead();
+  if (!(sum.norm() > kHalfOfAll * area)) return ahead;
+  const Eigen::Vector3d axis = ahead.rotation * Eigen::Vector3d::UnitZ();
+  return {Eigen::Quaterniond::FromTwoVectors(axis, sum) * ahead.rotation, ahead.translation_m};
+}
+
 Tracker::Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
                  const TrackerOptions& options, Crew& crew)
     : camera_(camera),
       options_(options),
+      start_{looking_at_the_scan(room), options.start_radius_m, options.start_radius_rad},
       crew_(crew),
       map_(make_patch_map(room, map_options(camera, options.align), crew)),
       align_(map_, camera_, options.align),
@@ -69,18 +88,21 @@ std::optional<PatchFit> Tracker::follow(double time_s) {
   // A good prediction needs no coarse level, on which few patches are in view.
   const geometry::Pose camera_from_room = geometry::inverse(*start);
   const int fine = std::min(align_.coarsest(), options_.align.finest + 1);
-  PatchFit fit = align_.align(picture_, camera_from_room, fine, options_.align.finest);
-  if (explains(fit)) return fit;
-  fit = align_.align(picture_, camera_from_room);
-  if (explains(fit)) return fit;
-  fit = align_.align(picture_, geometry::inverse(last_->room_from_camera));
-  if (explains(fit)) return fit;
-  return std::nullopt;
+  PatchFit best = align_.align(picture_, camera_from_room, fine, options_.align.finest);
+  // Where most patches do not agree, others may: blur, repeating texture, people.
+  constexpr double kMost = 0.5;
+  for (const auto& from : {camera_from_room, geometry::inverse(last_->room_from_camera)}) {
+    if (best.inliers > kMost * best.visible && explains(best)) break;
+    const PatchFit fit = align_.align(picture_, from);
+    if (share_of(fit) > share_of(best)) best = fit;
+  }
+  if (!explains(best)) return std::nullopt;
+  return best;
 }
 
 std::optional<PatchFit> Tracker::search(double time_s) {
   ++counts_.searches;
-  SearchField field = options_.start;
+  SearchField field = start_;
   if (last_) {
     const double passed_s = std::max(time_s - last_->time_s, 0.1);
     field.room_from_camera = last_->room_from_camera;

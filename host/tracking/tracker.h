@@ -13,11 +13,13 @@ namespace mixrig::tracking {
 /// room_from_camera at the room's origin: ahead is y of the room, down is -z.
 geometry::Pose looking_ahead();
 
+/// The same, turned to the middle of what the scan saw, where that is less than half of all around.
+geometry::Pose looking_at_the_scan(const model::Panorama& room);
+
 struct TrackerOptions {
   AlignOptions align;
-  /// Where the first pose is looked for, in axes of the room: by default the place of the scan, the
-  /// camera looking ahead.
-  SearchField start{looking_ahead()};
+  /// Where the first pose is looked for: around the place of the scan and `looking_at_the_scan`.
+  double start_radius_m = 1.2, start_radius_rad = 1.2;
   /// A camera that is lost is looked for around its last pose, in a field that grows so fast.
   double speed_m_s = 1, speed_rad_s = 2;
 };
@@ -69,6 +71,7 @@ class Tracker {
 
   const geometry::AnyCamera camera_;
   const TrackerOptions options_;
+  const SearchField start_;
   Crew& crew_;
   const PatchMap map_;
   PatchAlign align_;

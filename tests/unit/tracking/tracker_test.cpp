@@ -22,7 +22,7 @@ geometry::Pose on_the_path(int picture) {
 
 TrackerOptions narrow_options() {
   TrackerOptions options;
-  options.start.radius_m = 0.5, options.start.radius_rad = 0.5;
+  options.start_radius_m = 0.5, options.start_radius_rad = 0.5;
   return options;
 }
 
@@ -180,6 +180,20 @@ TEST(Tracker, ThousandsOfPicturesDoNotDrift) {
   }
   EXPECT_NEAR(last / first, 1, 0.02);
   EXPECT_LT(last / (2 * kPictures), 4);
+}
+
+TEST(Tracker, LooksFirstWhereTheScanLooked) {
+  const TexturedBox box;
+  model::Panorama room = box.panorama();
+  EXPECT_TRUE(looking_at_the_scan(room).rotation.isApprox(looking_ahead().rotation));
+  // All but a cap around a direction is not known.
+  const Eigen::Vector3d middle = Eigen::Vector3d(-0.5, -0.4, 0.6).normalized();
+  for (int y = 0; y < room.size().height; ++y)
+    for (int x = 0; x < room.size().width; ++x)
+      if (model::direction_of(room.size(), x, y).dot(middle) < 0.8) room.distance_m.at(x, y) = 0;
+  const geometry::Pose pose = looking_at_the_scan(room);
+  EXPECT_GT((pose.rotation * Eigen::Vector3d::UnitZ()).dot(middle), 0.999);
+  EXPECT_EQ(pose.translation_m, Eigen::Vector3d::Zero());
 }
 
 TEST(Tracker, AnotherRoomIsNeverTracked) {
