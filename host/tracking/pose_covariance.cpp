@@ -9,7 +9,6 @@
 namespace mixrig::tracking {
 namespace {
 
-using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using SixBySix = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kParts = 24;
@@ -24,12 +23,50 @@ std::size_t part_of_room(const Eigen::Vector3f& direction) {
   return static_cast<std::size_t>(8 * axis + signs);
 }
 
-/// Sums over the patches of one part; turns are about the room's origin, in its axes.
-struct Part {
-  int patches = 0;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< about its turn
-  Eigen::Vector3d score = Eigen::Vector3d::Zero();        ///< of its turn
-  Matrix63 pull = Matrix63::Zero();                       ///< on the pose, by its turn
+/// An error of N numbers that the patches of a part of the room have in common.
+template <int N>
+class CommonError {
+ public:
+  /// `by_error`: the patch's offset by the error.
+  void add(const PatchAlign::Seen& s, const Eigen::Matrix<double, 2, N>& by_error) {
+    const Eigen::Matrix<double, N, 2> weighted = s.weight * by_error.transpose() * s.information;
+    Part& part = parts_[part_of_room(s.patch->centre_m)];
+    ++part.patches;
+    part.information += weighted * by_error;
+    part.score += weighted * s.offset;
+    part.pull += s.jacobian.transpose() * weighted.transpose();
+  }
+  /// Sums up the parts; `inverse`: of the pose's normal equations.
+  void finish(const SixBySix& inverse) {
+    for (const Part& part : parts_) {
+      if (part.patches < kFewestOfPart) continue;
+      const Eigen::Matrix<double, N, N> known =
+          part.information +
+          1e-9 * part.information.trace() * Eigen::Matrix<double, N, N>::Identity();
+      squares += part.score.dot(known.ldlt().solve(part.score));
+      freedom += N;
+      by_variance_ += part.information.trace();
+      pulls_ += part.pull * part.pull.transpose();
+    }
+    by_variance_ -= (inverse * pulls_).trace();
+  }
+  /// On the right side of the normal equations, where patches err on their own by variance `own`.
+  SixBySix covariance(double own) const {
+    if (!(by_variance_ > 0)) return SixBySix::Zero();
+    return std::max(0.0, squares - own * std::max(0.0, freedom - 6)) / by_variance_ * pulls_;
+  }
+  double squares = 0, freedom = 0;  ///< of the offsets, that the parts' errors explain
+
+ private:
+  struct Part {
+    int patches = 0;
+    Eigen::Matrix<double, N, N> information = Eigen::Matrix<double, N, N>::Zero();
+    Eigen::Matrix<double, N, 1> score = Eigen::Matrix<double, N, 1>::Zero();
+    Eigen::Matrix<double, 6, N> pull = Eigen::Matrix<double, 6, N>::Zero();  ///< on the pose
+  };
+  std::array<Part, kParts> parts_{};
+  double by_variance_ = 0;
+  SixBySix pulls_ = SixBySix::Zero();
 };
 
 Eigen::Matrix3d turns_to_shifts(const Eigen::Vector3d& p) {
@@ -43,40 +80,24 @@ Eigen::Matrix3d turns_to_shifts(const Eigen::Vector3d& p) {
 Eigen::Matrix<double, 6, 6> pose_covariance(std::span<const PatchAlign::Seen> seen,
                                             const geometry::Pose& camera_from_room, double scale) {
   const Eigen::Matrix3d turn = camera_from_room.rotation.toRotationMatrix();
-  std::array<Part, kParts> parts;
+  CommonError<3> turns;
+  CommonError<1> stretch;
   SixBySix normal = SixBySix::Zero();
   double squares = 0, weights = 0;
   for (const PatchAlign::Seen& s : seen) {
     if (s.weight <= 0) continue;
-    const Eigen::Matrix<double, 6, 2> weighted = s.weight * s.jacobian.transpose() * s.information;
-    normal += weighted * s.jacobian;
+    normal += s.weight * s.jacobian.transpose() * s.information * s.jacobian;
     squares += s.weight * s.offset.dot(s.information * s.offset), weights += s.weight;
-    const Eigen::Matrix<double, 2, 3> by_turn =
-        s.jacobian.rightCols<3>() * turn * turns_to_shifts(s.patch->centre_m.cast<double>());
-    Part& part = parts[part_of_room(s.patch->centre_m)];
-    ++part.patches;
-    part.information += s.weight * by_turn.transpose() * s.information * by_turn;
-    part.score += s.weight * by_turn.transpose() * s.information * s.offset;
-    part.pull += weighted * by_turn;
+    const Eigen::Vector3d place = s.patch->centre_m.cast<double>();
+    const Eigen::Matrix<double, 2, 3> by_place = s.jacobian.rightCols<3>() * turn;
+    turns.add(s, by_place * turns_to_shifts(place));
+    stretch.add(s, by_place * place);
   }
   const SixBySix inverse = normal.inverse();
-  double of_turns = 0, freedom = 0, by_turns = 0;  // squares that turns explain
-  SixBySix pulls = SixBySix::Zero();
-  for (const Part& part : parts) {
-    if (part.patches < kFewestOfPart) continue;
-    const Eigen::Matrix3d known =
-        part.information + 1e-9 * part.information.trace() * Eigen::Matrix3d::Identity();
-    of_turns += part.score.dot(known.ldlt().solve(part.score));
-    freedom += 3;
-    by_turns += part.information.trace();
-    pulls += part.pull * part.pull.transpose();
-  }
-  const double rest = 2 * weights - freedom;
-  const double own = rest > 0 ? std::max(1.0, (squares - of_turns) / rest) : scale * scale;
-  by_turns -= (inverse * pulls).trace();
-  const double together =
-      by_turns > 0 ? std::max(0.0, of_turns - own * (freedom - 6)) / by_turns : 0;
-  return inverse * (own * normal + together * pulls) * inverse;
+  turns.finish(inverse), stretch.finish(inverse);
+  const double rest = 2 * weights - turns.freedom;
+  const double own = rest > 0 ? std::max(1.0, (squares - turns.squares) / rest) : scale * scale;
+  return inverse * (own * normal + turns.covariance(own) + stretch.covariance(own)) * inverse;
 }
 
 }  // namespace mixrig::tracking

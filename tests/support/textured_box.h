@@ -66,7 +66,8 @@ class TexturedBox {
            contrast_ * (0.55 * (noise(p / 0.5, 11) - 0.5) + 0.4 * (noise(p / 0.13, 23) - 0.5));
   }
 
-  model::Panorama panorama(int height = 360) const {
+  /// `wrong_rad`: each of 24 parts of it is turned by so much, about another axis.
+  model::Panorama panorama(int height = 360, double wrong_rad = 0, unsigned seed = 1) const {
     model::Panorama room;
     const Size size{2 * height, height};
     room.distance_m.reset(size), room.color.reset(size);
@@ -76,8 +77,10 @@ class TexturedBox {
       for (int x = 0; x < size.width; ++x) {
         const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / size.width);
         const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / height);
-        const Eigen::Vector3d ray(-std::cos(elevation) * std::sin(azimuth),
-                                  std::cos(elevation) * std::cos(azimuth), std::sin(elevation));
+        Eigen::Vector3d ray(-std::cos(elevation) * std::sin(azimuth),
+                            std::cos(elevation) * std::cos(azimuth), std::sin(elevation));
+        if (wrong_rad > 0)
+          turn_part(4 * (x * 8 / size.width) + y * 3 / height, wrong_rad, seed, ray);
         room.distance_m.at(x, y) = static_cast<float>(distance_m(eye, ray));
         room.color.at(x, y) = byte(grey(eye, ray), 0);
       }
@@ -116,6 +119,13 @@ class TexturedBox {
   }
 
  private:
+  /// By `angle_rad` about an axis that part and seed choose.
+  static void turn_part(int part, double angle_rad, unsigned seed, Eigen::Vector3d& ray) {
+    const double a = 2.4 * part + seed, b = std::sin(1.7 * part + 3.1 * seed);
+    const Eigen::Vector3d axis = Eigen::Vector3d(std::cos(a), std::sin(a), b).normalized();
+    ray = Eigen::AngleAxisd(angle_rad, axis) * ray;
+  }
+
   static constexpr double kHinge_m = -0.5, kLeaf_m = 0.9, kDoorTop_m = 0.6;
 
   double behind_the_door(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,

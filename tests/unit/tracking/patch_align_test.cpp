@@ -107,6 +107,36 @@ TEST(PatchAlign, CovarianceSaysHowFarItIsOff) {
   EXPECT_LT(sum / kPictures, 12);
 }
 
+TEST(PatchAlign, CovarianceHoldsWhatPartsOfTheRoomHaveInCommon) {
+  const TexturedBox box;
+  Crew crew(2);
+  const geometry::AnyCamera camera = TexturedBox::camera();
+  double nees = 0, sigma_mm = 0, exact_mm = 0;
+  constexpr unsigned kRooms = 8, kPlaces = 3;
+  for (unsigned room = 0; room <= kRooms; ++room) {
+    const double wrong_rad = room == 0 ? 0 : 0.004;  // a third of a pixel
+    const PatchMap map = make_patch_map(box.panorama(360, wrong_rad, room), {0.009, 6, 1500}, crew);
+    PatchAlign align(map, camera, {});
+    for (unsigned i = 0; i < kPlaces; ++i) {
+      const double s = 0.3 * i;
+      const Pose truth = in_the_box({0.4 - s, s - 0.3, 0.2}, {0.2, s - 0.1, 0.3 - s});
+      GreyPyramid pyramid;
+      pyramid.build(box.picture(truth, 1, i + 1), 6, crew);
+      const PatchFit fit = align.align(pyramid, geometry::inverse(truth));
+      (room == 0 ? exact_mm : sigma_mm) += 1e3 * fit.sigma_m() / kPlaces / (room == 0 ? 1 : kRooms);
+      if (room == 0) continue;
+      const Pose error = fit.camera_from_room * truth;
+      const Eigen::AngleAxisd turn(error.rotation);
+      Eigen::Matrix<double, 6, 1> e;
+      e << turn.angle() * turn.axis(), error.translation_m;
+      nees += e.dot(fit.covariance.inverse() * e) / (kRooms * kPlaces);
+    }
+  }
+  EXPECT_GT(sigma_mm, 1.5 * exact_mm);
+  EXPECT_GT(nees, 2);
+  EXPECT_LT(nees, 12);
+}
+
 TEST(PatchAlign, FewerPatchesAndCoarserLevelsAreLessAccurate) {
   AlignOptions few;
   few.patches = 40;
