@@ -6,6 +6,7 @@
 
 #include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"
+#include "host/session/frame_lens.h"
 #include "host/session/run.h"
 
 namespace mixrig::session {
@@ -118,7 +119,8 @@ Result<double> repeat(const Session& session, const capture::Capture& capture, i
   for (int i = 0; i <= frames; ++i) {
     pose.translation_m.x() += i % 2 == 0 ? step_m : -step_m;
     const HostTime begin = clock.now();
-    MIXRIG_TRY(compositor->compose({capture.plate, capture.depth_m, pose}, output));
+    MIXRIG_TRY(
+        compositor->compose({capture.plate, capture.depth_m, pose, frame_lens(capture)}, output));
     if (i > 0) times_ms.add(milliseconds(clock.now() - begin));  // the first frame fills caches
   }
   return times_ms.quantile(0.5);

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// ticks.csv and pan_tilt.csv of a recorded take: tick, time and head angle of each frame. Private
-// to this room.
+// ticks.csv, pan_tilt.csv and lens.csv of a recorded take: tick, time and head angle of each frame,
+// and what the encoders of the lens said when. Private to this room.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "hal/device/pan_tilt.h"
+#include "host/capture/truth.h"
+#include "host/geometry/lens_table.h"
 
 namespace mixrig::take {
 
@@ -25,5 +31,27 @@ Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::s
 /// pan_tilt.csv: angles of the head by frame number. Pure. Errors: kFormat (name:line: ...).
 Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view text,
                                                             const std::string& name);
+
+/// What the encoders of the lens said at a time, on the clock of the frames' mid-exposures.
+struct LensSample {
+  HostTime time{};
+  geometry::LensEncoders at;
+};
+/// A gap of the encoders' values that is not interpolated over.
+inline constexpr Duration kMostLensGap = std::chrono::milliseconds(100);
+
+/// lens.csv: time_ns,zoom,focus; times grow. Pure. Errors: kFormat (name:line: ...).
+Result<std::vector<LensSample>> parse_lens_samples(std::string_view text, const std::string& name);
+/// Linear between the two samples around a time; the only one, where it is at most kMostLensGap / 2
+/// away. nullopt where these lie further apart than kMostLensGap. Pure.
+std::optional<geometry::LensEncoders> lens_at(std::span<const LensSample> samples, HostTime time);
+
+/// truth/lens.csv: frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m of the view of each frame. Pure.
+/// Errors: kFormat (name:line: ...).
+Result<std::map<int, capture::TrueLens>> parse_true_lens(std::string_view text,
+                                                         const std::string& name, Size view_px);
+inline constexpr const char* kLensTable = "lens.csv";
+inline constexpr const char* kTrueLensHeader = "frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m\n";
+std::string true_lens_row(int frame, const capture::TrueLens& lens);
 
 }  // namespace mixrig::take

@@ -12,6 +12,7 @@
 #include "host/image_io/image_io.h"
 #include "host/take/depth_steps.h"
 #include "host/take/fisheye_stream.h"
+#include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"
@@ -96,7 +97,7 @@ struct TakeWriter::State {
   PartialPath partial;
   TakeInfo info;
   StreamWriter color, depth, amplitude, fisheye;
-  std::string poses, fisheye_rows;
+  std::string poses, fisheye_rows, true_lens_rows;
   HostTime last_fisheye = HostTime::min();
   Image<std::uint16_t> steps;
   int frames = 0;
@@ -176,6 +177,7 @@ Result<void> TakeWriter::write_truth(const capture::Truth& truth) {
   for (const char* name : {"depth", "matte", "light", "composite", "labels"})
     MIXRIG_TRY(make_folder(folder / name));
   const std::string name = number_name(s.frames);
+  if (truth.lens) s.true_lens_rows += true_lens_row(s.frames, *truth.lens);
   to_steps(truth.depth_m, s.info.truth_depth_unit_m, 0, s.steps);
   MIXRIG_TRY(image_io::write_png(folder / "depth" / name, std::as_const(s.steps).view()));
   to_steps(truth.light, 1.0 / 65535.0, 0, s.steps);
@@ -208,6 +210,8 @@ Result<void> TakeWriter::finish() {
         s.write_text(kFisheyeTable, "picture,frame,counter,mid_exposure_ns\n" + s.fisheye_rows));
   }
   if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
+  if (!s.true_lens_rows.empty())
+    MIXRIG_TRY(s.write_text("truth/lens.csv", kTrueLensHeader + s.true_lens_rows));
   MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));
   return s.partial.commit();
 }

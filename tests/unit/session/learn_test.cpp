@@ -20,9 +20,15 @@ geometry::Pose turned(double yaw_rad, double x_m = 0) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {x_m, 0, 0}};
 }
 
+std::vector<PosedView> posed(const std::vector<geometry::Pose>& poses) {
+  std::vector<PosedView> views;
+  for (const geometry::Pose& pose : poses) views.push_back({kLearnView, pose});
+  return views;
+}
+
 TEST(ViewOfAll, OfOnePoseIsItsView) {
   const std::vector<geometry::Pose> poses = {turned(0.3, 1)};
-  const auto wide = view_of_all(kLearnView, poses);
+  const auto wide = view_of_all(posed(poses));
   ASSERT_TRUE(wide) << wide.error().context;
   EXPECT_NEAR(wide->world_from_camera.rotation.angularDistance(poses[0].rotation), 0, 1e-9);
   EXPECT_NEAR((wide->world_from_camera.translation_m - poses[0].translation_m).norm(), 0, 1e-12);
@@ -33,7 +39,7 @@ TEST(ViewOfAll, OfOnePoseIsItsView) {
 
 TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
   const std::vector<geometry::Pose> poses = {turned(-0.2, -0.1), turned(0, 0), turned(0.25, 0.1)};
-  const auto wide = view_of_all(kLearnView, poses);
+  const auto wide = view_of_all(posed(poses));
   ASSERT_TRUE(wide) << wide.error().context;
   const Eigen::Isometry3d world_from_wide(wide->world_from_camera.matrix());
   for (const geometry::Pose& pose : poses)
@@ -55,7 +61,7 @@ TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
 TEST(ViewOfAll, RefusesATurnThatNoPinholeHolds) {
   for (const double yaw_rad : {1.2, 1.6, 2.5}) {
     const std::vector<geometry::Pose> poses = {turned(-yaw_rad), turned(yaw_rad)};
-    const auto wide = view_of_all(kLearnView, poses);
+    const auto wide = view_of_all(posed(poses));
     ASSERT_FALSE(wide) << yaw_rad;
     EXPECT_NE(wide.error().context.find("turns too far"), std::string::npos);
   }
