@@ -55,8 +55,8 @@ Result<FreeDPacket> parse_freed(std::span<const std::byte> bytes) {
   if (bytes.size() != kFreeDBytes)
     return wrong(fmt::format("{} bytes, a D1 packet has {}", bytes.size(), kFreeDBytes));
   if (bytes[0] != kD1)
-    return wrong(fmt::format("a packet of kind {:02X}, D1 is read",
-                             std::to_integer<unsigned>(bytes[0])));
+    return wrong(
+        fmt::format("a packet of kind {:02X}, D1 is read", std::to_integer<unsigned>(bytes[0])));
   if (bytes[kChecksum] != checksum_of(bytes)) return wrong("the checksum is wrong");
   FreeDPacket packet;
   packet.camera = std::to_integer<int>(bytes[1]);

@@ -31,7 +31,8 @@ struct FreeDPacket {
 /// Reads a datagram. Pure. Errors: kData for another length or kind, or a wrong checksum.
 Result<FreeDPacket> parse_freed(std::span<const std::byte> bytes);
 
-/// The packet's bytes. What does not fit is saturated; camera, zoom and focus are cut to their bits.
+/// The packet's bytes. What does not fit is saturated; camera, zoom and focus are cut to their
+/// bits.
 std::array<std::byte, kFreeDBytes> freed_bytes(const FreeDPacket& packet);
 
 }  // namespace mixrig::stream

@@ -214,7 +214,7 @@ void Studio::State::fill_person(Occluder& scene, double time_s) {
 }
 
 void Studio::State::trace_static(const CameraPlace& place, double time_s, bool with_truth) {
-  const bool keep = options.cache && !info.camera_moves && options.zoom == 1;
+  const bool keep = options.cache && !info.camera_moves;
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
     const geometry::Pose world_from_tof =
@@ -256,7 +256,12 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
 void Studio::State::set_lens(double time_s) {
   if (options.zoom == 1) return;
   const LensSetting at = lens_at(info, time_s);
-  info.target = zoom.optics(at);
+  const Optics optics = zoom.optics(at);
+  const bool same = optics.fx_px == info.target.fx_px && optics.cx_px == info.target.cx_px &&
+                    pupil_shift_m == zoom.pupil_shift_m(at);
+  if (same) return;
+  has_plate = has_view = false;
+  info.target = optics;
   info.view = without_distortion(info.target);
   pupil_shift_m = zoom.pupil_shift_m(at);
   plate_rays = RayGrid(info.target), view_rays = RayGrid(info.view);

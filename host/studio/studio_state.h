@@ -28,7 +28,7 @@ struct Studio::State {
   void fill_person(Occluder& scene, double time_s);
   /// Light of the fisheye from where the camera and the people are at a time, added to `light`.
   void expose_fisheye(double time_s, const FisheyeSample& sample);
-  /// Sets the optics of the target camera at a time.
+  /// Sets the optics of the target camera at a time; what was traced through others is dropped.
   void set_lens(double time_s);
   /// Where the entrance pupil of the target camera is, with the lens that is set.
   CameraPlace eye_at(double time_s) const;

@@ -3,11 +3,8 @@
 // and what the encoders of the lens said when. Private to this room.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <map>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +12,8 @@
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "hal/device/pan_tilt.h"
+#include "host/capture/lens_track.h"
 #include "host/capture/truth.h"
-#include "host/geometry/lens_table.h"
 
 namespace mixrig::take {
 
@@ -32,19 +29,11 @@ Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::s
 Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view text,
                                                             const std::string& name);
 
-/// What the encoders of the lens said at a time, on the clock of the frames' mid-exposures.
-struct LensSample {
-  HostTime time{};
-  geometry::LensEncoders at;
-};
-/// A gap of the encoders' values that is not interpolated over.
-inline constexpr Duration kMostLensGap = std::chrono::milliseconds(100);
-
 /// lens.csv: time_ns,zoom,focus; times grow. Pure. Errors: kFormat (name:line: ...).
-Result<std::vector<LensSample>> parse_lens_samples(std::string_view text, const std::string& name);
-/// Linear between the two samples around a time; the only one, where it is at most kMostLensGap / 2
-/// away. nullopt where these lie further apart than kMostLensGap. Pure.
-std::optional<geometry::LensEncoders> lens_at(std::span<const LensSample> samples, HostTime time);
+Result<std::vector<capture::LensSample>> parse_lens_samples(std::string_view text,
+                                                            const std::string& name);
+inline constexpr const char* kLensHeader = "time_ns,zoom,focus\n";
+std::string lens_row(const capture::LensSample& sample);
 
 /// truth/lens.csv: frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m of the view of each frame. Pure.
 /// Errors: kFormat (name:line: ...).

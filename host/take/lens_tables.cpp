@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lens.csv and truth/lens.csv.
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,20 +8,12 @@
 #include "host/take/frame_tables.h"
 
 namespace mixrig::take {
-namespace {
-
-/// Whether two times lie further apart than `gap`; their difference may overflow, the halves' not.
-bool apart(HostTime before, HostTime after, Duration gap) {
-  return after.time_since_epoch() / 2 - before.time_since_epoch() / 2 > gap / 2;
-}
-
-}  // namespace
-
-Result<std::vector<LensSample>> parse_lens_samples(std::string_view text, const std::string& name) {
-  std::vector<LensSample> samples;
+Result<std::vector<capture::LensSample>> parse_lens_samples(std::string_view text,
+                                                            const std::string& name) {
+  std::vector<capture::LensSample> samples;
   MIXRIG_TRY(for_each_row(text, name, 3, [&](const std::vector<std::string_view>& cells) {
     std::int64_t ns = 0;
-    LensSample sample;
+    capture::LensSample sample;
     if (!parse_cell(cells[0], ns) || !parse_cell(cells[1], sample.at.zoom) ||
         !parse_cell(cells[2], sample.at.focus) || !std::isfinite(sample.at.zoom) ||
         !std::isfinite(sample.at.focus))
@@ -33,23 +24,6 @@ Result<std::vector<LensSample>> parse_lens_samples(std::string_view text, const 
     return true;
   }));
   return samples;
-}
-
-std::optional<geometry::LensEncoders> lens_at(std::span<const LensSample> samples, HostTime time) {
-  const auto after = std::lower_bound(samples.begin(), samples.end(), time,
-                                      [](const LensSample& s, HostTime t) { return s.time < t; });
-  const auto near = [&](const LensSample& s) {
-    const bool there = !apart(std::min(s.time, time), std::max(s.time, time), kMostLensGap / 2);
-    return there ? std::optional(s.at) : std::nullopt;
-  };
-  if (samples.empty()) return std::nullopt;
-  if (after == samples.end()) return near(samples.back());
-  if (after->time == time || after == samples.begin()) return near(*after);
-  const LensSample& a = *std::prev(after);
-  if (apart(a.time, after->time, kMostLensGap)) return std::nullopt;
-  const double t = seconds(time - a.time) / seconds(after->time - a.time);
-  return geometry::LensEncoders{a.at.zoom + t * (after->at.zoom - a.at.zoom),
-                                a.at.focus + t * (after->at.focus - a.at.focus)};
 }
 
 Result<std::map<int, capture::TrueLens>> parse_true_lens(std::string_view text,
@@ -69,6 +43,11 @@ Result<std::map<int, capture::TrueLens>> parse_true_lens(std::string_view text,
     return lenses.emplace(frame, lens).second;
   }));
   return lenses;
+}
+
+std::string lens_row(const capture::LensSample& sample) {
+  return fmt::format("{},{},{}\n", sample.time.time_since_epoch().count(), sample.at.zoom,
+                     sample.at.focus);
 }
 
 std::string true_lens_row(int frame, const capture::TrueLens& lens) {

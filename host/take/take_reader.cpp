@@ -51,7 +51,7 @@ struct TakeReader::State {
   std::vector<FrameIndex> frames;
   std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
   std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
-  std::vector<LensSample> lens;                   ///< by time, where recorded
+  std::vector<capture::LensSample> lens;          ///< by time, where recorded
   std::map<int, capture::TrueLens> true_lens;     ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
@@ -160,7 +160,7 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
   capture.pan_tilt.reset();
   const auto angles = pan_tilt.find(number);
   if (angles != pan_tilt.end()) capture.pan_tilt = angles->second;
-  capture.encoders = lens_at(lens, capture.mid_exposure);
+  capture.encoders = mixrig::capture::lens_at(lens, capture.mid_exposure);
   capture.lens.reset();
   capture.cameras = cameras;
   capture.world_from_target = index.world_from_target;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // FreeD packets against bytes that were put together by hand from the published layout.
-#include "host/stream/freed_receiver.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +10,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "host/stream/freed_receiver.h"
 
 namespace mixrig::stream {
 namespace {
@@ -61,8 +61,9 @@ TEST(FreeD, RefusesWhatIsDamaged) {
   auto longer = plain();
   longer.push_back(std::byte{0});
   EXPECT_FALSE(parse_freed(longer));
+  const auto whole = plain();
   for (std::size_t size = 0; size < kFreeDBytes; ++size)
-    EXPECT_FALSE(parse_freed(std::span(plain()).first(size))) << size;
+    EXPECT_FALSE(parse_freed(std::span(whole).first(size))) << size;
   auto command = plain();
   command[0] = std::byte{0xD0};
   set_checksum(command);
@@ -94,8 +95,9 @@ TEST(FreeDAddress, IsReadOrRefused) {
   EXPECT_EQ(all->host, "0.0.0.0");
   EXPECT_EQ(all->port, 40000);
   EXPECT_EQ(all->camera, 3);
-  for (const char* uri : {"", "freed", "freed:", "freed:0", "freed:70000", "freed:1x", "freed:host:1",
-                          "freed::1", "freed:1,", "freed:1,256", "freed:1,-1", "fried:1"})
+  for (const char* uri :
+       {"", "freed", "freed:", "freed:0", "freed:70000", "freed:1x", "freed:host:1", "freed::1",
+        "freed:1,", "freed:1,256", "freed:1,-1", "fried:1"})
     EXPECT_FALSE(parse_freed_address(uri)) << uri;
 }
 
@@ -136,7 +138,9 @@ TEST(FreeDReceiver, ReadsItsCameraAndCountsTheRest) {
   for (int i = 0; i < 6; ++i) {
     const auto packet = receiver->next(std::chrono::seconds(20));
     ASSERT_TRUE(packet) << packet.error().context;
-    if (*packet) ++packets, EXPECT_EQ((*packet)->zoom, 0x0ABCDEU);
+    if (!*packet) continue;
+    ++packets;
+    EXPECT_EQ((*packet)->zoom, 0x0ABCDEU);
   }
   EXPECT_EQ(packets, 2);
   EXPECT_EQ(receiver->counts().packets, 2);
