@@ -71,7 +71,8 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"upload", view, "inputs to the device that draws"},
       {"plate", view,
        tables.plate_is_view ? "the lens is ideal: pixels are copied"
-                            : fmt::format("samples the plate through its lens{}",
+                            : fmt::format("samples the plate through its lens{}{}",
+                                          setup.lens_moves ? ", which moves" : "",
                                           setup.vignetting.is_none() ? "" : ", evens its corners")},
       {"correct", tof,
        std::string(setup.depth_is_distance ? "distance to z, " : "") +

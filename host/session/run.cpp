@@ -226,6 +226,7 @@ Result<bool> Runner::frame() {
   composite.capture = std::move(item->capture);
   const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
+  composite.view = frame_view(session_.setup, *composite.capture);
   set_pose(composite);
   watch_slip(composite, judges() ? item->truth.get() : nullptr);
   lens_->add(*composite.capture, composite.world_from_target);
@@ -328,6 +329,7 @@ Result<void> Runner::add_last_to_sheet() {
   std::shared_ptr<output::Composite> composite = inspected_.take();
   composite->capture = last_->capture;
   composite->world_from_target = last_->world_from_target;
+  composite->view = last_->view;
   composite->objects_shown = last_->objects_shown;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
