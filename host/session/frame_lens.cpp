@@ -61,14 +61,8 @@ void LensWatch::warn(capture::LensOrigin origin, const capture::Capture& capture
                             capture.number, capture.encoders->zoom, capture.encoders->focus));
   if (origin == capture::LensOrigin::kHeld)
     log_warning("session",
-                fmt::format("frame {}: the encoders of the lens say nothing within {} ms of "
-                            "mid-exposure: the last lens is kept",
-                            capture.number, 50));
-  if (origin == capture::LensOrigin::kFixed)
-    log_warning("session",
-                fmt::format("frame {}: the lens shows more of the room than was learned: nothing "
-                            "is known of the background there, and people are keyed worse; learn "
-                            "at the widest zoom, or scan the room",
+                fmt::format("frame {}: the encoders of the lens say nothing near mid-exposure: the "
+                            "last lens is kept",
                             capture.number));
 }
 
@@ -87,9 +81,12 @@ void LensWatch::add(const capture::Capture& capture, const geometry::Pose& world
   report.least_fx_px = std::min(report.least_fx_px, pinhole.fx_px);
   report.most_fx_px = std::max(report.most_fx_px, pinhole.fx_px);
   if (origin != capture::LensOrigin::kEncoded) warn(origin, capture);
-  if (!beyond(capture, world_from_target)) return;
-  ++report.beyond_background;
-  warn(capture::LensOrigin::kFixed, capture);
+  if (!beyond(capture, world_from_target) || report.beyond_background++ > 0) return;
+  log_warning("session",
+              fmt::format("frame {}: the lens shows more of the room than was learned: nothing is "
+                          "known of the background there, and people are keyed worse; learn at "
+                          "the widest zoom, or scan the room",
+                          capture.number));
 }
 
 }  // namespace mixrig::session

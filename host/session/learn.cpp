@@ -268,7 +268,7 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
   }
   if (source.info().frames == capture::kEndless)
     return Error{ErrorCode::kData,
-                 "the camera or its lens moved while the empty room was learned: keep both still "
+                 "the camera or its lens moved while the empty room was learned: keep it still "
                  "until the frames to composite, or use a scanned background"};
   return learn_moving(source, setup, range, backend, progress, poses, known);
 }

@@ -154,6 +154,77 @@ TEST(LearnMoving, ALiveCameraMustStandStill) {
   EXPECT_NE(learned.error().context.find("keep it still"), std::string::npos);
 }
 
+/// The same room, seen by a camera that stands still while its lens zooms in and its pupil moves.
+class ZoomingSource final : public capture::CaptureSource {
+ public:
+  static constexpr int kFrames = 9;
+  ZoomingSource() {
+    scene_.person = false;
+    info_.name = "zooming";
+    info_.target.pinhole = kLearnView;
+    info_.tof = info_.target;
+    info_.noise = {0.004, 0, 0};
+    info_.frames = kFrames;
+    info_.lens = std::make_shared<geometry::LensTable>(
+        *geometry::LensTable::make({{{0, 0}, lens(1), 0}, {{1, 0}, lens(2), 0}}));
+  }
+  const capture::SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, capture::Capture& frame) override {
+    const double zoom = 1 + 0.1 * (number - 1);
+    const geometry::LensState state = lens(zoom);
+    const test::Camera rest{kLearnView.size_px, kLearnView.fx_px, {0, 0, 0}};
+    const test::Camera zoomed{
+        kLearnView.size_px, state.camera.pinhole.fx_px, {0, 0, state.pupil_shift_m}};
+    frame.number = number;
+    frame.plate = test::render_plate(scene_, zoomed, static_cast<std::uint32_t>(number));
+    Image<std::uint8_t> person;
+    test::render_truth(scene_, rest, frame.depth_m, person);
+    frame.lens = capture::FrameLens{state, capture::LensOrigin::kEncoded};
+    return true;
+  }
+  Result<void> read_truth(int, capture::Truth&) override { return {}; }
+  const test::AnalyticScene& scene() const { return scene_; }
+
+ private:
+  static geometry::LensState lens(double zoom) {
+    geometry::CameraModel camera{kLearnView, {}};
+    camera.pinhole.fx_px *= zoom, camera.pinhole.fy_px *= zoom;
+    return {camera, 0.05 * (zoom - 1)};
+  }
+  test::AnalyticScene scene_;
+  capture::SourceInfo info_;
+};
+
+TEST(LearnMoving, ARoomThroughALensThatZoomsIsWhereItIs) {
+  ZoomingSource source;
+  const auto setup = setup_of(source.info(), std::nullopt);
+  ASSERT_TRUE(setup);
+  ASSERT_TRUE(setup->lens_moves);
+  const auto poses = pose::make_fixed_pose(turned(0.2, 1), "fixed", "fixed");
+  const auto learned = learn_background(source, *setup, {1, ZoomingSource::kFrames},
+                                        {render::Backend::kCpu, 2}, {}, poses.get());
+  ASSERT_TRUE(learned) << learned.error().context;
+  ASSERT_TRUE(learned->world_from_view);
+  EXPECT_NEAR(learned->view.fx_px, 1.8 * kLearnView.fx_px, 1e-9);
+  const geometry::Pose target_from_view =
+      geometry::inverse(turned(0.2, 1)) * *learned->world_from_view;
+  EXPECT_NEAR(target_from_view.translation_m.z(), 0.02, 1e-9) << "the mean of the pupils";
+  int all = 0, known = 0, right = 0;
+  for (int y = 10; y < learned->view.size_px.height - 10; ++y)
+    for (int x = 10; x < learned->view.size_px.width - 10; ++x) {
+      const Eigen::Vector2d ray = learned->view.unproject({x, y});
+      const test::Hit hit = test::cast(source.scene(), target_from_view.translation_m,
+                                       Eigen::Vector3d(ray.x(), ray.y(), 1));
+      ++all;
+      const float z = learned->depth_m.at(x, y);
+      if (!(z > 0)) continue;
+      ++known;
+      right += std::abs(z - hit.t) < 0.02 * hit.t;
+    }
+  EXPECT_GT(known, 0.6 * all) << "a third of the frames see the middle 83 % of each side";
+  EXPECT_GT(right, 0.95 * known);
+}
+
 TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {
   Session session;
   session.source = std::make_unique<test::BoxSource>(5, 6, true);
