@@ -44,10 +44,15 @@ const CalibratedPose* Calibration::pose(std::string_view name) const { return na
 void merge(Calibration& into, const Calibration& newer) {
   const std::vector<CalibratedCamera> before = into.cameras;
   merge_named(into.cameras, newer.cameras);
-  // Another calibration of a lens does not see how dark its corners are.
-  for (CalibratedCamera& camera : into.cameras)
-    if (const auto* old = named(before, camera.name); old && camera.vignetting.is_none())
-      camera.vignetting = old->vignetting;
+  // A calibration at one setting sees neither how dark the corners are nor other settings.
+  for (CalibratedCamera& camera : into.cameras) {
+    const auto* old = named(before, camera.name);
+    if (old && camera.vignetting.is_none()) camera.vignetting = old->vignetting;
+    const bool may = geometry::kind_of(camera.model) == geometry::LensKind::kPinhole;
+    if (old && may && !camera.lens &&
+        geometry::size_px(old->model) == geometry::size_px(camera.model))
+      camera.lens = old->lens;
+  }
   merge_named(into.poses, newer.poses);
   if (newer.depth_error) into.depth_error = newer.depth_error;
   if (newer.pan_tilt) into.pan_tilt = newer.pan_tilt;

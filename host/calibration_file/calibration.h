@@ -14,6 +14,7 @@
 
 #include "hal/base/result.h"
 #include "host/geometry/any_camera.h"
+#include "host/geometry/lens_table.h"
 #include "host/geometry/pose.h"
 #include "host/geometry/vignetting.h"
 
@@ -36,6 +37,9 @@ struct CalibratedCamera {
   int views = 0, points = 0;   ///< number of views and points in residual_px
   Origin origin;
   geometry::Vignetting vignetting{};  ///< of pinholes; none where it was not measured
+  /// Of a pinhole whose lens zooms or focuses: the lens by what its encoders say. `model` is the
+  /// setting at which the poses of the rig were calibrated.
+  std::optional<geometry::LensTable> lens{};
 };
 
 /// Pose of a camera (or of the head, or of a tracked body) in the target camera.
@@ -97,7 +101,7 @@ struct Calibration {
 };
 
 /// Entries of `newer` replace those of the same name, the others stay. A camera without vignetting
-/// keeps the one that was known.
+/// or lens table keeps the one that was known.
 void merge(Calibration& into, const Calibration& newer);
 
 /// Cameras and poses come in alphabetical order. Errors: kNotFound, kFormat (file:line: key ...).

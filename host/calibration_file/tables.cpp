@@ -120,6 +120,9 @@ CalibratedCamera parse_camera(const Table& table, const std::string& name) {
   camera.model = geometry::make_camera(kind, {static_cast<int>(size[0]), static_cast<int>(size[1])},
                                        parse_parameters(table, kind), parse_max_angle(table, kind));
   camera.vignetting = parse_vignetting(table);
+  camera.lens = parse_lens_table(table, geometry::size_px(camera.model));
+  if (camera.lens && kind != LensKind::kPinhole)
+    table.fail("lens", "is for model = \"pinhole\" alone: remove it");
   camera.covariance = parse_square(table, "covariance", geometry::parameter_count(kind));
   camera.residual_px = table.number_or("residual_px", 0, kResidual_px);
   camera.views = table.integer_or("views", 0, kCount);
@@ -134,6 +137,8 @@ geometry::CameraModel parse_pinhole(const Table& table) {
   const CalibratedCamera camera = parse_camera(table, "");
   if (!camera.vignetting.is_none())
     table.fail("vignetting", "is read from a calibration file alone: move the camera there");
+  if (camera.lens)
+    table.fail("lens", "is read from a calibration file alone: move the camera there");
   if (const auto* pinhole = std::get_if<geometry::CameraModel>(&camera.model)) return *pinhole;
   table.fail("model", "must be \"pinhole\": colour and depth are not read through a fisheye");
   return {};
@@ -171,6 +176,7 @@ Writer camera_table(const CalibratedCamera& camera) {
   table.set("residual_px", camera.residual_px);
   table.set("views", camera.views).set("points", camera.points);
   set_origin(table, camera.origin, camera.covariance);
+  if (camera.lens) add_lens_table(table, *camera.lens);
   return table;
 }
 

@@ -3,6 +3,7 @@
 // hold the same tables inline ([target], [tof], [target_from_tof]). docs/formats.md shows them.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "host/calibration_file/calibration.h"
@@ -14,13 +15,16 @@
 namespace mixrig::calibration_file {
 
 /// Reads model, size_px, fx, fy, cx, cy, distortion and the optional max_angle_rad (fisheye),
-/// vignetting, covariance, residual_px, views, points, date, tool_version and input_hash. What is
-/// wrong is noted in the document.
+/// vignetting, lens, covariance, residual_px, views, points, date, tool_version and input_hash.
+/// What is wrong is noted in the document.
 CalibratedCamera parse_camera(const config::Table& table, const std::string& name);
 /// Reads the optional vignetting, [a, b] of geometry::Vignetting, and writes it where there is any.
 geometry::Vignetting parse_vignetting(const config::Table& table);
 void set_vignetting(config::Writer& table, const geometry::Vignetting& vignetting);
-/// The same for a table that must hold a pinhole; an absent table gives defaults.
+/// Reads the nodes of the optional [[lens]], and writes them.
+std::optional<geometry::LensTable> parse_lens_table(const config::Table& table, Size size_px);
+void add_lens_table(config::Writer& table, const geometry::LensTable& lens);
+/// parse_camera for a table that must hold a pinhole; an absent table gives defaults.
 geometry::CameraModel parse_pinhole(const config::Table& table);
 /// Reads translation_m and either rotation (three rows) or rotation_xyzw. Identity where the table
 /// is absent or wrong; what is wrong is noted in the document.

@@ -27,6 +27,7 @@ class CalibratedSource final : public CaptureSource {
     if (!there) return false;
     capture.cameras = cameras_;
     if (correction_) correct(capture);
+    set_lens(capture);
     return true;
   }
   Result<void> read_truth(int number, Truth& truth) override {
@@ -36,13 +37,34 @@ class CalibratedSource final : public CaptureSource {
 
  private:
   void correct(Capture& capture);
+  void set_lens(Capture& capture);
 
   std::unique_ptr<CaptureSource> source_;
   SourceInfo info_;
   std::shared_ptr<const RigCameras> cameras_;
   std::optional<depth::DepthCorrection> correction_;
-  bool warned_ = false;
+  FrameLens lens_;  ///< of the last capture
+  bool has_lens_ = false, warned_ = false;
 };
+
+/// A lens that moved by less than a picture can show is the one before: what depends on it is then
+/// not made again for the noise of the encoders.
+void CalibratedSource::set_lens(Capture& capture) {
+  constexpr double kLeastShift_px = 0.05, kFrom_m = 2;
+  capture.lens.reset();
+  if (!info_.lens) return;
+  if (capture.encoders) {
+    const geometry::LensState now = info_.lens->at(*capture.encoders);
+    if (!has_lens_ || geometry::largest_shift_px(lens_.state, now, kFrom_m) > kLeastShift_px)
+      lens_.state = now;
+    lens_.origin =
+        info_.lens->contains(*capture.encoders) ? LensOrigin::kEncoded : LensOrigin::kClamped;
+    has_lens_ = true;
+  } else if (has_lens_) {
+    lens_.origin = LensOrigin::kHeld;
+  }
+  if (has_lens_) capture.lens = lens_;
+}
 
 void CalibratedSource::correct(Capture& capture) {
   const Size size = info_.tof.size_px();
@@ -85,10 +107,31 @@ Result<geometry::CameraModel> camera_of(const calibration_file::Calibration& cal
   return *model;
 }
 
+void warn_without_table(const SourceInfo& info) {
+  if (info.has_lens_values)
+    log_warning("capture", info.name +
+                               ": the encoders of the lens are recorded, but the "
+                               "calibration in use has no cameras.target.lens: the lens "
+                               "is taken as fixed (mixrig calibrate lens makes the table)");
+}
+
+/// The table of a lens that zooms, for captures that have its encoders' values.
+void use_lens(const calibration_file::CalibratedCamera& target, SourceInfo& info) {
+  if (target.lens && info.has_lens_values)
+    info.lens = std::make_shared<geometry::LensTable>(*target.lens);
+  else if (target.lens)
+    log_warning("capture", info.name +
+                               ": the lens is calibrated by its encoders, but their values "
+                               "are not recorded: it is taken as cameras.target says");
+  else
+    warn_without_table(info);
+}
+
 /// `info` with the values of the calibration.
 Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibration& calibration) {
   MIXRIG_ASSIGN(info.target, camera_of(calibration, "target", info.target.size_px()));
   info.vignetting = calibration.camera("target")->vignetting;
+  use_lens(*calibration.camera("target"), info);
   MIXRIG_ASSIGN(info.tof, camera_of(calibration, "tof", info.tof.size_px()));
   const calibration_file::CalibratedPose* pose = calibration.pose("tof");
   if (pose == nullptr)
@@ -108,7 +151,10 @@ Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibrati
 
 Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureSource> source,
                                                         const std::filesystem::path& file) {
-  if (file.empty()) return source;
+  if (file.empty()) {
+    warn_without_table(source->info());
+    return source;
+  }
   MIXRIG_ASSIGN(const calibration_file::Calibration known,
                 calibration_file::read_calibration(file));
   auto info = calibrated(source->info(), known);

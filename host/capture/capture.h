@@ -13,6 +13,7 @@
 #include "hal/base/image.h"
 #include "hal/device/pan_tilt.h"
 #include "host/capture/rig_cameras.h"
+#include "host/geometry/lens_table.h"
 
 namespace mixrig::capture {
 
@@ -30,7 +31,23 @@ enum class PoseOrigin : std::uint8_t {
   kFixed,     ///< one pose for all frames: rig.toml or the recording that is played
 };
 
+/// Where the lens of a frame comes from.
+enum class LensOrigin : std::uint8_t {
+  kFixed,    ///< that of the cameras, for all frames
+  kEncoded,  ///< what the encoders said at mid-exposure
+  kClamped,  ///< the same, outside the calibrated table: its border
+  kHeld,     ///< no value of the encoders near mid-exposure: the last lens again
+};
+inline constexpr std::size_t kLensOrigins = 4;
+
+/// The target camera's lens in force.
+struct FrameLens {
+  geometry::LensState state;
+  LensOrigin origin = LensOrigin::kFixed;
+};
+
 std::string_view name(StreamStatus status);
+std::string_view name(LensOrigin origin);
 std::string_view name(PoseOrigin origin);
 
 /// Buffers are kept when a Capture is read into again. Images of streams that are not kFresh or
@@ -46,8 +63,12 @@ struct Capture {
   Image<Rgb8> fisheye;                ///< sRGB, distorted; at its own rate, its status says of when
   HostTime fisheye_mid_exposure{};    ///< of `fisheye`, on the clock of mid_exposure; 0: no picture
   std::uint64_t fisheye_counter = 0;  ///< of `fisheye`: its camera's own; 0: no picture
-  std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure
-  std::shared_ptr<const RigCameras> cameras;      ///< intrinsics in force
+  std::optional<device::PanTiltAngles> pan_tilt;   ///< at mid-exposure
+  std::optional<geometry::LensEncoders> encoders;  ///< of the target camera's lens, the same
+  std::shared_ptr<const RigCameras> cameras;       ///< intrinsics in force, but for `lens`
+  /// In place of cameras->target, where the lens is calibrated by its encoders. world_from_target
+  /// stays that of the camera's frame, which the pupil's shift is measured from.
+  std::optional<FrameLens> lens;
   geometry::Pose world_from_target;
   PoseOrigin pose_origin = PoseOrigin::kUnknown;
   std::array<StreamStatus, static_cast<std::size_t>(Stream::kCount)> status{};

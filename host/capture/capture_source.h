@@ -32,6 +32,9 @@ struct SourceInfo : RigCameras {
   std::filesystem::path file;         ///< take.toml or rig.toml; empty for the studio
   std::vector<std::string> camera_tables;  ///< tables of `file` with the cameras
   bool reported = false;  ///< the devices, or the recording that they play, report intrinsics
+  bool has_lens_values = false;  ///< its captures have the values of the lens's encoders
+  /// The target camera's lens by its encoders: each capture has the lens in force.
+  std::shared_ptr<const geometry::LensTable> lens;
   bool has_poses = false;
   bool moves = false;  ///< its poses differ
   bool has_truth = false;

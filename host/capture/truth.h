@@ -3,10 +3,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "hal/base/image.h"
+#include "host/geometry/camera_model.h"
 
 namespace mixrig::capture {
+
+/// The ideal view of a frame whose lens moved, and its entrance pupil before the camera's origin.
+struct TrueLens {
+  geometry::Pinhole view;
+  double pupil_shift_m = 0;
+};
 
 /// All images in the ideal view.
 struct Truth {
@@ -19,7 +27,8 @@ struct Truth {
   Image<std::uint8_t> matte;  ///< coverage by people, 255 = all
   Image<float> light;         ///< light with / light without virtual objects
   Image<Rgb8> composite;
-  Image<std::uint8_t> labels;  ///< the bits above
+  Image<std::uint8_t> labels;    ///< the bits above
+  std::optional<TrueLens> lens;  ///< where the lens moves; else the view is that of the source
 };
 
 }  // namespace mixrig::capture

@@ -76,6 +76,7 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
     info.view.reset();
   }
   if (!config.calibration.empty()) info.calibration = config.calibration;
+  info.has_lens_values = !config.lens_uri.empty();
   if (config.target) info.camera_tables.emplace_back("target");
   if (config.tof) info.camera_tables.emplace_back("tof");
   if (config.target_from_tof) info.camera_tables.emplace_back("target_from_tof");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/live/lens_stream.h"
 #include "host/live/live_capture.h"
 
 namespace mixrig::live {
@@ -15,11 +16,12 @@ constexpr Duration kPatience = std::chrono::seconds(5);
 class LiveSource final : public capture::CaptureSource {
  public:
   LiveSource(RigConfig config, Devices devices, capture::SourceInfo info,
-             const std::atomic<bool>& stop, Clock& clock)
+             std::unique_ptr<LensStream> lens, const std::atomic<bool>& stop, Clock& clock)
       : config_(std::move(config)),
         devices_(std::move(devices)),
         info_(std::move(info)),
         cameras_(std::make_shared<capture::RigCameras>(info_)),
+        lens_(std::move(lens)),
         stop_(stop),
         clock_(clock),
         decoder_(config_, devices_),
@@ -43,6 +45,7 @@ class LiveSource final : public capture::CaptureSource {
   Devices devices_;
   capture::SourceInfo info_;
   std::shared_ptr<const capture::RigCameras> cameras_;
+  std::unique_ptr<LensStream> lens_;  ///< null for a rig without
   const std::atomic<bool>& stop_;
   Clock& clock_;
   SetDecoder decoder_;
@@ -75,6 +78,8 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
     capture.number = number;
     capture.time_s = seconds(capture.mid_exposure - *first_);
     capture.cameras = cameras_;
+    capture.lens.reset();
+    capture.encoders = lens_ ? lens_->at(capture.mid_exposure) : std::nullopt;
     set_pose(config_, devices_, *set, capture);
     return true;
   }
@@ -87,8 +92,9 @@ Result<std::unique_ptr<capture::CaptureSource>> make_live_source(RigConfig confi
                                                                  const std::atomic<bool>& stop,
                                                                  Clock& clock) {
   MIXRIG_ASSIGN(capture::SourceInfo info, take_info(config, devices));
+  MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
   return std::unique_ptr<capture::CaptureSource>(std::make_unique<LiveSource>(
-      std::move(config), std::move(devices), std::move(info), stop, clock));
+      std::move(config), std::move(devices), std::move(info), std::move(lens), stop, clock));
 }
 
 }  // namespace mixrig::live

@@ -8,6 +8,7 @@
 
 #include "host/capture/decode.h"
 #include "host/image_io/image_io.h"
+#include "host/live/lens_stream.h"
 #include "host/live/live_capture.h"
 
 namespace mixrig::live {
@@ -35,9 +36,11 @@ std::uint64_t free_bytes_at(const fs::path& path) {
 /// Writes sets; one object per recording.
 class Recorder {
  public:
-  Recorder(const RigConfig& config, const Devices& devices, take::TakeWriter writer)
+  Recorder(const RigConfig& config, const Devices& devices, take::TakeWriter writer,
+           std::unique_ptr<LensStream> lens)
       : config_(config),
         devices_(devices),
+        lens_(std::move(lens)),
         decoder_(config, devices),
         writer_(std::move(writer)),
         extra_(config.cameras.size()) {}
@@ -67,6 +70,7 @@ class Recorder {
     if (number_ == 0) first_ = at;
     frame_.number = number_ + 1;
     frame_.time_s = seconds(at - first_);
+    frame_.encoders = lens_ ? lens_->at(at) : std::nullopt;
     MIXRIG_TRY(writer_.write(frame_));
     ++number_;
     MIXRIG_TRY(write_others(set));
@@ -129,6 +133,7 @@ class Recorder {
   };
   const RigConfig& config_;
   const Devices& devices_;
+  std::unique_ptr<LensStream> lens_;  ///< null for a rig without
   SetDecoder decoder_;
   take::TakeWriter writer_;
   capture::Capture frame_;
@@ -172,7 +177,8 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
                             Clock& clock) {
   MIXRIG_ASSIGN(const take::TakeInfo info, take_info(config, devices));
   MIXRIG_ASSIGN(auto writer, take::TakeWriter::create(options.out, info, options.format));
-  Recorder recorder(config, devices, std::move(writer));
+  MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
+  Recorder recorder(config, devices, std::move(writer), std::move(lens));
   MIXRIG_TRY(recorder.reserve());
   MIXRIG_TRY(recorder.open_tables());
   MIXRIG_TRY(session.start());

@@ -10,6 +10,7 @@
 #include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/config/writer.h"
+#include "host/stream/freed_receiver.h"
 
 namespace mixrig::live {
 namespace {
@@ -74,6 +75,14 @@ void parse_trigger(const config::Table& table, RigConfig& rig) {
     line.channel.active_low = entry.boolean_or("active_low", false);
     rig.lines.push_back(line);
   }
+}
+
+void parse_lens(const config::Table& table, RigConfig& rig) {
+  if (!table.present()) return;
+  rig.lens_uri = table.text("uri");
+  if (const auto address = stream::parse_freed_address(rig.lens_uri); !address)
+    table.fail("uri", address.error());
+  rig.lens_delay = from_ms(table.number_or("delay_ms", 0, {0, 1000}));
 }
 
 std::optional<geometry::CameraModel> parse_model(const config::Table& table) {
@@ -168,6 +177,7 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
     rig.depth = parse_camera(depth, "depth");
   if (const config::Table head = root.table("pan_tilt"); head.present())
     rig.pan_tilt_uri = head.text("uri");
+  parse_lens(root.table("lens"), rig);
   if (const auto at_s = optional_number(root, "play_at_s", {0, 1e9}))
     rig.play_at = HostTime(Duration(std::llround(*at_s * 1e9)));
   rig.target = parse_model(root.table("target"));
@@ -190,6 +200,9 @@ std::string rig_text(const RigConfig& rig) {
   if (rig.depth) root.set("depth", camera_table(*rig.depth));
   if (!rig.pan_tilt_uri.empty())
     root.set("pan_tilt", std::move(Writer().set("uri", rig.pan_tilt_uri)));
+  if (!rig.lens_uri.empty())
+    root.set("lens",
+             std::move(Writer().set("uri", rig.lens_uri).set("delay_ms", to_ms(rig.lens_delay))));
   return root.text();
 }
 

@@ -41,6 +41,8 @@ struct RigConfig {
   std::vector<CameraConfig> cameras;  ///< the first one is the target camera
   std::optional<CameraConfig> depth;
   std::string pan_tilt_uri;
+  std::string lens_uri;             ///< of the encoders of the target camera's lens, or empty
+  Duration lens_delay{};            ///< from what a packet says to its arrival
   std::optional<HostTime> play_at;  ///< of the first frame of recordings that are played
   std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, where it is given
   std::optional<geometry::Pose> target_from_tof;

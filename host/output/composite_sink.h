@@ -21,6 +21,7 @@ struct Composite {
   std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
   geometry::Pose world_from_target;             ///< that was used
   capture::CameraPose pose;                     ///< of the source; where it is lost, why
+  geometry::Pinhole view;                       ///< that the images are in
   std::optional<double> slip_px;                ///< of the contact points, against the true pose
   std::optional<double> slip_sigma_px;          ///< the same, predicted from the pose's covariance
   bool objects_shown = true;                    ///< false: hidden, since the pose is lost

@@ -24,6 +24,18 @@ take::TakeInfo info_of(const capture::SourceInfo& source, const geometry::Pinhol
   return info;
 }
 
+/// Columns of the view of each frame, where the lens zooms; the take of the composites has that at
+/// rest.
+constexpr const char* kLensColumns =
+    ",lens,view_fx_px,view_fy_px,view_cx_px,view_cy_px,pupil_shift_m";
+std::string lens_cells(const Composite& composite) {
+  const std::optional<capture::FrameLens>& lens = composite.capture->lens;
+  const geometry::Pinhole& v = composite.view;
+  return fmt::format(",{},{:.4f},{:.4f},{:.4f},{:.4f},{:.6f}",
+                     capture::name(lens ? lens->origin : capture::LensOrigin::kFixed), v.fx_px,
+                     v.fy_px, v.cx_px, v.cy_px, lens ? lens->state.pupil_shift_m : 0.0);
+}
+
 /// Empty where it is not known.
 std::string cell(const std::optional<double>& value) {
   return value ? fmt::format("{:.4f}", *value) : std::string();
@@ -51,8 +63,9 @@ Result<std::unique_ptr<FilesSink>> FilesSink::create(const std::filesystem::path
                                                      const OutputOptions& options) {
   std::unique_ptr<FilesSink> sink(new FilesSink(folder, options));
   sink->table_.open(folder / "frames.csv");
-  sink->table_
-      << "frame,tick,time_s,frame_ms,foreground_pct,pose,pose_age_ms,slip_px,slip_sigma_px\n";
+  sink->table_ << "frame,tick,time_s,frame_ms,foreground_pct,pose,pose_age_ms,slip_px,slip_sigma_px"
+               << (source.lens ? kLensColumns : "") << '\n';
+  sink->lens_columns_ = source.lens != nullptr;
   if (options.format == OutputFormat::kNone) return sink;
   MIXRIG_ASSIGN(sink->composite_,
                 take::TakeWriter::create(folder / "composite", info_of(source, view),
@@ -84,16 +97,20 @@ Result<void> FilesSink::write(const CompositePtr& composite) {
   frame_.plate = composite->images.color;
   frame_.depth_m = composite->images.mixed_depth_m;
   frame_.world_from_target = composite->world_from_target;
+  if (const auto& lens = composite->capture->lens)
+    frame_.world_from_target =
+        geometry::at_pupil(frame_.world_from_target, lens->state.pupil_shift_m);
   MIXRIG_TRY(composite_->write(frame_));
   return write_layers(composite->images);
 }
 
 Result<void> FilesSink::write_row(const Composite& composite) {
   const capture::Capture& capture = *composite.capture;
-  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f},{},{:.3f},{},{}\n", capture.number,
+  table_ << fmt::format("{},{},{:.6f},{:.3f},{:.3f},{},{:.3f},{},{}{}\n", capture.number,
                         capture.tick, capture.time_s, composite.frame_ms, composite.foreground_pct,
                         capture::name(composite.pose.loss), 1e3 * composite.pose.age_s,
-                        cell(composite.slip_px), cell(composite.slip_sigma_px));
+                        cell(composite.slip_px), cell(composite.slip_sigma_px),
+                        lens_columns_ ? lens_cells(composite) : std::string());
   if (table_) return {};
   return Error{ErrorCode::kIo, "cannot write '" + (folder_ / "frames.csv").string() +
                                    "': check the disk's free space"};

@@ -51,6 +51,7 @@ class FilesSink final : public CompositeSink {
   capture::Capture frame_;
   Image<std::uint16_t> depth_mm_;
   std::ofstream table_;
+  bool lens_columns_ = false;  ///< of table_
 };
 
 }  // namespace mixrig::output

@@ -146,14 +146,9 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
   t.grid.correct.noise = {kMedianSigma * noise.floor_m, kMedianSigma * noise.linear,
                           kMedianSigma * noise.quadratic_per_m};
   t.grid.view_size = setup.view.size_px;
-  t.grid.warp.view = {glm::vec2(setup.view.fx_px, setup.view.fy_px),
-                      glm::vec2(setup.view.cx_px, setup.view.cy_px)};
-  t.grid.tof_footprint_px =
-      static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / camera.fx_px));
-  // Edges of the model are known to a sample of it.
-  const auto sample_px = static_cast<float>(setup.view.fx_px / camera.fx_px);
-  t.limit_radius_px = limit_radius_px(tof_footprint_px(setup) + std::max(0.0F, sample_px - 1));
   t.camera = {glm::vec2(camera.fx_px, camera.fy_px), glm::vec2(camera.cx_px, camera.cy_px)};
+  t.camera_focal_px = camera.fx_px;
+  set_view(setup, t);
   t.w.reset(model.depth_m.size);
   for (int y = 0; y < t.w.height(); ++y)
     for (int x = 0; x < t.w.width(); ++x) {
@@ -162,6 +157,16 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
     }
   if (with_normals) make_normals(model, 2 * static_cast<int>(std::ceil(cell_px)), t.normal);
   return t;
+}
+
+void set_view(const CompositorSetup& setup, ModelTables& t) {
+  t.grid.warp.view = {glm::vec2(setup.view.fx_px, setup.view.fy_px),
+                      glm::vec2(setup.view.cx_px, setup.view.cy_px)};
+  t.grid.tof_footprint_px =
+      static_cast<float>(std::max(1.0, t.step_px * setup.view.fx_px / t.camera_focal_px));
+  // Edges of the model are known to a sample of it.
+  const auto sample_px = static_cast<float>(setup.view.fx_px / t.camera_focal_px);
+  t.limit_radius_px = limit_radius_px(tof_footprint_px(setup) + std::max(0.0F, sample_px - 1));
 }
 
 bool may_show(const ModelTables& t, std::size_t face, const FacePose& pose) {

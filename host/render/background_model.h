@@ -27,6 +27,7 @@ struct ModelTables {
   std::vector<Image<float>> depth_m;  ///< grid of each face: medians of known depths, 0 unknown
   std::vector<FaceRange> range;       ///< of each grid
   PinholeParams camera;               ///< model camera
+  double camera_focal_px = 1;         ///< its fx, as it came
   int face_rows = 0;                  ///< of the images
   Image<float> w;                     ///< inverse depth, 0 unknown
   Image<PackedNormal> normal;         ///< axes of the first face
@@ -40,6 +41,9 @@ bool has_model_color(const CompositorSetup& setup);
 /// empty. Precondition: validate(setup) holds and `model` is one of its models.
 ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundModel& model,
                               bool with_normals);
+
+/// What of the tables depends on the view of `setup`. Allocates nothing.
+void set_view(const CompositorSetup& setup, ModelTables& tables);
 
 /// Turns unit normals; what is unknown stays so.
 void rotate(const glm::mat3& r, std::span<PackedNormal> normals);

@@ -106,9 +106,11 @@ struct Backdrop {
 /// textures and background, which are borrowed.
 struct CompositorSetup {
   geometry::CameraModel target;     ///< the plate, with its lens
+  bool lens_moves = false;          ///< frames bring their own lens (FrameInput::lens)
   geometry::Vignetting vignetting;  ///< of the plate: it is taken out, so that corners of plate and
                                     ///< composite are as bright as the middle
-  geometry::Pinhole view;           ///< what is composited: ideal, any size
+  geometry::Pinhole view;           ///< what is composited: ideal, any size; view_through() is
+                                    ///< that of a frame with its own lens
   geometry::CameraModel tof;
   geometry::Pose target_from_tof;
   bool depth_is_distance = false;  ///< along the ray, not along z
@@ -126,10 +128,22 @@ struct CompositorSetup {
   bool people_cast_shadows = false;  ///< on virtual objects
 };
 
+/// The lens of one frame, in place of CompositorSetup::target. Its centre of projection lies
+/// `pupil_shift_m` before the origin of the target camera's frame, along z.
+struct FrameLens {
+  geometry::CameraModel target;  ///< of the same size
+  double pupil_shift_m = 0;
+};
+
+/// The view of a frame: that of the setup, whose focal lengths and centre change as those of the
+/// lens do. Pure.
+geometry::Pinhole view_through(const CompositorSetup& setup, const geometry::Pinhole& target);
+
 struct FrameInput {
   ImageView<const Rgb8> plate;         ///< sRGB, distorted, size of `target`
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
+  std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
 };
 
 enum class Stage {

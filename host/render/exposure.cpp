@@ -19,6 +19,14 @@ bool is_usable(const glm::vec3& c) {
          glm::all(glm::lessThan(c, glm::vec3(kBrightest)));
 }
 
+/// Nearest plate pixel; none outside.
+void put(const glm::vec2& at, Size plate, ExposureMeter::Place& place) {
+  place.plate_x = place.plate_y = -1;
+  if (!(at.x >= 0 && at.y >= 0)) return;
+  const int x = static_cast<int>(at.x + 0.5F), y = static_cast<int>(at.y + 0.5F);
+  if (x < plate.width && y < plate.height) place.plate_x = x, place.plate_y = y;
+}
+
 }  // namespace
 
 ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& background) {
@@ -28,14 +36,23 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
       const int x = (2 * i + 1) * view.width / (2 * kGridX);
       const int y = (2 * j + 1) * view.height / (2 * kGridY);
       const glm::vec2 at = tables.plate_is_view ? glm::vec2(x, y) : tables.plate_px.row(y)[x];
-      if (!(at.x >= 0 && at.y >= 0)) continue;
       const float gain = tables.plate_gain.empty() ? 1 : tables.plate_gain.row(y)[x];
-      const Place place{x, y, static_cast<int>(at.x + 0.5F), static_cast<int>(at.y + 0.5F), gain};
-      if (place.plate_x < plate.width && place.plate_y < plate.height) grid_.push_back(place);
+      Place place{x, y, -1, -1, gain};
+      put(at, plate, place);
+      // A lens that moves may see it later.
+      if (place.plate_x >= 0 || tables.lens_moves) grid_.push_back(place);
     }
   samples_.reserve(grid_.size());
   ratios_.reserve(grid_.size());
   learn(background);
+}
+
+void ExposureMeter::see_through(const CompositorSetup& setup) {
+  for (Place& place : grid_) {
+    const Eigen::Vector2d ray = setup.view.unproject(Eigen::Vector2d(place.view_x, place.view_y));
+    const auto px = setup.target.project({ray.x(), ray.y(), 1.0});
+    put(px ? glm::vec2(px->x(), px->y()) : glm::vec2(-1), setup.target.size_px(), place);
+  }
 }
 
 void ExposureMeter::learn(const BackgroundView& background) {
@@ -44,14 +61,15 @@ void ExposureMeter::learn(const BackgroundView& background) {
   for (const Place& place : grid_) {
     const Rgbf b = background.color.row(place.view_y)[place.view_x];
     const glm::vec3 learned(b.r, b.g, b.b);
-    if (is_usable(learned)) samples_.push_back({place.plate_x, place.plate_y, place.gain, learned});
+    if (place.plate_x >= 0 && is_usable(learned))
+      samples_.push_back({place.plate_x, place.plate_y, place.gain, learned});
   }
 }
 
 void ExposureMeter::learn(std::span<const glm::vec4> colors) {
   samples_.clear();
   for (std::size_t i = 0; i < std::min(colors.size(), grid_.size()); ++i)
-    if (is_usable(glm::vec3(colors[i])))
+    if (grid_[i].plate_x >= 0 && is_usable(glm::vec3(colors[i])))
       samples_.push_back({grid_[i].plate_x, grid_[i].plate_y, grid_[i].gain, glm::vec3(colors[i])});
 }
 

@@ -20,12 +20,15 @@ class ExposureMeter {
  public:
   /// Where the background is compared with the plate.
   struct Place {
-    int view_x = 0, view_y = 0, plate_x = 0, plate_y = 0;
-    float gain = 1;  ///< of the plate's light (Tables::plate_gain)
+    int view_x = 0, view_y = 0;
+    int plate_x = 0, plate_y = 0;  ///< negative: outside of the plate
+    float gain = 1;                ///< of the plate's light (Tables::plate_gain)
   };
   /// Reads `tables.plate_px` and `plate_gain` now, so call it before these are given away.
   ExposureMeter(const Tables& tables, const BackgroundView& background);
   std::span<const Place> places() const { return grid_; }
+  /// Takes the lens and view of `setup`, before learn(). The places stay those of the view.
+  void see_through(const CompositorSetup& setup);
   /// Takes another background of the same size. Allocates nothing.
   void learn(const BackgroundView& background);
   /// The same from the colours of places() in order.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/frame_io.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,6 +20,21 @@ Result<void> check_size(Size have, Size want, const char* what, const char* came
                   what, text(have), camera, text(want))};
 }
 
+/// Cheaper than geometry::validate(), which a table of lenses went through once.
+Result<void> check_lens(const FrameLens& lens, const Tables& tables) {
+  if (!tables.lens_moves)
+    return Error{ErrorCode::kUsage,
+                 "compose: a frame has its own lens, but the compositor was made for one lens: set "
+                 "CompositorSetup::lens_moves"};
+  const geometry::Pinhole& p = lens.target.pinhole;
+  MIXRIG_TRY(check_size(p.size_px, tables.plate_size, "lens of the frame", "target"));
+  const geometry::Lens::Coefficients& k = lens.target.lens.coefficients();
+  const bool finite = std::isfinite(p.fx_px + p.fy_px + p.cx_px + p.cy_px + lens.pupil_shift_m) &&
+                      std::all_of(k.begin(), k.end(), [](double v) { return std::isfinite(v); });
+  if (finite && p.fx_px > 0 && p.fy_px > 0) return {};
+  return Error{ErrorCode::kData, "compose: the lens of the frame is not finite"};
+}
+
 template <typename T>
 void size_to(Size size, Image<T>& image) {
   if (image.size() != size) image.reset(size);
@@ -31,7 +48,7 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
     return Error{ErrorCode::kData, "compose: the camera pose is not finite"};
-  return {};
+  return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 
 OutputMask with_needed(OutputMask wanted) { return wanted & kState ? wanted | kMatte : wanted; }

@@ -23,13 +23,7 @@ Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
 
 Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::Pinhole& view) {
   Image<glm::vec2> map(view.size_px);
-  for (int y = 0; y < map.height(); ++y)
-    for (int x = 0; x < map.width(); ++x) {
-      const Eigen::Vector2d ray = view.unproject({x, y});
-      const auto px = target.project({ray.x(), ray.y(), 1.0});
-      // The lens sees nothing there: the plate's corner is used.
-      map.row(y)[x] = px ? glm::vec2(px->x(), px->y()) : glm::vec2(0);
-    }
+  for (int y = 0; y < map.height(); ++y) plate_row(target, view, y, map.row(y));
   return map;
 }
 
@@ -97,6 +91,13 @@ PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& 
 
 }  // namespace
 
+void set_view(const CompositorSetup& setup, Tables& tables) {
+  tables.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
+  tables.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
+  tables.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
+  tables.tof_footprint_px = tof_footprint_px(setup);
+}
+
 Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
                        const NoiseParams& noise, int radius_px) {
   const Size size = background.depth_m.size;
@@ -138,18 +139,16 @@ Tables make_tables(const CompositorSetup& setup) {
   t.tof_size = setup.tof.size_px();
   t.plate_size = setup.target.size_px();
   t.view_size = setup.view.size_px;
+  t.lens_moves = setup.lens_moves;
   t.tof_ray = tof_rays(setup.tof);
   t.plate_is_view = setup.target.lens.is_ideal() && setup.view == setup.target.pinhole &&
-                    setup.vignetting.is_none();
+                    setup.vignetting.is_none() && !setup.lens_moves;
   if (!t.plate_is_view) t.plate_px = plate_map(setup.target, setup.view);
   if (!setup.vignetting.is_none()) t.plate_gain = plate_gain(setup, t.plate_px);
 
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);
-  t.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
-  t.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
-  t.warp.view.center_px = glm::vec2(setup.view.cx_px, setup.view.cy_px);
-  t.tof_footprint_px = tof_footprint_px(setup);
+  set_view(setup, t);
 
   t.has_background = !setup.background.depth_m.empty();
   if (!t.has_background) return t;

@@ -25,6 +25,7 @@ struct PackedNormal {
 struct Tables {
   Size tof_size, plate_size, view_size;
   Image<glm::vec2> tof_ray;     ///< (x/z, y/z) of a ToF pixel; NaN where the lens has no ray
+  bool lens_moves = false;      ///< as CompositorSetup::lens_moves
   bool plate_is_view = false;   ///< ideal lens, view = plate, no vignetting: plate_px is empty then
   Image<float> plate_gain;      ///< of each view pixel, for linear light; empty without vignetting
   Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
@@ -38,6 +39,33 @@ struct Tables {
 
 /// Precondition: validate(setup) holds.
 Tables make_tables(const CompositorSetup& setup);
+
+/// What of the tables depends on the view and on the pose of the ToF camera before it.
+void set_view(const CompositorSetup& setup, Tables& tables);
+/// Plate pixels of a row of the view, view.size_px.width of them; (0, 0) where the lens sees
+/// nothing. Pure.
+void plate_row(const geometry::CameraModel& target, const geometry::Pinhole& view, int y,
+               glm::vec2* out);
+
+/// Brings setup and tables from one frame's lens to the next. Allocates nothing.
+class LensFollower {
+ public:
+  /// `setup` as the session made it: frames without a lens of their own have its lens.
+  explicit LensFollower(const CompositorSetup& setup);
+  /// Sets target, view and target_from_tof of `setup`, and of `tables` what depends on them but for
+  /// plate_px. False where the lens is that of the frame before: then nothing is touched.
+  bool follow(const std::optional<FrameLens>& lens, CompositorSetup& setup, Tables& tables);
+  /// Pose of the centre of projection, for a pose of the target camera's frame.
+  geometry::Pose world_from_pupil(const geometry::Pose& world_from_target) const;
+
+ private:
+  const geometry::CameraModel target_;
+  const geometry::Pinhole view_;
+  const geometry::Pose target_from_tof_;
+  geometry::Pinhole pinhole_;  ///< of the last frame's lens
+  geometry::Lens::Coefficients distortion_;
+  double pupil_shift_m_ = 0;
+};
 
 /// Nearest background within `radius_px`, moved towards the camera by the key threshold, as
 /// inverse depth; infinity where the background is unknown. Pure, for tests.
@@ -64,7 +92,7 @@ struct Draw {
 /// All that depends on the pose. Lamps and objects stand still in the world: while the pose stays,
 /// so do virtual pixels; shadow maps stay while their size does (`lamps[i].map_size_texel`).
 struct FrameParams {
-  bool pose_changed = true;  ///< since the last update(); true at first
+  bool pose_changed = true;  ///< or the view, since the last update(); true at first
   bool maps_changed = true;  ///< shadow maps must be drawn again
   KeyPassParams key;
   LightParams light;
@@ -82,8 +110,9 @@ KeyBy key_by(const CompositorSetup& setup);
 class FramePreparer {
  public:
   explicit FramePreparer(const CompositorSetup& setup);
-  /// Brings `params` to this pose. Allocates on the first call only.
-  void update(const geometry::Pose& world_from_target);
+  /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
+  /// first call only.
+  void update(const geometry::Pose& world_from_target, bool view_changed = false);
   const FrameParams& params() const { return params_; }
   const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
 

@@ -235,8 +235,8 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
                                           world_from_camera, camera_from_world);
 }
 
-void FramePreparer::update(const geometry::Pose& world_from_target) {
-  params_.pose_changed = !has_pose_ ||
+void FramePreparer::update(const geometry::Pose& world_from_target, bool view_changed) {
+  params_.pose_changed = !has_pose_ || view_changed ||
                          world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
                          world_from_target.translation_m != last_pose_.translation_m;
   params_.maps_changed = false;

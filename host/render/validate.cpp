@@ -158,6 +158,8 @@ Result<void> validate(const CompositorSetup& setup) {
                              std::isfinite(setup.capture_box->floor_tolerance_m)))
     return bad("the floor's tolerance is negative or not finite");
   MIXRIG_TRY(check_background(setup.background, setup.view.size_px));
+  if (setup.lens_moves && !setup.background.depth_m.empty())
+    return bad("a still background is of one lens, but the lens moves: give it as a model");
   MIXRIG_TRY(check_background_models(setup));
   MIXRIG_TRY(check_backdrop(setup));
   MIXRIG_TRY(check_objects(setup.objects));

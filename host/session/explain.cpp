@@ -6,6 +6,7 @@
 
 #include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"
+#include "host/session/frame_lens.h"
 #include "host/session/run.h"
 
 namespace mixrig::session {
@@ -70,7 +71,8 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"upload", view, "inputs to the device that draws"},
       {"plate", view,
        tables.plate_is_view ? "the lens is ideal: pixels are copied"
-                            : fmt::format("samples the plate through its lens{}",
+                            : fmt::format("samples the plate through its lens{}{}",
+                                          setup.lens_moves ? ", which moves" : "",
                                           setup.vignetting.is_none() ? "" : ", evens its corners")},
       {"correct", tof,
        std::string(setup.depth_is_distance ? "distance to z, " : "") +
@@ -118,7 +120,8 @@ Result<double> repeat(const Session& session, const capture::Capture& capture, i
   for (int i = 0; i <= frames; ++i) {
     pose.translation_m.x() += i % 2 == 0 ? step_m : -step_m;
     const HostTime begin = clock.now();
-    MIXRIG_TRY(compositor->compose({capture.plate, capture.depth_m, pose}, output));
+    MIXRIG_TRY(
+        compositor->compose({capture.plate, capture.depth_m, pose, frame_lens(capture)}, output));
     if (i > 0) times_ms.add(milliseconds(clock.now() - begin));  // the first frame fills caches
   }
   return times_ms.quantile(0.5);

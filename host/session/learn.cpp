@@ -9,6 +9,7 @@
 #include "hal/base/srgb.h"
 #include "host/capture/capture_reader.h"
 #include "host/render/cpu/background.h"
+#include "host/session/frame_lens.h"
 
 namespace mixrig::session {
 namespace {
@@ -37,7 +38,8 @@ class FrameViews {
     return views;
   }
   Result<const render::FrameOutput*> of(const capture::Capture& capture) {
-    MIXRIG_TRY(compositor_->compose({capture.plate, capture.depth_m, {}}, output_));
+    MIXRIG_TRY(
+        compositor_->compose({capture.plate, capture.depth_m, {}, frame_lens(capture)}, output_));
     return &output_;
   }
 
@@ -134,13 +136,27 @@ class WideFrame {
   Image<Rgb8> color_;
 };
 
+/// The view of a frame; nullopt where its pose is not known. Without `poses` the camera stands
+/// still at the origin.
+std::optional<PosedView> posed_view(const render::CompositorSetup& setup,
+                                    const capture::Capture& capture, capture::PoseSource* poses) {
+  PosedView view{frame_view(setup, capture), {}};
+  if (poses != nullptr) {
+    const capture::CameraPose pose = poses->pose_of(capture);
+    if (!pose.ok()) return std::nullopt;
+    view.world_from_camera = pose.world_from_target;
+  }
+  view.world_from_camera = world_from_pupil(view.world_from_camera, capture);
+  return view;
+}
+
 /// The same frames again, each drawn in one wide view.
 Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
                                              const render::CompositorSetup& setup, FrameRange range,
                                              BackendChoice backend, const ProgressFn& progress,
-                                             capture::PoseSource& poses,
-                                             std::span<const geometry::Pose> known) {
-  MIXRIG_ASSIGN(const WideView wide, view_of_all(setup.view, known));
+                                             capture::PoseSource* poses,
+                                             std::span<const PosedView> known) {
+  MIXRIG_ASSIGN(const WideView wide, view_of_all(known));
   MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
   WideFrame drawn(setup, wide);
   model::StaticBackgroundBuilder builder(wide.camera, 32, model::Views::kDifferent);
@@ -148,10 +164,10 @@ Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
   for (;;) {
     MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
     if (!capture) break;
-    const capture::CameraPose pose = poses.pose_of(*capture);
-    if (!pose.ok()) continue;
+    const std::optional<PosedView> view = posed_view(setup, *capture, poses);
+    if (!view) continue;
     MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
-    drawn.draw(setup.view, pose.world_from_target, *seen);
+    drawn.draw(view->camera, view->world_from_camera, *seen);
     MIXRIG_TRY(builder.add(drawn.depth_m(), drawn.color()));
     if (progress) progress("background, as the camera moves", frames.done(), frames.total());
   }
@@ -171,12 +187,15 @@ Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange rang
                            first, last, info.frames)};
 }
 
-Result<WideView> view_of_all(const geometry::Pinhole& view, std::span<const geometry::Pose> poses) {
+Result<WideView> view_of_all(std::span<const PosedView> views) {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), ahead = position_m, down = position_m;
-  for (const geometry::Pose& pose : poses) {
-    position_m += pose.translation_m / static_cast<double>(poses.size());
+  geometry::Pinhole finest = views.front().camera;
+  for (const PosedView& view : views) {
+    const geometry::Pose& pose = view.world_from_camera;
+    position_m += pose.translation_m / static_cast<double>(views.size());
     ahead += pose.rotation * Eigen::Vector3d::UnitZ();
     down += pose.rotation * Eigen::Vector3d::UnitY();
+    if (view.camera.fx_px > finest.fx_px) finest = view.camera;
   }
   const Error too_wide{ErrorCode::kData,
                        "the camera turns too far for one view while the empty room is learned: "
@@ -185,12 +204,13 @@ Result<WideView> view_of_all(const geometry::Pinhole& view, std::span<const geom
   WideView wide;
   wide.world_from_camera = geometry::look_at(position_m, position_m + ahead, -down);
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  const int w = view.size_px.width, h = view.size_px.height;
-  for (const geometry::Pose& pose : poses) {
-    const geometry::Pose wide_from = geometry::inverse(wide.world_from_camera) * pose;
+  for (const PosedView& view : views) {
+    const geometry::Pose wide_from =
+        geometry::inverse(wide.world_from_camera) * view.world_from_camera;
+    const int w = view.camera.size_px.width, h = view.camera.size_px.height;
     for (int i = 0; i < 9; ++i) {
       const double u = (i % 3) * 0.5 * w - 0.5, v = (i / 3) * 0.5 * h - 0.5;
-      const Eigen::Vector2d ray = view.unproject({u, v});
+      const Eigen::Vector2d ray = view.camera.unproject({u, v});
       for (const double z_m : {kNearSurface_m, 1e3}) {
         const Eigen::Vector3d p = wide_from * (Eigen::Vector3d(ray.x(), ray.y(), 1) * z_m);
         if (!(p.z() > 0)) return too_wide;
@@ -203,11 +223,11 @@ Result<WideView> view_of_all(const geometry::Pinhole& view, std::span<const geom
   const auto pixels = [](double low, double high, double f_px) {
     return std::clamp(static_cast<int>(std::ceil((high - low) * f_px)) + 1, 1, kMostSide_px);
   };
-  wide.camera = {{pixels(x0, x1, view.fx_px), pixels(y0, y1, view.fy_px)},
-                 view.fx_px,
-                 view.fy_px,
-                 -x0 * view.fx_px,
-                 -y0 * view.fy_px};
+  wide.camera = {{pixels(x0, x1, finest.fx_px), pixels(y0, y1, finest.fy_px)},
+                 finest.fx_px,
+                 finest.fy_px,
+                 -x0 * finest.fx_px,
+                 -y0 * finest.fy_px};
   return wide;
 }
 
@@ -218,36 +238,39 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
                                                  capture::PoseSource* poses) {
   MIXRIG_TRY(check_empty_frames(source.info(), range));
   MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
-  model::StaticBackgroundBuilder builder(setup.view);
-  std::vector<geometry::Pose> known;
+  std::optional<model::StaticBackgroundBuilder> builder;
+  std::vector<PosedView> known;
   bool moves = false;
   {
     Frames frames(source, range);
     for (;;) {
       MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
       if (!capture) break;
-      if (poses != nullptr) {
-        const capture::CameraPose pose = poses->pose_of(*capture);
-        if (pose.ok()) known.push_back(pose.world_from_target);
-        moves |= pose.ok() && capture::moved(known.front(), known.back());
+      if (const auto view = posed_view(setup, *capture, poses)) {
+        known.push_back(*view);
+        moves |= capture::moved(known.front().world_from_camera, view->world_from_camera) ||
+                 !(known.front().camera == view->camera);
       }
       if (!moves) {
         MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
-        MIXRIG_TRY(builder.add(seen->warped_depth_m, seen->color));
+        if (!builder) builder.emplace(frame_view(setup, *capture));
+        MIXRIG_TRY(builder->add(seen->warped_depth_m, seen->color));
       }
       if (progress) progress("background", frames.done(), frames.total());
     }
   }
   if (!moves) {
-    MIXRIG_ASSIGN(model::StaticBackground background, builder.finish());
-    if (!known.empty()) background.world_from_view = known.front();
+    if (!builder) builder.emplace(setup.view);
+    MIXRIG_ASSIGN(model::StaticBackground background, builder->finish());
+    if (!known.empty() && (poses != nullptr || setup.lens_moves))
+      background.world_from_view = known.front().world_from_camera;
     return background;
   }
   if (source.info().frames == capture::kEndless)
     return Error{ErrorCode::kData,
-                 "the camera moved while the empty room was learned: keep it still until the "
-                 "frames to composite, or use a scanned background"};
-  return learn_moving(source, setup, range, backend, progress, *poses, known);
+                 "the camera or its lens moved while the empty room was learned: keep it still "
+                 "until the frames to composite, or use a scanned background"};
+  return learn_moving(source, setup, range, backend, progress, poses, known);
 }
 
 }  // namespace mixrig::session

@@ -13,23 +13,28 @@ namespace mixrig::session {
 Result<void> check_empty_frames(const capture::SourceInfo& info, FrameRange range);
 
 /// Warps frames `range` of a source into the view of `setup` and learns the empty room from them.
-/// Where `poses` (null: the camera stands still) says that the camera moved between the frames,
-/// they are drawn in one wider view first; a live source cannot be read twice for this. Errors:
-/// kFormat for frames that the source lacks; kData where the camera of a live source moved, or
-/// turned too far for one view; those of reading, composing and learning.
+/// Where `poses` (null: the camera stands still) says that the camera moved between the frames, or
+/// the lens did, they are drawn in one wider view first; a live source cannot be read twice for
+/// this. Errors: kFormat for frames that the source lacks; kData where the camera of a live source
+/// moved, or turned too far for one view; those of reading, composing and learning.
 Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
                                                  const render::CompositorSetup& setup,
                                                  FrameRange range, BackendChoice backend,
                                                  const ProgressFn& progress,
                                                  capture::PoseSource* poses = nullptr);
 
-/// An ideal camera that sees all of what `view` sees from each pose, at the resolution of `view`,
-/// and its pose: the mean position, along the mean direction. Pure.
+/// What a frame shows, and from where.
+struct PosedView {
+  geometry::Pinhole camera;
+  geometry::Pose world_from_camera;
+};
+/// An ideal camera that sees all of what `views` (one or more) see, at the resolution of the finest
+/// one, and its pose: the mean position, along the mean direction. Pure.
 /// Errors: kData where the poses turn too far for one pinhole.
 struct WideView {
   geometry::Pinhole camera;
   geometry::Pose world_from_camera;
 };
-Result<WideView> view_of_all(const geometry::Pinhole& view, std::span<const geometry::Pose> poses);
+Result<WideView> view_of_all(std::span<const PosedView> views);
 
 }  // namespace mixrig::session

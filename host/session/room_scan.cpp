@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/capture/calibrated_source.h"
@@ -108,6 +109,10 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
       options.calibration.empty() ? recorded->info().calibration : options.calibration;
   MIXRIG_ASSIGN(auto calibrated, capture::with_calibration(std::move(recorded), calibration));
   const auto source = capture::without_wrapped_depth(std::move(calibrated));
+  if (source->info().lens)
+    log_warning("scan", options.take.string() +
+                            ": the encoders of the lens are recorded, but a room is scanned with "
+                            "the lens as cameras.target says: it must have stood there");
   const Stopwatch reading;
   Crew crew(options.threads);
   MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr, crew));

@@ -17,6 +17,7 @@
 #include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
 #include "host/session/contact_points.h"
+#include "host/session/frame_lens.h"
 #include "host/session/hiding_compositor.h"
 #include "host/session/judge.h"
 #include "host/session/slip.h"
@@ -104,7 +105,7 @@ class Runner {
   Result<void> add_last_to_sheet();
   void watch_camera(const geometry::Pose& world_from_target);
   void set_pose(output::Composite& composite);
-  void watch_slip(output::Composite& composite);
+  void watch_slip(output::Composite& composite, const capture::Truth* truth);
 
   Session& session_;
   RunOptions options_;
@@ -124,6 +125,7 @@ class Runner {
   Judge judge_;
   std::optional<Baselines> baselines_;
   std::optional<SlipWatch> slip_;
+  std::optional<LensWatch> lens_;
   render::FrameOutput judged_;
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
@@ -159,6 +161,8 @@ Result<void> Runner::prepare_frame_poses() {
   report_.pose.source = session_.poses->name();
   report_.pose.when_lost = options.when_lost;
   slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
+  lens_.emplace(session_.setup,
+                session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
   if (has_true_poses(session_)) report_.pose.error.emplace();
   const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
   return compositor_.open(session_.setup, session_.backend, hides);
@@ -169,6 +173,10 @@ Result<void> Runner::open_baselines() {
     return Error{ErrorCode::kUsage, session_.source->info().name +
                                         " has no truth to hold baselines against: leave out "
                                         "--baselines, or use a take of mixrig studio"};
+  if (session_.setup.lens_moves)
+    return Error{ErrorCode::kUsage, session_.source->info().name +
+                                        " has a lens that zooms, which the baselines do not "
+                                        "follow: leave out --baselines"};
   return baselines_.emplace().open(session_.setup);
 }
 
@@ -218,8 +226,10 @@ Result<bool> Runner::frame() {
   composite.capture = std::move(item->capture);
   const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
+  composite.view = frame_view(session_.setup, *composite.capture);
   set_pose(composite);
-  watch_slip(composite);
+  watch_slip(composite, judges() ? item->truth.get() : nullptr);
+  lens_->add(*composite.capture, composite.world_from_target);
   watch_camera(composite.world_from_target);
 
   MIXRIG_TRY(compose_timed(composite, wanted & render::kComposite));
@@ -252,15 +262,24 @@ void Runner::set_pose(output::Composite& composite) {
 }
 
 /// The world of "floor" and "identity" is not that of the truth.
-void Runner::watch_slip(output::Composite& composite) {
+void Runner::watch_slip(output::Composite& composite, const capture::Truth* truth) {
   composite.slip_px = composite.slip_sigma_px = std::nullopt;
   if (!composite.objects_shown) return;
   const capture::Capture& capture = *composite.capture;
   const scene::PoseSource source = session_.scene.pose_source;
   const bool known = judges() && capture.pose_origin == capture::PoseOrigin::kRecorded &&
                      source != scene::PoseSource::kFloor && source != scene::PoseSource::kIdentity;
+  capture::CameraPose used = composite.pose;
+  used.world_from_target = world_from_pupil(used.world_from_target, capture);
+  std::optional<geometry::Pose> true_pose;
+  if (known) true_pose = capture.world_from_target;
+  geometry::Pinhole true_view = session_.setup.view;
+  if (known && truth != nullptr && truth->lens) {
+    true_pose = geometry::at_pupil(*true_pose, truth->lens->pupil_shift_m);
+    true_view = resized(truth->lens->view, true_view.size_px);
+  }
   const FrameSlip slip =
-      slip_->add(composite.pose, known ? std::optional(capture.world_from_target) : std::nullopt);
+      slip_->add(used, true_pose, frame_view(session_.setup, capture), true_view);
   composite.slip_px = slip.measured_px;
   composite.slip_sigma_px = slip.sigma_px;
 }
@@ -280,9 +299,9 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
   images.wanted = wanted;
-  return compositor_.compose(
-      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target},
-      composite.objects_shown, images);
+  return compositor_.compose({composite.capture->plate, composite.capture->depth_m,
+                              composite.world_from_target, frame_lens(*composite.capture)},
+                             composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
@@ -310,6 +329,7 @@ Result<void> Runner::add_last_to_sheet() {
   std::shared_ptr<output::Composite> composite = inspected_.take();
   composite->capture = last_->capture;
   composite->world_from_target = last_->world_from_target;
+  composite->view = last_->view;
   composite->objects_shown = last_->objects_shown;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
@@ -340,6 +360,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   report_.pose.frames = poses_->counts();
   report_.pose.faults = session_.poses->faults();
   report_.pose.slip = slip_->report();
+  report_.lens = lens_->report();
   report_.pose.stream = session_.poses->stream();
   compositor_.close();  // its buffers are not needed beside the sheet's
   judged_ = {};

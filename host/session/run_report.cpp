@@ -132,6 +132,26 @@ nlohmann::json to_json(const PoseReport& report) {
   return out;
 }
 
+nlohmann::json to_json(const LensReport& lens) {
+  nlohmann::json out{{"changed", lens.changed},
+                     {"beyond_background", lens.beyond_background},
+                     {"fx_px", {rounded(lens.least_fx_px, 5), rounded(lens.most_fx_px, 5)}}};
+  for (std::size_t i = 0; i < lens.frames.size(); ++i)
+    out["frames"][std::string(capture::name(static_cast<capture::LensOrigin>(i)))] = lens.frames[i];
+  return out;
+}
+
+std::string lens_line(const LensReport& lens) {
+  const auto frames = [&](capture::LensOrigin origin) {
+    return lens.frames[static_cast<std::size_t>(origin)];
+  };
+  return fmt::format(
+      "  lens: fx {:.1f} to {:.1f} px, moved in {} frames; outside its table in {}, without value "
+      "in {}, beyond what was learned of the room in {}\n",
+      lens.least_fx_px, lens.most_fx_px, lens.changed, frames(capture::LensOrigin::kClamped),
+      frames(capture::LensOrigin::kHeld), lens.beyond_background);
+}
+
 std::string slip_line(const SlipReport& slip) {
   std::string line;
   if (slip.measured)
@@ -230,6 +250,7 @@ nlohmann::json to_json(const RunReport& report) {
                                  {"p95", quantile(report.latency_ms, 0.95)}};
   }
   out["pose"] = to_json(report.pose);
+  if (report.lens) out["lens"] = to_json(*report.lens);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(
@@ -270,6 +291,7 @@ std::string to_table(const RunReport& report) {
   if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
   if (report.live) out += live_line(*report.live);
   out += pose_line(report.pose);
+  if (report.lens) out += lens_line(*report.lens);
   out += sink_lines(report.sinks);
   return report.error ? out + error_table(report) : out;
 }

@@ -17,6 +17,7 @@
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
 #include "host/session/baselines.h"
+#include "host/session/frame_lens.h"
 #include "host/session/pose_errors.h"
 #include "host/session/slip.h"
 
@@ -45,6 +46,7 @@ struct RunReport {
   std::optional<capture::SourceReport> live;  ///< of live devices
   measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
   PoseReport pose;
+  std::optional<LensReport> lens;  ///< of a lens that zooms
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;

@@ -9,6 +9,7 @@
 #include "host/model/room_file.h"
 #include "host/session/camera_pose.h"
 #include "host/session/learn.h"
+#include "host/session/world_frame.h"
 
 namespace mixrig::session {
 namespace {
@@ -191,6 +192,7 @@ Result<model::StaticBackground> loaded_background(const Session& session,
                                                   const std::filesystem::path& folder) {
   MIXRIG_ASSIGN(auto background, model::load_static_background(folder));
   const bool moves = session.poses && session.poses->moves();
+  if (session.setup.lens_moves && !moves) return background;
   if (moves && !background.world_from_view)
     return Error{ErrorCode::kData,
                  "background " + folder.string() +
@@ -215,6 +217,28 @@ Result<model::StaticBackground> learned_background(Session& session, FrameRange 
   return learned;
 }
 
+/// Of a camera that stands still while its lens zooms: the background is drawn again for each lens,
+/// from where the camera stands.
+Result<void> place_still_background(Session& session) {
+  model::StaticBackground& b = *session.background;
+  const bool own = !session.scene.background.model;
+  const bool on_floor = session.scene.pose_source == scene::PoseSource::kFloor;
+  const bool by_source = session.scene.pose_source == scene::PoseSource::kTake ||
+                         session.scene.pose_source == scene::PoseSource::kRecorded;
+  if (b.world_from_view && (by_source || (own && !on_floor))) return {};
+  if (by_source)
+    return Error{ErrorCode::kData,
+                 "background " + session.scene.background.model->string() +
+                     " does not say from where it was learned, and the lens zooms: scan it again "
+                     "from a take with poses"};
+  geometry::Pose world_from_target;  // pose = "floor" is made after this, in the same way
+  if (on_floor && b.floor) world_from_target = world_from_camera_on_floor(*b.floor);
+  if (session.poses) world_from_target = session.poses->pose_of({}).world_from_target;
+  b.world_from_view =
+      world_from_target * (own && b.world_from_view ? *b.world_from_view : geometry::Pose{});
+  return {};
+}
+
 /// The learned view of a camera that moves, or beside a room, drawn for each pose.
 void use_wide_view(Session& session) {
   const model::StaticBackground& b = *session.background;
@@ -236,6 +260,7 @@ geometry::Pinhole resized(const geometry::Pinhole& view, Size size) {
 Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
                                          std::optional<Size> view_size) {
   render::CompositorSetup setup;
+  setup.lens_moves = info.lens != nullptr;
   setup.target = info.target, setup.vignetting = info.vignetting;
   setup.view = info.view ? *info.view : geometry::ideal_view(info.target);
   if (view_size) {
@@ -298,7 +323,9 @@ Result<void> prepare_background(Session& session, const ProgressFn& progress) {
   if (session.background) {
     const model::StaticBackground& b = *session.background;
     const bool moves = session.poses && session.poses->moves();
-    if ((moves && b.world_from_view) || has_room)
+    if (session.setup.lens_moves && !moves && !has_room)
+      MIXRIG_TRY(place_still_background(session));
+    if ((moves && b.world_from_view) || has_room || session.setup.lens_moves)
       use_wide_view(session);
     else
       session.setup.background = {b.depth_m, b.depth_sigma_m, b.color, b.color_sigma};

@@ -30,25 +30,26 @@ class FrameMean {
 }  // namespace
 
 SlipWatch::Seen SlipWatch::seen(const Eigen::Vector3d& point_m,
-                                const geometry::Pose& world_from_target) const {
+                                const geometry::Pose& world_from_target,
+                                const geometry::Pinhole& view) {
   const auto px =
       measure::pixel_of({point_m.x(), point_m.y(), point_m.z()}, place_of(world_from_target),
-                        {view_.fx_px, view_.fy_px, view_.cx_px, view_.cy_px});
+                        {view.fx_px, view.fy_px, view.cx_px, view.cy_px});
   const auto within = [](double at, int size) { return at >= -0.5 && at <= size - 0.5; };
-  return {px,
-          px && within((*px)[0], view_.size_px.width) && within((*px)[1], view_.size_px.height)};
+  return {px, px && within((*px)[0], view.size_px.width) && within((*px)[1], view.size_px.height)};
 }
 
 FrameSlip SlipWatch::add(const capture::CameraPose& used,
-                         const std::optional<geometry::Pose>& known) {
+                         const std::optional<geometry::Pose>& known,
+                         const geometry::Pinhole& used_view, const geometry::Pinhole& known_view) {
   FrameMean measured, predicted;
   for (const Eigen::Vector3d& point_m : contacts_m_) {
-    const Seen drawn = seen(point_m, used.world_from_target);
-    const Seen real = known ? seen(point_m, *known) : Seen{};
+    const Seen drawn = seen(point_m, used.world_from_target, used_view);
+    const Seen real = known ? seen(point_m, *known, known_view) : Seen{};
     if (!drawn.px || !(drawn.inside || real.inside)) continue;
     std::optional<Eigen::Matrix2d> spread;
     if (used.ok() && used.covariance)
-      spread = pose::point_covariance(point_m, used.world_from_target, *used.covariance, view_);
+      spread = pose::point_covariance(point_m, used.world_from_target, *used.covariance, used_view);
     if (spread) {
       predicted.add(spread->trace());
       predicted_.add(std::sqrt(spread->trace()));

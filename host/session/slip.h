@@ -38,7 +38,13 @@ class SlipWatch {
       : contacts_m_(std::move(contacts_m)), view_(view) {}
   /// A frame that shows its objects by `used` (CameraPose::world_from_target also where it is
   /// lost). Points count that either pose shows within the picture; `known` is the true pose.
-  FrameSlip add(const capture::CameraPose& used, const std::optional<geometry::Pose>& known);
+  FrameSlip add(const capture::CameraPose& used, const std::optional<geometry::Pose>& known) {
+    return add(used, known, view_, view_);
+  }
+  /// The same of a lens that zooms: the view in use and the true one, of the size of the view; the
+  /// poses are those of the centres of projection.
+  FrameSlip add(const capture::CameraPose& used, const std::optional<geometry::Pose>& known,
+                const geometry::Pinhole& used_view, const geometry::Pinhole& known_view);
   SlipReport report() const;
 
  private:
@@ -46,7 +52,8 @@ class SlipWatch {
     std::optional<measure::PixelPoint> px;
     bool inside = false;
   };
-  Seen seen(const Eigen::Vector3d& point_m, const geometry::Pose& world_from_target) const;
+  static Seen seen(const Eigen::Vector3d& point_m, const geometry::Pose& world_from_target,
+                   const geometry::Pinhole& view);
 
   const std::vector<Eigen::Vector3d> contacts_m_;
   const geometry::Pinhole view_;

@@ -120,7 +120,7 @@ void Studio::State::add_slice(const CameraPlace& place, double frame_s, int numb
   geometry::Pose mid_from_then;
   if (info.camera_moves)
     mid_from_then = geometry::inverse(place.world_from_target) *
-                    camera_at(layout, options, frame_s + shutter.time_s(number)).world_from_target;
+                    eye_at(frame_s + shutter.time_s(number)).world_from_target;
   crew.rows(std::max(0, rows.end - rows.first), kDrawBand, [&](int begin, int end) {
     for (int y = rows.first + begin; y < rows.first + end; ++y) {
       const float weight = shutter.weight(y, number);

@@ -66,6 +66,10 @@ Result<void> check(const StudioOptions& o) {
     if (side < 64 || side > 4096)
       return wrong(fmt::format("the fisheye must have 64 to 4096 pixels per side, not {}x{}",
                                o.fisheye_px.width, o.fisheye_px.height));
+  if (!(o.zoom >= 1 && o.zoom <= 8))
+    return wrong(fmt::format("the zoom must be 1 to 8 times, not {}", o.zoom));
+  if (o.zoom > 1 && o.scenario == Scenario::kSweep)
+    return wrong("a sweep has a fixed lens: leave out the zoom");
   MIXRIG_TRY(check_place(o));
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
@@ -121,6 +125,7 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
       person(device),
       moment(device),
       taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)},
+      zoom{info.target, o.zoom},
       plate_rays(info.target),
       view_rays(info.view),
       tof(with_realism(rig.tof, o.rig, o.realism), o.seed, o.raw_depth),
@@ -244,7 +249,8 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
   const bool keep = options.cache && !info.camera_moves && !options.day.changes();
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
-    const geometry::Pose world_from_tof = place.world_from_target * info.tof.target_from_tof;
+    const geometry::Pose world_from_tof =
+        camera_at(layout, options, time_s).world_from_target * info.tof.target_from_tof;
     const geometry::Pose later =
         camera_at(layout, options, time_s + tof.sensor().delay_s).world_from_target;
     tof_eye_m = world_from_tof.translation_m;
@@ -277,6 +283,28 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
       }
   });
   has_view = true;
+}
+
+void Studio::State::set_lens(double time_s) {
+  if (options.zoom == 1) return;
+  const LensSetting at = lens_at(info, time_s);
+  const Optics optics = zoom.optics(at);
+  const bool same = optics.fx_px == info.target.fx_px && optics.cx_px == info.target.cx_px &&
+                    pupil_shift_m == zoom.pupil_shift_m(at);
+  if (same) return;
+  has_plate = has_view = false;
+  info.target = optics;
+  info.view = without_distortion(info.target);
+  pupil_shift_m = zoom.pupil_shift_m(at);
+  plate_rays = RayGrid(info.target), view_rays = RayGrid(info.view);
+  camera = ColorCamera(info.target, options.realism, options.seed);
+}
+
+CameraPlace Studio::State::eye_at(double time_s) const {
+  CameraPlace place = camera_at(layout, options, time_s);
+  place.world_from_target.translation_m +=
+      place.world_from_target.rotation * Eigen::Vector3d(0, 0, pupil_shift_m);
+  return place;
 }
 
 void Studio::State::bounce_on_person(const CameraPlace& place) {
@@ -326,8 +354,9 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   frame.time_s = (number - 1) / kFrameRate_hz;
   s.options.sweep.moved_s = frame.time_s;
   s.set_time(frame.time_s);
-  const CameraPlace place = camera_at(s.layout, s.options, frame.time_s);
-  frame.world_from_target = place.world_from_target;
+  s.set_lens(frame.time_s);
+  const CameraPlace place = s.eye_at(frame.time_s);
+  frame.world_from_target = camera_at(s.layout, s.options, frame.time_s).world_from_target;
   frame.head = place.head;
   s.place_person(number, frame.time_s);
   s.trace_static(place, frame.time_s, truth != nullptr);
@@ -344,6 +373,9 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);
+  truth->view.reset();
+  if (s.options.zoom > 1) truth->view = s.info.view;
+  truth->pupil_shift_m = s.pupil_shift_m;
   truth->person_on_floor_m.reset();
   if (number > s.info.empty_frames) {
     const Vec3 pelvis = s.cast.first().at(s.people_time_s(frame.time_s)).pelvis;

@@ -70,6 +70,8 @@ struct StudioOptions {
   bool raw_depth = false;       ///< leave the ToF camera's systematic error in
   bool fisheye = false;         ///< the take has the fisheye's pictures
   Size fisheye_px{1280, 1024};  ///< of them, 64..4096 a side; the same field
+  double zoom = 1;  ///< the target camera's lens zooms in to this focal length, 1..8 times that at
+                    ///< rest; 1: it stands still. Not in scenario sweep
   bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
   int people = 1;            ///< 1..3
@@ -89,6 +91,21 @@ struct Optics {
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
   std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
   std::array<double, 2> prism{};       ///< thin prism: times r^4 in x and y; not in OpenCV's five
+};
+
+/// What the encoders of a lens say, in counts.
+struct LensCounts {
+  double zoom = 0, focus = 0;
+};
+struct LensSample {
+  double time_s = 0;  ///< on the clock of Frame::time_s
+  LensCounts at;
+};
+/// The lens at what its encoders say; the pupil's shift as ZoomLens::pupil_shift_m.
+struct LensTruth {
+  LensCounts at;
+  Optics optics;
+  double pupil_shift_m = 0;
 };
 
 /// Standard deviation of a depth value on a surface of albedo 0.5 that faces the camera:
@@ -206,8 +223,17 @@ struct Truth {
   Image<float> light;          ///< luminance of the light with the object / without it, at most 1
   Image<Rgb8> composite;       ///< noise-free picture with the object in it, sRGB
   Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
+  std::optional<Optics> view;  ///< of this frame, where the lens zooms; else StudioInfo::view
+  double pupil_shift_m = 0;    ///< of the eye along the axis of world_from_target
   std::optional<Eigen::Vector2d> person_on_floor_m;  ///< vertically below the pelvis, world x y
 };
+
+/// StudioOptions::zoom: what the encoders of the lens say 50 times a second, with noise, from
+/// before the first frame to after the last.
+std::vector<LensSample> record_lens(const StudioOptions& options, const StudioInfo& info);
+/// The true lens on a grid of counts that holds all settings of the take. `info` as it is before a
+/// frame is rendered.
+std::vector<LensTruth> true_lens_table(const StudioOptions& options, const StudioInfo& info);
 
 /// Renders frames in any order. The bytes of a frame depend on the options only, not on the number
 /// of threads, the order or the cache. Memory is reused. Not thread-safe; starts its own threads.

@@ -9,6 +9,7 @@
 #include "host/studio/sensors/picture.h"
 #include "host/studio/sensors/shutter.h"
 #include "host/studio/sensors/tof_camera.h"
+#include "host/studio/sensors/zoom_lens.h"
 #include "host/studio/stage/layout.h"
 
 namespace mixrig::studio {
@@ -29,6 +30,10 @@ struct Studio::State {
   void fill_person(Occluder& scene, double time_s);
   /// Light of the fisheye from where the camera and the people are at a time, added to `light`.
   void expose_fisheye(double time_s, const FisheyeSample& sample);
+  /// Sets the optics of the target camera at a time; what was traced through others is dropped.
+  void set_lens(double time_s);
+  /// Where the entrance pupil of the target camera is, with the lens that is set.
+  CameraPlace eye_at(double time_s) const;
   /// Traces and lights the parts that do not move, unless they are cached.
   void trace_static(const CameraPlace& place, double time_s, bool with_truth);
   /// Mirrored and bounced light of the room or the object.
@@ -69,6 +74,8 @@ struct Studio::State {
   bool lights_on = true;
   Reflector reflector;  ///< as the target camera sees it
   BounceCache room_bounce, object_bounce, person_bounce;
+  ZoomLens zoom;
+  double pupil_shift_m = 0;  ///< of the lens that is set
   RayGrid plate_rays, view_rays;
   TofCamera tof;
   ColorCamera camera;

@@ -110,6 +110,20 @@ Result<void> write_tracked_body(const studio::StudioOptions& options,
   return write_file(folder / "constellation.toml", constellation_text(system));
 }
 
+Result<geometry::LensTable> true_lens(const studio::StudioOptions& options,
+                                      const studio::StudioInfo& info) {
+  std::vector<geometry::LensNode> nodes;
+  for (const studio::LensTruth& node : studio::true_lens_table(options, info)) {
+    const studio::Optics& o = node.optics;
+    const auto& [k1, k2, p1, p2, k3] = o.distortion;
+    const geometry::Pinhole pinhole{o.size_px, o.fx_px, o.fy_px, o.cx_px, o.cy_px};
+    nodes.push_back({{node.at.zoom, node.at.focus},
+                     {{pinhole, geometry::Lens({k1, k2, p1, p2, k3, 0, 0, 0})}, node.pupil_shift_m},
+                     0});
+  }
+  return geometry::LensTable::make(std::move(nodes));
+}
+
 std::string rig_truth(const studio::StudioInfo& info) {
   nlohmann::json truth{{"world_from_rest", to_json(info.world_from_rest)},
                        {"room_m", {info.room_m.x(), info.room_m.y(), info.room_m.z()}}};
@@ -162,10 +176,13 @@ Result<void> write_moving_rig(const studio::StudioOptions& options, const studio
   if (!head.empty()) MIXRIG_TRY(write_head(head, folder));
   if (info.mocap) MIXRIG_TRY(write_tracked_body(options, *info.mocap, folder));
   const bool moving = info.mocap || info.pan_tilt;
-  if (!moving && !take.fisheye) return {};
+  if (!moving && !take.fisheye && options.zoom == 1) return {};
   if (moving) MIXRIG_TRY(write_file(folder / "truth/rig.json", rig_truth(info)));
-  return calibration_file::write_calibration(folder / "truth/calibration.toml",
-                                             true_calibration(info, take));
+  calibration_file::Calibration known = true_calibration(info, take);
+  if (options.zoom > 1) {
+    MIXRIG_ASSIGN(known.cameras.front().lens, true_lens(options, info));
+  }
+  return calibration_file::write_calibration(folder / "truth/calibration.toml", known);
 }
 
 }  // namespace mixrig::studio_io

@@ -4,7 +4,10 @@
 
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
@@ -119,6 +122,21 @@ Result<void> write_set(const studio::StudioInfo& info, const std::filesystem::pa
   return write_file(folder / "scene_set.toml", set_scene_text(info, court.name));
 }
 
+/// The encoders' values, and scene_zoom.toml, which uses the true table of the lens; scene.toml has
+/// the lens at rest in all frames.
+Result<void> write_lens(const studio::StudioOptions& options, const studio::StudioInfo& info,
+                        const std::filesystem::path& folder) {
+  std::string rows = "time_ns,zoom,focus\n";
+  for (const studio::LensSample& sample : studio::record_lens(options, info))
+    fmt::format_to(std::back_inserter(rows), "{},{},{}\n", std::llround(1e9 * sample.time_s),
+                   sample.at.zoom, sample.at.focus);
+  MIXRIG_TRY(write_file(folder / "lens.csv", rows));
+  Writer camera;
+  camera.set("pose", "take");
+  return write_file(folder / "scene_zoom.toml",
+                    scene_text(info, std::move(camera), "truth/calibration.toml"));
+}
+
 /// Distances to the room from the foot of the unit, where the panorama of a scan has its origin.
 Result<void> write_room_truth(const studio::Studio& studio, const std::filesystem::path& folder) {
   image_io::Channel distance{"distance_m", Image<float>(Size{1440, 720})};
@@ -160,6 +178,7 @@ void swap_into(studio::Frame& from, capture::Capture& to) {
   to.pose_origin = capture::PoseOrigin::kRecorded;
   to.tick = 0;
   to.pan_tilt.reset();
+  to.encoders.reset(), to.lens.reset();
   to.status = {};
   to.set_status(Stream::kPlate, StreamStatus::kFresh);
   to.set_status(Stream::kDepth, StreamStatus::kFresh);
@@ -179,6 +198,8 @@ void swap_into(studio::Truth& from, capture::Truth& to) {
   std::swap(from.light, to.light);
   std::swap(from.composite, to.composite);
   std::swap(from.labels, to.labels);
+  to.lens.reset();
+  if (from.view) to.lens = capture::TrueLens{pinhole_of(*from.view), from.pupil_shift_m};
 }
 
 Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::path& folder) {
@@ -210,10 +231,11 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
                                              take::StreamFormat format,
                                              const std::function<void(int)>& progress) {
   MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
-  const studio::StudioInfo& info = studio.info();
+  const studio::StudioInfo info = studio.info();  // as it is at rest: a lens may zoom
   const take::TakeInfo take = studio_take_info(info);
   MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, take, format));
   MIXRIG_TRY(write_scene(info, writer.staging()));
+  if (options.zoom > 1) MIXRIG_TRY(write_lens(options, info, writer.staging()));
   studio::Frame frame;
   studio::Truth truth;
   capture::Capture take_frame;

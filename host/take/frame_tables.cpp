@@ -1,66 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/take/frame_tables.h"
 
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "host/take/csv_rows.h"
 #include "host/take/fisheye_stream.h"
 
 namespace mixrig::take {
-namespace {
-
-constexpr std::size_t kMostCells = 8;
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (cells.size() < kMostCells) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) break;
-    line.remove_prefix(comma + 1);
-  }
-  return cells;
-}
-
-template <typename Number>
-bool parse(std::string_view cell, Number& value) {
-  const char* end = cell.data() + cell.size();
-  const auto [stop, fault] = std::from_chars(cell.data(), end, value);
-  return fault == std::errc() && stop == end && !cell.empty();
-}
-
-/// Calls `row(cells)` for each line after the header; a line where it returns false is an error.
-template <typename Row>
-Result<void> for_each_row(std::string_view text, const std::string& name, std::size_t columns,
-                          Row&& row) {
-  for (int line = 1; !text.empty(); ++line) {
-    const std::size_t end = text.find('\n');
-    std::string_view words = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (!words.empty() && words.back() == '\r') words.remove_suffix(1);
-    if (line == 1 || words.empty()) continue;
-    const std::vector<std::string_view> cells = cells_of(words);
-    if (cells.size() != columns || !row(cells))
-      return Error{ErrorCode::kFormat,
-                   fmt::format("{}:{}: not a row of {} columns: delete the file to read the take "
-                               "without it",
-                               name, line, columns)};
-  }
-  return {};
-}
-
-}  // namespace
-
 Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::string& name) {
   std::map<int, FrameTick> ticks;
   MIXRIG_TRY(for_each_row(text, name, 6, [&](const std::vector<std::string_view>& cells) {
     int frame = 0;
     FrameTick tick;
     std::int64_t ns = 0;
-    if (!parse(cells[0], frame) || !parse(cells[2], tick.tick) || !parse(cells[4], ns))
+    if (!parse_cell(cells[0], frame) || !parse_cell(cells[2], tick.tick) ||
+        !parse_cell(cells[4], ns))
       return false;
     tick.mid_exposure = HostTime(std::chrono::nanoseconds(ns));
     ticks.emplace(frame, tick);
@@ -75,8 +32,9 @@ Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view tex
   MIXRIG_TRY(for_each_row(text, name, 3, [&](const std::vector<std::string_view>& cells) {
     int frame = 0;
     device::PanTiltAngles at;
-    if (!parse(cells[0], frame) || !parse(cells[1], at.pan_rad) || !parse(cells[2], at.tilt_rad) ||
-        !std::isfinite(at.pan_rad) || !std::isfinite(at.tilt_rad))
+    if (!parse_cell(cells[0], frame) || !parse_cell(cells[1], at.pan_rad) ||
+        !parse_cell(cells[2], at.tilt_rad) || !std::isfinite(at.pan_rad) ||
+        !std::isfinite(at.tilt_rad))
       return false;
     angles.emplace(frame, at);
     return true;
@@ -91,8 +49,8 @@ Result<std::vector<FisheyeStamp>> parse_fisheye_table(std::string_view text,
     FisheyeStamp stamp;
     std::size_t picture = 0;
     std::int64_t ns = 0;
-    if (!parse(cells[0], picture) || !parse(cells[1], stamp.frame) ||
-        !parse(cells[2], stamp.counter) || !parse(cells[3], ns))
+    if (!parse_cell(cells[0], picture) || !parse_cell(cells[1], stamp.frame) ||
+        !parse_cell(cells[2], stamp.counter) || !parse_cell(cells[3], ns))
       return false;
     stamp.mid_exposure = HostTime(std::chrono::nanoseconds(ns));
     if (picture != stamps.size() + 1 || stamp.frame < 1) return false;

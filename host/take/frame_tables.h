@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// ticks.csv and pan_tilt.csv of a recorded take: tick, time and head angle of each frame. Private
-// to this room.
+// ticks.csv, pan_tilt.csv and lens.csv of a recorded take: tick, time and head angle of each frame,
+// and what the encoders of the lens said when. Private to this room.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "hal/device/pan_tilt.h"
+#include "host/capture/lens_track.h"
+#include "host/capture/truth.h"
 
 namespace mixrig::take {
 
@@ -25,5 +28,19 @@ Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::s
 /// pan_tilt.csv: angles of the head by frame number. Pure. Errors: kFormat (name:line: ...).
 Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view text,
                                                             const std::string& name);
+
+/// lens.csv: time_ns,zoom,focus; times grow. Pure. Errors: kFormat (name:line: ...).
+Result<std::vector<capture::LensSample>> parse_lens_samples(std::string_view text,
+                                                            const std::string& name);
+inline constexpr const char* kLensHeader = "time_ns,zoom,focus\n";
+std::string lens_row(const capture::LensSample& sample);
+
+/// truth/lens.csv: frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m of the view of each frame. Pure.
+/// Errors: kFormat (name:line: ...).
+Result<std::map<int, capture::TrueLens>> parse_true_lens(std::string_view text,
+                                                         const std::string& name, Size view_px);
+inline constexpr const char* kLensTable = "lens.csv";
+inline constexpr const char* kTrueLensHeader = "frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m\n";
+std::string true_lens_row(int frame, const capture::TrueLens& lens);
 
 }  // namespace mixrig::take

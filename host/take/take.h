@@ -74,7 +74,7 @@ class TakeWriter {
   ~TakeWriter();
 
   /// The fisheye's picture only where its status is kFresh, with its own stamp; one
-  /// that is not later than the last is left out.
+  /// that is not later than the last is left out. What the lens's encoders say likewise.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
   /// Folder to put further files in (scene.toml, models) before finish().

@@ -51,6 +51,8 @@ struct TakeReader::State {
   std::vector<FrameIndex> frames;
   std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
   std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
+  std::vector<capture::LensSample> lens;          ///< by time, where recorded
+  std::map<int, capture::TrueLens> true_lens;     ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 
@@ -106,7 +108,7 @@ Result<std::vector<StampedPose>> TakeReader::State::read_poses() {
   return parse_trajectory(text, path.string());
 }
 
-/// ticks.csv and pan_tilt.csv, which recordings of a live rig have.
+/// ticks.csv and pan_tilt.csv, which recordings of a live rig have, and those of a lens that zooms.
 Result<void> TakeReader::State::read_tables() {
   std::error_code error;
   if (const fs::path path = info().root / "ticks.csv"; fs::exists(path, error)) {
@@ -116,6 +118,16 @@ Result<void> TakeReader::State::read_tables() {
   if (const fs::path path = info().root / "pan_tilt.csv"; fs::exists(path, error)) {
     MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
     MIXRIG_ASSIGN(pan_tilt, parse_pan_tilt(text, path.string()));
+  }
+  if (const fs::path path = info().root / kLensTable; fs::exists(path, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxListBytes));
+    MIXRIG_ASSIGN(lens, parse_lens_samples(text, path.string()));
+    info().has_lens_values = true;
+  }
+  const fs::path true_path = info().root / manifest.truth_path / kLensTable;
+  if (info().has_truth && fs::exists(true_path, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(true_path, kMaxListBytes));
+    MIXRIG_ASSIGN(true_lens, parse_true_lens(text, true_path.string(), info().target.size_px()));
   }
   return {};
 }
@@ -148,6 +160,8 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
   capture.pan_tilt.reset();
   const auto angles = pan_tilt.find(number);
   if (angles != pan_tilt.end()) capture.pan_tilt = angles->second;
+  capture.encoders = mixrig::capture::lens_at(lens, capture.mid_exposure);
+  capture.lens.reset();
   capture.cameras = cameras;
   capture.world_from_target = index.world_from_target;
   capture.pose_origin = !manifest.pose_file.empty() ? capture::PoseOrigin::kRecorded
@@ -311,6 +325,9 @@ Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   if (!info.has_truth || number < 1 || number > info.frames)
     return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no truth of frame " +
                                            std::to_string(number)};
+  truth.lens.reset();
+  if (const auto known = s.true_lens.find(number); known != s.true_lens.end())
+    truth.lens = known->second;
   const int file = info.color.first + s.frames[static_cast<std::size_t>(number - 1)].color;
   const auto read_scaled = [&](const char* what, double unit, Image<float>& out) -> Result<void> {
     PictureFiles stream([&](int) { return s.truth_file(what, file); });

@@ -12,6 +12,7 @@
 #include "host/image_io/image_io.h"
 #include "host/take/depth_steps.h"
 #include "host/take/fisheye_stream.h"
+#include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
 #include "host/take/trajectory.h"
@@ -96,8 +97,8 @@ struct TakeWriter::State {
   PartialPath partial;
   TakeInfo info;
   StreamWriter color, depth, amplitude, fisheye;
-  std::string poses, fisheye_rows;
-  HostTime last_fisheye = HostTime::min();
+  std::string poses, fisheye_rows, lens_rows, true_lens_rows;
+  HostTime last_fisheye = HostTime::min(), last_lens = HostTime::min();
   Image<std::uint16_t> steps;
   int frames = 0;
 };
@@ -164,6 +165,10 @@ Result<void> TakeWriter::write(const capture::Capture& frame) {
     MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
   }
   MIXRIG_TRY(s.write_fisheye(frame));
+  if (frame.encoders && frame.mid_exposure > s.last_lens) {
+    s.last_lens = frame.mid_exposure;
+    s.lens_rows += lens_row({frame.mid_exposure, *frame.encoders});
+  }
   s.poses += trajectory_line({frame.time_s, frame.world_from_target});
   ++s.frames;
   return {};
@@ -176,6 +181,7 @@ Result<void> TakeWriter::write_truth(const capture::Truth& truth) {
   for (const char* name : {"depth", "matte", "light", "composite", "labels"})
     MIXRIG_TRY(make_folder(folder / name));
   const std::string name = number_name(s.frames);
+  if (truth.lens) s.true_lens_rows += true_lens_row(s.frames, *truth.lens);
   to_steps(truth.depth_m, s.info.truth_depth_unit_m, 0, s.steps);
   MIXRIG_TRY(image_io::write_png(folder / "depth" / name, std::as_const(s.steps).view()));
   to_steps(truth.light, 1.0 / 65535.0, 0, s.steps);
@@ -208,6 +214,9 @@ Result<void> TakeWriter::finish() {
         s.write_text(kFisheyeTable, "picture,frame,counter,mid_exposure_ns\n" + s.fisheye_rows));
   }
   if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
+  if (!s.lens_rows.empty()) MIXRIG_TRY(s.write_text(kLensTable, kLensHeader + s.lens_rows));
+  if (!s.true_lens_rows.empty())
+    MIXRIG_TRY(s.write_text("truth/lens.csv", kTrueLensHeader + s.true_lens_rows));
   MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));
   return s.partial.commit();
 }

@@ -35,6 +35,7 @@ struct StudioArguments {
   bool sweep_people = false, sweep_crossing = false;
   std::string eye, look_at;
   std::optional<double> pan_deg;
+  double zoom = 1;
   bool fisheye = false;
   std::string fisheye_size = "640x512";
   studio::Day day;
@@ -107,6 +108,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
+  options.zoom = arguments.zoom;
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
@@ -271,6 +273,12 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
   command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
   command.add_option("--pan", arguments->pan_deg, "Scenario pan: degrees from side to side, or 24");
+  command
+      .add_option(
+          "--zoom", arguments->zoom,
+          "The lens zooms in to this many times its focal length; the take has lens.csv and "
+          "scene_zoom.toml")
+      .show_default();
   command.add_flag("--fisheye", arguments->fisheye,
                    "The take has the fisheye's pictures, 10 Hz; in a sweep one for each frame");
   command.add_option("--fisheye-size", arguments->fisheye_size, "Of them, WxH");

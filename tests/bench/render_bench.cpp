@@ -14,11 +14,13 @@ namespace {
 constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{1920, 1080};
 
 /// range(0): threads; range(1): 1 where the camera moves, so that nothing is kept between frames, 2
-/// where the background is drawn for each pose too.
+/// where the background is drawn for each pose too, 3 where instead of the camera its lens moves.
 template <typename Room>
 void compose_in(benchmark::State& state, Size view, Size tof) {
   Room room({.view = view, .tof = tof, .lens_k1 = -0.05});
-  if (state.range(1) == 2) room.draw_background_for_each_pose();
+  if (state.range(1) >= 2) room.draw_background_for_each_pose();
+  const bool zooms = state.range(1) == 3;
+  room.setup.lens_moves = zooms;
   auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)));
   if (!compositor) {
     state.SkipWithError(compositor.error().context.c_str());
@@ -26,12 +28,16 @@ void compose_in(benchmark::State& state, Size view, Size tof) {
   }
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
+  if (zooms) frame.lens = render::FrameLens{room.setup.target, 0};
   // Images of both frames in flight grow, and shadow maps are drawn, before the time is taken.
   for (int i = 0; i < 2; ++i)
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
   render::StageTimes sum{};
   for (auto _ : state) {
-    if (state.range(1)) frame.world_from_target.translation_m.x() += 1e-4;
+    if (zooms)
+      frame.lens->target.pinhole.fx_px *= 1.0001;
+    else if (state.range(1))
+      frame.world_from_target.translation_m.x() += 1e-4;
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*compositor)->stage_times()[i];
   }
@@ -48,7 +54,8 @@ void statue(benchmark::State& state, Size view, Size tof) {
 }
 
 void arguments(benchmark::internal::Benchmark* bench) {
-  bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->Args({2, 2})->ArgNames({"threads", "moving"});
+  bench->Args({1, 0})->Args({2, 0})->Args({2, 1})->Args({2, 2})->Args({2, 3})->ArgNames(
+      {"threads", "moving"});
   bench->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ticks.csv, pan_tilt.csv and fisheye.csv of any bytes; fisheye rows that are accepted are written
-// and read again.
+// ticks.csv, pan_tilt.csv, lens.csv and fisheye.csv of any bytes; rows of the lens and the fisheye
+// that are accepted are written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -15,6 +15,18 @@ MIXRIG_FUZZ_TARGET(take_tables) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   static_cast<void>(take::parse_ticks(text, "ticks.csv"));
   static_cast<void>(take::parse_pan_tilt(text, "pan_tilt.csv"));
+  static_cast<void>(take::parse_true_lens(text, "truth/lens.csv", {64, 48}));
+  if (const auto samples = take::parse_lens_samples(text, "lens.csv")) {
+    std::string again = take::kLensHeader;
+    for (const capture::LensSample& sample : *samples) {
+      again += take::lens_row(sample);
+      const auto at = capture::lens_at(*samples, sample.time);
+      if (!at || !(*at == sample.at)) std::abort();
+    }
+    static_cast<void>(capture::lens_at(*samples, HostTime{}));
+    const auto read = take::parse_lens_samples(again, "lens.csv");
+    if (!read || read->size() != samples->size()) std::abort();
+  }
   const auto stamps = take::parse_fisheye_table(text, "fisheye.csv");
   if (!stamps) return 0;
   std::string again = "picture,frame,counter,mid_exposure_ns\n";

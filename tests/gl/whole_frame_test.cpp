@@ -107,6 +107,62 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   expect_agreement(pair, frame);
 }
 
+/// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
+render::FrameInput volume_frame(RoomSetup& room) {
+  Eigen::Matrix3d axes;  // columns: right, down, forward
+  axes.col(0) = -Eigen::Vector3d::UnitY();
+  axes.col(1) = -Eigen::Vector3d::UnitZ();
+  axes.col(2) = Eigen::Vector3d::UnitX();
+  const geometry::Pose world_from_target{Eigen::Quaterniond(axes), {0, 0, room.scene.floor_y_m}};
+  room.setup.background = {};
+  room.setup.capture_box = render::CaptureBox{{1.5, -1.5, 0}, {3.5, 1.5, 2.4}};
+  for (render::VirtualObject& object : room.setup.objects)
+    object.world_from_object = world_from_target * object.world_from_object;
+  for (render::Lamp& lamp : room.setup.light.lamps) {
+    const Eigen::Vector3d p =
+        world_from_target *
+        Eigen::Vector3d(lamp.position_m.x, lamp.position_m.y, lamp.position_m.z);
+    lamp.position_m = {p.x(), p.y(), p.z()};
+    if (lamp.direction) lamp.direction = glm::dvec3(0, 0, -1);
+  }
+  render::FrameInput frame = room.frame();
+  frame.world_from_target = world_from_target;
+  return frame;
+}
+
+/// A lens that zooms, shifts its pupil and distorts otherwise from frame to frame, and comes back.
+TEST(WholeFrame, agrees_through_a_lens_that_moves) {
+  RoomSetup room({.view = {327, 245}, .lens_k1 = -0.08});
+  room.draw_background_for_each_pose();
+  room.setup.lens_moves = true;
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  expect_agreement(pair, frame);
+  for (const double zoom : {1.6, 1.1, 1.0}) {
+    frame.lens = render::FrameLens{room.setup.target, 0.03 * (zoom - 1)};
+    geometry::Pinhole& p = frame.lens->target.pinhole;
+    p.fx_px *= zoom, p.fy_px *= zoom, p.cx_px += 2 * (zoom - 1);
+    frame.lens->target.lens = geometry::Lens({-0.08 + 0.1 * (zoom - 1), 0, 0, 0, 0, 0, 0, 0});
+    expect_agreement(pair, frame);
+    EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
+  }
+  EXPECT_GT(time_of(pair, render::Stage::kBackground), 0);
+}
+
+/// The same where the capture volume keys and people cast shadows on a set.
+TEST(WholeFrame, agrees_through_a_lens_that_moves_on_a_set) {
+  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  render::FrameInput frame = volume_frame(room);
+  room.setup.backdrop.emplace();
+  room.setup.people_cast_shadows = true;
+  room.setup.lens_moves = true;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, frame);
+  frame.lens = render::FrameLens{room.setup.target, 0.01};
+  frame.lens->target.pinhole.fx_px *= 1.4, frame.lens->target.pinhole.fy_px *= 1.4;
+  expect_agreement(pair, frame);
+}
+
 /// At rest and turned aside, with the person in view.
 void expect_agreement_as_it_turns(Pair& pair, render::FrameInput frame) {
   expect_agreement(pair, frame);
@@ -172,29 +228,6 @@ TEST(WholeFrame, agrees_with_distances_and_a_capture_box) {
   room.setup.capture_box = render::CaptureBox{{-5, -0.4, 0}, {5, 5, 9}};  // cuts off the head
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());
-}
-
-/// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
-render::FrameInput volume_frame(RoomSetup& room) {
-  Eigen::Matrix3d axes;  // columns: right, down, forward
-  axes.col(0) = -Eigen::Vector3d::UnitY();
-  axes.col(1) = -Eigen::Vector3d::UnitZ();
-  axes.col(2) = Eigen::Vector3d::UnitX();
-  const geometry::Pose world_from_target{Eigen::Quaterniond(axes), {0, 0, room.scene.floor_y_m}};
-  room.setup.background = {};
-  room.setup.capture_box = render::CaptureBox{{1.5, -1.5, 0}, {3.5, 1.5, 2.4}};
-  for (render::VirtualObject& object : room.setup.objects)
-    object.world_from_object = world_from_target * object.world_from_object;
-  for (render::Lamp& lamp : room.setup.light.lamps) {
-    const Eigen::Vector3d p =
-        world_from_target *
-        Eigen::Vector3d(lamp.position_m.x, lamp.position_m.y, lamp.position_m.z);
-    lamp.position_m = {p.x(), p.y(), p.z()};
-    if (lamp.direction) lamp.direction = glm::dvec3(0, 0, -1);
-  }
-  render::FrameInput frame = room.frame();
-  frame.world_from_target = world_from_target;
-  return frame;
 }
 
 TEST(WholeFrame, agrees_where_the_capture_volume_alone_keys) {

@@ -124,6 +124,14 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Nor
   color_sigma_.reset(setup.view.size_px);
 }
 
+void MovingBackground::see_through(const CompositorSetup& setup) {
+  limit_radius_px_ = 1;
+  for (Part& part : parts_) {
+    set_view(setup, part.tables);
+    limit_radius_px_ = std::max(limit_radius_px_, part.tables.limit_radius_px);
+  }
+}
+
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
   Before before = Before::kNothing;
   for (Part& part : parts_)

@@ -28,6 +28,8 @@ class MovingBackground {
   /// Draws the depth, and tables.key_limit_w. Colours are those of earlier draws until
   /// draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
+  /// Takes the view of `setup`, of the same size, for the next draws. Allocates nothing.
+  void see_through(const CompositorSetup& setup);
   bool has_color() const { return has_color_; }
   /// Draws the colour of `width` <= kMostColumns pixels of a row. Few pixels need it: those that
   /// depth cannot decide. Any thread, different pixels. Precondition: has_color().

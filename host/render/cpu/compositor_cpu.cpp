@@ -2,6 +2,7 @@
 #include "host/render/cpu/compositor_cpu.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,7 @@ class CpuCompositor final : public Compositor {
   std::string renderer() const override;
 
  private:
+  void follow_lens(const std::optional<FrameLens>& lens, const geometry::Pose& world_from_target);
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
@@ -70,6 +72,7 @@ class CpuCompositor final : public Compositor {
   Crew crew_;
   Tables tables_;
   FramePreparer preparer_;
+  LensFollower lens_;
   std::unique_ptr<MovingBackground> moving_background_;  ///< setup_.background shows its images
   ExposureMeter meter_;
   TofGrid grid_;
@@ -96,6 +99,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       crew_(threads),
       tables_(make_tables(setup_)),
       preparer_(setup_),
+      lens_(setup_),
       meter_(tables_, setup_.background),
       grid_(tables_.tof_size),
       warp_scratch_(tables_.tof_size),
@@ -132,7 +136,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   const NeededPasses needed = needed_passes(output.wanted, setup_);
   // The key writes the matte, wanted or not.
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
-  preparer_.update(input.world_from_target);
+  follow_lens(input.lens, input.world_from_target);
   watch.lap(Stage::kUpload);
   draw_background(watch);
   const glm::vec3 gain = meter_.gain(input.plate);
@@ -165,6 +169,18 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   if (output.wanted & kState) store_state(output.matte, output.state);
   watch.lap(Stage::kReadback);
   return {};
+}
+
+/// What depends on the lens is made again where it has moved, and only there.
+void CpuCompositor::follow_lens(const std::optional<FrameLens>& lens,
+                                const geometry::Pose& world_from_target) {
+  const bool moved = lens_.follow(lens, setup_, tables_);
+  if (moved) {
+    plate_scratch_.see_through(crew_, setup_.target, setup_.view);
+    meter_.see_through(setup_);
+    if (moving_background_) moving_background_->see_through(setup_);
+  }
+  preparer_.update(lens_.world_from_pupil(world_from_target), moved);
 }
 
 Result<void> CpuCompositor::collect(FrameOutput& output) {

@@ -33,7 +33,27 @@ void brighten_row(const std::uint16_t* gain, int width, Rgbx16* row) {
   }
 }
 
+void tap_row(const glm::vec2* plate_px, int width, Size plate, std::ptrdiff_t stride,
+             PlateTap* taps) {
+  for (int x = 0; x < width; ++x) {
+    const Split u = split(plate_px[x].x, plate.width), v = split(plate_px[x].y, plate.height);
+    taps[x] = {v.pixel * static_cast<std::uint32_t>(stride) + u.pixel, u.fraction, v.fraction};
+  }
+}
+
 }  // namespace
+
+void PlateScratch::see_through(Crew& crew, const geometry::CameraModel& target,
+                               const geometry::Pinhole& view) {
+  constexpr int kLensGrain = 16;
+  if (plate_px.empty()) plate_px.reset(taps.size());
+  crew.rows(taps.height(), kLensGrain, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      plate_row(target, view, y, plate_px.row(y));
+      tap_row(plate_px.row(y), taps.width(), target.size_px(), decoded.stride(), taps.row(y));
+    }
+  });
+}
 
 PlateScratch::PlateScratch(const Tables& tables) {
   if (tables.plate_is_view) return;
@@ -42,12 +62,7 @@ PlateScratch::PlateScratch(const Tables& tables) {
   decoded.reset({plate.width + 1, plate.height});
   taps.reset(tables.view_size);
   for (int y = 0; y < taps.height(); ++y)
-    for (int x = 0; x < taps.width(); ++x) {
-      const glm::vec2 at = tables.plate_px.row(y)[x];
-      const Split u = split(at.x, plate.width), v = split(at.y, plate.height);
-      const auto stride = static_cast<std::uint32_t>(decoded.stride());
-      taps.row(y)[x] = {v.pixel * stride + u.pixel, u.fraction, v.fraction};
-    }
+    tap_row(tables.plate_px.row(y), taps.width(), plate, decoded.stride(), taps.row(y));
   gain.reset(tables.plate_gain.size());
   for (int y = 0; y < gain.height(); ++y)
     for (int x = 0; x < gain.width(); ++x)

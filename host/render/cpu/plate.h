@@ -18,8 +18,11 @@ struct PlateTap {
 /// Memory of the pass.
 struct PlateScratch {
   explicit PlateScratch(const Tables& tables);
+  /// Takes another lens and view of the same sizes. Precondition: not where plate and view are one.
+  void see_through(Crew& crew, const geometry::CameraModel& target, const geometry::Pinhole& view);
   Image<Rgbx16> decoded;  ///< the plate in linear light; empty where plate and view are one
   Image<PlateTap> taps;
+  Image<glm::vec2> plate_px;  ///< scratch of see_through(), empty before it
   Image<std::uint16_t> gain;  ///< of each view pixel, 4096 = 1; empty without vignetting
 };
 

@@ -20,11 +20,16 @@ Result<void> check_sizes(const BackgroundModel& from) {
                            largest.width, largest.height, most_px)};
 }
 
-/// Uniforms of common/view.glsl and common/model.glsl that hold for a take.
-void set_view(const Step& step, const Tables& tables, const ModelTables& model, std::size_t faces,
-              bool several) {
+/// Uniforms of common/view.glsl.
+void set_rays(const Step& step, const Tables& tables) {
   step.program.set("focal_px", tables.warp.view.focal_px);
   step.program.set("center_px", tables.warp.view.center_px);
+}
+
+/// Uniforms of common/view.glsl, and of common/model.glsl that hold for a take.
+void set_model(const Step& step, const Tables& tables, const ModelTables& model, std::size_t faces,
+               bool several) {
+  set_rays(step, tables);
   step.program.set("model_focal_px", model.camera.focal_px);
   step.program.set("model_center_px", model.camera.center_px);
   step.program.set("faces", static_cast<int>(faces));
@@ -79,7 +84,9 @@ Result<void> BackgroundPass::add_part(const Tables& tables, const BackgroundMode
       make_texture(model.normal.empty() ? unknown.view() : model.normal.view(), GL_RGBA8_SNORM);
   part.has_color = !from.color.empty();
   MIXRIG_TRY(create_look_ups(tables, from, model, part));
-  part.tables.grid = model.grid, part.tables.range = model.range;
+  part.tables = model;
+  part.tables.depth_m.clear();
+  part.tables.w = {}, part.tables.normal = {};
   parts_.push_back(std::move(part));
   return {};
 }
@@ -103,13 +110,13 @@ Result<void> BackgroundPass::create_look_ups(const Tables& tables, const Backgro
   const std::size_t faces = part.faces.size();
   MIXRIG_ASSIGN(part.look_up,
                 make_step("background.frag", {&depth_m_, &spread_m_, &normal_}, choice()));
-  set_view(part.look_up, tables, model, faces, several_);
+  set_model(part.look_up, tables, model, faces, several_);
   part.look_up_at = part.look_up.program.location("face_from_camera");
   if (!part.has_color) return {};
   part.color = make_texture(from.color, GL_SRGB8_ALPHA8, Sampling::kLinear);
   MIXRIG_ASSIGN(part.find_color,
                 make_step("background_color.frag", {&learned_, &learned_sigma_}, choice()));
-  set_view(part.find_color, tables, model, faces, several_);
+  set_model(part.find_color, tables, model, faces, several_);
   part.find_color.program.set("color_factor", from.color_factor);
   part.find_color.program.set("most_spread", kMostColorSpread);
   part.find_color_at = part.find_color.program.location("face_from_camera");
@@ -139,6 +146,19 @@ Result<void> BackgroundPass::create_limit(const CompositorSetup& setup, int radi
   limit_.program.set("noise_linear", noise.linear);
   limit_.program.set("noise_quadratic_per_m", noise.quadratic_per_m);
   return {};
+}
+
+void BackgroundPass::set_view(const Tables& tables, const CompositorSetup& setup) {
+  int radius_px = 1;
+  for (Part& part : parts_) {
+    render::set_view(setup, part.tables);
+    part.warp.set_view(part.tables.grid);
+    set_rays(part.look_up, tables);
+    if (part.has_color) set_rays(part.find_color, tables);
+    radius_px = std::max(radius_px, part.tables.limit_radius_px);
+  }
+  rows_.program.set("radius", radius_px);
+  limit_.program.set("radius", radius_px);
 }
 
 void BackgroundPass::draw(const geometry::Pose& world_from_camera) {

@@ -19,6 +19,8 @@ class BackgroundPass {
   /// Precondition: setup.background_models is not empty. Errors: as make_program and make_target.
   static Result<BackgroundPass> create(const Tables& tables, const CompositorSetup& setup,
                                        std::span<const ExposureMeter::Place> places);
+  /// Takes the view of `setup` and `tables`, of the same size, for the next draw.
+  void set_view(const Tables& tables, const CompositorSetup& setup);
   void draw(const geometry::Pose& world_from_camera);
   /// Learned colour of each place in order, linear, red negative where unknown. Waits for the GPU.
   std::span<const glm::vec4> colors_of_places();
@@ -40,7 +42,7 @@ class BackgroundPass {
   struct Part {
     std::vector<Face> faces;
     std::array<glm::mat4, kMostFaces> face_from_camera{};  ///< of the last draw
-    ModelTables tables;  ///< only grid and range: the rest is on the GPU
+    ModelTables tables;  ///< without the images: these are on the GPU
     CorrectPass correct;
     WarpPass warp;
     Texture w, sigma_m, normal, color;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "hal/base/parallel.h"
 #include "host/render/exposure.h"
 #include "host/render/frame_io.h"
 #include "host/render/gles/background_pass.h"
@@ -51,6 +52,7 @@ class GlesCompositor final : public Compositor {
   };
 
   Result<void> draw(const FrameInput& input, Frame& frame);
+  void follow_lens(const std::optional<FrameLens>& lens, const geometry::Pose& world_from_target);
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
@@ -75,6 +77,9 @@ class GlesCompositor final : public Compositor {
   CompositorSetup setup_;
   Tables tables_;
   FramePreparer preparer_;
+  LensFollower lens_;
+  std::optional<Crew> crew_;   ///< where the lens moves
+  Image<glm::vec2> plate_px_;  ///< the same
   ExposureMeter meter_;
   glm::vec3 gain_{1};
   Texture background_m_, learned_, learned_sigma_;
@@ -100,8 +105,12 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       setup_(setup),
       tables_(make_tables(setup_)),
       preparer_(setup_),
+      lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
+  if (!setup_.lens_moves) return;
+  crew_.emplace();
+  plate_px_.reset(tables_.view_size);
 }
 
 // GL names are given back to the context that made them.
@@ -175,7 +184,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   StageTimer& timer = *frame.timer;
   {
     const StageScope stage(timer, Stage::kUpload, true);
-    preparer_.update(input.world_from_target);
+    follow_lens(input.lens, input.world_from_target);
     if (!background_pass_) gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
@@ -205,6 +214,26 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const StageScope stage(timer, Stage::kMix);
   return draw_mix(frame.wanted);
+}
+
+/// What depends on the lens is made again where it has moved, and only there.
+void GlesCompositor::follow_lens(const std::optional<FrameLens>& lens,
+                                 const geometry::Pose& world_from_target) {
+  constexpr int kRows = 16;
+  const bool moved = lens_.follow(lens, setup_, tables_);
+  if (moved) {
+    crew_->rows(plate_px_.height(), kRows, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) plate_row(setup_.target, setup_.view, y, plate_px_.row(y));
+    });
+    plate_.upload_map(plate_px_);
+    meter_.see_through(setup_);
+    warp_.set_view(tables_);
+    if (background_pass_) background_pass_->set_view(tables_, setup_);
+    if (keys()) key_.set_view(tables_);
+    if (has_objects()) light_.set_view(tables_);
+    if (people_shadow_) people_shadow_->set_view(tables_);
+  }
+  preparer_.update(lens_.world_from_pupil(world_from_target), moved);
 }
 
 /// Only where the camera moves; while the pose stays, so does the background.

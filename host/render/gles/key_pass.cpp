@@ -22,7 +22,8 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   pass.visible_w_ = make_texture(view, GL_R32F);
   if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
   MIXRIG_TRY(pass.make_steps());
-  pass.set_constants(tables, params, learned.with_spread);
+  pass.set_constants(params, learned.with_spread);
+  pass.set_view(tables);
   return pass;
 }
 
@@ -41,14 +42,18 @@ Result<void> KeyPass::make_steps() {
   return {};
 }
 
-void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, bool has_sigma) {
+void KeyPass::set_view(const Tables& tables) const {
   const float footprint = tables.tof_footprint_px;
   state_.program.set("focal_px", tables.warp.view.focal_px);
   state_.program.set("center_px", tables.warp.view.center_px);
+  speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
+  decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
+}
+
+void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   state_.program.set("crop", params.crop);
   state_.program.set("crop_min_m", params.crop_min_m);
   state_.program.set("crop_max_m", params.crop_max_m);
-  speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
   if (use_color_) {
     vote_.program.set("has_sigma", has_sigma);
     vote_.program.set("has_learned", has_learned_);
@@ -64,7 +69,6 @@ void KeyPass::set_constants(const Tables& tables, const KeyPassParams& params, b
   state_.program.set("noise_quadratic_per_m", params.noise.quadratic_per_m);
   floor_w_ = state_.program.location("floor_w");
   world_from_camera_ = state_.program.location("world_from_camera");
-  decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
 }
 
 void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {

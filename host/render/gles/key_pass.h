@@ -29,6 +29,8 @@ class KeyPass {
   /// Precondition: params.by is not KeyBy::kNothing. Errors: as make_program and make_target.
   static Result<KeyPass> create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params);
+  /// Another view of the same size.
+  void set_view(const Tables& tables) const;
   void draw(const KeyPassParams& params, const KeyInput& input) const;
 
   const Texture& matte() const { return matte_; }  ///< GL_R8
@@ -42,7 +44,7 @@ class KeyPass {
 
  private:
   Result<void> make_steps();
-  void set_constants(const Tables& tables, const KeyPassParams& params, bool has_sigma);
+  void set_constants(const KeyPassParams& params, bool has_sigma);
 
   bool use_color_ = false, has_learned_ = false;
   Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,

@@ -55,9 +55,7 @@ void upload(const std::vector<LampParams>& from, const BufferHandle& to) {
                   lamps.data());
 }
 
-void set_constants(const Program& program, const Tables& tables, const CompositorSetup& setup) {
-  program.set("focal_px", tables.warp.view.focal_px);
-  program.set("center_px", tables.warp.view.center_px);
+void set_constants(const Program& program, const CompositorSetup& setup) {
   program.set("lamp_count", static_cast<int>(setup.light.lamps.size()));
   program.set("ambient", setup.light.ambient);
   const auto blockers = vogel_disc<kBlockerTapCount>();
@@ -94,14 +92,22 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   MIXRIG_ASSIGN(pass.shade_,
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
   for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
-    set_constants(step->program, tables, setup);
-  pass.tiles_.program.set("reach", normal_reach_tiles(tables.tof_footprint_px));
+    set_constants(step->program, setup);
+  pass.set_view(tables);
   pass.shade_.program.set("exposure", setup.light.exposure);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
   pass.has_people_ = pass.shade_.program.location("has_people");
   pass.lamps_ = make_lamps();
   pass.people_lamps_ = make_lamps();
   return pass;
+}
+
+void LightPass::set_view(const Tables& tables) const {
+  for (const Step* step : {&background_, &tiles_, &shade_}) {
+    step->program.set("focal_px", tables.warp.view.focal_px);
+    step->program.set("center_px", tables.warp.view.center_px);
+  }
+  tiles_.program.set("reach", normal_reach_tiles(tables.tof_footprint_px));
 }
 
 void LightPass::set_lamps(const FrameParams& params) {

@@ -12,6 +12,8 @@ class LightPass {
   /// `background_m` is kept by the caller. Errors: kUnsupported for more than kMostLamps.
   static Result<LightPass> create(const Tables& tables, const CompositorSetup& setup);
 
+  /// Another view of the same size.
+  void set_view(const Tables& tables) const;
   /// Lamps and maps (ShadowPass) of this pose.
   void set_lamps(const FrameParams& params);
   /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.

@@ -12,14 +12,18 @@ Result<PeopleShadowPass> PeopleShadowPass::create(const Tables& tables) {
   pass.balls_ = make_texture(blocks, GL_RGBA32F);
   MIXRIG_ASSIGN(pass.find_w_, make_step("people_w.frag", {&pass.w_}));
   MIXRIG_ASSIGN(pass.find_balls_, make_step("people_balls.frag", {&pass.balls_}));
-  pass.find_balls_.program.set("focal_px", tables.warp.view.focal_px);
-  pass.find_balls_.program.set("center_px", tables.warp.view.center_px);
+  pass.set_view(tables);
   MIXRIG_ASSIGN(pass.program_, make_program("people_shadow.vert", "people_shadow.frag"));
   pass.lamp_from_camera_ = pass.program_.location("lamp_from_camera");
   pass.clip_from_lamp_ = pass.program_.location("clip_from_lamp");
   pass.focal_texel_ = pass.program_.location("focal_texel");
   pass.near_m_ = pass.program_.location("near_m");
   return pass;
+}
+
+void PeopleShadowPass::set_view(const Tables& tables) const {
+  find_balls_.program.set("focal_px", tables.warp.view.focal_px);
+  find_balls_.program.set("center_px", tables.warp.view.center_px);
 }
 
 Result<void> PeopleShadowPass::draw(const FrameParams& params, const Texture& matte,

@@ -10,6 +10,8 @@ namespace mixrig::render::gles {
 class PeopleShadowPass {
  public:
   static Result<PeopleShadowPass> create(const Tables& tables);
+  /// Another view of the same size.
+  void set_view(const Tables& tables) const;
   /// Draws the maps of params.people_lamps; matte and visible_w of KeyPass. Allocates in the first
   /// frame. Errors: kUnsupported where there is no memory for the maps.
   Result<void> draw(const FrameParams& params, const Texture& matte, const Texture& visible_w);

@@ -10,6 +10,8 @@ class PlatePass {
  public:
   static Result<PlatePass> create(const Tables& tables);
   void upload_plate(ImageView<const Rgb8> plate) const { upload(plate_, plate); }
+  /// Plate pixel of each view pixel, for another lens. Precondition: draws().
+  void upload_map(ImageView<const glm::vec2> plate_px) const { upload(map_, plate_px); }
   /// Draws where there is a lens to see through.
   void draw() const { run(step_, {&plate_, &map_, &gain_}); }
   /// Linear light when sampled, view size.

@@ -32,8 +32,7 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
   MIXRIG_ASSIGN(pass.cells_, make_program("cells.comp"));
   pass.group_cells_ = pass.cells_.work_group_size();
   MIXRIG_ASSIGN(pass.warp_, make_program("warp.vert", "warp.frag"));
-  pass.warp_.set("camera_from_tof", tables.warp.camera_from_tof);
-  pass.warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
+  pass.set_view(tables);
   GLuint name = 0;
   glGenVertexArrays(1, &name);
   pass.vertex_array_ = VertexArrayHandle(name);
@@ -44,6 +43,11 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
   pass.arguments_ = make_buffer(GL_DRAW_INDIRECT_BUFFER, 5 * sizeof(GLuint), GL_DYNAMIC_COPY);
   glBindVertexArray(0);
   return pass;
+}
+
+void WarpPass::set_view(const Tables& tables) {
+  warp_.set("camera_from_tof", tables.warp.camera_from_tof);
+  warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
 }
 
 void WarpPass::find_triangles(const Texture& vertices) const {

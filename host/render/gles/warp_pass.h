@@ -14,6 +14,8 @@ class WarpPass {
   static Result<WarpPass> create_without_view(const Tables& tables);
   /// In place of Tables::warp, from the next draw() on.
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
+  /// View, and the pose that set_pose() sets, of `tables`; from the next draw() on.
+  void set_view(const Tables& tables);
   /// `vertices`, `tof_ray`: of CorrectPass.
   void draw(const Texture& vertices, const Texture& tof_ray) const {
     clear();

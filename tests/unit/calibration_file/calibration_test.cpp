@@ -129,6 +129,52 @@ TEST(CalibrationFile, UpdatesOneEntryAndKeepsTheOthers) {
   EXPECT_FALSE(std::filesystem::exists(folder / "calibration.toml.partial"));
 }
 
+geometry::LensTable some_lens() {
+  std::vector<geometry::LensNode> nodes;
+  for (const double zoom : {100.0, 200.5, 1e7 / 3})
+    for (const double focus : {-1.0, 1.0 / 3})
+      nodes.push_back({{zoom, focus},
+                       {{{{1280, 1024}, 1100 + zoom / 1e5, 1101, 640 + focus, 512},
+                         geometry::Lens({-0.1 / 3, 0.02, 1e-4, 0, 0, 0, 0, 0})},
+                        focus / 100},
+                       0.1});
+  return *geometry::LensTable::make(nodes);
+}
+
+TEST(CalibrationFile, HoldsTheTableOfALensThatZooms) {
+  Calibration all = whole();
+  all.cameras[0].lens = some_lens();
+  const std::string text = calibration_text(all);
+  auto read = parse_calibration(text, "c.toml");
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_TRUE(read->camera("target")->lens);
+  const auto &a = all.cameras[0].lens->nodes(), &b = read->camera("target")->lens->nodes();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].at, b[i].at);
+    EXPECT_EQ(a[i].lens.camera.pinhole, b[i].lens.camera.pinhole);
+    EXPECT_EQ(a[i].lens.camera.lens.coefficients(), b[i].lens.camera.lens.coefficients());
+    EXPECT_EQ(a[i].lens.pupil_shift_m, b[i].lens.pupil_shift_m);
+    EXPECT_EQ(a[i].residual_px, b[i].residual_px);
+  }
+  merge(*read, whole());  // calibrated again at one setting
+  EXPECT_TRUE(read->camera("target")->lens);
+  for (const auto& [from, to, why] :
+       {std::tuple("focus = -1.0", "focus = -2.0", "cameras.target.lens"),
+        std::tuple("pupil_shift_m = -0.01", "pupil_shift_m = -1.01", "pupil_shift_m"),
+        std::tuple("zoom = 100.0", "zoom = nan", "zoom"),
+        std::tuple("zoom = 100.0", "zom = 100.0", "zom")}) {
+    std::string wrong = text;
+    const std::size_t at = wrong.find(from, wrong.find("lens]]"));
+    ASSERT_NE(at, std::string::npos) << from;
+    wrong.replace(at, std::string(from).size(), to);
+    const auto refused = parse_calibration(wrong, "c.toml");
+    ASSERT_FALSE(refused) << to;
+    EXPECT_EQ(refused.error().context.rfind("c.toml:", 0), 0U) << refused.error().context;
+    EXPECT_NE(refused.error().context.find(why), std::string::npos) << refused.error().context;
+  }
+}
+
 TEST(CalibrationFile, ALensKeepsItsVignettingWhenItIsCalibratedAgain) {
   Calibration all = whole();
   all.cameras[0].vignetting = {0.31, 1.0 / 3};

@@ -49,6 +49,21 @@ cy = 511.5
 distortion = [0.1, -0.2, 0.0, 0.0]
 )";
 
+TEST(RigConfig, HoldsTheEncodersOfALens) {
+  const std::string with = "format = 1\n[lens]\nuri = \"freed:0.0.0.0:6301,2\"\ndelay_ms = 12.5\n";
+  const auto rig = parse_rig(with, "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  EXPECT_EQ(rig->lens_uri, "freed:0.0.0.0:6301,2");
+  EXPECT_EQ(rig->lens_delay, Duration(12500us));
+  const auto again = parse_rig(rig_text(*rig), "again.toml");
+  ASSERT_TRUE(again) << to_line(again.error());
+  EXPECT_EQ(again->lens_uri, rig->lens_uri);
+  EXPECT_EQ(again->lens_delay, rig->lens_delay);
+  const auto wrong = parse_rig("format = 1\n[lens]\nuri = \"freed:0\"\n", "rig.toml");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().context.find("is no address of FreeD"), std::string::npos);
+}
+
 TEST(RigConfig, ReadsEveryDevice) {
   const auto rig = parse_rig(kWhole, "rig.toml");
   ASSERT_TRUE(rig) << to_line(rig.error());

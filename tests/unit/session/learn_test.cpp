@@ -20,9 +20,15 @@ geometry::Pose turned(double yaw_rad, double x_m = 0) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {x_m, 0, 0}};
 }
 
+std::vector<PosedView> posed(const std::vector<geometry::Pose>& poses) {
+  std::vector<PosedView> views;
+  for (const geometry::Pose& pose : poses) views.push_back({kLearnView, pose});
+  return views;
+}
+
 TEST(ViewOfAll, OfOnePoseIsItsView) {
   const std::vector<geometry::Pose> poses = {turned(0.3, 1)};
-  const auto wide = view_of_all(kLearnView, poses);
+  const auto wide = view_of_all(posed(poses));
   ASSERT_TRUE(wide) << wide.error().context;
   EXPECT_NEAR(wide->world_from_camera.rotation.angularDistance(poses[0].rotation), 0, 1e-9);
   EXPECT_NEAR((wide->world_from_camera.translation_m - poses[0].translation_m).norm(), 0, 1e-12);
@@ -33,7 +39,7 @@ TEST(ViewOfAll, OfOnePoseIsItsView) {
 
 TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
   const std::vector<geometry::Pose> poses = {turned(-0.2, -0.1), turned(0, 0), turned(0.25, 0.1)};
-  const auto wide = view_of_all(kLearnView, poses);
+  const auto wide = view_of_all(posed(poses));
   ASSERT_TRUE(wide) << wide.error().context;
   const Eigen::Isometry3d world_from_wide(wide->world_from_camera.matrix());
   for (const geometry::Pose& pose : poses)
@@ -55,7 +61,7 @@ TEST(ViewOfAll, HoldsTheCornersOfEveryView) {
 TEST(ViewOfAll, RefusesATurnThatNoPinholeHolds) {
   for (const double yaw_rad : {1.2, 1.6, 2.5}) {
     const std::vector<geometry::Pose> poses = {turned(-yaw_rad), turned(yaw_rad)};
-    const auto wide = view_of_all(kLearnView, poses);
+    const auto wide = view_of_all(posed(poses));
     ASSERT_FALSE(wide) << yaw_rad;
     EXPECT_NE(wide.error().context.find("turns too far"), std::string::npos);
   }
@@ -146,6 +152,77 @@ TEST(LearnMoving, ALiveCameraMustStandStill) {
       learn_background(source, *setup, {1, 5}, {render::Backend::kCpu, 1}, {}, poses.get());
   ASSERT_FALSE(learned);
   EXPECT_NE(learned.error().context.find("keep it still"), std::string::npos);
+}
+
+/// The same room, seen by a camera that stands still while its lens zooms in and its pupil moves.
+class ZoomingSource final : public capture::CaptureSource {
+ public:
+  static constexpr int kFrames = 9;
+  ZoomingSource() {
+    scene_.person = false;
+    info_.name = "zooming";
+    info_.target.pinhole = kLearnView;
+    info_.tof = info_.target;
+    info_.noise = {0.004, 0, 0};
+    info_.frames = kFrames;
+    info_.lens = std::make_shared<geometry::LensTable>(
+        *geometry::LensTable::make({{{0, 0}, lens(1), 0}, {{1, 0}, lens(2), 0}}));
+  }
+  const capture::SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, capture::Capture& frame) override {
+    const double zoom = 1 + 0.1 * (number - 1);
+    const geometry::LensState state = lens(zoom);
+    const test::Camera rest{kLearnView.size_px, kLearnView.fx_px, {0, 0, 0}};
+    const test::Camera zoomed{
+        kLearnView.size_px, state.camera.pinhole.fx_px, {0, 0, state.pupil_shift_m}};
+    frame.number = number;
+    frame.plate = test::render_plate(scene_, zoomed, static_cast<std::uint32_t>(number));
+    Image<std::uint8_t> person;
+    test::render_truth(scene_, rest, frame.depth_m, person);
+    frame.lens = capture::FrameLens{state, capture::LensOrigin::kEncoded};
+    return true;
+  }
+  Result<void> read_truth(int, capture::Truth&) override { return {}; }
+  const test::AnalyticScene& scene() const { return scene_; }
+
+ private:
+  static geometry::LensState lens(double zoom) {
+    geometry::CameraModel camera{kLearnView, {}};
+    camera.pinhole.fx_px *= zoom, camera.pinhole.fy_px *= zoom;
+    return {camera, 0.05 * (zoom - 1)};
+  }
+  test::AnalyticScene scene_;
+  capture::SourceInfo info_;
+};
+
+TEST(LearnMoving, ARoomThroughALensThatZoomsIsWhereItIs) {
+  ZoomingSource source;
+  const auto setup = setup_of(source.info(), std::nullopt);
+  ASSERT_TRUE(setup);
+  ASSERT_TRUE(setup->lens_moves);
+  const auto poses = pose::make_fixed_pose(turned(0.2, 1), "fixed", "fixed");
+  const auto learned = learn_background(source, *setup, {1, ZoomingSource::kFrames},
+                                        {render::Backend::kCpu, 2}, {}, poses.get());
+  ASSERT_TRUE(learned) << learned.error().context;
+  ASSERT_TRUE(learned->world_from_view);
+  EXPECT_NEAR(learned->view.fx_px, 1.8 * kLearnView.fx_px, 1e-9);
+  const geometry::Pose target_from_view =
+      geometry::inverse(turned(0.2, 1)) * *learned->world_from_view;
+  EXPECT_NEAR(target_from_view.translation_m.z(), 0.02, 1e-9) << "the mean of the pupils";
+  int all = 0, known = 0, right = 0;
+  for (int y = 10; y < learned->view.size_px.height - 10; ++y)
+    for (int x = 10; x < learned->view.size_px.width - 10; ++x) {
+      const Eigen::Vector2d ray = learned->view.unproject({x, y});
+      const test::Hit hit = test::cast(source.scene(), target_from_view.translation_m,
+                                       Eigen::Vector3d(ray.x(), ray.y(), 1));
+      ++all;
+      const float z = learned->depth_m.at(x, y);
+      if (!(z > 0)) continue;
+      ++known;
+      right += std::abs(z - hit.t) < 0.02 * hit.t;
+    }
+  EXPECT_GT(known, 0.6 * all) << "a third of the frames see the middle 83 % of each side";
+  EXPECT_GT(right, 0.95 * known);
 }
 
 TEST(LearnMoving, AScannedBackgroundOfAMovingCameraNeedsItsPose) {

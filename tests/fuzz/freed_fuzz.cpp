@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// FreeD packets of any bytes: what is accepted is written as the same bytes.
+#include <algorithm>
+#include <cstdlib>
+
+#include "host/stream/freed.h"
+#include "tests/fuzz/target.h"
+
+MIXRIG_FUZZ_TARGET(freed) {
+  using namespace mixrig::stream;
+  const auto bytes = std::as_bytes(std::span(data, size));
+  const auto packet = parse_freed(bytes);
+  if (!packet) return 0;
+  const auto again = freed_bytes(*packet);
+  if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) std::abort();
+  return 0;
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the encoders of a lens say over the network, at mid-exposure.
+#include "host/live/lens_stream.h"
+
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/support/threaded_clock.h"
+
+namespace mixrig::live {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A lens that sends its zoom to a stream.
+class SentLens {
+ public:
+  explicit SentLens(Duration delay = {}) {
+    auto receiver = stream::FreeDReceiver::open({"127.0.0.1", 0, 7});
+    EXPECT_TRUE(receiver) << receiver.error().context;
+    stream_.emplace(*std::move(receiver), delay, clock_);
+    to_.sin_family = AF_INET;
+    to_.sin_port = htons(static_cast<std::uint16_t>(stream_->port()));
+    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  }
+  ~SentLens() { ::close(fd_); }
+
+  /// Sends a packet now, and waits until it has come.
+  void send(std::uint32_t zoom, int camera = 7) {
+    stream::FreeDPacket packet;
+    packet.camera = camera, packet.zoom = zoom, packet.focus = zoom + 1;
+    const auto bytes = stream::freed_bytes(packet);
+    ASSERT_EQ(::sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
+                       sizeof to_),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  void wait_for(HostTime at, double zoom) const {
+    const auto begin = std::chrono::steady_clock::now();
+    for (;;) {
+      const auto seen = stream_->at(at);
+      if (seen && seen->zoom == zoom) return;
+      ASSERT_LT(std::chrono::steady_clock::now() - begin, 60s) << zoom << " did not come";
+      std::this_thread::yield();
+    }
+  }
+  std::optional<geometry::LensEncoders> at(HostTime time) const { return stream_->at(time); }
+  test::ThreadedClock clock_;
+
+ private:
+  int fd_ = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to_{};
+  std::optional<LensStream> stream_;
+};
+
+TEST(LensStream, KnowsTheLensAtMidExposure) {
+  SentLens lens;
+  const HostTime first = lens.clock_.now();
+  EXPECT_FALSE(lens.at(first));
+  for (std::uint32_t i = 0; i < 300; ++i) {  // more than it keeps
+    lens.send(1000 + 10 * i);
+    lens.wait_for(lens.clock_.now(), 1000 + 10 * i);
+    lens.clock_.advance(20ms);
+  }
+  const HostTime last = lens.clock_.now() - Duration(20ms);
+  ASSERT_TRUE(lens.at(last - Duration(10ms)));
+  EXPECT_NEAR(lens.at(last - Duration(10ms))->zoom, 3985, 1e-9);
+  EXPECT_NEAR(lens.at(last - Duration(10ms))->focus, 3986, 1e-9);
+  EXPECT_NEAR(lens.at(last + Duration(49ms))->zoom, 3990, 1e-9);
+  EXPECT_FALSE(lens.at(last + Duration(51ms)));
+  EXPECT_FALSE(lens.at(first)) << "older values are dropped";
+}
+
+TEST(LensStream, CountsFromWhenThePacketWasMade) {
+  SentLens lens(Duration(30ms));
+  const HostTime sent = lens.clock_.now();
+  lens.send(5, 8);  // of another camera
+  lens.send(6);
+  lens.wait_for(sent - Duration(30ms), 6);
+  EXPECT_FALSE(lens.at(sent + Duration(21ms)));
+}
+
+TEST(LensStream, IsThereWhereTheRigHasOne) {
+  const SystemClock clock;
+  RigConfig rig;
+  auto none = LensStream::open(rig, clock);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(*none, nullptr);
+  const auto taken = stream::FreeDReceiver::open({"127.0.0.1", 0, {}});
+  ASSERT_TRUE(taken);
+  rig.file = "rig.toml";
+  rig.lens_uri = "freed:" + std::to_string(taken->port());
+  const auto refused = LensStream::open(rig, clock);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().context.rfind("rig.toml: lens.uri: FreeD: cannot listen", 0), 0U)
+      << refused.error().context;
+}
+
+}  // namespace
+}  // namespace mixrig::live
