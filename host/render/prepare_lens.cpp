@@ -17,22 +17,25 @@ geometry::Pinhole view_through(const CompositorSetup& setup, const geometry::Pin
 
 void plate_row(const geometry::CameraModel& target, const geometry::Pinhole& view, int y,
                glm::vec2* out) {
-  // As CameraModel::project() of (x, y, 1), pixel by pixel, without branches: it vectorises.
-  const geometry::Lens::Coefficients& k = target.lens.coefficients();
-  const geometry::Pinhole& plate = target.pinhole;
+  // As CameraModel::project() of (x, y, 1), pixel by pixel, without branches and with values of its
+  // own, so that it vectorises.
+  const geometry::Lens::Coefficients k = target.lens.coefficients();
+  const geometry::Pinhole plate = target.pinhole;
   const double ray_y = (y - view.cy_px) / view.fy_px, domain_r2 = target.lens.domain_r2();
-  const double per_px = 1 / view.fx_px;
-  for (int x = 0; x < view.size_px.width; ++x) {
-    const double ray_x = (x - view.cx_px) * per_px;
-    const double r2 = ray_x * ray_x + ray_y * ray_y, xy = ray_x * ray_y;
+  const double per_px = 1 / view.fx_px, first_x = view.cx_px, ray_y2 = ray_y * ray_y;
+  const int width = view.size_px.width;
+  float* const to = &out[0].x;
+  for (int x = 0; x < width; ++x) {
+    const double ray_x = (x - first_x) * per_px;
+    const double r2 = ray_x * ray_x + ray_y2, xy = ray_x * ray_y;
     const double gain =
         (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
     const double u = ray_x * gain + 2 * k[2] * xy + k[3] * (r2 + 2 * ray_x * ray_x);
-    const double v = ray_y * gain + k[2] * (r2 + 2 * ray_y * ray_y) + 2 * k[3] * xy;
-    const bool seen = r2 <= domain_r2;
-    // The lens sees nothing there: the plate's corner is used.
-    out[x].x = seen ? static_cast<float>(plate.fx_px * u + plate.cx_px) : 0.0F;
-    out[x].y = seen ? static_cast<float>(plate.fy_px * v + plate.cy_px) : 0.0F;
+    const double v = ray_y * gain + k[2] * (r2 + 2 * ray_y2) + 2 * k[3] * xy;
+    // Where the lens sees nothing the plate's corner is used.
+    const double plate_x = plate.fx_px * u + plate.cx_px, plate_y = plate.fy_px * v + plate.cy_px;
+    to[2 * x] = static_cast<float>(r2 <= domain_r2 ? plate_x : 0.0);
+    to[2 * x + 1] = static_cast<float>(r2 <= domain_r2 ? plate_y : 0.0);
   }
 }
 

@@ -36,13 +36,15 @@ TEST_F(ZoomRun, FollowsTheLensByItsTable) {
   const auto fx_px = lens.at("fx_px").get<std::vector<double>>();
   EXPECT_NEAR(fx_px[1] / fx_px[0], 2, 0.15);
 
-  // frames.csv has the view of each frame, which zooms as the true one does.
+  // frames.csv has the view of each frame, which zooms as the true one does. The focal length
+  // doubles in 0.28 s, and between samples 20 ms apart a line is taken: in the middle of z(t) =
+  // 3 t^2 - 2 t^3 it is off by up to ln 2 * 6 / 0.28^2 * 0.02^2 / 8 = 0.27 %.
   const auto views = column(path("out_scene_zoom.toml/frames.csv"), 10);
   const auto true_views = column(path("take/truth/lens.csv"), 1);
   ASSERT_EQ(views.size(), 8U);
   ASSERT_EQ(true_views.size(), 16U);
   for (std::size_t i = 0; i < views.size(); ++i)
-    EXPECT_NEAR(views[i] / true_views[8 + i], 1, 1e-3) << i;
+    EXPECT_NEAR(views[i] / true_views[8 + i], 1, 3e-3) << i;
 
   const auto fixed = run("scene.toml");
   EXPECT_FALSE(fixed.contains("lens"));
