@@ -38,7 +38,7 @@ class TrackerPosesTest : public ::testing::Test {
     TrackerPoseOptions options;
     options.fisheye = TexturedBox::camera();
     options.fisheye_from_target = kFisheyeFromTarget, options.world_from_base = kWorldFromBase;
-    options.tracker.start.radius_m = 0.4, options.tracker.start.radius_rad = 0.4;
+    options.tracker.start_radius_m = 0.4, options.tracker.start_radius_rad = 0.4;
     options.threads = 2;
     poses_ = make_tracker_poses(box_.panorama(), options);
   }
