@@ -18,7 +18,9 @@ struct Split {
 };
 inline Split split(float at, int size) {
   const float clamped = std::clamp(at, 0.0F, static_cast<float>(size - 1));
-  const auto fixed = static_cast<std::uint32_t>(std::lround(256 * clamped));
+  // As std::lround of what is not negative, but without a call: half a step more is exact here.
+  const double half_up = static_cast<double>(256 * clamped) + 0.5;
+  const auto fixed = static_cast<std::uint32_t>(static_cast<std::int32_t>(half_up));
   // The last pixel is the right one of its pair, so that pairs stay inside.
   const auto pixel = std::min(fixed / 256, static_cast<std::uint32_t>(std::max(0, size - 2)));
   return {pixel, static_cast<std::uint16_t>(fixed - 256 * pixel)};
