@@ -13,74 +13,11 @@
 #include "host/image_io/image_io.h"
 #include "host/measure/percentile.h"
 #include "host/model/room_file.h"
-#include "host/session/rig_camera.h"
+#include "host/session/take_pictures.h"
 #include "host/take/take_source.h"
-#include "host/trajectory/trajectory.h"
 
 namespace mixrig::session {
 namespace {
-
-namespace fs = std::filesystem;
-constexpr const char* kTruthOfFisheye = "truth/fisheye.tum";
-
-Result<RigCamera> tracked_camera(const RoomTrackOptions& options, const capture::SourceInfo& info) {
-  const fs::path& path = options.calibration.empty() ? info.calibration : options.calibration;
-  const bool by_plate = options.camera == TrackedCamera::kTarget;
-  if (by_plate && path.empty()) return RigCamera{info.target, {}};
-  if (path.empty())
-    return Error{ErrorCode::kUsage,
-                 "track: the take does not say where its fisheye is: give its "
-                 "calibration.toml by --calibration"};
-  return rig_camera(path, by_plate ? "target" : "fisheye");
-}
-
-/// The picture of a capture and its time; no picture where it has none of its own.
-struct Picture {
-  const Image<Rgb8>* image = nullptr;
-  double time_s = 0;
-};
-
-Picture picture_of(const capture::Capture& capture, TrackedCamera camera) {
-  if (camera == TrackedCamera::kTarget)
-    return {capture.plate.empty() ? nullptr : &capture.plate, capture.time_s};
-  if (capture.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
-  const double behind_s = seconds(capture.mid_exposure - capture.fisheye_mid_exposure);
-  return {&capture.fisheye, capture.time_s - behind_s};
-}
-
-/// True poses of the target camera by time.
-class TruePath {
- public:
-  TruePath(const RoomTrackOptions& options, const capture::SourceInfo& info,
-           const RigCamera& camera)
-      : poses_of_frames_(info.true_poses) {
-    if (options.camera != TrackedCamera::kFisheye) return;
-    const fs::path folder =
-        fs::is_directory(options.take) ? options.take : options.take.parent_path();
-    auto samples = trajectory::read_samples(folder / kTruthOfFisheye);
-    if (!samples) return;
-    fisheye_ = *std::move(samples);
-    camera_from_target_ = camera.camera_from_target;
-  }
-
-  std::optional<geometry::Pose> at(double time_s, const capture::Capture& capture) const {
-    constexpr double kSame_s = 1e-6;
-    const auto near =
-        std::lower_bound(fisheye_.begin(), fisheye_.end(), time_s - kSame_s,
-                         [](const trajectory::TimedPose& p, double t) { return p.t_s < t; });
-    if (near != fisheye_.end() && near->t_s < time_s + kSame_s)
-      return near->world_from_body * camera_from_target_;
-    if (time_s == capture.time_s && poses_of_frames_ &&
-        capture.pose_origin == capture::PoseOrigin::kRecorded)
-      return capture.world_from_target;
-    return std::nullopt;
-  }
-
- private:
-  bool poses_of_frames_;
-  std::vector<trajectory::TimedPose> fisheye_;
-  geometry::Pose camera_from_target_;
-};
 
 /// Errors of the pictures that have a pose and truth.
 struct PathErrors {
@@ -150,14 +87,6 @@ double played_s(double time_s, int pass, double begin_s, double end_s) {
   return pass % 2 == 0 ? before_s + time_s : before_s + begin_s + end_s - time_s;
 }
 
-Result<void> check_size(const RoomTrackOptions& options, Size picture, Size calibrated) {
-  if (picture == calibrated) return {};
-  return Error{ErrorCode::kData,
-               fmt::format("{}: pictures of {}x{}, but the camera was calibrated with {}x{}",
-                           options.take.string(), picture.width, picture.height, calibrated.width,
-                           calibrated.height)};
-}
-
 /// Squares on the places of the patches: green where they count, red where they do not.
 void draw_patches(const tracking::PatchAlign& patches, Image<Rgb8>& picture) {
   constexpr int kHalf = 2;
@@ -192,8 +121,9 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   MIXRIG_ASSIGN(const auto rooms, model::load_rooms(options.room));
   const model::RoomFile& room = rooms.front().room;  // of joined rooms the first
   MIXRIG_ASSIGN(const auto source, take::open_take_source(options.take));
-  MIXRIG_ASSIGN(const RigCamera camera, tracked_camera(options, source->info()));
-  const TruePath truth(options, source->info(), camera);
+  MIXRIG_ASSIGN(const RigCamera camera,
+                tracked_camera(options.camera, options.calibration, source->info()));
+  const TruePath truth(options.camera, options.take, source->info(), camera);
   const auto place =
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
   const geometry::Pose world_from_base = place.value_or(geometry::Pose{});
@@ -208,9 +138,9 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     MIXRIG_ASSIGN(const bool there, source->read(played_frame(step, frames), capture));
     if (!there) break;
     if (options.progress) options.progress(step + 1, steps);
-    const Picture picture = picture_of(capture, options.camera);
+    const TakePicture picture = picture_of(capture, options.camera);
     if (picture.image == nullptr) continue;
-    MIXRIG_TRY(check_size(options, picture.image->size(), geometry::size_px(camera.model)));
+    MIXRIG_TRY(check_size(picture, camera.model, options.take));
     const double half_s = 0.5 / source->info().rate_hz;
     if (track.pictures.empty()) begin_s = picture.time_s - half_s;
     if (step < frames) end_s = picture.time_s + half_s;

@@ -11,11 +11,10 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "hal/base/result.h"
+#include "host/session/take_pictures.h"
 #include "host/tracking/tracker.h"
 
 namespace mixrig::session {
-
-enum class TrackedCamera { kFisheye, kTarget };
 
 struct RoomTrackOptions {
   std::filesystem::path room, take;

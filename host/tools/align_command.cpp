@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig align: time offset and rotation between two trajectories of one rig.
+// mixrig align: time offset and rotation between two trajectories of one rig; two maps joined.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -10,6 +10,7 @@
 #include "hal/base/partial_path.h"
 #include "host/image_io/image_io.h"
 #include "host/report/plot.h"
+#include "host/session/map_track.h"
 #include "host/tools/command.h"
 #include "host/trajectory/align.h"
 
@@ -17,7 +18,7 @@ namespace mixrig::tools {
 namespace {
 
 struct AlignArguments {
-  std::string a, b, json, plot;
+  std::string a, b, json, plot, join;
   trajectory::AlignOptions options;
 };
 
@@ -77,7 +78,23 @@ Result<trajectory::Trajectory> read(const std::string& path) {
   return trajectory;
 }
 
+Result<nlohmann::json> join(const AlignArguments& arguments) {
+  MIXRIG_ASSIGN(const nlohmann::json report,
+                session::join_maps(arguments.a, arguments.b, arguments.join));
+  std::printf("time offset   t_A = t_B %+.6f s  (sigma %.6f s)\n",
+              report["time_offset_s"].get<double>(), report["time_offset_sigma_s"].get<double>());
+  std::printf("rotation      sigma %.4f deg\nscale         %.5f  (sigma %.2f %%)\n",
+              report["rotation_sigma_deg"].get<double>(), report["scale"].get<double>(),
+              report["scale_sigma_pct"].get<double>());
+  if (arguments.json == "-")
+    std::printf("%s\n", report.dump(2).c_str());
+  else if (!arguments.json.empty())
+    MIXRIG_TRY(write_file(arguments.json, report.dump(2) + "\n"));
+  return report;
+}
+
 Result<nlohmann::json> act(const AlignArguments& arguments) {
+  if (!arguments.join.empty()) return join(arguments);
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
   MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
   const auto estimate = trajectory::align(a, b, arguments.options);
@@ -106,6 +123,9 @@ void add_align_command(Command app, Context& context) {
   command
       .add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
       .range(0.05, 10.0);
+  command.add_option("--join", arguments->join,
+                     "A and B are maps written by learn from one take: folder that B is written "
+                     "to, in axes and units of A");
   command.add_option("--plot", arguments->plot, "PNG of the residuals over time");
   command.add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")
       .value_if_left_out("-");

@@ -31,6 +31,7 @@ void add_explain_command(Command app, Context& context);
 void add_info_command(Command app, Context& context);
 void add_scan_command(Command app, Context& context);
 void add_bench_command(Command app, Context& context);
+void add_learn_command(Command app, Context& context);
 void add_studio_command(Command app, Context& context);
 void add_trigger_command(Command app, Context& context);
 void add_flash_command(Command app, Context& context);

@@ -7,6 +7,7 @@ void add_commands(Command app, Context& context) {
   add_board_commands(app, context);
   add_studio_command(app, context);
   add_bench_command(app, context);
+  add_learn_command(app, context);
   add_calibrate_intrinsics_command(app, context);
   add_calibrate_lens_command(app, context);
   add_calibrate_rig_command(app, context);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig track: the pose of every frame of a motion capture, recorded or live; of every picture of
-// a take in a scanned room.
+// a take in a scanned room or a learned map.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +15,7 @@
 #include "host/mocap/marker_file.h"
 #include "host/mocap/track.h"
 #include "host/scene/scene.h"
+#include "host/session/map_track.h"
 #include "host/session/room_track.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -25,7 +26,7 @@ namespace {
 
 struct TrackArguments {
   std::string mocap, constellation, calibration, out, up = "y", version = "3.0";
-  std::string model, take, scene, camera = "fisheye", tum;
+  std::string model, map, take, scene, camera = "fisheye", tum;
   std::string drawings;
   double start_m = 1.2, start_deg = 70;
   int patches = 300, finest = 0, passes = 1, threads = 0;
@@ -174,9 +175,40 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   return json;
 }
 
+Result<nlohmann::json> track_in_map(const TrackArguments& arguments) {
+  session::MapTrackOptions options;
+  options.map = arguments.map, options.take = arguments.take;
+  options.calibration = arguments.calibration, options.threads = arguments.threads;
+  options.tracker.align.patches = arguments.patches;
+  options.tracker.align.finest = arguments.finest;
+  MIXRIG_ASSIGN(const session::MapTrack track, session::track_map(options));
+  const nlohmann::json& json = track.report;
+  std::printf("%d pictures, %.1f %% without a pose, %.0f pictures a second\n",
+              json["frames"].get<int>(), json["lost_pct"].get<double>(), json["fps"].get<double>());
+  if (json.contains("rms_mm"))
+    std::printf(
+        "error of the camera after %s alignment: %.2f mm RMS, 95 %% within %.2f mm, %.4f deg RMS\n",
+        json["aligned"].get<std::string>().c_str(), json["rms_mm"].get<double>(),
+        json["p95_mm"].get<double>(), json["rms_deg"].get<double>());
+  if (track.lost)
+    return Error{ErrorCode::kData, arguments.take +
+                                       ": the map explains none of its pictures: is it a take of "
+                                       "this room, and is the camera calibrated?"};
+  if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, track.tum));
+  return json;
+}
+
 Result<nlohmann::json> track(const TrackArguments& arguments) {
-  if (arguments.mocap.empty() == arguments.model.empty())
-    return Error{ErrorCode::kUsage, "track: give either --mocap, or --model with --take"};
+  const int sources = (arguments.mocap.empty() ? 0 : 1) + (arguments.model.empty() ? 0 : 1) +
+                      (arguments.map.empty() ? 0 : 1);
+  if (sources != 1)
+    return Error{ErrorCode::kUsage,
+                 "track: give one of --mocap, --model with --take, --map with --take"};
+  if (!arguments.map.empty()) {
+    if (arguments.take.empty())
+      return Error{ErrorCode::kUsage, "track: --map needs --take: whose pictures?"};
+    return track_in_map(arguments);
+  }
   if (!arguments.model.empty()) {
     if (arguments.take.empty())
       return Error{ErrorCode::kUsage, "track: --model needs --take: whose pictures?"};
@@ -211,19 +243,22 @@ void add_track_command(Command app, Context& context) {
                      "natnet[:HOST[:PORT]][,GROUP]");
   command.add_option("--model", arguments->model,
                      "room written by scan, in which the camera of --take is tracked");
-  command.add_option("--take", arguments->take, "--model: folder or take.toml");
+  command.add_option("--map", arguments->map,
+                     "map written by learn, in which the camera of --take is tracked that learned "
+                     "it; poses are in its axes");
+  command.add_option("--take", arguments->take, "--model, --map: folder or take.toml");
   command.add_option("--camera", arguments->camera, "--model: by whose pictures")
       .one_of({"fisheye", "target"})
       .show_default();
   command.add_option("--scene", arguments->scene,
                      "--model: scene.toml that says where the room stands; else poses are in its "
                      "own axes where its folder does not say");
-  command.add_option("--patches", arguments->patches, "--model: of a picture")
+  command.add_option("--patches", arguments->patches, "--model, --map: of a picture")
       .show_default()
       .range(20, 5000);
   command
       .add_option("--finest", arguments->finest,
-                  "--model: pictures are aligned down to 1/2^N of their size")
+                  "--model, --map: pictures are aligned down to 1/2^N of their size")
       .show_default()
       .range(0, 3);
   command
@@ -243,7 +278,8 @@ void add_track_command(Command app, Context& context) {
       .range(1, 10000);
   command.add_option("--draw", arguments->drawings,
                      "--model: folder for the pictures with their patches, green where they count");
-  command.add_option("--threads", arguments->threads, "--model: 0: one per core").non_negative();
+  command.add_option("--threads", arguments->threads, "--model, --map: 0: one per core")
+      .non_negative();
   command.add_option("--constellation", arguments->constellation,
                      "TOML of the body's markers: poses are computed from markers alone");
   command.add_option("--body", arguments->body, "number of the rigid body; 0: the only one")
@@ -262,7 +298,8 @@ void add_track_command(Command app, Context& context) {
   command.add_option("--frames", arguments->frames, "number of frames of a live stream");
   command.add_option("--out", arguments->out, "--mocap: trajectory in TUM format, z up");
   command.add_option("OUT", arguments->tum,
-                     "--model: poses of the target camera at its pictures, TUM format");
+                     "--model: poses of the target camera at its pictures, TUM format; --map: of "
+                     "the camera that learned it");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }

@@ -17,10 +17,20 @@ struct SearchField {
   double radius_rad = 1.2;
 };
 
+/// Finds a camera whose pose is not known.
+class PoseFinder {
+ public:
+  virtual ~PoseFinder() = default;
+  /// A pose that explains the picture (`explains`); none rather than a guess. `field` says where to
+  /// look, where the finder needs it.
+  virtual std::optional<PatchFit> find(const GreyPyramid& picture,
+                                       const SearchField& field) const = 0;
+};
+
 /// Compares a coarse picture with the coarse room at all poses of a grid, by the correlation of
 /// grey values along the picture's rays; the best of them are aligned, the best of those down to
 /// the finest level. Not thread-safe; allocates.
-class FirstPose {
+class FirstPose final : public PoseFinder {
  public:
   /// Map and camera must outlive it.
   FirstPose(const model::Panorama& room, const PatchMap& map, const geometry::AnyCamera& camera,
@@ -28,7 +38,7 @@ class FirstPose {
 
   /// The best pose, or none where no pose of the field explains the picture (`explains`),
   /// or another one explains it nearly as well.
-  std::optional<PatchFit> find(const GreyPyramid& picture, const SearchField& field) const;
+  std::optional<PatchFit> find(const GreyPyramid& picture, const SearchField& field) const override;
 
   /// A place on the coarse room.
   struct Surface {

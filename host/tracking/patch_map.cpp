@@ -112,7 +112,7 @@ float distance_between(const Level& level, double x, double y) {
 }
 
 /// Grey values of a patch with a border of one pixel.
-constexpr int kWide = kPatchSide + 2;
+constexpr int kWide = kWidePatch;
 using WideGrey = std::array<float, kWide * kWide>;
 
 bool read_wide(const Level& level, int x, int y, int stride, WideGrey& out) {
@@ -126,49 +126,11 @@ bool read_wide(const Level& level, int x, int y, int stride, WideGrey& out) {
   return known >= kLeastKnown * kWide * kWide;
 }
 
-/// Grey values, derivatives and their sums of products.
-void fill_grey(const WideGrey& wide, Patch& p) {
-  float mean = 0, mean_u = 0, mean_v = 0;
-  p.known = 0;
-  for (int v = 0; v < kPatchSide; ++v)
-    for (int u = 0; u < kPatchSide; ++u) {
-      const auto k = static_cast<std::size_t>(v * kPatchSide + u);
-      const auto w = static_cast<std::size_t>((v + 1) * kWide + u + 1);
-      const bool all = p.share[k] > 0 && wide[w] >= 0 && wide[w - 1] >= 0 && wide[w + 1] >= 0 &&
-                       wide[w - kWide] >= 0 && wide[w + kWide] >= 0;
-      p.share[k] = all ? 1.0F : 0.0F;
-      p.grey[k] = all ? wide[w] : 0;
-      p.grey_u[k] = all ? 0.5F * (wide[w + 1] - wide[w - 1]) : 0;
-      p.grey_v[k] = all ? 0.5F * (wide[w + kWide] - wide[w - kWide]) : 0;
-      p.known += p.share[k];
-      mean += p.grey[k], mean_u += p.grey_u[k], mean_v += p.grey_v[k];
-    }
-  if (p.known == 0) return;
-  mean /= p.known, mean_u /= p.known, mean_v /= p.known;
-  p.energy = p.uu = p.uv = p.vv = 0;
-  for (std::size_t k = 0; k < kPatchPixels; ++k) {
-    p.grey[k] = p.share[k] * (p.grey[k] - mean);
-    p.grey_u[k] = p.share[k] * (p.grey_u[k] - mean_u);
-    p.grey_v[k] = p.share[k] * (p.grey_v[k] - mean_v);
-    p.energy += p.grey[k] * p.grey[k];
-    p.uu += p.grey_u[k] * p.grey_u[k];
-    p.uv += p.grey_u[k] * p.grey_v[k];
-    p.vv += p.grey_v[k] * p.grey_v[k];
-  }
-}
-
-float score_of(const Patch& p) {
-  const float mean = 0.5F * (p.uu + p.vv);
-  const float half = std::hypot(0.5F * (p.uu - p.vv), p.uv);
-  return mean - half + 0.05F * (mean + half);
-}
-
 /// Places of the pixels; false where they are not known or lie on two surfaces.
 bool fill_places(const Level& level, int x, int y, int stride, Patch& p) {
   std::array<Vector3d, kPatchPixels> places;
   std::array<float, kPatchPixels> distances{};
   int known = 0;
-  Vector3d centre = Vector3d::Zero();
   for (int v = 0; v < kPatchSide; ++v)
     for (int u = 0; u < kPatchSide; ++u) {
       const auto k = static_cast<std::size_t>(v * kPatchSide + u);
@@ -176,7 +138,7 @@ bool fill_places(const Level& level, int x, int y, int stride, Patch& p) {
       distances[k] = distance_between(level, at_x, at_y);
       places[k] = distances[k] * level.direction(at_x, at_y);
       p.share[k] = distances[k] > 0 ? 1.0F : 0.0F;
-      if (distances[k] > 0) centre += places[k], ++known;
+      known += distances[k] > 0 ? 1 : 0;
     }
   if (known < kLeastKnown * kPatchPixels) return false;
   if (level.pixel_rad < kStepsMatter_rad)
@@ -188,22 +150,7 @@ bool fill_places(const Level& level, int x, int y, int stride, Patch& p) {
       if ((k % kPatchSide > 0 && step(k - 1)) || (k >= kPatchSide && step(k - kPatchSide)))
         return false;
     }
-  centre /= known;
-  p.centre_m = centre.cast<float>();
-  Vector3d along_u = Vector3d::Zero(), along_v = Vector3d::Zero();
-  double squares = 0;
-  for (std::size_t k = 0; k < kPatchPixels; ++k) {
-    const Vector3d off = p.share[k] > 0 ? Vector3d(places[k] - centre) : Vector3d::Zero();
-    p.x_m[k] = static_cast<float>(off.x()), p.y_m[k] = static_cast<float>(off.y());
-    p.z_m[k] = static_cast<float>(off.z());
-    const double u = static_cast<int>(k % kPatchSide) - 0.5 * (kPatchSide - 1);
-    const double v = static_cast<int>(k / kPatchSide) - 0.5 * (kPatchSide - 1);
-    along_u += u * off, along_v += v * off;
-    squares += p.share[k] * u * u;
-  }
-  p.u_m = (along_u / squares).cast<float>(), p.v_m = (along_v / squares).cast<float>();
-  p.normal = p.u_m.cross(p.v_m).normalized();
-  if (p.normal.dot(p.centre_m) > 0) p.normal = -p.normal;
+  set_places(places, Vector3d::Zero(), p);
   p.range_m = p.centre_m.norm();
   return true;
 }
@@ -262,8 +209,8 @@ void score_rows(const Level& level, int begin, int end, Image<float>& scores) {
     for (int x = 0; x < level.grey.width(); x += stride) {
       if (!read_wide(level, x, y, stride, wide)) continue;
       p.share.fill(1);
-      fill_grey(wide, p);
-      if (p.energy >= p.known * kLeastContrast * kLeastContrast) scores.row(y)[x] = score_of(p);
+      set_look(wide, p);
+      if (has_contrast(p)) scores.row(y)[x] = p.score;
     }
   }
 }
@@ -294,19 +241,80 @@ std::vector<Patch> patches_of(const Level& level, int count, Crew& crew) {
       WideGrey wide{};
       if (!fill_places(level, c.x, c.y, stride, p)) continue;
       if (!read_wide(level, c.x, c.y, stride, wide)) continue;
-      fill_grey(wide, p);
+      set_look(wide, p);
       if (p.known < kLeastKnown * kPatchPixels) continue;
       const auto [px, py] = level.at(c.x + 0.5 * kPatchSide * stride, c.y + 0.5 * kPatchSide);
       p.sigma_m = level.room.sigma_m.row(py)[px];
       p.pixel_rad = static_cast<float>(level.pixel_rad);
-      p.score = score_of(p);
       patches.push_back(p);
       break;
     }
   return patches;
 }
 
+float score_of(const Patch& p) {
+  const float mean = 0.5F * (p.uu + p.vv);
+  const float half = std::hypot(0.5F * (p.uu - p.vv), p.uv);
+  return mean - half + 0.05F * (mean + half);
+}
+
 }  // namespace
+
+void set_places(const std::array<Vector3d, kPatchPixels>& places, const Vector3d& eye_m, Patch& p) {
+  Vector3d centre = Vector3d::Zero();
+  double known = 0;
+  for (std::size_t k = 0; k < kPatchPixels; ++k)
+    if (p.share[k] > 0) centre += places[k], known += 1;
+  centre /= known;
+  p.centre_m = centre.cast<float>();
+  Vector3d along_u = Vector3d::Zero(), along_v = Vector3d::Zero();
+  double squares = 0;
+  for (std::size_t k = 0; k < kPatchPixels; ++k) {
+    const Vector3d off = p.share[k] > 0 ? Vector3d(places[k] - centre) : Vector3d::Zero();
+    p.x_m[k] = static_cast<float>(off.x()), p.y_m[k] = static_cast<float>(off.y());
+    p.z_m[k] = static_cast<float>(off.z());
+    const double u = static_cast<int>(k % kPatchSide) - 0.5 * (kPatchSide - 1);
+    const double v = static_cast<int>(k / kPatchSide) - 0.5 * (kPatchSide - 1);
+    along_u += u * off, along_v += v * off;
+    squares += p.share[k] * u * u;
+  }
+  p.u_m = (along_u / squares).cast<float>(), p.v_m = (along_v / squares).cast<float>();
+  p.normal = p.u_m.cross(p.v_m).normalized();
+  if (p.normal.dot(p.centre_m - eye_m.cast<float>()) > 0) p.normal = -p.normal;
+}
+
+bool has_contrast(const Patch& p) { return p.energy >= p.known * kLeastContrast * kLeastContrast; }
+
+void set_look(const std::array<float, kWidePatch * kWidePatch>& wide, Patch& p) {
+  float mean = 0, mean_u = 0, mean_v = 0;
+  p.known = 0;
+  for (int v = 0; v < kPatchSide; ++v)
+    for (int u = 0; u < kPatchSide; ++u) {
+      const auto k = static_cast<std::size_t>(v * kPatchSide + u);
+      const auto w = static_cast<std::size_t>((v + 1) * kWide + u + 1);
+      const bool all = p.share[k] > 0 && wide[w] >= 0 && wide[w - 1] >= 0 && wide[w + 1] >= 0 &&
+                       wide[w - kWide] >= 0 && wide[w + kWide] >= 0;
+      p.share[k] = all ? 1.0F : 0.0F;
+      p.grey[k] = all ? wide[w] : 0;
+      p.grey_u[k] = all ? 0.5F * (wide[w + 1] - wide[w - 1]) : 0;
+      p.grey_v[k] = all ? 0.5F * (wide[w + kWide] - wide[w - kWide]) : 0;
+      p.known += p.share[k];
+      mean += p.grey[k], mean_u += p.grey_u[k], mean_v += p.grey_v[k];
+    }
+  if (p.known == 0) return;
+  mean /= p.known, mean_u /= p.known, mean_v /= p.known;
+  p.energy = p.uu = p.uv = p.vv = 0;
+  for (std::size_t k = 0; k < kPatchPixels; ++k) {
+    p.grey[k] = p.share[k] * (p.grey[k] - mean);
+    p.grey_u[k] = p.share[k] * (p.grey_u[k] - mean_u);
+    p.grey_v[k] = p.share[k] * (p.grey_v[k] - mean_v);
+    p.energy += p.grey[k] * p.grey[k];
+    p.uu += p.grey_u[k] * p.grey_u[k];
+    p.uv += p.grey_u[k] * p.grey_v[k];
+    p.vv += p.grey_v[k] * p.grey_v[k];
+  }
+  p.score = score_of(p);
+}
 
 PatchMap make_patch_map(const model::Panorama& room, const PatchMapOptions& options, Crew& crew) {
   PatchMap map;
@@ -325,6 +333,7 @@ PatchMap make_patch_map(const model::Panorama& room, const PatchMapOptions& opti
 }
 
 bool PatchMap::hidden(const Eigen::Vector3f& eye_m, const Eigen::Vector3f& point_m) const {
+  if (distance_m.empty()) return false;
   constexpr int kSteps = 12;
   constexpr float kBehind = 1.03F;
   for (int i = 1; i < kSteps; ++i) {

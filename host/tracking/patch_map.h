@@ -47,9 +47,21 @@ struct PatchMap {
   Image<float> distance_m;                 ///< of the panorama, 0 unknown
 
   /// Whether something of the room stands between the two points: the segment passes behind what is
-  /// seen from the panorama's origin, by more than 3 %. What is not known hides nothing.
+  /// seen from the panorama's origin, by more than 3 %. What is not known hides nothing, and a map
+  /// without a panorama knows nothing.
   bool hidden(const Eigen::Vector3f& eye_m, const Eigen::Vector3f& point_m) const;
 };
+
+/// Sets grey values, derivatives and what follows from them, the score too. `grey`: of the pixels
+/// with a border of one pixel, row by row, -1 unknown. Pixels whose share is 0 stay unknown.
+inline constexpr int kWidePatch = kPatchSide + 2;
+void set_look(const std::array<float, kWidePatch * kWidePatch>& grey, Patch& patch);
+/// Sets centre, pixels and axes from the places of the pixels whose share is 1; the normal points
+/// to `eye_m`. Precondition: one pixel at least.
+void set_places(const std::array<Eigen::Vector3d, kPatchPixels>& places_m,
+                const Eigen::Vector3d& eye_m, Patch& patch);
+/// Whether the grey values differ enough for a patch to be found.
+bool has_contrast(const Patch& patch);
 
 /// Patches at places where the picture's gradients determine a shift in both directions (Shi and
 /// Tomasi 1994), the best of each of as many cells of equal solid angle. None where the room is not

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixrig::tracking {
 namespace {
@@ -65,13 +66,24 @@ geometry::Pose looking_at_the_scan(const model::Panorama& room) {
 
 Tracker::Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
                  const TrackerOptions& options, Crew& crew)
+    : Tracker(
+          make_patch_map(room, map_options(camera, options.align), crew), camera, options,
+          [&](const PatchMap& map, const geometry::AnyCamera& own) {
+            return std::make_unique<FirstPose>(room, map, own, options.align, crew);
+          },
+          crew) {
+  start_.room_from_camera = looking_at_the_scan(room);
+}
+
+Tracker::Tracker(PatchMap map, const geometry::AnyCamera& camera, const TrackerOptions& options,
+                 const MakeFinder& make_finder, Crew& crew)
     : camera_(camera),
       options_(options),
-      start_{looking_at_the_scan(room), options.start_radius_m, options.start_radius_rad},
+      start_{looking_ahead(), options.start_radius_m, options.start_radius_rad},
       crew_(crew),
-      map_(make_patch_map(room, map_options(camera, options.align), crew)),
+      map_(std::move(map)),
       align_(map_, camera_, options.align),
-      first_(room, map_, camera_, options.align, crew) {}
+      finder_(make_finder(map_, camera_)) {}
 
 std::optional<geometry::Pose> Tracker::predicted(double time_s) const {
   if (!last_ || lost_) return std::nullopt;
@@ -109,7 +121,7 @@ std::optional<PatchFit> Tracker::search(double time_s) {
     field.radius_m = std::min(field.radius_m, 0.3 + options_.speed_m_s * passed_s);
     field.radius_rad = std::min(field.radius_rad, 0.3 + options_.speed_rad_s * passed_s);
   }
-  auto fit = first_.find(picture_, field);
+  auto fit = finder_->find(picture_, field);
   if (fit) ++counts_.found;
   return fit;
 }

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 
 #include "host/tracking/first_pose.h"
@@ -48,6 +50,12 @@ class Tracker {
   /// `room` is read here alone; `crew` must outlive the tracker.
   Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,
           const TrackerOptions& options, Crew& crew);
+  /// Makes what finds the camera; map and camera outlive it.
+  using MakeFinder =
+      std::function<std::unique_ptr<PoseFinder>(const PatchMap&, const geometry::AnyCamera&)>;
+  /// Of any map of patches, in metres.
+  Tracker(PatchMap map, const geometry::AnyCamera& camera, const TrackerOptions& options,
+          const MakeFinder& make_finder, Crew& crew);
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
@@ -71,11 +79,11 @@ class Tracker {
 
   const geometry::AnyCamera camera_;
   const TrackerOptions options_;
-  const SearchField start_;
+  SearchField start_;  ///< of the first pose
   Crew& crew_;
   const PatchMap map_;
   PatchAlign align_;
-  const FirstPose first_;
+  const std::unique_ptr<const PoseFinder> finder_;
   GreyPyramid picture_;
   std::optional<Past> last_, before_;  ///< the newest two poses that were known
   bool lost_ = true;
