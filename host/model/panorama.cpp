@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/model/floating_areas.h"
 #include "host/model/panorama_color.h"
 #include "host/model/panorama_finish.h"
 #include "host/model/room_planes.h"
@@ -263,6 +264,7 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
   if (options.straighten) {
     panorama.planes = find_planes(panorama);
     straighten(panorama.planes, panorama, crew);
+    forget_wrapped(panorama);
   }
   before = panorama;
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
