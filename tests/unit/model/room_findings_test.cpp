@@ -154,7 +154,7 @@ TEST(RoomFindings, WhatFloatsBeforeAWallIsNamedAndWhatStandsIsNot) {
 /// Beyond the unambiguous range a mirror's depth wraps around to less than the wall's; its light
 /// has come a longer way than its distance says, so it is noisier.
 TEST(RoomFindings, DepthOfAMirrorThatWrappedAroundIsLeftOutAndNamed) {
-  const auto found = faults_with_sheet(-0.3, 0.08);
+  const auto found = faults_with_sheet(-0.3, 0.04);
   const Finding *fault = find(found, FindingKind::kWrapped),
                 *unknown = find(found, FindingKind::kWithoutDepth);
   ASSERT_NE(fault, nullptr);
