@@ -26,14 +26,11 @@ std::vector<double> curvatures(const std::vector<double>& x, const std::vector<d
 double spline(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (x.empty()) return 0;
   if (x.size() == 1) return y.front();
+  // Beyond the ends nothing was measured. The error of a ToF camera swings about its mean, so what
+  // it is at the end is nearer to it than a line that goes on.
+  if (at <= x.front()) return y.front();
+  if (at >= x.back()) return y.back();
   const auto m = curvatures(x, y);
-  const std::size_t last = x.size() - 1;
-  const auto slope = [&](std::size_t i, bool at_end) {  // of piece i..i+1 at one of its ends
-    const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
-    return at_end ? chord + h * (m[i] + 2 * m[i + 1]) / 6 : chord - h * (2 * m[i] + m[i + 1]) / 6;
-  };
-  if (at <= x.front()) return y.front() + slope(0, false) * (at - x.front());
-  if (at >= x.back()) return y.back() + slope(last - 1, true) * (at - x.back());
   const std::size_t i =
       static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()) - 1;
   const double h = x[i + 1] - x[i], b = (at - x[i]) / h, a = 1 - b;

@@ -106,6 +106,7 @@ Result<model::SweepPlan> plan_for(const LiveScanOptions& options, const SweepSet
   task.camera_pan_rad = 2 * std::atan(0.5 * tof.size_px.width / tof.fx_px);
   task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
   task.overlap = options.overlap;
+  task.most_views = options.most_views;
   task.most_pan_rad = std::min(-unit.minimum.pan_rad, unit.maximum.pan_rad);
   task.most_tilt_rad = unit.maximum.tilt_rad;
   task.most_down_rad = -unit.minimum.tilt_rad;

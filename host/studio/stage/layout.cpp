@@ -138,6 +138,7 @@ Layout make_layout(const StudioOptions& options) {
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
   layout.room.guest_seat = options.people >= 2;
   layout.room.mirror = options.realism.mirror;
+  layout.room.window = options.window;
   layout.room.desk_chair = !options.clear_floor;
   layout.room.moved_chair = options.day.moved_chair;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);

@@ -17,8 +17,14 @@ TEST(DepthError, IsTheNaturalCubicSpline) {
   for (double x : {0.0, 0.25, 0.5, 0.9, 1.0})
     EXPECT_NEAR(error.at(x, 0, kMiddle, kSize), 1.5 * x - 0.5 * x * x * x, 1e-14);
   EXPECT_NEAR(error.at(1.75, 0, kMiddle, kSize), error.at(0.25, 0, kMiddle, kSize), 1e-14);
-  EXPECT_NEAR(error.at(-2, 0, kMiddle, kSize), -3, 1e-14);  // straight beyond the ends
-  EXPECT_NEAR(error.at(3, 0, kMiddle, kSize), -1.5, 1e-14);
+}
+
+TEST(DepthError, BeyondTheKnotsItIsWhatItIsAtTheEnd) {
+  DepthError error;
+  error.knots_m = {0, 1, 2};
+  error.error_m = {0.5, 1, 0};
+  EXPECT_EQ(error.at(-2, 0, kMiddle, kSize), 0.5);
+  EXPECT_EQ(error.at(3, 0, kMiddle, kSize), 0);
 }
 
 TEST(DepthError, AddsTermsOfAmplitudeAndPlace) {
