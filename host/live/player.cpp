@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kBuffers = 8;
 constexpr Duration kLongestSleep = std::chrono::milliseconds(50);
+constexpr double kFisheyeWithin_s = 2;  ///< its first picture, from the first frame
 
 void put_u16(std::uint8_t* out, long value) {
   out[0] = static_cast<std::uint8_t>(value);
@@ -81,8 +82,7 @@ Player::Player(std::unique_ptr<capture::CaptureSource> source, Clock& clock)
     : source_(std::move(source)), clock_(clock) {}
 
 Player::~Player() {
-  stop(color_);
-  stop(depth_);
+  for (Channel* channel : channels()) stop(*channel);
 }
 
 void Player::describe(const std::string& uri) {
@@ -110,6 +110,31 @@ void Player::describe(const std::string& uri) {
                      info.tof.pinhole.fx_px, info.tof.pinhole.cx_px, info.tof.pinhole.cy_px}};
 }
 
+/// Size and rate of the fisheye; the first frame is read again after it.
+Result<void> Player::find_fisheye() {
+  const capture::SourceInfo& info = source_->info();
+  const auto last = std::min(info.frames, 1 + static_cast<int>(kFisheyeWithin_s * info.rate_hz));
+  for (int number = 1; capture_.fisheye.empty() && number <= last; ++number)
+    MIXRIG_TRY(read(number));
+  if (capture_.fisheye.empty())
+    return Error{ErrorCode::kData,
+                 uri_ +
+                     ": has no pictures of a fisheye: record it with the fisheye in rig.toml; "
+                     "mixrig studio needs --fisheye, studio: devices the fisheye's WxH as the "
+                     "last of SCENARIO,SEED,RIG,FRAMES,WxH,WxH"};
+  const Size size = capture_.fisheye.size();
+  fisheye_.info = color_.info;
+  fisheye_.info.uri = uri_ + "/fisheye";
+  fisheye_.info.size = size;
+  fisheye_.info.rate_hz = info.fisheye_rate_hz;
+  fisheye_.pool.emplace(
+      kBuffers,
+      device::image_bytes(device::PixelFormat::kRgb8, size,
+                          device::row_bytes(device::PixelFormat::kRgb8, size.width)),
+      std::size_t{0});
+  return read(1);
+}
+
 std::unique_ptr<device::Camera> Player::camera() {
   const std::lock_guard lock(mutex_);
   color_.taken = true;
@@ -121,6 +146,14 @@ std::unique_ptr<device::DepthCamera> Player::depth() {
   depth_.taken = true;
   return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth_),
                                  depth_info_);
+}
+
+Result<std::unique_ptr<device::Camera>> Player::fisheye() {
+  const std::lock_guard lock(mutex_);
+  if (!fisheye_.pool) MIXRIG_TRY(find_fisheye());
+  fisheye_.taken = true;
+  return std::unique_ptr<device::Camera>(
+      std::make_unique<PlayedCamera>(shared_from_this(), fisheye_));
 }
 
 Result<std::unique_ptr<device::PanTilt>> Player::pan_tilt() {
@@ -140,8 +173,8 @@ Result<void> Player::start(Channel& channel, device::FrameSink sink) {
                  channel.info.uri + ": play_at_s in rig.toml has passed: give a later time"};
   channel.sink = std::move(sink);
   channel.health.state = device::DeviceState::kStreaming;
-  const auto ready = [](const Channel& c) { return !c.taken || c.sink; };
-  if (!ready(color_) || !ready(depth_)) return {};
+  for (const Channel* c : channels())
+    if (c->taken && !c->sink) return {};
   // A camera that stopped and starts again while the player runs continues with the next frame.
   if (!std::exchange(stop_, false)) return {};
   begin_ = play_at_.value_or(clock_.now());
@@ -156,7 +189,8 @@ void Player::stop(Channel& channel) {
     const std::lock_guard lock(mutex_);
     channel.sink = nullptr;
     channel.health.state = device::DeviceState::kStopped;
-    if (color_.sink || depth_.sink) return;
+    for (const Channel* c : channels())
+      if (c->sink) return;
     stop_ = true;
     done = std::move(thread_);
   }
@@ -181,8 +215,38 @@ bool Player::publish_both(int number, HostTime due) {
   poses_[static_cast<std::size_t>(number) % poses_.size()] = {
       static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
   for (Channel* channel : {&color_, &depth_})
-    if (channel->sink) publish(*channel, due);
+    if (channel->sink) publish(*channel, due, static_cast<std::uint64_t>(number));
   return true;
+}
+
+/// False when playing ends.
+bool Player::publish_fisheye(HostTime at) {
+  const std::lock_guard lock(mutex_);
+  if (stop_) return false;
+  if (fisheye_.sink) publish(fisheye_, at, capture_.fisheye_counter);
+  return true;
+}
+
+bool Player::has_new_fisheye() const {
+  return fisheye_.taken &&
+         capture_.status_of(capture::Stream::kFisheye) == capture::StreamStatus::kFresh &&
+         capture_.fisheye.size() == fisheye_.info.size;
+}
+
+/// The fisheye's picture lies before or after its frame, by less than the time to the next one.
+bool Player::publish_in_time(int number, HostTime due) {
+  const bool has_picture = has_new_fisheye();
+  const HostTime picture_due = due + (capture_.fisheye_mid_exposure - capture_.mid_exposure);
+  const auto frame = [&] {
+    wait_until(due);
+    return publish_both(number, due);
+  };
+  const auto picture = [&] {
+    if (!has_picture) return true;
+    wait_until(picture_due);
+    return publish_fisheye(picture_due);
+  };
+  return picture_due <= due ? picture() && frame() : frame() && picture();
 }
 
 void Player::work_steered() {
@@ -211,8 +275,7 @@ void Player::work() {
     }
     const HostTime due = begin_ + Duration(std::llround((capture_.time_s - first_s_) * 1e9));
     if (angles_ && capture_.pan_tilt) angles_->add(due, *capture_.pan_tilt);
-    wait_until(due);
-    if (!publish_both(number, due)) return;
+    if (!publish_in_time(number, due)) return;
   }
   end(device::DeviceState::kStopped);
 }
@@ -242,7 +305,7 @@ void Player::wait_until(HostTime due) {
   }
 }
 
-void Player::publish(Channel& channel, HostTime at) {
+void Player::publish(Channel& channel, HostTime at, std::uint64_t counter) {
   auto draft = channel.pool->take();
   if (!draft) {
     ++channel.health.overrun;
@@ -253,7 +316,7 @@ void Player::publish(Channel& channel, HostTime at) {
       .format = channel.info.format,
       .size = channel.info.size,
       .stride_bytes = device::row_bytes(channel.info.format, channel.info.size.width),
-      .sequence = static_cast<std::uint64_t>(capture_.number),
+      .sequence = counter,
       .device_time = DeviceTime(at.time_since_epoch()),
       .received = clock_.now()};
   ++channel.health.frames;
@@ -268,16 +331,16 @@ void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const
       fill_u16(capture_.amplitude, 1, draft.amplitude());
     return;
   }
+  const Image<Rgb8>& picture = &channel == &fisheye_ ? capture_.fisheye : capture_.plate;
   const std::size_t row = device::row_bytes(channel.info.format, channel.info.size.width);
   std::uint8_t* at = draft.bytes().data();
-  for (int y = 0; y < capture_.plate.height(); ++y, at += row)
-    std::memcpy(at, capture_.plate.row(y), row);
+  for (int y = 0; y < picture.height(); ++y, at += row) std::memcpy(at, picture.row(y), row);
 }
 
 void Player::end(device::DeviceState state) {
   if (angles_) angles_->end();
   const std::lock_guard lock(mutex_);
-  for (Channel* channel : {&color_, &depth_})
+  for (Channel* channel : channels())
     if (channel->sink) channel->health.state = state;
 }
 
