@@ -112,10 +112,13 @@ class TrackedRig : public CommandTest {
     return report;
   }
 
+  void is_followed();
+  void is_lost_where_the_fisheye_is_unplugged();
+
   std::map<int, capture::CameraPose> poses_;
 };
 
-TEST_F(TrackedRig, IsFollowedByTheFisheyesPictures) {
+void TrackedRig::is_followed() {
   const auto report = run_live();
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->pose.source, "tracker");
@@ -132,7 +135,7 @@ TEST_F(TrackedRig, IsFollowedByTheFisheyesPictures) {
   std::printf("live: %s\n", report->pose.error->to_line().c_str());
 }
 
-TEST_F(TrackedRig, AFisheyeThatIsUnpluggedIsNamedAndThePoseIsLost) {
+void TrackedRig::is_lost_where_the_fisheye_is_unplugged() {
   std::ifstream in(path("take/fisheye.csv"));
   std::string head, line;
   for (int row = 0; row <= 8 && std::getline(in, line); ++row) head += line + "\n";
@@ -152,6 +155,13 @@ TEST_F(TrackedRig, AFisheyeThatIsUnpluggedIsNamedAndThePoseIsLost) {
   EXPECT_EQ(frozen, 0);
   EXPECT_GE(lost_later, 15);
   EXPECT_GE(report->pose.frames.frames[static_cast<std::size_t>(PoseLoss::kNoPicture)], 14U);
+}
+
+// One take and one room for both.
+TEST_F(TrackedRig, IsFollowedUntilItsFisheyeIsUnplugged) {
+  is_followed();
+  poses_.clear();
+  is_lost_where_the_fisheye_is_unplugged();
 }
 
 }  // namespace
