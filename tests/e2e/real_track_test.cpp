@@ -71,7 +71,8 @@ TEST_F(RealTrack, AFisheyeInAnotherRoomIsLostInEveryPicture) {
                  still);
   // Intrinsics that came with the pictures.
   std::ofstream(path("office.toml"))
-      << "format = 1\n[cameras.fisheye]\nmodel = \"fisheye\"\nsize_px = [748, 480]\nfx = "
+      << "format = 1\n[cameras.fisheye]\nmax_angle_rad = 1.4\nmodel = \"fisheye\"\nsize_px = [748, "
+         "480]\nfx = "
          "209.42\nfy "
          "= 209.35\ncx = 384.82\ncy = 240.02\ndistortion = [-0.0425, -0.0025, 0.0118, -0.0084]\n"
          "[target_from.fisheye]\n"
