@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The natural cubic spline of a ToF camera's depth error.
 #include <algorithm>
+#include <cmath>
 
-#include "host/calibration_file/calibration.h"
+#include "host/calibration_file/depth_sigma.h"
 
 namespace mixrig::calibration_file {
 namespace {
@@ -47,6 +48,20 @@ double DepthError::at(double distance_m, double amplitude, const Eigen::Vector2d
   return spline(knots_m, error_m, distance_m) + (amplitude > 0 ? amplitude_m / amplitude : 0) +
          place_m[0] * u + place_m[1] * v + place_m[2] * u * u + place_m[3] * u * v +
          place_m[4] * v * v;
+}
+
+double depth_sigma_m(const DepthError& error, double distance_m) {
+  const auto knots = static_cast<Eigen::Index>(error.knots_m.size());
+  if (error.covariance.rows() < knots || error.covariance.cols() < knots) return 0;
+  // The spline is linear in its values.
+  Eigen::VectorXd by_value(knots);
+  std::vector<double> one(error.knots_m.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    one.assign(one.size(), 0), one[i] = 1;
+    by_value[static_cast<Eigen::Index>(i)] = spline(error.knots_m, one, distance_m);
+  }
+  const double variance = by_value.dot(error.covariance.topLeftCorner(knots, knots) * by_value);
+  return std::sqrt(std::max(0.0, variance));
 }
 
 }  // namespace mixrig::calibration_file

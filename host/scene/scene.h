@@ -86,14 +86,18 @@ struct MocapSettings {
   double delay_s = 0;                   ///< from the exposure of a frame to its earliest arrival
 };
 
+/// How a tracker reaches the time of a plate from the pictures before it.
+enum class Predict { kVelocity, kHead, kBoth };
+
 /// Where the camera's pose comes from. Each value belongs to one PoseSource.
 struct CameraPoses {
-  std::filesystem::path trajectory;  ///< kRecorded: a file; empty: the take's own poses
-  double time_offset_s = 0;          ///< kRecorded: time of the take = time of the file + this
-  geometry::Pose world_from_target;  ///< kFixed
-  geometry::Pose world_from_base;    ///< kPanTilt: the foot of the head
-  MocapSettings mocap;               ///< kMocap
-  double max_age_s = 0.1;            ///< an older pose is lost
+  std::filesystem::path trajectory;      ///< kRecorded: a file; empty: the take's own poses
+  double time_offset_s = 0;              ///< kRecorded: time of the take = time of the file + this
+  geometry::Pose world_from_target;      ///< kFixed
+  geometry::Pose world_from_base;        ///< kPanTilt: the foot of the head
+  MocapSettings mocap;                   ///< kMocap
+  Predict predict = Predict::kVelocity;  ///< kTracker
+  double max_age_s = 0.1;                ///< an older pose is lost
   WhenLost when_lost = WhenLost::kFreeze;
 };
 

@@ -63,7 +63,7 @@ Result<SweepSetup> sweep_setup(const LiveScanOptions& options) {
   SweepSetup setup;
   MIXRIG_ASSIGN(setup.rig, live::read_rig(options.rig));
   MIXRIG_TRY(check_rig(setup.rig, options.rig));
-  setup.rig.cameras.resize(1);
+  leave_out_cameras(setup.rig, true);
   setup.rig = without_idle_trigger(std::move(setup.rig));
   if (!options.calibration.empty()) setup.rig.calibration = options.calibration;
   setup.calibration_path = setup.rig.calibration;

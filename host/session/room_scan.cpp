@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <future>
+#include <iterator>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,9 +16,11 @@
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
+#include "host/calibration_file/depth_sigma.h"
 #include "host/capture/calibrated_source.h"
 #include "host/capture/unwrapped_source.h"
 #include "host/image_io/image_io.h"
+#include "host/measure/percentile.h"
 #include "host/model/room_file.h"
 #include "host/report/picture.h"
 #include "host/scene/glb_writer.h"
@@ -129,6 +132,19 @@ Image<float> at_size(const Image<float>& distance_m, Size size) {
   return out;
 }
 
+/// Of what the calibration's depth error leaves unknown, at the median distance.
+Result<double> distance_sigma(const model::Panorama& panorama, const fs::path& calibration) {
+  if (calibration.empty()) return 0.0;
+  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(calibration));
+  std::vector<float> distances_m;
+  for (int y = 0; y < panorama.size().height; ++y)
+    std::copy_if(panorama.distance_m.row(y), panorama.distance_m.row(y) + panorama.size().width,
+                 std::back_inserter(distances_m), [](float d) { return d > 0; });
+  if (!known.depth_error || distances_m.empty()) return 0.0;
+  const double median_m = measure::quantile(std::move(distances_m), 0.5);
+  return calibration_file::depth_sigma_m(*known.depth_error, median_m) / median_m;
+}
+
 }  // namespace
 
 Result<JudgedRoom> judge_room(const model::Panorama& panorama, const fs::path& take) {
@@ -205,6 +221,7 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   manifest.calibration_hash = calibration.empty() ? "" : hash.text();
   manifest.vignetting = scan.panorama.gains.vignetting;
   manifest.world_from_base = scan.world_from_base;
+  MIXRIG_ASSIGN(manifest.distance_sigma, distance_sigma(scan.panorama, calibration));
   // The large picture is encoded twice, beside itself: it is in the model, too.
   std::future<Result<void>> mesh =
       std::async(std::launch::async, [&] { return write_mesh(scan, partial.path() / "room.glb"); });

@@ -253,6 +253,8 @@ class Studio {
 
   /// Renders picture `number` (1..info().fisheye_pictures), in any order with the frames.
   void render_fisheye(int number, FisheyePicture& out);
+  /// The frame that it belongs to, without rendering it: FisheyePicture::frame.
+  int fisheye_frame(int number) const;
 
   /// Scenario sweep without views: the head at mid-exposure of the frames that are rendered from
   /// now on. It turns at its rate while each is exposed.
