@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "host/model/sweep_plan.h"
 #include "host/studio/rig.h"
 #include "host/studio_io/board_set.h"
