@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -288,15 +287,16 @@ estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
   light_equations(places, brightness, all, a, b);
   hold_scale(all, a, b);
   Answer answer;
-  answer.covariance =
-      all.spread * all.spread / (sum * sum) * a.ldlt().solve(MatrixXd::Identity(n + 1, n + 1));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(a);
+  const double relative = all.spread / sum;
+  if (!(spectrum.eigenvalues()[0] > std::pow(relative / kMostSigma, 2)))
+    return Answer::degenerate("the lamps light the planes alike, or hardly at all");
+  answer.covariance = relative * relative * spectrum.eigenvectors() *
+                      spectrum.eigenvalues().cwiseInverse().asDiagonal() *
+                      spectrum.eigenvectors().transpose();
   RoomLight& light = answer.value;
   light.samples = static_cast<int>(places.size()), light.planes = planes;
   light.residual = all.spread;
-  const double worst = answer.covariance.diagonal().maxCoeff();
-  if (!(worst >= 0) || std::sqrt(worst) > kMostSigma)
-    return Answer::degenerate("the lamps light the planes alike, or hardly at all");
-
   // The planes' mean albedo sets the scale that pictures do not tell.
   const double scale = all.albedo.mean() / (options.mean_albedo * options.exposure);
   light.intensity.assign(lamps.size(), Eigen::Vector3f::Zero());

@@ -20,7 +20,7 @@ struct DrawnBox {
   Eigen::Vector3d size_m{5, 4, 2.9};
   std::vector<Panel> lamps{{{1.8, 1.0, 2.9}, 2}, {{3.6, 2.8, 2.9}, 4}};
   Eigen::Vector2d panel_m{0.5, 0.3};
-  bool mirror = false;       ///< on the wall x = 5: y 1 to 3, z 0.8 to 2
+  bool mirror = false;       ///< on the wall x = 5: y 1 to 3, z 0.8 to 2.75
   bool ball = false;         ///< polished, radius 0.25 at (3, 1, 0.9)
   bool white_ball = false;   ///< radius 0.35 at (3, 1, 1.9), saturated where it faces up
   bool white_table = false;  ///< 0.8 x 0.6 m at (3, 1.6, 0.75)
@@ -79,7 +79,7 @@ struct DrawnBox {
     const Hit hit = walls(eye, ray);
     const Eigen::Vector3d p = eye + hit.t * ray;
     if (mirror && bounces > 0 && p.x() > size_m.x() - 1e-6 && p.y() > 1 && p.y() < 3 &&
-        p.z() > 0.8 && p.z() < 2)
+        p.z() > 0.8 && p.z() < 2.75)
       return grey(p + 1e-6 * hit.normal, {-ray.x(), ray.y(), ray.z()}, bounces - 1);
     return on_panel(p) ? 255 : 70;
   }

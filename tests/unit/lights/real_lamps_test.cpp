@@ -83,7 +83,7 @@ TEST_F(RealLamps, ListedLampsAreCandidatesAndWhiteThingsFade) {
     ASSERT_NE(lamp, nullptr) << px.transpose();
     EXPECT_TRUE(looks_like_lamp(*lamp)) << px.transpose() << " surround " << lamp->surround;
   }
-  for (const Vector2d px :
+  for (const Vector2d& px :
        {Vector2d(293.3, 527.6), Vector2d(279.5, 459.2), Vector2d(297.6, 314.9)}) {
     const BrightRegion* robot = at(office, px);
     EXPECT_TRUE(robot == nullptr || !looks_like_lamp(*robot)) << px.transpose();
