@@ -24,7 +24,8 @@ constexpr double kLeastKnownClick = 0.6;  ///< of the pixels around it
 constexpr double kNearClick = 2.5;        ///< pixels of the depth camera that must lie on the plane
 constexpr double kMostNearOff = 0.1;      ///< share of them that may not
 constexpr double kRegionSigmas = 3;
-constexpr double kMostClickResidual = 1.6;  ///< sigmas, RMS, around the click
+constexpr std::array<double, 4> kNoisier{1, 1.5, 2.2, 3.3};  ///< than the stated sigma
+constexpr double kCurvedSigmas = 5, kCurved_m = 4e-3;        ///< over the rectangle
 constexpr double kLeastArea_m2 = 0.01;
 constexpr double kLeastClickSine = 0.087;  ///< 5 degrees
 constexpr double kCommonShare = 0.1;       ///< of a depth's sigma, in common to a region
@@ -53,6 +54,9 @@ class ClickGrid {
   }
   const ClickSample& at(int x, int y) const { return samples_[index(x, y)]; }
   const geometry::Pose& view_from_tof() const { return picture_.view_from_tof; }
+  void scale_sigmas(double factor) {
+    for (ClickSample& s : samples_) s.sigma_m *= factor;
+  }
 
  private:
   ClickSample sample(int x, int y) const {
@@ -188,6 +192,51 @@ class ClickRegion {
   std::vector<ClickPlace> places_;
 };
 
+/// Whether the depths bend away from the plane: a quadratic over the rectangle that is certain and
+/// larger than kCurved_m.
+bool is_curved(const ClickGrid& grid, const ClickRegion& region, const InversePlane& plane,
+               const std::vector<ClickPlace>& on) {
+  Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (const ClickPlace& at : on) {
+    low = low.cwiseMin(Vector2d(at.x, at.y)), high = high.cwiseMax(Vector2d(at.x, at.y));
+  }
+  const Vector2d middle = 0.5 * (low + high), half = (0.5 * (high - low)).cwiseMax(1.0);
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
+  Vector6d b = Vector6d::Zero();
+  double sigma_m = 0;
+  for (const ClickPlace& at : on) {
+    const Vector2d p = (Vector2d(at.x, at.y) - middle).cwiseQuotient(half);
+    Vector6d row;
+    row << 1, p.x(), p.y(), p.x() * p.x(), p.y() * p.y(), p.x() * p.y();
+    const double here_m = grid.at(at.x, at.y).sigma_m;
+    a += row * row.transpose(), b += region.sigmas(plane, at) * here_m * row;
+    sigma_m += here_m / static_cast<double>(on.size());
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(a);
+  const Vector6d bend_m = solver.solve(b);
+  const Eigen::Matrix<double, 6, 6> inverse = solver.solve(Eigen::Matrix<double, 6, 6>::Identity());
+  for (int i = 3; i < 6; ++i)
+    if (std::abs(bend_m[i]) >
+        std::max(kCurved_m, kCurvedSigmas * sigma_m * std::sqrt(inverse(i, i))))
+      return true;
+  return false;
+}
+
+/// The plane through the middle of these places: neighbouring surfaces a sigma or two off, such as
+/// a picture on a wall, may be part of the region.
+void move_to(const ClickRegion& region, const ClickGrid& grid, const std::vector<ClickPlace>& on,
+             InversePlane& plane) {
+  double off = 0, weights = 0;
+  for (const ClickPlace& at : on) {
+    const ClickSample& s = grid.at(at.x, at.y);
+    const double z_m = 1 / plane.a.dot(s.ray), off_m = region.sigmas(plane, at) * s.sigma_m;
+    const double weight = 1 / (s.sigma_m * s.sigma_m);
+    off += weight * off_m / z_m, weights += weight;  // relative: planes a . p = 1 + off
+  }
+  plane.a /= 1 + off / weights;
+}
+
 geometry::Plane plane_in_view(const InversePlane& plane, const geometry::Pose& view_from_tof) {
   geometry::Plane out;
   const double norm = plane.a.norm();
@@ -239,7 +288,7 @@ std::string_view text_of(ClickRefusal refusal) {
     case ClickRefusal::kEdge:
       return "several surfaces meet there: click farther from the edge, or give a smaller --rect";
     case ClickRefusal::kNotFlat:
-      return "it is not flat there (a person, hair, a curved thing): click on a table, the floor "
+      return "it is not flat there (an edge, a person, hair): click on a table, the floor "
              "or "
              "a wall";
     case ClickRefusal::kGrazing:
@@ -256,10 +305,9 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   if (!click.px.allFinite() || click.px.minCoeff() < -0.5 ||
       click.px.x() > view.size_px.width - 0.5 || click.px.y() > view.size_px.height - 0.5)
     return ClickRefusal::kOutside;
-  const ClickGrid grid(picture);
-  Vector2d half_px = 0.5 * click.rect_px;
-  for (int i = 0; i < 2; ++i)
-    if (!(half_px[i] > 0)) half_px[i] = view.size_px.width / 32.0;
+  ClickGrid grid(picture);
+  const double sixteenth_px = view.size_px.width / 16.0;
+  const Vector2d half_px = 0.5 * click.rect_px.value_or(Vector2d(sixteenth_px, sixteenth_px));
   const double depth_m = clicked_depth_m(grid, view, click, half_px);
   const ClickSurroundings around =
       look_around_click(grid, view, click, half_px, depth_m > 0 ? depth_m : 3.0);
@@ -273,8 +321,13 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   for (const ClickPlace& at : around.known) {
     points.push_back(grid.at(at.x, at.y).point_m), sigmas_m.push_back(grid.at(at.x, at.y).sigma_m);
   }
-  const double sigma_m = upper_median(sigmas_m);
-  const auto first = estimation::fit_plane_robust(points, sigma_m);
+  // Dark surfaces and those seen at an angle are noisier than the stated sigma.
+  double sigma_m = upper_median(sigmas_m);
+  estimation::Estimate<estimation::PlaneFit> first;
+  for (const double factor : kNoisier) {
+    first = estimation::fit_plane_robust(points, factor * sigma_m);
+    if (first.usable()) break;
+  }
   if (!first.usable())
     return first.verdict.reason.find("contradict") != std::string::npos ? ClickRefusal::kEdge
                                                                         : ClickRefusal::kNotFlat;
@@ -287,20 +340,22 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   InversePlane plane{normal / at_m, {}};
 
   ClickRegion region(grid);
+  std::vector<double> sizes;
+  for (const ClickPlace& at : around.known) sizes.push_back(std::abs(region.sigmas(plane, at)));
+  const double noisier = std::clamp(1.4826 * upper_median(sizes), 1.0, kNoisier.back());
+  grid.scale_sigmas(noisier), sigma_m *= noisier;
   std::vector<ClickPlace> on;
-  double squares = 0;
   int near = 0, near_off = 0;
   for (const ClickPlace& at : around.known) {
     const bool fits = region.fits(plane, at);
-    if (fits) on.push_back(at), squares += std::pow(region.sigmas(plane, at), 2);
+    if (fits) on.push_back(at);
     const Vector2d px = view.project(grid.at(at.x, at.y).point_m);
     if ((px - click.px).norm() > kNearClick * around.pixel_px) continue;
     ++near, near_off += fits ? 0 : 1;
   }
   if (near == 0) return ClickRefusal::kUnknown;
   if (near_off > kMostNearOff * near) return ClickRefusal::kEdge;
-  if (static_cast<int>(on.size()) < kLeastClickPoints ||
-      std::sqrt(squares / static_cast<double>(on.size())) > kMostClickResidual)
+  if (static_cast<int>(on.size()) < kLeastClickPoints || is_curved(grid, region, plane, on))
     return ClickRefusal::kNotFlat;
 
   for (int round = 0; round < kClickRounds; ++round) {
@@ -309,6 +364,7 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
     if (!better) return ClickRefusal::kNotFlat;
     plane = *better;
   }
+  move_to(region, grid, on, plane);
   ClickedPlane out;
   out.plane = plane_in_view(plane, picture.view_from_tof);
   const Vector2d xy = view.unproject(click.px);

@@ -28,8 +28,8 @@ struct ClickPicture {
 };
 
 struct Click {
-  Eigen::Vector2d px;             ///< of the view
-  Eigen::Vector2d rect_px{0, 0};  ///< looked at around it; 0: a sixteenth of the view's width
+  Eigen::Vector2d px;                      ///< of the view
+  std::optional<Eigen::Vector2d> rect_px;  ///< looked at around it; a sixteenth of the view's width
 };
 
 /// Axes of the view.
@@ -48,7 +48,7 @@ enum class ClickRefusal {
   kOutside,  ///< no pixel of the view, or not in the depth camera's field
   kUnknown,  ///< no depth: glass, black, too far
   kEdge,     ///< several surfaces
-  kNotFlat,  ///< curved or rough: a person, hair
+  kNotFlat,  ///< curved or rough: a person, hair; surfaces that meet
   kGrazing,  ///< seen at less than 5 degrees
   kSmall,    ///< the flat part is too small
 };

@@ -36,8 +36,9 @@ Result<nlohmann::json> place(const PlaceArguments& arguments) {
   MIXRIG_ASSIGN(options.session, session_options(arguments.session));
   MIXRIG_ASSIGN(options.click.px, parse_pair(arguments.pixel, "--pixel"));
   if (!arguments.rect.empty()) {
-    MIXRIG_ASSIGN(options.click.rect_px, parse_pair(arguments.rect, "--rect"));
-    if (!(options.click.rect_px.minCoeff() > 0))
+    MIXRIG_ASSIGN(const Eigen::Vector2d rect_px, parse_pair(arguments.rect, "--rect"));
+    options.click.rect_px = rect_px;
+    if (!(rect_px.minCoeff() > 0))
       return Error{ErrorCode::kUsage,
                    "--rect " + arguments.rect + ": give a width and a height above 0"};
   }

@@ -81,7 +81,9 @@ TEST(SceneEdit, LampsOfASceneWithoutLight) {
       const auto scene = parse_scene(*text, "scene.toml", false);
       ASSERT_TRUE(scene) << scene.error().context << *text;
       EXPECT_EQ(scene->light.lamps.size(), 1U);
-      if (ambient) EXPECT_EQ(scene->light.ambient.x(), 1);
+      if (ambient) {
+        EXPECT_EQ(scene->light.ambient.x(), 1);
+      }
     }
 }
 
