@@ -209,6 +209,14 @@ class Judge {
     if (met.empty()) return false;
     lamp.position_m = sum / static_cast<double>(met.size());
     c.normal = met[met.size() / 2].normal;
+    // The middle of the area, as where it is triangulated.
+    Vector3d middle = Vector3d::Zero();
+    int spots = 0;
+    for (const Sighting& s : c.whole)
+      if (const auto spot =
+              spot_on_plane(region_of(views_, s), pose_of(views_, s), lamp.position_m, *c.normal))
+        middle += spot->centre_m, ++spots;
+    if (spots > 0) lamp.position_m = middle / spots;
     Matrix3d scatter = std::pow(met.front().sigma_m + 5e-3, 2) * Matrix3d::Identity();
     for (const SurfacePoint& p : met) {
       const Vector3d off = p.position_m - lamp.position_m;
