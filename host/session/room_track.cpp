@@ -19,6 +19,8 @@
 namespace mixrig::session {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Errors of the pictures that have a pose and truth.
 struct PathErrors {
   std::vector<double> shift_mm, turn_deg, nees, number;
