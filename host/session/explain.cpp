@@ -47,7 +47,8 @@ std::string light_reason(const render::CompositorSetup& setup, std::size_t maps,
                                    "virtual objects"
                                  : "shading of virtual objects; without a background no real "
                                    "surface is known that could receive a shadow";
-  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on the set";
+  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on virtual surfaces";
+  if (render::needs_room_shade(setup)) reason += "; what the room hides of the lamps, found once";
   return reason;
 }
 

@@ -27,6 +27,10 @@ Result<void> check_place(const StudioOptions& o) {
                  fmt::format("studio: the camera and what it looks at must be in the room of "
                              "{} x {} x {} m, 5 cm off its walls",
                              kRoomX_m, kRoomY_m, kRoomZ_m)};
+  if (const auto& at_m = o.object_m;
+      at_m && !(at_m->minCoeff() > 0.4 && at_m->x() < kRoomX_m - 0.4 && at_m->y() < kRoomY_m - 0.4))
+    return Error{ErrorCode::kUsage,
+                 "studio: the object must stand in the room, 0.4 m off its walls"};
   const Layout layout = make_layout(o);
   const Eigen::Vector3d ahead = layout.look_at_m - layout.eye_m;
   if (ahead.cross(Eigen::Vector3d::UnitZ()).norm() < 0.05)

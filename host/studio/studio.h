@@ -81,6 +81,8 @@ struct StudioOptions {
   Sweep sweep;          ///< of scenario sweep
   std::optional<Eigen::Vector3d> eye_m, look_at_m;  ///< of the camera at rest, in place of the
                                                     ///< scenario's; world
+  std::optional<Eigen::Vector2d> object_m;          ///< of the object on the floor, in place of the
+                                                    ///< scenario's; world x y
   double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
   Realism realism;        ///< all off: the plain look
   Day day;

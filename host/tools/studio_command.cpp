@@ -36,7 +36,7 @@ struct StudioArguments {
   int frames_per_view = 4;
   bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
   bool window = false;
-  std::string eye, look_at;
+  std::string eye, look_at, object;
   std::optional<double> pan_deg;
   double zoom = 1;
   bool fisheye = false;
@@ -70,6 +70,15 @@ Result<std::optional<Eigen::Vector3d>> parse_place(const std::string& text,
       !place.allFinite())
     return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y,Z in metres"};
   return std::optional(place);
+}
+
+/// "X,Y" in metres; nothing for an empty text.
+Result<std::optional<Eigen::Vector2d>> parse_floor_place(const std::string& text,
+                                                         const std::string& option) {
+  if (text.empty()) return std::optional<Eigen::Vector2d>();
+  auto place = parse_place(text + ",0", option);
+  if (!place) return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y in metres"};
+  return std::optional<Eigen::Vector2d>((*place)->head<2>());
 }
 
 /// The head's views of a sweep with the depth camera of the rig as designed.
@@ -115,6 +124,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
+  MIXRIG_ASSIGN(options.object_m, parse_floor_place(arguments.object, "--object"));
   options.zoom = arguments.zoom;
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
@@ -289,6 +299,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
   command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
+  command.add_option("--object", arguments->object, "X,Y of the virtual object on the floor");
   command.add_option("--pan", arguments->pan_deg, "Scenario pan: degrees from side to side, or 24");
   command
       .add_option(

@@ -146,6 +146,7 @@ Layout make_layout(const StudioOptions& options) {
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
   layout.world_from_object = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
                               {stage.object.x(), stage.object.y(), 0}};
+  if (options.object_m) layout.world_from_object.translation_m.head<2>() = *options.object_m;
   layout.pan_tilt =
       rig_of_seed(options.rig, options.seed, options.size_px, options.tolerance).pan_tilt;
   layout.light =
