@@ -111,6 +111,7 @@ enum class KeyBy : std::uint8_t {
 struct KeyPassParams {
   KeyBy by = KeyBy::kNothing;
   bool color = true;
+  bool refine = true;  ///< the matte follows the plate's edges; needs color
   bool crop = false;
   glm::mat4 world_from_camera{1};
   glm::vec3 crop_min_m{0}, crop_max_m{0};

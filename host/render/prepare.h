@@ -156,6 +156,12 @@ inline int normal_reach_tiles(float tof_footprint_px) {
 inline float tof_footprint_px(const CompositorSetup& setup) {
   return static_cast<float>(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px));
 }
+/// Side of the tiles in which the matte is refined, in pixels (1, 2 or 4: it divides a block): the
+/// window of 5x5 tiles spans the few footprints in which depth is wrong at a border.
+inline int matte_tile_px(float tof_footprint_px) {
+  const float side = kMatteTileFootprints * tof_footprint_px;
+  return side >= 4 ? 4 : side >= 2 ? 2 : 1;
+}
 /// View pixels around one in which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {
   return static_cast<int>(std::ceil(tof_footprint_px));

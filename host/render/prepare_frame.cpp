@@ -123,6 +123,7 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   params_.light = {setup.light.ambient, setup.light.exposure};
   KeyPassParams& key = params_.key;
   key.color = setup.key.color;
+  key.refine = setup.key.refine;
   key.crop = setup.capture_box.has_value();
   if (key.crop)
     key.crop_min_m = setup.capture_box->min_m, key.crop_max_m = setup.capture_box->max_m;

@@ -127,6 +127,7 @@ struct KeySettings {
   double threshold_m = 0.05;  ///< least depth step that is keyed
   double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
   bool color = true;          ///< decide pixels in doubt by colour
+  bool refine = true;         ///< the matte follows the edges of the plate; only with color
 };
 
 struct Scene {

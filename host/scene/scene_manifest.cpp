@@ -159,6 +159,7 @@ KeySettings read_key(const Table& table) {
   key.threshold_m = table.number_or("threshold_m", key.threshold_m, {0.0, 10.0});
   key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
   key.color = table.boolean_or("color", key.color);
+  key.refine = table.boolean_or("refine", key.refine);
   return key;
 }
 

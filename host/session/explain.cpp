@@ -36,6 +36,7 @@ std::string key_reason(const render::CompositorSetup& setup, render::KeyBy by) {
   std::string reason = volume ? "foreground is what lies in the capture volume over its floor"
                               : "foreground against the learned background";
   if (setup.key.color) reason += ", by colour where depth is uncertain";
+  if (setup.key.color && setup.key.refine) reason += ", the matte refined by the plate";
   if (setup.capture_box && !volume) reason += ", cropped to the capture volume";
   return reason;
 }

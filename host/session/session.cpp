@@ -90,6 +90,7 @@ void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = scene.key.color;
+  setup.key.refine = scene.key.refine;
   if (const auto& volume = scene.capture_volume)
     setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),
                          static_cast<float>(volume->floor_tolerance_m)};
