@@ -70,6 +70,7 @@ class LookTemplate {
  public:
   explicit LookTemplate(const Wide& mean) : weights_(window_weights()), mean_(mean) {
     usable_ = normalise(weights_, mean_);
+    slopes_.fill(Eigen::Vector2f::Zero());
     Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
     for (int v = 1; v + 1 < kWide; ++v)
       for (int u = 1; u + 1 < kWide; ++u) {
@@ -115,7 +116,7 @@ class LookTemplate {
   }
 
   Wide weights_, mean_;
-  std::array<Eigen::Vector2f, kWide * kWide> slopes_{};
+  std::array<Eigen::Vector2f, kWide * kWide> slopes_;
   Eigen::Matrix2d inverse_ = Eigen::Matrix2d::Zero();
   bool usable_ = false;
 };
