@@ -122,8 +122,8 @@ std::optional<ScaleFit> scale_by_depth(std::span<const SeenPlace> places,
   std::vector<double> logs;
   Mode mode;
   for (int pass = 0; pass < kPasses; ++pass) {
-    fit.scale.measurements = measure_places(
-        places, path, depth.views, pass == 0 ? in_one_place : depth.camera, guess, logs);
+    fit.scale.measurements = measure_places(places, path, depth.views,
+                                            pass == 0 ? in_one_place : depth.camera, guess, logs);
     std::vector<double> known;
     for (const double v : logs)
       if (std::isfinite(v)) known.push_back(v);
@@ -135,8 +135,8 @@ std::optional<ScaleFit> scale_by_depth(std::span<const SeenPlace> places,
   fit.scale.sigma = mode.deviation / std::sqrt(static_cast<double>(mode.count));
   if (!(fit.scale.sigma < kMostSigma)) return std::nullopt;
   for (const double v : logs)
-    fit.of_place.push_back(
-        std::abs(v - mode.middle) <= kReach * mode.deviation ? std::exp(v) : 0.0);
+    fit.of_place.push_back(std::abs(v - mode.middle) <= kReach * mode.deviation ? std::exp(v)
+                                                                                : 0.0);
   return fit;
 }
 

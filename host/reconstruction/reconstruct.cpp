@@ -55,15 +55,14 @@ LearnedMap map_of(const FeatureTracks& tracks, const Growth& grown, const Survey
     const Look look = look_of(survey.tracks[t], key_of_picture);
     if (look.key < 0) continue;
     point_of_track[t] = static_cast<int>(map.points.size());
-    map.points.push_back(
-        {*survey.places[t], survey.covariances[t], look.views, look.key, look.px});
+    map.points.push_back({*survey.places[t], survey.covariances[t], look.views, look.key, look.px});
   }
   for (const KeyPicture& key : tracks.keys)
     for (std::size_t f = 0; f < key.features.size(); ++f) {
       const int track = key.track_of_feature[f];
       if (track < 0) continue;
-      const int point = point_of_track[static_cast<std::size_t>(
-          grown.same_as[static_cast<std::size_t>(track)])];
+      const int point =
+          point_of_track[static_cast<std::size_t>(grown.same_as[static_cast<std::size_t>(track)])];
       if (point >= 0) map.descriptors.push_back({point, key.features[f].descriptor});
     }
   for (std::size_t i = 0; i < survey.poses.size(); ++i)

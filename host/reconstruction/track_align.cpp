@@ -77,8 +77,8 @@ class LookTemplate {
         const auto i = static_cast<std::size_t>(v * kWide + u);
         slopes_[i] = {0.5F * (mean_[i + 1] - mean_[i - 1]),
                       0.5F * (mean_[i + kWide] - mean_[i - kWide])};
-        products += static_cast<double>(weights_[i]) *
-                    (slopes_[i] * slopes_[i].transpose()).cast<double>();
+        products +=
+            static_cast<double>(weights_[i]) * (slopes_[i] * slopes_[i].transpose()).cast<double>();
       }
     usable_ = usable_ && products.determinant() > 1e-9;
     if (usable_) inverse_ = products.inverse();
@@ -141,8 +141,8 @@ int align_all(const LookTemplate& to, std::span<TrackLook> looks, Wide& sum) {
 
 Image<std::uint8_t> smoothed(ImageView<const std::uint8_t> grey) {
   Image<std::uint8_t> out(grey.size);
-  const cv::Mat from(grey.size.height, grey.size.width, CV_8U,
-                     const_cast<std::uint8_t*>(grey.data), static_cast<std::size_t>(grey.stride));
+  const cv::Mat from(grey.size.height, grey.size.width, CV_8U, const_cast<std::uint8_t*>(grey.data),
+                     static_cast<std::size_t>(grey.stride));
   cv::Mat to(grey.size.height, grey.size.width, CV_8U, out.row(0),
              static_cast<std::size_t>(out.stride()));
   cv::GaussianBlur(from, to, {0, 0}, 0.8);

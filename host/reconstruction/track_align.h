@@ -15,9 +15,9 @@ namespace mixrig::reconstruction {
 /// A sighting, and how the picture there differs from the track's middle one.
 struct TrackLook {
   const Image<std::uint8_t>* grey = nullptr;  ///< the picture, smoothed
-  Eigen::Vector2d px;                  ///< in and out
-  Eigen::Matrix2d from_reference;      ///< pixels here per pixel in the reference
-  double sigma_px = 0;                 ///< out: 0 where it does not look like the others
+  Eigen::Vector2d px;                         ///< in and out
+  Eigen::Matrix2d from_reference;             ///< pixels here per pixel in the reference
+  double sigma_px = 0;                        ///< out: 0 where it does not look like the others
 };
 
 /// By a Gaussian of 0.8 px: edges without antialiasing do not jump from pixel to pixel.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A room is learned from the pictures of a swinging camera, which is then found in it: in the same
-// take, on another day, after the lens was covered, and not in another room. The maps of the target
-// camera and of the fisheye are joined. The bounds were chosen on seed 5; the test has seed 34.
+// take, on another day, after the lens was covered, and not in another room. Maps that the
+// motion does not let join are refused.
 #include "host/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
@@ -16,9 +16,9 @@ class LearnedRun : public CommandTest {
   }
 
   int learn(const std::string& camera) const {
-    return mixrig("learn --take " + path("take") + kCalibrated + path("take/truth/calibration.toml") +
-                  " --camera " + camera + " " + path(camera + "_map") + " --json " +
-                  path(camera + ".json"));
+    return mixrig("learn --take " + path("take") + kCalibrated +
+                  path("take/truth/calibration.toml") + " --camera " + camera + " " +
+                  path(camera + "_map") + " --json " + path(camera + ".json"));
   }
   std::string track_words(const std::string& take, const std::string& json) const {
     return "track --map " + path("fisheye_map") + " --take " + path(take) + kCalibrated +
@@ -42,6 +42,14 @@ class LearnedRun : public CommandTest {
     ASSERT_GT(number, 10);
   }
 
+  /// What the command says where it must fail.
+  std::string refusal(const std::string& words) const {
+    const std::string line =
+        std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";
+    EXPECT_NE(std::system(line.c_str()), 0) << words;
+    std::ifstream file(path("refusal"));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
   void check_another_day() const;
   void check_another_room() const;
   void check_join() const;
@@ -80,30 +88,21 @@ void LearnedRun::check_another_day() const {
 
 void LearnedRun::check_another_room() const {
   copy_take("day", "mirrored", mirror);
-  const std::string line = std::string(MIXRIG_COMMAND) + " " +
-                           track_words("mirrored", "mirrored.json") + " >" + path("refusal") +
-                           " 2>&1";
-  EXPECT_NE(std::system(line.c_str()), 0);
-  std::ifstream file(path("refusal"));
-  const std::string said{std::istreambuf_iterator<char>(file), {}};
+  const std::string said = refusal(track_words("mirrored", "mirrored.json"));
   EXPECT_NE(said.find("explains none of its pictures"), std::string::npos) << said;
   EXPECT_FALSE(std::filesystem::exists(path("mirrored.json.tum")));
 }
 
-/// Both maps are metric, and of one clock.
+/// A pendulum turns about one axis: maps of its two cameras cannot be joined, and that is said.
 void LearnedRun::check_join() const {
   ASSERT_EQ(learn("target"), 0);
-  ASSERT_EQ(mixrig("align --join " + path("joined") + " " + path("target_map") + " " +
-                   path("fisheye_map") + " --json " + path("join.json")),
-            0);
-  const auto join = report("join.json");
-  EXPECT_NEAR(join.at("scale").get<double>(), 1, 0.05);
-  EXPECT_LT(std::abs(join.at("time_offset_s").get<double>()), 0.02);
-  EXPECT_LT(join.at("spread").get<double>(), 0.02);
-  EXPECT_TRUE(std::filesystem::exists(path("joined/map.toml")));
+  const std::string said = refusal("align --join " + path("joined") + " " + path("target_map") +
+                                   " " + path("fisheye_map"));
+  EXPECT_NE(said.find("turn about one axis only"), std::string::npos) << said;
+  EXPECT_FALSE(std::filesystem::exists(path("joined")));
 }
 
-TEST_F(LearnedRun, TheCameraIsFoundInALearnedRoomAndTwoMapsAreJoined) {
+TEST_F(LearnedRun, TheCameraIsFoundInALearnedRoom) {
   ASSERT_EQ(learn("fisheye"), 0);
   const auto learned = report("fisheye.json");
   EXPECT_EQ(learned.at("poses"), learned.at("pictures"));

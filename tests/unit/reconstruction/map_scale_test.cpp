@@ -17,7 +17,8 @@ std::vector<reconstruction::SeenPlace> wall_places() {
   std::uniform_real_distribution<double> unit(-1, 1);
   std::vector<reconstruction::SeenPlace> places;
   for (int i = 0; i < 200; ++i)
-    places.push_back({Eigen::Vector3d(unit(random), unit(random), kWall_m) / kMetresPerUnit, {0.2}});
+    places.push_back(
+        {Eigen::Vector3d(unit(random), unit(random), kWall_m) / kMetresPerUnit, {0.2}});
   return places;
 }
 
