@@ -17,6 +17,7 @@
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
 #include "host/session/baselines.h"
+#include "host/session/change_sink.h"
 #include "host/session/frame_lens.h"
 #include "host/session/pose_errors.h"
 #include "host/session/slip.h"
@@ -49,6 +50,7 @@ struct RunReport {
   std::optional<LensReport> lens;  ///< of a lens that zooms
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;  ///< peak
+  std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };
