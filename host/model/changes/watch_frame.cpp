@@ -2,6 +2,7 @@
 #include "host/model/changes/watch_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mixrig::model {
@@ -10,8 +11,8 @@ namespace {
 /// Two surfaces differ by this many sigmas and this much at least: systematic errors of depth, which
 /// differ between the views of the scan and this one.
 constexpr double kStepSigmas = 5, kLeastStep_m = 0.07;
-/// Neighbours of eight that have to lie on the surface of a pixel.
-constexpr int kFewestBeside = 5;
+/// Of the four pairs of opposite neighbours, those that have to lie on the surface of a pixel.
+constexpr int kFewestPairs = 3;
 
 }  // namespace
 
@@ -51,36 +52,39 @@ void FrameSight::spread_model() {
     }
 }
 
+/// On a plane inverse depth is linear in the picture: the mean of two opposite neighbours is that of
+/// the pixel. Such pairs are summed up, with how many there are.
+int FrameSight::add_pairs(int x, int y, float& sum_w) const {
+  constexpr std::array<std::array<int, 2>, 4> kAxes{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  const float z = frame_.depth_m.row(y)[x], step = step_m(z);
+  int count = 0;
+  for (const auto& [dx, dy] : kAxes) {
+    const float a = frame_.depth_m.row(y - dy)[x - dx], b = frame_.depth_m.row(y + dy)[x + dx];
+    if (!(a > 0 && b > 0)) continue;
+    const float pair_w = 1 / a + 1 / b;
+    if (!(std::abs(2 / pair_w - z) < 0.5F * step)) continue;
+    sum_w += pair_w;
+    ++count;
+  }
+  return count;
+}
+
 void FrameSight::find_steady() {
-  const int w = width(), h = height();
   steady_m_.fill(0);
-  for (int y = 1; y < h - 1; ++y)
-    for (int x = 1; x < w - 1; ++x) {
+  for (int y = 1; y < height() - 1; ++y)
+    for (int x = 1; x < width() - 1; ++x) {
       const float z = frame_.depth_m.row(y)[x];
-      if (!(z > 0)) continue;
-      const float step = step_m(z);
-      int beside = -1;
-      for (int j = y - 1; j <= y + 1; ++j)
-        for (int i = x - 1; i <= x + 1; ++i)
-          beside += std::abs(frame_.depth_m.row(j)[i] - z) < step ? 1 : 0;
-      if (beside >= kFewestBeside) steady_m_.row(y)[x] = z;
+      float sum_w = 0;
+      if (z > 0 && add_pairs(x, y, sum_w) >= kFewestPairs) steady_m_.row(y)[x] = z;
     }
 }
 
 float FrameSight::mean_m(int x, int y) const {
   const float z = steady_m_.row(y)[x];
   if (!(z > 0)) return 0;
-  const float step = step_m(z);
-  float sum = 0;
-  int count = 0;  // a steady pixel is not at the border of the picture
-  for (int j = y - 1; j <= y + 1; ++j)
-    for (int i = x - 1; i <= x + 1; ++i) {
-      const float other = frame_.depth_m.row(j)[i];
-      if (!(std::abs(other - z) < step)) continue;
-      sum += other;
-      ++count;
-    }
-  return sum / static_cast<float>(count);
+  float sum_w = 1 / z;
+  const int pairs = add_pairs(x, y, sum_w);
+  return static_cast<float>(1 + 2 * pairs) / sum_w;
 }
 
 FrameSight::Beside FrameSight::compare(int x, int y) const {

@@ -50,6 +50,7 @@ class FrameSight {
  private:
   void spread_model();
   void find_steady();
+  int add_pairs(int x, int y, float& sum_w) const;
 
   geometry::DepthNoise noise_;
   WatchFrame frame_;
