@@ -20,6 +20,7 @@ struct RunArguments {
   bool layers = false, inspect = false, baselines = false;
   bool no_watch = false, accept_changes = false;
   std::string save_room;
+  double change_after_s = model::WatchOptions{}.appeared_s;
 };
 
 Result<nlohmann::json> run(const RunArguments& arguments) {
@@ -36,6 +37,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
   options.watch_room = !arguments.no_watch;
+  options.changes.watch = model::watch_options(arguments.change_after_s);
   options.changes.accept_all = arguments.accept_changes;
   options.changes.requests = &CountSignals::count();
   if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
@@ -77,6 +79,11 @@ void add_run_command(Command app, Context& context) {
                    "else on the signal USR1: kill -USR1 PID");
   command.add_option("--save-room", arguments->save_room,
                      "folder to write at the end: the background with what was accepted");
+  command.add_option("--change-after", arguments->change_after_s,
+                     "seconds for which a thing must have stood still to be one, 1 to 600; what is "
+                     "gone two thirds of it, a colour five thirds")
+      .range(1.0, 600.0)
+      .show_default();
   command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });

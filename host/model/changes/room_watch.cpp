@@ -34,6 +34,13 @@ constexpr int kFewestPatches = 20;
 
 }  // namespace
 
+WatchOptions watch_options(double appeared_s) {
+  WatchOptions options;
+  const double share = appeared_s / options.appeared_s;
+  options.appeared_s *= share, options.gone_s *= share, options.color_s *= share;
+  return options;
+}
+
 RoomWatch::RoomWatch(const Eigen::AlignedBox3d& room_m, const geometry::DepthNoise& noise,
                      const WatchOptions& options)
     : options_(options),

@@ -26,6 +26,9 @@ struct WatchOptions {
   double still_m = 0.004;
 };
 
+/// The same with all times but that of lights in proportion to that of what appeared.
+WatchOptions watch_options(double appeared_s);
+
 /// Constant memory; add() allocates nothing but for a change that is new. Not thread-safe.
 class RoomWatch {
  public:
