@@ -42,6 +42,24 @@ std::vector<render::BackgroundModel> models_of(const Session& session,
   return {{b.view, {world_from_view}, b.depth_m, b.depth_sigma_m, color}};
 }
 
+/// Means of the colours that a pixel of depth has; unknown where one of them is.
+Image<Rgbx8> coarse(const render::BackgroundModel& model) {
+  const int f = model.color_factor;
+  Image<Rgbx8> out(model.depth_m.size);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      int r = 0, g = 0, b = 0, most = 0;
+      for (int j = 0; j < f; ++j)
+        for (int i = 0; i < f; ++i) {
+          const Rgbx8& c = model.color.row(y * f + j)[x * f + i];
+          r += c.r, g += c.g, b += c.b, most = std::max<int>(most, c.x);
+        }
+      const auto mean = [n = f * f](int sum) { return static_cast<std::uint8_t>(sum / n); };
+      out.row(y)[x] = {mean(r), mean(g), mean(b), static_cast<std::uint8_t>(most)};
+    }
+  return out;
+}
+
 Size watch_size(Size view) {
   const int width = std::min(view.width, ChangeSink::kWidth_px);
   return {width, std::max(1, width * view.height / view.width)};
@@ -78,8 +96,16 @@ Result<void> ChangeSink::open() {
 
 /// The background that is in force, in the size of the watch.
 void ChangeSink::draw_background() {
-  Image<Rgbx8> color;  // of a still camera's view, as long as it is read here
-  const auto models = kept_ ? kept_->models(*first_pose_) : models_of(session_, *first_pose_, color);
+  // What is drawn is read here and not kept.
+  Image<Rgbx8> color;  // of a still camera's view
+  std::vector<render::BackgroundModel> models =
+      kept_ ? kept_->models(*first_pose_) : models_of(session_, *first_pose_, color);
+  std::vector<Image<Rgbx8>> coarse_colors(models.size());
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (models[i].color.empty() || models[i].color_factor == 1) continue;
+    coarse_colors[i] = coarse(models[i]);
+    models[i].color = coarse_colors[i], models[i].color_factor = 1;
+  }
   render::CompositorSetup setup = small_;
   setup.tof = {small_.view, {}};  // no finer than the watch
   setup.background = {};
