@@ -111,8 +111,8 @@ bool sees_anything(const Panorama& p, const geometry::Pinhole& camera, const geo
   return false;
 }
 
-/// The pixel of the face whose axis is nearest to a direction, as a row over all faces; row -1 where
-/// no face has it.
+/// The pixel of the face whose axis is nearest to a direction, as a row over all faces; row -1
+/// where no face has it.
 struct FacePlace {
   int x = 0, row = -1;
   float distance_of_z = 1;

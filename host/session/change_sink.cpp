@@ -110,8 +110,8 @@ void ChangeSink::draw_background() {
   setup.tof = {small_.view, {}};  // no finer than the watch
   setup.background = {};
   setup.background_models = models;
-  drawn_ = std::make_unique<render::cpu::MovingBackground>(crew_, setup,
-                                                           render::cpu::Normals::kSkip);
+  drawn_ =
+      std::make_unique<render::cpu::MovingBackground>(crew_, setup, render::cpu::Normals::kSkip);
   drawn_at_.reset();
   if (!watch_) watch_.emplace(bounds_of(models), small_.noise, options_.watch);
 }
@@ -140,9 +140,8 @@ Result<void> ChangeSink::look(const output::Composite& composite) {
   }
   MIXRIG_ASSIGN(const render::FrameOutput* const seen, views_->of(*composite.capture));
   const render::BackgroundView background = drawn_->view();
-  const bool news = watch_->add({composite.capture->time_s, small_.view, pose,
-                                 seen->warped_depth_m, seen->color, background.depth_m,
-                                 background.color});
+  const bool news = watch_->add({composite.capture->time_s, small_.view, pose, seen->warped_depth_m,
+                                 seen->color, background.depth_m, background.color});
   if (news) tell();
   return {};
 }
@@ -173,8 +172,8 @@ Result<void> ChangeSink::collect(const output::Composite& composite) {
 
 Result<void> ChangeSink::learn() {
   const HostTime begin = clock_.now();
-  auto next = kept_ ? std::make_shared<KeptBackground>(*kept_)
-                    : std::make_shared<KeptBackground>(session_);
+  auto next =
+      kept_ ? std::make_shared<KeptBackground>(*kept_) : std::make_shared<KeptBackground>(session_);
   MIXRIG_TRY(learn_changes(*watch_, kept_frames_, *first_pose_, *next));
   kept_frames_.clear();
   collecting_ = false;

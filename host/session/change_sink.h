@@ -2,49 +2,32 @@
 // Watches the composited frames for what changed in the room, and learns what is accepted.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "hal/base/clock.h"
-#include "host/measure/quantile_sketch.h"
 #include "host/model/changes/room_watch.h"
 #include "host/output/composite_sink.h"
 #include "host/session/frame_views.h"
 #include "host/session/kept_background.h"
+#include "host/session/room_changes_report.h"
 #include "host/session/room_update.h"
 
 namespace mixrig::session {
 
-/// What a run found of the room.
-struct RoomChangesReport {
-  std::vector<model::RoomChange> changes;
-  measure::QuantileSketch watch_ms;  ///< of a frame that was looked at
-  int accepted = 0;                  ///< times that changes were taken into the background
-  measure::QuantileSketch learn_ms;  ///< of each of them, on the watching thread
-  measure::QuantileSketch swap_ms;   ///< the compositing thread's part
-};
-
-struct ChangeOptions {
-  bool accept_all = false;  ///< as soon as a change is certain
-  /// Counts the operator's requests to accept what has been found; may be null.
-  const std::atomic<int>* requests = nullptr;
-  model::WatchOptions watch;
-};
-
-/// Looks at every fifth frame, in a picture of 160 pixels across. write() and finish() on the thread
-/// of the sink; the rest as said. Memory is constant but for the frames that a change is learned
-/// from.
+/// Looks at every fifth frame, in a picture of 160 pixels across. write() and finish() on the
+/// thread of the sink; the rest as said. Memory is constant but for the frames that a change is
+/// learned from.
 class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
   static constexpr int kWidth_px = 160;
   static constexpr int kLearnFrames = 9;  ///< of those looked at, which see half of the change
 
-  /// Whether the session has a background that can be watched: drawn from its place at each pose, or
-  /// of a camera that stands still, and a lens that stands still.
+  /// Whether the session has a background that can be watched: drawn from its place at each pose,
+  /// or of a camera that stands still, and a lens that stands still.
   static bool can_watch(const Session& session);
   /// `session` is ready to composite and must outlive it. Precondition: can_watch().
   static Result<std::unique_ptr<ChangeSink>> create(const Session& session,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames saw of the room: depth and colour in the view of a setup, and the same from elsewhere.
+// What frames saw of the room: depth and colour in the view of a setup, and the same from
+// elsewhere.
 #pragma once
 
 #include <memory>

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "host/session/change_sink.h"
+
 namespace mixrig::session {
 
 Result<void> RoomKeeper::open(const ChangeOptions& options, WorkGate* gate) {
@@ -51,6 +53,10 @@ Result<void> RoomKeeper::exchange(std::unique_ptr<HidingCompositor>& compositor,
 Result<void> RoomKeeper::finish() {
   if (making_.valid()) making_.wait();
   return thread_ ? thread_->finish() : Result<void>();
+}
+
+const KeptBackground* RoomKeeper::kept() const {
+  return sink_ != nullptr ? sink_->kept() : nullptr;
 }
 
 RoomChangesReport RoomKeeper::report() const {

@@ -7,10 +7,13 @@
 #include <memory>
 
 #include "host/output/sink_thread.h"
-#include "host/session/change_sink.h"
 #include "host/session/hiding_compositor.h"
+#include "host/session/kept_background.h"
+#include "host/session/room_changes_report.h"
 
 namespace mixrig::session {
+
+class ChangeSink;
 
 /// For the compositing thread of one run. A live run never waits for it; that of a recording does
 /// after each frame that is looked at, so that the same take gives the same pictures.
@@ -31,7 +34,7 @@ class RoomKeeper {
   Result<void> finish();
   /// After finish(); precondition: is_open().
   RoomChangesReport report() const;
-  const KeptBackground* kept() const { return sink_ ? sink_->kept() : nullptr; }
+  const KeptBackground* kept() const;
 
  private:
   /// The setup that a compositor was made of has to outlive it.

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
-#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/model/room_file.h"
+#include "host/session/change_sink.h"
 #include "host/session/room_keeper.h"
 #include "host/session/room_scan.h"
 
@@ -18,9 +16,8 @@ Result<void> save_kept_room(const fs::path& from, const model::RoomFaces& before
   model::take_changes(before, after, room.panorama);
   Crew crew;
   room.manifest.mesh_tolerance_m = model::mesh_tolerance_m(room.panorama);
-  const model::RoomMesh mesh =
-      model::simplified(model::grid_mesh(room.panorama), room.panorama.size(),
-                        room.manifest.mesh_tolerance_m, crew);
+  const model::RoomMesh mesh = model::simplified(
+      model::grid_mesh(room.panorama), room.panorama.size(), room.manifest.mesh_tolerance_m, crew);
   room.manifest.triangles = static_cast<int>(mesh.indices.size() / 3);
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "manifest.toml"));
   MIXRIG_TRY(write_mesh(mesh, room.panorama.color, partial.path() / "room.glb"));
@@ -44,11 +41,10 @@ Result<void> check_save(const Session& session, const fs::path& folder) {
   return {};
 }
 
-Result<void> save_kept(const Session& session, const KeptBackground& kept,
-                       const fs::path& folder) {
+Result<void> save_kept(const Session& session, const KeptBackground& kept, const fs::path& folder) {
   if (session.rooms.empty()) return model::save(*kept.view, folder);
-  return save_kept_room(*session.scene.background.model, session.rooms.front(),
-                        kept.rooms.front(), folder);
+  return save_kept_room(*session.scene.background.model, session.rooms.front(), kept.rooms.front(),
+                        folder);
 }
 
 }  // namespace mixrig::session

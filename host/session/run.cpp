@@ -112,7 +112,7 @@ class Runner {
   Session& session_;
   RunOptions options_;
   const Clock& clock_;
-  bool hides_ = false;  ///< frames without virtual objects are expected
+  bool hides_ = false;                ///< frames without virtual objects are expected
   std::optional<RoomKeeper> keeper_;  ///< has what compositor_ was made of
   std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
   std::optional<pose::FramePoses> poses_;
@@ -308,8 +308,8 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
                              render::FrameOutput& images) {
   images.wanted = wanted;
   return compositor_->compose({composite.capture->plate, composite.capture->depth_m,
-                              composite.world_from_target, frame_lens(*composite.capture)},
-                             composite.objects_shown, images);
+                               composite.world_from_target, frame_lens(*composite.capture)},
+                              composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.

@@ -7,8 +7,8 @@
 
 namespace mixrig::tools {
 
-/// While the object exists, each SIGUSR1 counts. The destructor restores the old handler. One object
-/// at a time.
+/// While the object exists, each SIGUSR1 counts. The destructor restores the old handler. One
+/// object at a time.
 class CountSignals {
  public:
   CountSignals() : old_(std::signal(SIGUSR1, add)) {}

@@ -79,9 +79,10 @@ void add_run_command(Command app, Context& context) {
                    "else on the signal USR1: kill -USR1 PID");
   command.add_option("--save-room", arguments->save_room,
                      "folder to write at the end: the background with what was accepted");
-  command.add_option("--change-after", arguments->change_after_s,
-                     "seconds for which a thing must have stood still to be one, 1 to 600; what is "
-                     "gone two thirds of it, a colour five thirds")
+  command
+      .add_option("--change-after", arguments->change_after_s,
+                  "seconds for which a thing must have stood still to be one, 1 to 600; what is "
+                  "gone two thirds of it, a colour five thirds")
       .range(1.0, 600.0)
       .show_default();
   command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");

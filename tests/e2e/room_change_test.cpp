@@ -21,8 +21,8 @@ class RoomChange : public CommandTest {
         out << text << '\n';
         continue;
       }
-      out << "model = \"../" << room << "\"\nworld_from_base = { rotation_xyzw = "
-          << pose.at("rotation_xyzw").dump()
+      out << "model = \"../" << room
+          << "\"\nworld_from_base = { rotation_xyzw = " << pose.at("rotation_xyzw").dump()
           << ", translation_m = " << pose.at("translation_m").dump() << " }\n";
     }
   }
@@ -56,8 +56,8 @@ TEST_F(RoomChange, AMovedChairIsFoundAndBecomesBackground) {
             0);
   write_scene("before.toml", "room");
   const auto found =
-      run("before.toml", "--accept-changes --change-after 2.5 --frames 1-150 --save-room " +
-                             path("accepted"));
+      run("before.toml",
+          "--accept-changes --change-after 2.5 --frames 1-150 --save-room " + path("accepted"));
   const auto& changes = found.at("room_changes").at("found");
   ASSERT_EQ(changes.size(), 1U) << changes.dump();
   EXPECT_EQ(changes[0].at("kind"), "moved");

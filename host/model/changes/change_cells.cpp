@@ -48,13 +48,13 @@ void ChangeCells::free(ChangeCell& cell) {
 void ChangeCells::add(const FrameSight& sight, double dt_s) {
   for (ChangeCell& cell : cells_)
     if (cell.slot >= 0) check(sight, dt_s, cell);
-  const auto wanted = kind_ == Kind::kSurface ? FrameSight::Beside::kNearer
-                                              : FrameSight::Beside::kFarther;
+  const auto wanted =
+      kind_ == Kind::kSurface ? FrameSight::Beside::kNearer : FrameSight::Beside::kFarther;
   for (int y = 0; y < sight.height(); ++y)
     for (int x = 0; x < sight.width(); ++x) {
       if (sight.compare(x, y) != wanted) continue;
-      const float z_m = kind_ == Kind::kSurface ? sight.steady_m(x, y)
-                                                : sight.frame().model_depth_m.row(y)[x];
+      const float z_m =
+          kind_ == Kind::kSurface ? sight.steady_m(x, y) : sight.frame().model_depth_m.row(y)[x];
       note(sight.world(x, y, z_m), sight.frame().time_s);
     }
 }

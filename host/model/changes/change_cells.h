@@ -13,8 +13,8 @@
 
 namespace mixrig::model {
 
-/// A cube of the room that holds a surface which the model lacks, or one of the model's that is seen
-/// through.
+/// A cube of the room that holds a surface which the model lacks, or one of the model's that is
+/// seen through.
 struct ChangeCell {
   Eigen::Vector3f point_m{0, 0, 0};  ///< of the surface, world
   float held_s = 0;                  ///< time in which frames agreed with it

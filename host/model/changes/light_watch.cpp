@@ -72,8 +72,7 @@ void LightWatch::sum_up(const FrameSight& sight) {
           (sight.world(x, y, sight.steady_m(x, y)) - origin_m_).array() / patch_m_;
       if (!(at >= 0).all() || !(at < size_.cast<double>()).all()) continue;
       const Eigen::Array3i p = at.cast<int>();
-      const auto index =
-          static_cast<std::size_t>((p.z() * size_.y() + p.y()) * size_.x() + p.x());
+      const auto index = static_cast<std::size_t>((p.z() * size_.y() + p.y()) * size_.x() + p.x());
       Patch& patch = patches_[index];
       if (patch.samples++ == 0) {
         touched_.push_back(index);
@@ -94,7 +93,8 @@ void LightWatch::take_in(double time_s, double dt_s) {
     const bool fresh = patch.seen_s < 0 || time_s - patch.seen_s > kRecent_s;
     if (fresh) patch.first_s = time_s, patch.off_s = 0;
     const double share = fresh ? 1 : std::min(dt_s / kMean_s, 1.0);
-    patch.log_factor = fresh ? now : Eigen::Array3d(patch.log_factor + share * (now - patch.log_factor));
+    patch.log_factor =
+        fresh ? now : Eigen::Array3d(patch.log_factor + share * (now - patch.log_factor));
     patch.seen_s = time_s;
     touched_[kept++] = i;
   }

@@ -25,11 +25,16 @@ std::string lights_text(const RoomChange& change) {
 
 std::string_view name(ChangeKind kind) {
   switch (kind) {
-    case ChangeKind::kAppeared: return "appeared";
-    case ChangeKind::kGone: return "gone";
-    case ChangeKind::kMoved: return "moved";
-    case ChangeKind::kColor: return "color";
-    case ChangeKind::kLights: return "lights";
+    case ChangeKind::kAppeared:
+      return "appeared";
+    case ChangeKind::kGone:
+      return "gone";
+    case ChangeKind::kMoved:
+      return "moved";
+    case ChangeKind::kColor:
+      return "color";
+    case ChangeKind::kLights:
+      return "lights";
   }
   return "";
 }
@@ -39,15 +44,18 @@ std::string text(const RoomChange& change) {
   const std::string thing =
       fmt::format("a thing of {:.2f} x {:.2f} x {:.2f} m", s.x(), s.y(), s.z());
   switch (change.kind) {
-    case ChangeKind::kAppeared: return thing + " appeared at " + place_text(change.center_m);
-    case ChangeKind::kGone: return thing + " is gone from " + place_text(change.center_m);
+    case ChangeKind::kAppeared:
+      return thing + " appeared at " + place_text(change.center_m);
+    case ChangeKind::kGone:
+      return thing + " is gone from " + place_text(change.center_m);
     case ChangeKind::kMoved:
       return thing + " moved from " + place_text(*change.from_m) + " to " +
              place_text(change.center_m);
     case ChangeKind::kColor:
       return "a surface at " + place_text(change.center_m) + " has " + factor_text(change.factor) +
              " the colour of the model";
-    case ChangeKind::kLights: return lights_text(change);
+    case ChangeKind::kLights:
+      return lights_text(change);
   }
   return "";
 }

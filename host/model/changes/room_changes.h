@@ -22,8 +22,8 @@ std::string_view name(ChangeKind kind);
 /// One of them. World axes, metres; seconds of the frames that were added.
 struct RoomChange {
   ChangeKind kind = ChangeKind::kAppeared;
-  Eigen::Vector3d center_m{0, 0, 0};  ///< of the box around it; of what moved where it is now
-  Eigen::Vector3d size_m{0, 0, 0};    ///< of that box, along the axes of the world
+  Eigen::Vector3d center_m{0, 0, 0};      ///< of the box around it; of what moved where it is now
+  Eigen::Vector3d size_m{0, 0, 0};        ///< of that box, along the axes of the world
   std::optional<Eigen::Vector3d> from_m;  ///< where it was, of what moved
   double since_s = 0;                     ///< first seen
   double found_s = 0;                     ///< when it was certain
@@ -31,7 +31,8 @@ struct RoomChange {
   /// Share of the observations of its place, those in which something hid it left out, that agree;
   /// of lights the share of the room that agrees with the factor.
   double certainty = 0;
-  /// Root mean square of how its depth moves about its mean, in the median over it; of what appeared.
+  /// Root mean square of how its depth moves about its mean, in the median over it; of what
+  /// appeared.
   double unrest_m = 0;
   Eigen::Array3d factor{1, 1, 1};  ///< of lights, and of a colour: linear red, green, blue
   bool common = true;              ///< of lights: one factor for the room; else it varies by place

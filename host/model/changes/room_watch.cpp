@@ -113,10 +113,9 @@ void RoomWatch::grow(ChangeCells& evidence, std::size_t seed, double least_s) {
 }
 
 int RoomWatch::count_ripe(const ChangeCells& evidence, double least_s) const {
-  return static_cast<int>(
-      std::count_if(members_.begin(), members_.end(), [&](std::size_t i) {
-        return evidence.cells()[i].held_s >= least_s;
-      }));
+  return static_cast<int>(std::count_if(members_.begin(), members_.end(), [&](std::size_t i) {
+    return evidence.cells()[i].held_s >= least_s;
+  }));
 }
 
 double RoomWatch::unrest_m(const ChangeCells& evidence) {
@@ -181,7 +180,8 @@ RoomWatch::Found& RoomWatch::add_found(ChangeKind kind, double since_s, double t
 
 void RoomWatch::finish_round() {
   for (Found& f : found_) {
-    const bool spatial = f.change.kind != ChangeKind::kLights && f.change.kind != ChangeKind::kColor;
+    const bool spatial =
+        f.change.kind != ChangeKind::kLights && f.change.kind != ChangeKind::kColor;
     if (!spatial || f.change.accepted) continue;
     f.change.over = f.cells == 0;
     if (f.change.over) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches a room while it is composited: what is no longer as its model says, told apart from people
-// by how long and how still it stays.
+// Watches a room while it is composited: what is no longer as its model says, told apart from
+// people by how long and how still it stays.
 #pragma once
 
 #include <span>

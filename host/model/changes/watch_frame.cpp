@@ -8,8 +8,8 @@
 namespace mixrig::model {
 namespace {
 
-/// Two surfaces differ by this many sigmas and this much at least: systematic errors of depth, which
-/// differ between the views of the scan and this one.
+/// Two surfaces differ by this many sigmas and this much at least: systematic errors of depth,
+/// which differ between the views of the scan and this one.
 constexpr double kStepSigmas = 5, kLeastStep_m = 0.07;
 /// Of the four pairs of opposite neighbours, those that have to lie on the surface of a pixel.
 constexpr int kFewestPairs = 3;
@@ -52,8 +52,8 @@ void FrameSight::spread_model() {
     }
 }
 
-/// On a plane inverse depth is linear in the picture: the mean of two opposite neighbours is that of
-/// the pixel. Such pairs are summed up, with how many there are.
+/// On a plane inverse depth is linear in the picture: the mean of two opposite neighbours is that
+/// of the pixel. Such pairs are summed up, with how many there are.
 int FrameSight::add_pairs(int x, int y, float& sum_w) const {
   constexpr std::array<std::array<int, 2>, 4> kAxes{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
   const float z = frame_.depth_m.row(y)[x], step = step_m(z);

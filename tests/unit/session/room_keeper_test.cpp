@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/base/partial_path.h"
+#include "host/model/static_background.h"
 #include "host/session/run.h"
 #include "tests/support/box_source.h"
 
@@ -17,7 +17,7 @@ namespace mixrig::session {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr int kEmpty = 5, kFrames = 190;
+constexpr int kKeptEmpty = 5, kKeptFrames = 190;
 constexpr double kSettle_s = 2;
 
 /// 25 frames a second; the box may come later than the first frame after the empty ones.
@@ -41,7 +41,7 @@ class TimedBox final : public capture::CaptureSource {
 
  private:
   const bool sways_;
-  test::BoxSource box_{kEmpty, kFrames};
+  test::BoxSource box_{kKeptEmpty, kKeptFrames};
 };
 
 /// Keeps the share of foreground, and asks for the changes to be accepted at a frame.
@@ -77,7 +77,7 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
   RunReport run_it(bool sways = false, int asks_at = 0) {
     Session session;
     session.source = std::make_unique<TimedBox>(sways);
-    session.scene.background.learn = {1, kEmpty};
+    session.scene.background.learn = {1, kKeptEmpty};
     session.setup = *setup_of(session.source->info(), std::nullopt);
     session.backend = {GetParam(), 1};
     options_.sinks.push_back(std::make_unique<Foreground>(pct_, requests_, asks_at));
@@ -109,10 +109,10 @@ TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {
   EXPECT_NEAR(change.center_m.z(), 2, 0.04) << "identity pose: z is ahead";
   EXPECT_NEAR(change.size_m.x(), 0.8, 0.15);
   EXPECT_EQ(report.room_changes->accepted, 1);
-  ASSERT_EQ(pct_.size(), static_cast<std::size_t>(kFrames - kEmpty));
+  ASSERT_EQ(pct_.size(), static_cast<std::size_t>(kKeptFrames - kKeptEmpty));
   EXPECT_NEAR(pct(0), kBox_pct, 1.0);
   EXPECT_NEAR(pct(60), kBox_pct, 1.0) << "certain, not yet learned";
-  EXPECT_LT(pct(kFrames - kEmpty - 1), 0.1 * kBox_pct);
+  EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
   const auto saved = model::load_static_background(root_ / "after");
   ASSERT_TRUE(saved) << saved.error().context;
   EXPECT_NEAR(saved->depth_m.at(32, 24), 2, 0.005F);
@@ -126,7 +126,7 @@ TEST_P(RoomKeeperTest, WithoutAnOrderItIsOnlyTold) {
   ASSERT_TRUE(report.room_changes);
   ASSERT_EQ(report.room_changes->changes.size(), 1U);
   EXPECT_FALSE(report.room_changes->changes[0].accepted);
-  EXPECT_NEAR(pct(kFrames - kEmpty - 1), kBox_pct, 1.0);
+  EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
   EXPECT_FALSE(fs::exists(root_ / "after")) << "nothing to save";
   const nlohmann::json json = to_json(report).at("room_changes");
   EXPECT_EQ(json.at("found")[0].at("kind"), "appeared");
@@ -139,7 +139,7 @@ TEST_P(RoomKeeperTest, AnOrderWhileItRunsIsFollowed) {
   ASSERT_TRUE(report.room_changes);
   EXPECT_EQ(report.room_changes->accepted, 1);
   EXPECT_NEAR(pct(94), kBox_pct, 1.0) << "frame 99";
-  EXPECT_LT(pct(kFrames - kEmpty - 1), 0.1 * kBox_pct);
+  EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
 }
 
 TEST_P(RoomKeeperTest, AnOrderBeforeAnythingIsFoundIsNone) {
@@ -151,13 +151,13 @@ TEST_P(RoomKeeperTest, WhatSwaysIsNotAccepted) {
   options_.changes.accept_all = true;
   const RunReport report = run_it(true);
   EXPECT_TRUE(report.room_changes->changes.empty());
-  EXPECT_NEAR(pct(kFrames - kEmpty - 1), kBox_pct, 1.0);
+  EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, RoomKeeperTest,
                          ::testing::Values(render::Backend::kCpu, render::Backend::kGles),
-                         [](const auto& info) {
-                           return info.param == render::Backend::kCpu ? "cpu" : "gles";
+                         [](const auto& backend) {
+                           return backend.param == render::Backend::kCpu ? "cpu" : "gles";
                          });
 
 }  // namespace
