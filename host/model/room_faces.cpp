@@ -111,7 +111,58 @@ bool sees_anything(const Panorama& p, const geometry::Pinhole& camera, const geo
   return false;
 }
 
+/// The pixel of the face whose axis is nearest to a direction, as a row over all faces; row -1
+/// where no face has it.
+struct FacePlace {
+  int x = 0, row = -1;
+  float distance_of_z = 1;
+};
+FacePlace face_place(const RoomFaces& faces, const Vector3d& ray, int factor) {
+  FacePlace place;
+  double most_z = 0;
+  for (std::size_t i = 0; i < faces.base_from_face.size(); ++i) {
+    const Vector3d p = faces.base_from_face[i].rotation.conjugate() * ray;
+    if (!(p.z() > most_z)) continue;
+    most_z = p.z();
+    const int side = factor * faces.camera.size_px.width;
+    const Vector2d px = ((faces.camera.project(p).array() + 0.5) * factor - 0.5).round();
+    const bool inside = (px.array() >= 0).all() && (px.array() < side).all();
+    place = {static_cast<int>(px.x()),
+             inside ? static_cast<int>(i) * side + static_cast<int>(px.y()) : -1,
+             static_cast<float>(1 / p.z())};
+  }
+  return place;
+}
+
+void take_changed_color(const RoomFaces& before, const RoomFaces& after, Panorama& p) {
+  const int factor = after.color_factor;
+  const Directions ray(p.color.size());
+  for (int y = 0; y < p.color.height(); ++y)
+    for (int x = 0; x < p.color.width(); ++x) {
+      const FacePlace at = face_place(after, ray(x, y), factor);
+      if (at.row < 0) continue;
+      const Rgbx8 a = before.color.row(at.row)[at.x], b = after.color.row(at.row)[at.x];
+      if (a.r == b.r && a.g == b.g && a.b == b.b && a.x == b.x) continue;
+      p.color.row(y)[x] = b.x == kUnknownColorByte ? Rgb8{} : Rgb8{b.r, b.g, b.b};
+    }
+}
+
 }  // namespace
+
+void take_changes(const RoomFaces& before, const RoomFaces& after, Panorama& p) {
+  const Directions ray(p.size());
+  for (int y = 0; y < p.size().height; ++y)
+    for (int x = 0; x < p.size().width; ++x) {
+      const FacePlace at = face_place(after, ray(x, y), 1);
+      if (at.row < 0) continue;
+      const float z_m = after.depth_m.row(at.row)[at.x];
+      if (z_m == before.depth_m.row(at.row)[at.x]) continue;
+      p.distance_m.row(y)[x] = at.distance_of_z * z_m;
+      p.sigma_m.row(y)[x] = at.distance_of_z * after.depth_sigma_m.row(at.row)[at.x];
+      p.views.row(y)[x] = z_m > 0 ? 1 : 0;
+    }
+  take_changed_color(before, after, p);
+}
 
 RoomFaces make_faces(const Panorama& panorama, Crew& crew) {
   RoomFaces faces;

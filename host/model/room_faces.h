@@ -24,4 +24,8 @@ struct RoomFaces {
 /// In the middle of a face as many pixels as the panorama has.
 RoomFaces make_faces(const Panorama& panorama, Crew& crew);
 
+/// Gives what differs between two states of the faces of a panorama back to it: distances, sigmas,
+/// colours. What became known is seen by one view. Both have the layout of make_faces(panorama).
+void take_changes(const RoomFaces& before, const RoomFaces& after, Panorama& panorama);
+
 }  // namespace mixrig::model

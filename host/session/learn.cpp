@@ -6,10 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "hal/base/srgb.h"
 #include "host/capture/capture_reader.h"
-#include "host/render/cpu/background.h"
 #include "host/session/frame_lens.h"
+#include "host/session/frame_views.h"
 
 namespace mixrig::session {
 namespace {
@@ -19,34 +18,6 @@ constexpr double kMostTan = 2.2;
 constexpr int kMostSide_px = 8192;
 /// Metres: no surface is nearer; bounds what a shift of the camera uncovers at the borders.
 constexpr double kNearSurface_m = 1.5;
-
-/// Frames in the view of `setup`, without objects, key or light.
-class FrameViews {
- public:
-  static Result<FrameViews> make(const render::CompositorSetup& setup, BackendChoice backend) {
-    render::CompositorSetup empty = setup;
-    empty.objects.clear();
-    empty.light.lamps.clear();
-    empty.background = {};
-    empty.background_models.clear();
-    empty.capture_box.reset();
-    empty.backdrop.reset();
-    empty.people_cast_shadows = false;
-    FrameViews views;
-    MIXRIG_ASSIGN(views.compositor_, make_compositor(empty, backend));
-    views.output_.wanted = render::kColor | render::kWarpedDepth;
-    return views;
-  }
-  Result<const render::FrameOutput*> of(const capture::Capture& capture) {
-    MIXRIG_TRY(
-        compositor_->compose({capture.plate, capture.depth_m, {}, frame_lens(capture)}, output_));
-    return &output_;
-  }
-
- private:
-  std::unique_ptr<render::Compositor> compositor_;
-  render::FrameOutput output_;
-};
 
 /// The frames of a range in order; how many were read stands in the error where the source ends.
 class Frames {
@@ -79,63 +50,6 @@ class Frames {
   int number_;
 };
 
-/// One frame in the wide view.
-class WideFrame {
- public:
-  WideFrame(const render::CompositorSetup& setup, const WideView& wide)
-      : setup_(setup), wide_(wide), color_(wide.camera.size_px) {
-    setup_.view = wide.camera;
-    setup_.target = {wide.camera, {}}, setup_.vignetting = {};
-    setup_.background = {};
-    tables_.view_size = wide.camera.size_px;
-    tables_.key_limit_w.reset(wide.camera.size_px);
-  }
-  /// Draws what the camera saw from a pose; `depth_m` and `color` have the size of `view`.
-  void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
-            const render::FrameOutput& seen) {
-    color_seen_.reset(seen.color.size());
-    for (int y = 0; y < color_seen_.height(); ++y)
-      std::transform(seen.color.row(y), seen.color.row(y) + color_seen_.width(), color_seen_.row(y),
-                     [](const Rgb8& p) {
-                       return Rgbx8{p.r, p.g, p.b, 0};
-                     });
-    setup_.background_models = {{view, {world_from_view}, seen.warped_depth_m, {}, color_seen_}};
-    render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::Normals::kSkip);
-    drawn.draw(crew_, wide_.world_from_camera, tables_);
-    take_over(drawn);
-  }
-  const Image<float>& depth_m() const { return depth_m_; }
-  const Image<Rgb8>& color() const { return color_; }
-
- private:
-  /// Depth counts only where the colour is known too.
-  void take_over(render::cpu::MovingBackground& drawn) {
-    constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
-    depth_m_.reset(color_.size());
-    crew_.rows(color_.height(), 16, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        for (int x = 0; x < color_.width(); x += kColumns)
-          drawn.draw_color(x, y, std::min(kColumns, color_.width() - x));
-        const render::BackgroundView view = drawn.view();
-        for (int x = 0; x < color_.width(); ++x) {
-          const Rgbf c = view.color.row(y)[x];
-          depth_m_.row(y)[x] = c.r < 0 ? 0 : view.depth_m.row(y)[x];
-          color_.row(y)[x] = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
-                              srgb_byte_from_linear(c.b)};
-        }
-      }
-    });
-  }
-
-  render::CompositorSetup setup_;
-  const WideView wide_;
-  Crew crew_;
-  render::Tables tables_;
-  Image<Rgbx8> color_seen_;
-  Image<float> depth_m_;
-  Image<Rgb8> color_;
-};
-
 /// The view of a frame; nullopt where its pose is not known. Without `poses` the camera stands
 /// still at the origin.
 std::optional<PosedView> posed_view(const render::CompositorSetup& setup,
@@ -158,7 +72,8 @@ Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
                                              std::span<const PosedView> known) {
   MIXRIG_ASSIGN(const WideView wide, view_of_all(known));
   MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
-  WideFrame drawn(setup, wide);
+  Crew crew;
+  WideFrame drawn(setup, wide, crew);
   model::StaticBackgroundBuilder builder(wide.camera, 32, model::Views::kDifferent);
   Frames frames(source, range);
   for (;;) {

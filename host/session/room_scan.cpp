@@ -71,16 +71,6 @@ Result<measure::RoomFrame> true_frame(const fs::path& path) {
   }
 }
 
-Result<void> write_mesh(const RoomScan& scan, const fs::path& path) {
-  if (scan.mesh.indices.empty()) return {};
-  scene::Model file;
-  scene::Mesh& mesh = file.meshes.emplace_back();
-  mesh.positions_m = scan.mesh.positions_m, mesh.normals = scan.mesh.normals;
-  mesh.uv = scan.mesh.uv, mesh.indices = scan.mesh.indices, mesh.texture = 0;
-  file.textures.push_back(scan.panorama.color);
-  return scene::write_glb(file, "room", path);
-}
-
 /// The calibration with its unit, none where no file was given: then frames need poses.
 Result<std::optional<calibration_file::Calibration>> known_rig(const fs::path& calibration) {
   if (calibration.empty()) return std::optional<calibration_file::Calibration>();
@@ -208,6 +198,17 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   return scan;
 }
 
+Result<void> write_mesh(const model::RoomMesh& from, const Image<Rgb8>& color,
+                        const fs::path& path) {
+  if (from.indices.empty()) return {};
+  scene::Model file;
+  scene::Mesh& mesh = file.meshes.emplace_back();
+  mesh.positions_m = from.positions_m, mesh.normals = from.normals;
+  mesh.uv = from.uv, mesh.indices = from.indices, mesh.texture = 0;
+  file.textures.push_back(color);
+  return scene::write_glb(file, "room", path);
+}
+
 Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const fs::path& folder) {
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "manifest.toml"));
   calibration_file::InputHash hash;
@@ -223,8 +224,9 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   manifest.world_from_base = scan.world_from_base;
   MIXRIG_ASSIGN(manifest.distance_sigma, distance_sigma(scan.panorama, calibration));
   // The large picture is encoded twice, beside itself: it is in the model, too.
-  std::future<Result<void>> mesh =
-      std::async(std::launch::async, [&] { return write_mesh(scan, partial.path() / "room.glb"); });
+  std::future<Result<void>> mesh = std::async(std::launch::async, [&] {
+    return write_mesh(scan.mesh, scan.panorama.color, partial.path() / "room.glb");
+  });
   const Result<void> pictures = model::write_room(scan.panorama, manifest, partial.path());
   if (!scan.off_mm.empty())
     MIXRIG_TRY(image_io::write_png(partial.path() / "error.png",

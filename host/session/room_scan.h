@@ -73,6 +73,10 @@ Result<JudgedRoom> judge_room(const model::Panorama& panorama, const std::filesy
 /// finds no truth.
 Result<RoomScan> scan_room(const RoomScanOptions& options);
 
+/// Writes a room's triangles with their picture as glTF; nothing where there are none. Errors: kIo.
+Result<void> write_mesh(const model::RoomMesh& mesh, const Image<Rgb8>& color,
+                        const std::filesystem::path& path);
+
 /// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb
 /// (where there are triangles), error.png (of a judged room) and manifest.toml into `folder`: whole
 /// or not at all. Errors: kUsage where the folder is something else, kIo.

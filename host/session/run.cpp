@@ -20,6 +20,7 @@
 #include "host/session/frame_lens.h"
 #include "host/session/hiding_compositor.h"
 #include "host/session/judge.h"
+#include "host/session/room_keeper.h"
 #include "host/session/slip.h"
 
 namespace mixrig::session {
@@ -103,6 +104,7 @@ class Runner {
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
   Result<void> deliver(const output::CompositePtr& composite);
   Result<void> add_last_to_sheet();
+  Result<void> finish_watch();
   void watch_camera(const geometry::Pose& world_from_target);
   void set_pose(output::Composite& composite);
   void watch_slip(output::Composite& composite, const capture::Truth* truth);
@@ -110,7 +112,9 @@ class Runner {
   Session& session_;
   RunOptions options_;
   const Clock& clock_;
-  HidingCompositor compositor_;
+  bool hides_ = false;                ///< frames without virtual objects are expected
+  std::optional<RoomKeeper> keeper_;  ///< has what compositor_ was made of
+  std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
   std::optional<pose::FramePoses> poses_;
   HeadWatch head_;
   std::optional<PartialPath> folder_;
@@ -146,8 +150,11 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_frame_poses());
   if (options_.baselines) MIXRIG_TRY(open_baselines());
-  report_.backend = backend_of(compositor_.whole());
-  report_.renderer = compositor_.whole().renderer();
+  keeper_.emplace(session_, live());
+  if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
+  if (options_.watch_room) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
+  report_.backend = backend_of(compositor_->whole());
+  report_.renderer = compositor_->whole().renderer();
   report_.size = session_.setup.view.size_px;
   // A live source may drop captures: it is read until enough were composited.
   reader_ = std::make_unique<capture::CaptureReader>(
@@ -164,8 +171,8 @@ Result<void> Runner::prepare_frame_poses() {
   lens_.emplace(session_.setup,
                 session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
   if (has_true_poses(session_)) report_.pose.error.emplace();
-  const bool hides = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
-  return compositor_.open(session_.setup, session_.backend, hides);
+  hides_ = session_.poses->moves() && options.when_lost == pose::WhenLost::kHide;
+  return compositor_->open(session_.setup, session_.backend, hides_);
 }
 
 Result<void> Runner::open_baselines() {
@@ -218,6 +225,7 @@ Result<bool> Runner::frame() {
     ended_ = *std::move(fault);
     return false;
   }
+  MIXRIG_TRY(keeper_->exchange(compositor_, hides_));
   const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
   const bool inspected = (wanted & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
@@ -291,7 +299,7 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
   report_.frame_ms.add(composite.frame_ms);
   if (live()) report_.latency_ms.add(milliseconds(clock_.now() - composite.capture->mid_exposure));
-  const render::StageTimes& times = compositor_.stage_times();
+  const render::StageTimes& times = compositor_->stage_times();
   for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
   return {};
 }
@@ -299,9 +307,9 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
   images.wanted = wanted;
-  return compositor_.compose({composite.capture->plate, composite.capture->depth_m,
-                              composite.world_from_target, frame_lens(*composite.capture)},
-                             composite.objects_shown, images);
+  return compositor_->compose({composite.capture->plate, composite.capture->depth_m,
+                               composite.world_from_target, frame_lens(*composite.capture)},
+                              composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
@@ -321,7 +329,7 @@ Result<void> Runner::deliver(const output::CompositePtr& composite) {
     if (!live() && sink.get() == sheet_) sink->wait_until_idle();
     sheet_has_rows_ |= sink.get() == sheet_;
   }
-  return {};
+  return keeper_->push(composite);
 }
 
 /// A run that was stopped before the first frame of its sheet shows its last frame.
@@ -333,6 +341,16 @@ Result<void> Runner::add_last_to_sheet() {
   composite->objects_shown = last_->objects_shown;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
+}
+
+Result<void> Runner::finish_watch() {
+  MIXRIG_TRY(keeper_->finish());
+  if (keeper_->is_open()) report_.room_changes = keeper_->report();
+  if (!options_.save_room) return {};
+  if (keeper_->kept() != nullptr) return save_kept(session_, *keeper_->kept(), *options_.save_room);
+  log_warning("session", "--save-room " + options_.save_room->string() +
+                             ": no change was accepted, so that nothing was written");
+  return {};
 }
 
 void Runner::watch_camera(const geometry::Pose& world_from_target) {
@@ -362,7 +380,8 @@ Result<RunReport> Runner::finish(std::string ended) {
   report_.pose.slip = slip_->report();
   report_.lens = lens_->report();
   report_.pose.stream = session_.poses->stream();
-  compositor_.close();  // its buffers are not needed beside the sheet's
+  MIXRIG_TRY(finish_watch());
+  compositor_->close();  // its buffers are not needed beside the sheet's
   judged_ = {};
   composites_ = {};
   for (const auto& sink : sinks_) {

@@ -25,6 +25,9 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
   bool baselines = false;                   ///< judge plain composites beside it
+  bool watch_room = true;                   ///< for changes, where the background can be watched
+  ChangeOptions changes;                    ///< which of them become background
+  std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
 
@@ -33,7 +36,9 @@ struct RunOptions {
 /// Captures are read and decoded in a thread of their own, each sink writes in its own; this thread
 /// composites. Only compose() is timed; frames whose inspection images are needed are composited a
 /// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
-/// Memory does not grow with the number of frames.
+/// Memory does not grow with the number of frames. The room is watched in a thread of its own
+/// (ChangeSink); the background that changes were accepted into is written at the end, if there is
+/// one.
 /// Errors: kUsage for frames out of range, an OUT that no earlier run made, or baselines of a
 /// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
 /// be read, or where the source ended or was stopped before the first frame; kIo; those of the back

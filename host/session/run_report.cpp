@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/report/rig_json.h"
+#include "host/session/room_changes_report.h"
 
 namespace mixrig::session {
 namespace {
@@ -251,6 +252,7 @@ nlohmann::json to_json(const RunReport& report) {
   }
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
+  if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(
@@ -292,6 +294,7 @@ std::string to_table(const RunReport& report) {
   if (report.live) out += live_line(*report.live);
   out += pose_line(report.pose);
   if (report.lens) out += lens_line(*report.lens);
+  if (report.room_changes) out += to_lines(*report.room_changes);
   out += sink_lines(report.sinks);
   return report.error ? out + error_table(report) : out;
 }

@@ -19,6 +19,7 @@
 #include "host/session/baselines.h"
 #include "host/session/frame_lens.h"
 #include "host/session/pose_errors.h"
+#include "host/session/room_changes_report.h"
 #include "host/session/slip.h"
 
 namespace mixrig::session {
@@ -48,7 +49,8 @@ struct RunReport {
   PoseReport pose;
   std::optional<LensReport> lens;  ///< of a lens that zooms
   std::vector<output::SinkReport> sinks;
-  double rss_mb = 0;  ///< peak
+  double rss_mb = 0;                              ///< peak
+  std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };

@@ -7,6 +7,7 @@
 
 #include "host/session/run.h"
 #include "host/tools/command.h"
+#include "host/tools/count_signals.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -17,6 +18,9 @@ struct RunArguments {
   SessionArguments session;
   std::string out, frames, format = "png";
   bool layers = false, inspect = false, baselines = false;
+  bool no_watch = false, accept_changes = false;
+  std::string save_room;
+  double change_after_s = model::WatchOptions{}.appeared_s;
 };
 
 Result<nlohmann::json> run(const RunArguments& arguments) {
@@ -32,7 +36,13 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
+  options.watch_room = !arguments.no_watch;
+  options.changes.watch = model::watch_options(arguments.change_after_s);
+  options.changes.accept_all = arguments.accept_changes;
+  options.changes.requests = &CountSignals::count();
+  if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
   const StopOnSignal signals;
+  const CountSignals accept_requests;
   SystemClock clock;
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
@@ -64,6 +74,18 @@ void add_run_command(Command app, Context& context) {
   command.add_flag("--baselines", arguments->baselines,
                    "judge plain composites beside it: the plate, the objects pasted on top, a "
                    "plain depth key (a take with truth)");
+  command.add_flag("--accept-changes", arguments->accept_changes,
+                   "take what changed in the room into the background as soon as it is certain; "
+                   "else on the signal USR1: kill -USR1 PID");
+  command.add_option("--save-room", arguments->save_room,
+                     "folder to write at the end: the background with what was accepted");
+  command
+      .add_option("--change-after", arguments->change_after_s,
+                  "seconds for which a thing must have stood still to be one, 1 to 600; what is "
+                  "gone two thirds of it, a colour five thirds")
+      .range(1.0, 600.0)
+      .show_default();
+  command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
 }

@@ -174,5 +174,48 @@ TEST(RoomFaces, SpreadIsLargeAtBordersOfColourAndUnknownIsSaid) {
   EXPECT_EQ(faces.color.at(middle, 4 * side + middle).x, kUnknownColorByte) << "up";
 }
 
+/// Only what differs between the faces comes back, at its place and as its distance.
+TEST(RoomFaces, GiveTheirChangesBackToThePanorama) {
+  Panorama panorama = panorama_of(to_cube_wall_m, 2);
+  const Panorama as_it_was = panorama;
+  const RoomFaces before = faces_of(panorama);
+  RoomFaces after = before;
+  const int middle = (before.camera.size_px.width - 1) / 2;
+  for (int y = middle - 12; y <= middle + 12; ++y)
+    for (int x = middle - 8; x <= middle + 8; ++x) {
+      after.depth_m.at(x, y) = x < middle ? 1.25F : 0.0F;
+      after.depth_sigma_m.at(x, y) = x < middle ? 0.01F : 0.0F;
+      for (const int fine_y : {2 * y, 2 * y + 1})
+        for (const int fine_x : {2 * x, 2 * x + 1})
+          after.color.at(fine_x, fine_y) =
+              x < middle ? Rgbx8{10, 200, 30, 0} : Rgbx8{0, 0, 0, kUnknownColorByte};
+    }
+  take_changes(before, after, panorama);
+  int nearer = 0, forgotten = 0;
+  for (int y = 0; y < panorama.size().height; ++y)
+    for (int x = 0; x < panorama.size().width; ++x) {
+      const float now_m = panorama.distance_m.at(x, y);
+      const Vector3d ray = direction_of(panorama.size(), x, y);
+      if (now_m == as_it_was.distance_m.at(x, y)) continue;
+      ASSERT_LT(std::atan(std::hypot(ray.x(), ray.z()) / ray.y()), 0.3) << "the face looks ahead";
+      if (now_m > 0) {
+        ++nearer;
+        EXPECT_NEAR(now_m * ray.y(), 1.25, 1e-5);
+        EXPECT_FLOAT_EQ(panorama.sigma_m.at(x, y), static_cast<float>(0.01 / ray.y()));
+        EXPECT_LT(ray.x(), 0.02) << "the left half";
+      } else {
+        ++forgotten;
+        EXPECT_EQ(panorama.views.at(x, y), 0);
+      }
+    }
+  // The panorama has an even number of pixels, the face an odd one.
+  EXPECT_NEAR(nearer, 8 * 24, 20);
+  EXPECT_NEAR(forgotten, 8 * 24, 20);
+  const int ahead = 2 * kRows;  // column of the colour
+  EXPECT_EQ(panorama.color.at(ahead - 8, kRows), (Rgb8{10, 200, 30}));
+  EXPECT_EQ(panorama.color.at(ahead + 6, kRows), Rgb8{});
+  EXPECT_EQ(panorama.color.at(ahead + 100, kRows), as_it_was.color.at(ahead + 100, kRows));
+}
+
 }  // namespace
 }  // namespace mixrig::model

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Watches the composited frames for what changed in the room, and learns what is accepted.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "host/model/changes/room_watch.h"
+#include "host/output/composite_sink.h"
+#include "host/session/frame_views.h"
+#include "host/session/kept_background.h"
+#include "host/session/room_changes_report.h"
+#include "host/session/room_update.h"
+
+namespace mixrig::session {
+
+/// Looks at every fifth frame, in a picture of 160 pixels across. write() and finish() on the
+/// thread of the sink; the rest as said. Memory is constant but for the frames that a change is
+/// learned from.
+class ChangeSink final : public output::CompositeSink {
+ public:
+  static constexpr int kFrameStep = 5;
+  static constexpr int kWidth_px = 160;
+  static constexpr int kLearnFrames = 9;  ///< of those looked at, which see half of the change
+
+  /// Whether the session has a background that can be watched: drawn from its place at each pose,
+  /// or of a camera that stands still, and a lens that stands still.
+  static bool can_watch(const Session& session);
+  /// `session` is ready to composite and must outlive it. Precondition: can_watch().
+  static Result<std::unique_ptr<ChangeSink>> create(const Session& session,
+                                                    const ChangeOptions& options);
+
+  std::string_view name() const override { return "room changes"; }
+  render::OutputMask wanted(int number) const override {
+    return number % kFrameStep == 0 ? render::kMatte : 0;
+  }
+  Result<void> write(const output::CompositePtr& composite) override;
+  Result<void> finish() override { return {}; }
+
+  /// The background with changes that were learned since the last call; null: none. Any thread.
+  std::shared_ptr<KeptBackground> take_learned();
+  /// After finish().
+  RoomChangesReport report() const;
+  /// The last background that changes were accepted into; null: none. After finish().
+  const KeptBackground* kept() const { return kept_.get(); }
+
+ private:
+  ChangeSink(const Session& session, const ChangeOptions& options);
+  Result<void> open();
+  void draw_background();
+  Result<void> look(const output::Composite& composite);
+  void tell();
+  Result<void> collect(const output::Composite& composite);
+  Result<void> learn();
+
+  const Session& session_;
+  const ChangeOptions options_;
+  SystemClock clock_;
+  Crew crew_{1};
+  render::CompositorSetup small_;  ///< in the size of the watch
+  render::Tables tables_;
+  std::optional<FrameViews> views_;
+  std::unique_ptr<render::cpu::MovingBackground> drawn_;
+  std::optional<geometry::Pose> drawn_at_;
+  std::optional<geometry::Pose> first_pose_;
+  std::optional<model::RoomWatch> watch_;
+  std::vector<SeenFrame> kept_frames_;
+  bool collecting_ = false;
+  int requests_done_ = 0;
+  std::shared_ptr<KeptBackground> kept_;
+  RoomChangesReport report_;
+  std::mutex mutex_;
+  std::shared_ptr<KeptBackground> learned_;  ///< guarded by mutex_
+};
+
+}  // namespace mixrig::session

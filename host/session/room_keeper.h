@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keeps the background of a run alive: a thread that watches, and a compositor that is changed.
+#pragma once
+
+#include <filesystem>
+#include <future>
+#include <memory>
+
+#include "host/output/sink_thread.h"
+#include "host/session/hiding_compositor.h"
+#include "host/session/kept_background.h"
+#include "host/session/room_changes_report.h"
+
+namespace mixrig::session {
+
+class ChangeSink;
+
+/// For the compositing thread of one run. A live run never waits for it; that of a recording does
+/// after each frame that is looked at, so that the same take gives the same pictures.
+class RoomKeeper {
+ public:
+  RoomKeeper(const Session& session, bool live) : session_(session), live_(live) {}
+
+  /// Does nothing where ChangeSink::can_watch() is false. Errors: those of ChangeSink::create().
+  Result<void> open(const ChangeOptions& options, WorkGate* gate);
+  bool is_open() const { return sink_ != nullptr; }
+  /// Gives a finished frame to the watch. Errors: those of an earlier one.
+  Result<void> push(const output::CompositePtr& composite);
+  /// Before a frame: where changes were accepted, exchanges the compositor. That of cpu is made on
+  /// another thread while frames go on with the old one; of gles here, since its context stays on
+  /// this thread. Errors: those of HidingCompositor::open().
+  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides);
+  /// Ends the watch. Errors: those of the watch.
+  Result<void> finish();
+  /// After finish(); precondition: is_open().
+  RoomChangesReport report() const;
+  const KeptBackground* kept() const;
+
+ private:
+  /// The setup that a compositor was made of has to outlive it.
+  struct Next {
+    std::shared_ptr<KeptBackground> background;
+    std::unique_ptr<HidingCompositor> compositor;
+  };
+  static Result<Next> make(std::shared_ptr<KeptBackground> background, BackendChoice backend,
+                           bool hides);
+
+  const Session& session_;
+  const bool live_;
+  ChangeSink* sink_ = nullptr;  ///< that of thread_
+  std::unique_ptr<output::SinkThread> thread_;
+  std::future<Result<Next>> making_;
+  std::shared_ptr<KeptBackground> in_use_;
+  SystemClock clock_;
+  measure::QuantileSketch swap_ms_;
+};
+
+/// Writes the background that changes were accepted into as a room, or a background of one view, of
+/// the kind that the scene named; whole or not at all. Errors: kUsage where the scene joins several
+/// rooms; kIo, kFormat.
+Result<void> save_kept(const Session& session, const KeptBackground& kept,
+                       const std::filesystem::path& folder);
+/// What save_kept() would refuse, before the run. Errors: kUsage.
+Result<void> check_save(const Session& session, const std::filesystem::path& folder);
+
+}  // namespace mixrig::session
