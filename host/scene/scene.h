@@ -67,6 +67,7 @@ struct Lamp {
 struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
+  bool people_cast = false;  ///< people cast shadows on the objects; on a set they always do
   std::vector<Lamp> lamps;
 };
 

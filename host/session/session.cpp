@@ -68,7 +68,7 @@ void add_objects(Session& session) {
 void add_set(Session& session) {
   render::CompositorSetup& setup = session.setup;
   setup.open_walls = session.scene.background.open_walls;
-  setup.people_cast_shadows = !session.scene.light.lamps.empty();
+  setup.people_cast_shadows = session.scene.light.people_cast;
   if (!session.scene.set) return;
   const Image<Rgb8>& picture = session.scene.set->picture;
   if (!picture.empty()) session.backdrop = image_io::scaled_to_fill(picture, setup.view.size_px);
