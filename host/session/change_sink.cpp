@@ -16,9 +16,10 @@ namespace {
 constexpr float kFarthestSurface_m = 12;
 constexpr int kBoundStep_px = 4;
 
-/// Around the surfaces of the models, world.
-Eigen::AlignedBox3d bounds_of(const std::vector<render::BackgroundModel>& models) {
-  Eigen::AlignedBox3d box_m;
+/// Around the surfaces of the models and the camera, world: things appear between them.
+Eigen::AlignedBox3d bounds_of(const std::vector<render::BackgroundModel>& models,
+                              const Eigen::Vector3d& eye_m) {
+  Eigen::AlignedBox3d box_m(eye_m);
   for (const render::BackgroundModel& model : models)
     for (std::size_t f = 0; f < model.world_from_face.size(); ++f)
       for (int y = 0; y < model.camera.size_px.height; y += kBoundStep_px) {
@@ -113,7 +114,8 @@ void ChangeSink::draw_background() {
   drawn_ =
       std::make_unique<render::cpu::MovingBackground>(crew_, setup, render::cpu::Normals::kSkip);
   drawn_at_.reset();
-  if (!watch_) watch_.emplace(bounds_of(models), small_.noise, options_.watch);
+  if (!watch_)
+    watch_.emplace(bounds_of(models, first_pose_->translation_m), small_.noise, options_.watch);
 }
 
 Result<void> ChangeSink::write(const output::CompositePtr& composite) {

@@ -59,6 +59,14 @@ void ChangeCells::add(const FrameSight& sight, double dt_s) {
     }
 }
 
+/// What moves by less than a step is still the same, and no thing.
+void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
+  const float share = std::min(static_cast<float>(dt_s / kUnrest_s), 1.0F);
+  const float from_mean_m = off_m - cell.mean_m;
+  cell.mean_m += share * from_mean_m;
+  cell.variance_m2 = (1 - share) * (cell.variance_m2 + share * from_mean_m * from_mean_m);
+}
+
 /// What hides a cell says nothing about it.
 void ChangeCells::check(const FrameSight& sight, double dt_s, ChangeCell& cell) {
   int x = 0, y = 0;
@@ -69,17 +77,13 @@ void ChangeCells::check(const FrameSight& sight, double dt_s, ChangeCell& cell) 
   const float step_m = sight.step_m(z_m), off_m = seen_m - z_m;
   if (off_m < -step_m) return;
   const bool beyond = off_m > kBeyondPart * step_m;
+  if (kind_ == Kind::kSurface && !beyond) note_unrest(off_m, dt_s, cell);
   if (!beyond && off_m > kTherePart * step_m) return;
   const auto dt = static_cast<float>(dt_s);
   if (beyond == (kind_ == Kind::kHole)) {
     cell.held_s += dt;
     cell.streak_s = 0;
     cell.seen_s = sight.frame().time_s;
-    if (kind_ == Kind::kHole) return;
-    const float share = std::min(static_cast<float>(dt_s / kUnrest_s), 1.0F);
-    const float from_mean_m = off_m - cell.mean_m;
-    cell.mean_m += share * from_mean_m;
-    cell.variance_m2 = (1 - share) * (cell.variance_m2 + share * from_mean_m * from_mean_m);
     return;
   }
   cell.against_s += dt;

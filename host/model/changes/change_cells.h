@@ -55,6 +55,7 @@ class ChangeCells {
     return (voxel.z() * size_.y() + voxel.y()) * size_.x() + voxel.x();
   }
   void check(const FrameSight& sight, double dt_s, ChangeCell& cell);
+  static void note_unrest(float off_m, double dt_s, ChangeCell& cell);
   void note(const Eigen::Vector3d& world_m, double time_s);
 
   const Kind kind_;

@@ -150,7 +150,7 @@ TEST_P(RoomKeeperTest, AnOrderBeforeAnythingIsFoundIsNone) {
 TEST_P(RoomKeeperTest, WhatSwaysIsNotAccepted) {
   options_.changes.accept_all = true;
   const RunReport report = run_it(true);
-  EXPECT_TRUE(report.room_changes->changes.empty());
+  EXPECT_TRUE(report.room_changes->changes.empty()) << to_json(report).at("room_changes").dump();
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 
