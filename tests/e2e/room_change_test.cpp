@@ -65,10 +65,10 @@ TEST_F(RoomChange, AMovedChairIsFoundAndBecomesBackground) {
   EXPECT_LT(off_m(changes[0].at("center_m"), kIs_m), 0.25) << changes.dump();
   EXPECT_LT(off_m(changes[0].at("from_m"), kWas_m), 0.3) << changes.dump();
   write_scene("after.toml", "accepted");
-  const double before = iou(run("before.toml", "--no-watch --frames 131-150"));
-  const auto saved = run("after.toml", "--change-after 2.5 --frames 101-150");
+  const double before = iou(run("before.toml", "--frames 131-150"));
+  const auto saved = run("after.toml", "--watch --change-after 2.5 --frames 101-150");
   EXPECT_TRUE(saved.at("room_changes").at("found").empty()) << saved.dump();
-  const double after = iou(run("after.toml", "--no-watch --frames 131-150"));
+  const double after = iou(run("after.toml", "--frames 131-150"));
   EXPECT_LT(before, 0.8) << "the chair counts as a person";
   EXPECT_GT(after, before + 0.1);
   RecordProperty("before", fmt::format("{:.3f}", before));
