@@ -5,9 +5,7 @@
 //   counts        blocks without speckles (common/key.glsl)
 //   band          of key_band.frag
 //   votes         of key_votes.frag, blocks with a border of one
-//   w             1/m, sign aside; 0 unknown
-//   matte         people, 0..1
-//   visible_w     of the visible real surface, 1/m, 0 unknown
+//   matte         people, 0..1, before it is refined (key_matte.frag)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -15,11 +13,9 @@ layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D counts;
 layout(binding = 2) uniform sampler2D band;
 layout(binding = 3) uniform sampler2D votes;
-layout(binding = 4) uniform sampler2D w;
 uniform bool use_color;
 uniform ivec2 tap_px;  // half a footprint and a whole one
-layout(location = 0) out float matte;
-layout(location = 1) out float visible_w;
+out float matte;
 
 int state_at(ivec2 at) {
   at = clamp(at, ivec2(0), textureSize(state, 0) - 1);
@@ -56,13 +52,8 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
   vec4 near = texelFetch(band, block, 0);
   int flags = int(near.x);
-  visible_w = abs(texelFetch(w, at, 0).r);
   int s = state_at(at);
-  bool is_foreground = s == foreground;
-  matte = is_foreground ? 1.0 : 0.0;
+  matte = s == foreground ? 1.0 : 0.0;
   if ((flags & 2) != 0 || s == doubt || ((flags & 1) != 0 && s == unknown))
     matte = clamp(0.5 + 0.5 * (color_vote(at, block) + depth_vote(at)), 0.0, 1.0);
-  matte = floor(255.0 * matte + 0.5) / 255.0;
-  bool is_person = matte > 0.0;
-  if (is_person != is_foreground) visible_w = is_person ? near.y : 0.0;
 }

@@ -43,7 +43,7 @@ void main() {
     float seen = visibility(i, ray / w, normal);
     if (has_people)
       seen *= visibility_past(people_lamps[i], people_maps, i, ray / w, normal);
-    light += irradiance(i, ray / w, normal) * seen;
+    light += irradiance(i, ray / w, normal) * seen * seen_in_room(i, ray / w, normal);
   }
   const float share = 1.0 / float(virtual_samples * virtual_samples);
   color = vec4(min(share * sum.rgb * light * exposure, 1.0), share * sum.a);

@@ -54,7 +54,7 @@ struct CalibratedPose {
 };
 
 /// Systematic error of a ToF camera along the ray, measured minus true: a natural cubic spline over
-/// the measured distance, straight beyond its ends, plus terms of amplitude and place.
+/// the measured distance, beyond its ends what it is there, plus terms of amplitude and place.
 struct DepthError {
   std::string camera = "tof";
   std::vector<double> knots_m;  ///< growing, two or more

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The natural cubic spline of a ToF camera's depth error.
 #include <algorithm>
+#include <cmath>
 
-#include "host/calibration_file/calibration.h"
+#include "host/calibration_file/depth_sigma.h"
 
 namespace mixrig::calibration_file {
 namespace {
@@ -26,14 +27,11 @@ std::vector<double> curvatures(const std::vector<double>& x, const std::vector<d
 double spline(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (x.empty()) return 0;
   if (x.size() == 1) return y.front();
+  // Beyond the ends nothing was measured. The error of a ToF camera swings about its mean, so what
+  // it is at the end is nearer to it than a line that goes on.
+  if (at <= x.front()) return y.front();
+  if (at >= x.back()) return y.back();
   const auto m = curvatures(x, y);
-  const std::size_t last = x.size() - 1;
-  const auto slope = [&](std::size_t i, bool at_end) {  // of piece i..i+1 at one of its ends
-    const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
-    return at_end ? chord + h * (m[i] + 2 * m[i + 1]) / 6 : chord - h * (2 * m[i] + m[i + 1]) / 6;
-  };
-  if (at <= x.front()) return y.front() + slope(0, false) * (at - x.front());
-  if (at >= x.back()) return y.back() + slope(last - 1, true) * (at - x.back());
   const std::size_t i =
       static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()) - 1;
   const double h = x[i + 1] - x[i], b = (at - x[i]) / h, a = 1 - b;
@@ -50,6 +48,20 @@ double DepthError::at(double distance_m, double amplitude, const Eigen::Vector2d
   return spline(knots_m, error_m, distance_m) + (amplitude > 0 ? amplitude_m / amplitude : 0) +
          place_m[0] * u + place_m[1] * v + place_m[2] * u * u + place_m[3] * u * v +
          place_m[4] * v * v;
+}
+
+double depth_sigma_m(const DepthError& error, double distance_m) {
+  const auto knots = static_cast<Eigen::Index>(error.knots_m.size());
+  if (error.covariance.rows() < knots || error.covariance.cols() < knots) return 0;
+  // The spline is linear in its values.
+  Eigen::VectorXd by_value(knots);
+  std::vector<double> one(error.knots_m.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    one.assign(one.size(), 0), one[i] = 1;
+    by_value[static_cast<Eigen::Index>(i)] = spline(error.knots_m, one, distance_m);
+  }
+  const double variance = by_value.dot(error.covariance.topLeftCorner(knots, knots) * by_value);
+  return std::sqrt(std::max(0.0, variance));
 }
 
 }  // namespace mixrig::calibration_file

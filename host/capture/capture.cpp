@@ -19,10 +19,4 @@ std::string_view name(PoseOrigin origin) {
   return kNames[static_cast<std::size_t>(origin)];
 }
 
-void clear_fisheye(Capture& capture) {
-  capture.fisheye.reset({});
-  capture.fisheye_mid_exposure = {};
-  capture.fisheye_counter = 0;
-}
-
 }  // namespace mixrig::capture

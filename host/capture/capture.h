@@ -77,9 +77,6 @@ struct Capture {
   void set_status(Stream stream, StreamStatus s) { status[static_cast<std::size_t>(stream)] = s; }
 };
 
-/// Takes the fisheye's picture, stamp and counter out; its status stays.
-void clear_fisheye(Capture& capture);
-
 /// Dropping the last reference returns the buffers to their pool.
 using CapturePtr = std::shared_ptr<const Capture>;
 

@@ -27,6 +27,8 @@ struct SourceInfo : RigCameras {
   bool amplitude_is_light = false;    ///< amplitudes fall with the square of the distance: they are
                                       ///< those of the light that comes back, not a confidence
   int frames = 0;                     ///< kEndless for live devices
+  Size fisheye_px;                    ///< of its fisheye's pictures; empty where unknown or none
+  double fisheye_rate_hz = 0;         ///< of them; 0 where unknown or none
   geometry::Vignetting vignetting;    ///< of the plate; only a calibration file has it
   std::filesystem::path calibration;  ///< file that replaces the cameras, or empty
   std::filesystem::path file;         ///< take.toml or rig.toml; empty for the studio

@@ -26,12 +26,13 @@ enum class PoseLoss : std::uint8_t {
   kNoAngle,    ///< the angle of the head is not known
   kTooOld,     ///< older than the scene accepts
   kUntracked,  ///< the tracker does not recognise the room in the picture
+  kNoPicture,  ///< the fisheye gives no picture
   kCount
 };
 inline constexpr std::size_t kPoseLosses = static_cast<std::size_t>(PoseLoss::kCount);
 
 /// "ok", "absent", "outside", "gap", "jump", "not_finite", "no_angle", "too_old",
-/// "untracked".
+/// "untracked", "no_picture".
 std::string_view name(PoseLoss loss);
 
 /// Of (rotation vector rad, translation m): R = exp(w) * R_estimate.

@@ -41,10 +41,10 @@ DepthCorrection::DepthCorrection(const calibration_file::DepthError& error,
     }
 }
 
-/// Straight between the steps, and beyond the ends, where the natural spline is straight too.
+/// Straight between the steps; beyond the ends what it is there.
 float DepthCorrection::at(float distance_m) const {
-  const float step = (distance_m - first_m_) * steps_per_m_;
-  const auto i = static_cast<std::size_t>(std::clamp(step, 0.0F, kSteps - 2.0F));
+  const float step = std::clamp((distance_m - first_m_) * steps_per_m_, 0.0F, kSteps - 1.0F);
+  const auto i = static_cast<std::size_t>(std::min(step, kSteps - 2.0F));
   return error_m_[i] + (step - static_cast<float>(i)) * (error_m_[i + 1] - error_m_[i]);
 }
 

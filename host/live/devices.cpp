@@ -94,7 +94,12 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->camera();
   }
-  return unknown(uri, "camera", "v4l2:/dev/videoN, aravis:ID, take:DIR/color or studio:target");
+  if (const StreamUri view = stream_uri(parts); is_playable(parts) && view.name == "fisheye") {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->fisheye();
+  }
+  return unknown(uri, "camera",
+                 "v4l2:/dev/videoN, aravis:ID, take:DIR/color, take:DIR/fisheye or studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(

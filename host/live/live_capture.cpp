@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "host/capture/decode.h"
+#include "host/capture/fisheye.h"
 
 namespace mixrig::live {
 namespace {
@@ -61,6 +62,20 @@ void fill_amplitude(const device::Frame& depth, Image<float>& amplitude) {
       amplitude.row(y)[x] = static_cast<float>(in[0] | in[1] << 8);
 }
 
+Result<void> describe_fisheye(const RigConfig& config, const Devices& devices,
+                              take::TakeInfo& info) {
+  info.fisheye.reset(), info.fisheye_px = {}, info.fisheye_rate_hz = 0;
+  const std::size_t index = fisheye_index(config);
+  if (index == 0) return {};
+  info.fisheye_px = devices.cameras[index]->info().size;
+  info.fisheye_rate_hz = fisheye_rate_hz(config, devices);
+  info.fisheye.emplace().rate_hz = info.fisheye_rate_hz;
+  if (info.fisheye_rate_hz > 0) return {};
+  return Error{ErrorCode::kUsage, config.file.string() +
+                                      ": the fisheye does not say its rate: give it a rate_hz or a "
+                                      "trigger_line"};
+}
+
 }  // namespace
 
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices) {
@@ -91,22 +106,29 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
   info.color.rate_hz =
       line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
   info.rate_hz = info.depth.rate_hz = info.color.rate_hz;
-  if (const std::size_t fisheye = fisheye_index(config); fisheye > 0) {
-    const TriggerLine* its = config.line_of(config.cameras[fisheye]);
-    info.fisheye.emplace().rate_hz =
-        its != nullptr ? 100.0 / its->channel.divider : devices.cameras[fisheye]->info().rate_hz;
-  }
+  MIXRIG_TRY(describe_fisheye(config, devices, info));
   return info;
 }
 
 std::size_t fisheye_index(const RigConfig& config) {
   for (std::size_t i = 1; i < config.cameras.size(); ++i)
-    if (config.cameras[i].name == "fisheye") return i;
+    if (config.cameras[i].name == kFisheye) return i;
   return 0;
 }
 
+double fisheye_rate_hz(const RigConfig& config, const Devices& devices) {
+  const std::size_t index = fisheye_index(config);
+  if (index == 0) return 0;
+  const CameraConfig& camera = config.cameras[index];
+  if (const TriggerLine* line = config.line_of(camera)) return 100.0 / line->channel.divider;
+  const double rate_hz = devices.cameras[index]->info().rate_hz;
+  return rate_hz > 0 ? rate_hz : camera.request.rate_hz;
+}
+
 SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices)
-    : devices_(devices), fisheye_(fisheye_index(config)) {}
+    : devices_(devices),
+      fisheye_(fisheye_index(config)),
+      fisheye_hold_(capture::fisheye_hold(fisheye_rate_hz(config, devices))) {}
 
 Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   using capture::Stream;
@@ -129,26 +151,22 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   if (devices_.pan_tilt)
     capture.set_status(Stream::kPanTilt,
                        set.pan_tilt ? StreamStatus::kFresh : StreamStatus::kMissing);
-  return fisheye_ > 0 ? decode_fisheye(set, capture) : Result<void>();
+  if (fisheye_ > 0) decode_fisheye(set, capture);
+  return {};
 }
 
-Result<void> SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {
-  using capture::Stream;
-  using capture::StreamStatus;
+void SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {
   const sync::TimedFrame& timed = set.frames.frames[fisheye_];
-  const device::FramePtr& frame = timed.frame;
-  if (!frame) {
-    capture::clear_fisheye(capture);
-    capture.set_status(Stream::kFisheye, StreamStatus::kMissing);
-    return {};
-  }
-  MIXRIG_TRY(capture::decode_rgb8(*frame, capture.fisheye));
+  if (!timed.frame) return capture::lose_fisheye(capture);
+  const capture::StreamStatus status =
+      capture::fisheye_status(last_fisheye_ != timed.frame->sequence, capture.mid_exposure,
+                              timed.mid_exposure, fisheye_hold_);
+  if (status == capture::StreamStatus::kMissing ||
+      !capture::decode_rgb8(*timed.frame, capture.fisheye))
+    return capture::lose_fisheye(capture);
   capture.fisheye_mid_exposure = timed.mid_exposure;
-  capture.fisheye_counter = frame->sequence;
-  capture.set_status(Stream::kFisheye, last_fisheye_ == frame->sequence ? StreamStatus::kRepeated
-                                                                        : StreamStatus::kFresh);
-  last_fisheye_ = frame->sequence;
-  return {};
+  capture.fisheye_counter = last_fisheye_.emplace(timed.frame->sequence);
+  capture.set_status(capture::Stream::kFisheye, status);
 }
 
 void set_pose(const RigConfig& config, const Devices& devices, const LiveSet& set,

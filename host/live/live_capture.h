@@ -14,11 +14,14 @@ namespace mixrig::live {
 
 /// The cameras of a live rig: those of rig.toml, else of the recording that is played, else what
 /// the devices report, else a pinhole of 60 degrees, which `mixrig calibrate` replaces.
-/// Errors: kUsage for a rig without a camera or without a depth camera.
+/// Errors: kUsage for a rig without a camera or without a depth camera, or with a fisheye whose
+/// rate is not known.
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices);
 
-/// Index of the further camera named "fisheye" in `config.cameras`; 0 where the rig has none.
+/// Index of the further camera named kFisheye in `config.cameras`; 0 where the rig has none.
 std::size_t fisheye_index(const RigConfig& config);
+/// Its trigger's, else the device's, else the wanted one; 0 where none is known or there is none.
+double fisheye_rate_hz(const RigConfig& config, const Devices& devices);
 
 /// Decodes frame sets. Not thread-safe.
 class SetDecoder {
@@ -26,17 +29,18 @@ class SetDecoder {
   /// `config` and `devices` must outlive it.
   SetDecoder(const RigConfig& config, const Devices& devices);
   /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its
-  /// picture with its own mid-exposure and counter; mid-exposure, tick, head angles and the
-  /// streams' status. Keeps the buffers of `capture`, and does not change its number, time, cameras
-  /// and pose. Errors: kData where the set lacks colour or depth, or one of them cannot be decoded:
-  /// skip it.
+  /// picture with its own mid-exposure and counter (capture::fisheye_status; one that cannot be
+  /// decoded is missing); mid-exposure, tick, head angles and the streams' status. Keeps the
+  /// buffers of `capture`, and does not change its number, time, cameras and pose. Errors: kData
+  /// where the set lacks colour or depth, or one of them cannot be decoded: skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
 
  private:
-  Result<void> decode_fisheye(const LiveSet& set, capture::Capture& capture);
+  void decode_fisheye(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
   const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
+  const Duration fisheye_hold_;
   std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames
 };
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/capture/fisheye.h"
+
 namespace mixrig::live {
 namespace {
 
@@ -32,11 +34,13 @@ LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock
   builder_.emplace(joins, [this](const sync::FrameSet& set) { emit(set); });
 }
 
-/// A stream much slower than the leading one is not awaited: its last frame is used.
+/// A stream much slower than the leading one is not awaited: its last frame is used, for as long as
+/// capture::fisheye_hold() says.
 sync::Join LiveSession::join_of(const Stream& stream) const {
   const double ticks = period_ticks(stream), leading_ticks = period_ticks(streams_.front());
+  const double held_ticks = seconds(capture::fisheye_hold(100 / ticks)) / seconds(kTickPeriod);
   if (leading_ticks > 0 && ticks > kMuchSlower * leading_ticks)
-    return {.farthest_ticks = static_cast<int>(std::ceil(ticks)), .awaited = false};
+    return {.farthest_ticks = static_cast<int>(std::ceil(held_ticks)), .awaited = false};
   const bool triggered = config_.line_of(*stream.config) != nullptr;
   return {.farthest_ticks =
               triggered ? std::max(1, static_cast<int>(ticks) / 2) : kFarthestFree_ticks};
@@ -77,7 +81,7 @@ void LiveSession::add_stream(const CameraConfig& config, const device::CameraInf
   streams_.emplace_back();
   streams_.back().config = &config;
   streams_.back().stamp_clock = info.stamp_clock;
-  streams_.back().rate_hz = info.rate_hz;
+  streams_.back().rate_hz = info.rate_hz > 0 ? info.rate_hz : config.request.rate_hz;
   const sync::StreamTiming timing = timing_of(config);
   streams_.back().fired = timing.divider > 0;
   streams_.back().pairer = sync::FramePairer(timing);

@@ -31,31 +31,6 @@ void fill_u16(const Image<float>& in, double scale, std::span<std::uint8_t> out)
 
 }  // namespace
 
-/// One camera of a Player.
-class PlayedCamera final : public device::Camera {
- public:
-  PlayedCamera(std::shared_ptr<Player> player, Player::Channel& channel)
-      : player_(std::move(player)), channel_(channel) {}
-  ~PlayedCamera() override { stop(); }
-  const device::CameraInfo& info() const override { return channel_.info; }
-  Result<void> start(device::FrameSink sink) override {
-    return player_->start(channel_, std::move(sink));
-  }
-  void stop() override { player_->stop(channel_); }
-  Result<void> set(device::CameraControl control, double) override { return unsupported(control); }
-  Result<double> get(device::CameraControl control) override { return unsupported(control); }
-  device::StreamHealth health() const override { return player_->health(channel_); }
-
- private:
-  Error unsupported(device::CameraControl control) const {
-    return Error{ErrorCode::kUnsupported, channel_.info.uri + ": " +
-                                              std::string(device::name(control)) +
-                                              " cannot be set on a recording"};
-  }
-  std::shared_ptr<Player> player_;
-  Player::Channel& channel_;
-};
-
 Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureSource> source,
                                                const std::string& uri, Clock& clock) {
   std::shared_ptr<Player> player(new Player(std::move(source), clock));
@@ -81,8 +56,7 @@ Player::Player(std::unique_ptr<capture::CaptureSource> source, Clock& clock)
     : source_(std::move(source)), clock_(clock) {}
 
 Player::~Player() {
-  stop(color_);
-  stop(depth_);
+  for (Channel* channel : channels()) stop(*channel);
 }
 
 void Player::describe(const std::string& uri) {
@@ -110,27 +84,6 @@ void Player::describe(const std::string& uri) {
                      info.tof.pinhole.fx_px, info.tof.pinhole.cx_px, info.tof.pinhole.cy_px}};
 }
 
-std::unique_ptr<device::Camera> Player::camera() {
-  const std::lock_guard lock(mutex_);
-  color_.taken = true;
-  return std::make_unique<PlayedCamera>(shared_from_this(), color_);
-}
-
-std::unique_ptr<device::DepthCamera> Player::depth() {
-  const std::lock_guard lock(mutex_);
-  depth_.taken = true;
-  return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth_),
-                                 depth_info_);
-}
-
-Result<std::unique_ptr<device::PanTilt>> Player::pan_tilt() {
-  if (motion_) return make_steered_head(motion_, clock_);
-  if (!angles_)
-    return Error{ErrorCode::kData, uri_ + ": the recording has no angles of the head: record it " +
-                                       "with the head in rig.toml (pan_tilt.csv)"};
-  return make_played_head(angles_, {uri_ + "/head", info().name, {}, {}, {}}, clock_);
-}
-
 Result<void> Player::start(Channel& channel, device::FrameSink sink) {
   const std::lock_guard lock(mutex_);
   if (channel.sink)
@@ -140,8 +93,8 @@ Result<void> Player::start(Channel& channel, device::FrameSink sink) {
                  channel.info.uri + ": play_at_s in rig.toml has passed: give a later time"};
   channel.sink = std::move(sink);
   channel.health.state = device::DeviceState::kStreaming;
-  const auto ready = [](const Channel& c) { return !c.taken || c.sink; };
-  if (!ready(color_) || !ready(depth_)) return {};
+  for (const Channel* c : channels())
+    if (c->taken && !c->sink) return {};
   // A camera that stopped and starts again while the player runs continues with the next frame.
   if (!std::exchange(stop_, false)) return {};
   begin_ = play_at_.value_or(clock_.now());
@@ -156,7 +109,8 @@ void Player::stop(Channel& channel) {
     const std::lock_guard lock(mutex_);
     channel.sink = nullptr;
     channel.health.state = device::DeviceState::kStopped;
-    if (color_.sink || depth_.sink) return;
+    for (const Channel* c : channels())
+      if (c->sink) return;
     stop_ = true;
     done = std::move(thread_);
   }
@@ -181,8 +135,38 @@ bool Player::publish_both(int number, HostTime due) {
   poses_[static_cast<std::size_t>(number) % poses_.size()] = {
       static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
   for (Channel* channel : {&color_, &depth_})
-    if (channel->sink) publish(*channel, due);
+    if (channel->sink) publish(*channel, due, static_cast<std::uint64_t>(number));
   return true;
+}
+
+/// False when playing ends.
+bool Player::publish_fisheye(HostTime at) {
+  const std::lock_guard lock(mutex_);
+  if (stop_) return false;
+  if (fisheye_.sink) publish(fisheye_, at, capture_.fisheye_counter);
+  return true;
+}
+
+bool Player::has_new_fisheye() const {
+  return fisheye_.taken &&
+         capture_.status_of(capture::Stream::kFisheye) == capture::StreamStatus::kFresh &&
+         capture_.fisheye.size() == fisheye_.info.size;
+}
+
+/// The fisheye's picture lies before or after its frame, by less than the time to the next one.
+bool Player::publish_in_time(int number, HostTime due) {
+  const bool has_picture = has_new_fisheye();
+  const HostTime picture_due = due + (capture_.fisheye_mid_exposure - capture_.mid_exposure);
+  const auto frame = [&] {
+    wait_until(due);
+    return publish_both(number, due);
+  };
+  const auto picture = [&] {
+    if (!has_picture) return true;
+    wait_until(picture_due);
+    return publish_fisheye(picture_due);
+  };
+  return picture_due <= due ? picture() && frame() : frame() && picture();
 }
 
 void Player::work_steered() {
@@ -211,8 +195,7 @@ void Player::work() {
     }
     const HostTime due = begin_ + Duration(std::llround((capture_.time_s - first_s_) * 1e9));
     if (angles_ && capture_.pan_tilt) angles_->add(due, *capture_.pan_tilt);
-    wait_until(due);
-    if (!publish_both(number, due)) return;
+    if (!publish_in_time(number, due)) return;
   }
   end(device::DeviceState::kStopped);
 }
@@ -242,7 +225,7 @@ void Player::wait_until(HostTime due) {
   }
 }
 
-void Player::publish(Channel& channel, HostTime at) {
+void Player::publish(Channel& channel, HostTime at, std::uint64_t counter) {
   auto draft = channel.pool->take();
   if (!draft) {
     ++channel.health.overrun;
@@ -253,7 +236,7 @@ void Player::publish(Channel& channel, HostTime at) {
       .format = channel.info.format,
       .size = channel.info.size,
       .stride_bytes = device::row_bytes(channel.info.format, channel.info.size.width),
-      .sequence = static_cast<std::uint64_t>(capture_.number),
+      .sequence = counter,
       .device_time = DeviceTime(at.time_since_epoch()),
       .received = clock_.now()};
   ++channel.health.frames;
@@ -268,16 +251,16 @@ void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const
       fill_u16(capture_.amplitude, 1, draft.amplitude());
     return;
   }
+  const Image<Rgb8>& picture = &channel == &fisheye_ ? capture_.fisheye : capture_.plate;
   const std::size_t row = device::row_bytes(channel.info.format, channel.info.size.width);
   std::uint8_t* at = draft.bytes().data();
-  for (int y = 0; y < capture_.plate.height(); ++y, at += row)
-    std::memcpy(at, capture_.plate.row(y), row);
+  for (int y = 0; y < picture.height(); ++y, at += row) std::memcpy(at, picture.row(y), row);
 }
 
 void Player::end(device::DeviceState state) {
   if (angles_) angles_->end();
   const std::lock_guard lock(mutex_);
-  for (Channel* channel : {&color_, &depth_})
+  for (Channel* channel : channels())
     if (channel->sink) channel->health.state = state;
 }
 

@@ -19,10 +19,11 @@
 
 namespace mixrig::live {
 
-/// A colour camera, a depth camera and the head of one recording. The cameras deliver each frame at
-/// its time, with one counter (the frame's number) and one stamp (when it was due). It plays from
-/// the first frame on as soon as all cameras that were taken from it have started, but not before
-/// the time that play_at() sets; at the end they are kStopped. Thread-safe.
+/// A colour camera, a depth camera, a fisheye and the head of one recording. Colour and depth come
+/// at the time of their frame, with one counter (the frame's number) and one stamp (when it was
+/// due); the fisheye's pictures at their own times, with the counters of the recording. It plays
+/// from the first frame on as soon as all cameras that were taken from it have started, but not
+/// before the time that play_at() sets; at the end they are kStopped. Thread-safe.
 /// A source with a head of its own (capture::RenderedHead) has a head that can be moved. Each frame
 /// is rendered when it is due, as the head stands and turns then; frames that are due while another
 /// is rendered are lost, as the counter says.
@@ -36,6 +37,8 @@ class Player : public std::enable_shared_from_this<Player> {
   /// At most one of each. They keep the player alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
+  /// Errors: kData for a recording without such pictures in its first two seconds.
+  Result<std::unique_ptr<device::Camera>> fisheye();
   /// The head, once where it can be moved. Errors: kData for a recording whose first frame has no
   /// angles.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt();
@@ -70,10 +73,15 @@ class Player : public std::enable_shared_from_this<Player> {
   void work();
   void work_steered();
   bool publish_both(int number, HostTime due);
+  bool publish_fisheye(HostTime at);
+  bool publish_in_time(int number, HostTime due);
+  bool has_new_fisheye() const;
+  Result<void> find_fisheye();
+  std::array<Channel*, 3> channels() { return {&color_, &depth_, &fisheye_}; }
   Result<void> read(int number);
   Result<void> read_next(int number);
   void wait_until(HostTime due);
-  void publish(Channel& channel, HostTime at);
+  void publish(Channel& channel, HostTime at, std::uint64_t counter);
   void fill(const Channel& channel, device::FramePool::Draft& draft) const;
   void end(device::DeviceState state);
 
@@ -89,7 +97,7 @@ class Player : public std::enable_shared_from_this<Player> {
   std::shared_ptr<SteeredMotion> motion_;  ///< null where the head cannot be moved
   std::thread thread_;
   mutable std::mutex mutex_;  ///< guards what follows
-  Channel color_, depth_;
+  Channel color_, depth_, fisheye_;
   bool stop_ = true;
   PlayedPose first_pose_;
   std::array<PlayedPose, 64> poses_;  ///< at sequence mod 64

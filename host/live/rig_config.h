@@ -29,6 +29,9 @@ struct TriggerLine {
   device::TriggerChannel channel;
 };
 
+/// Name of the further camera whose pictures are the fisheye's.
+inline constexpr const char* kFisheye = "fisheye";
+
 struct RigConfig {
   std::string name;
   std::filesystem::path file;  ///< the file that was read

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -73,13 +74,24 @@ bool is_free_wall(ImageView<const float> true_m, const RoomFrame& frame, const P
   return true;
 }
 
+/// 95 %: the least error that at least so many do not exceed.
+WallToWall summary_of(std::vector<double>& errors_mm) {
+  if (errors_mm.empty()) return {};
+  std::sort(errors_mm.begin(), errors_mm.end());
+  const auto count = static_cast<double>(errors_mm.size());
+  const auto at95 = static_cast<std::size_t>(std::ceil(0.95 * count)) - 1;
+  return {static_cast<int>(errors_mm.size()),
+          std::accumulate(errors_mm.begin(), errors_mm.end(), 0.0) / count, errors_mm[at95],
+          errors_mm.back()};
+}
+
 WallToWall lengths(ImageView<const float> model_m, ImageView<const float> true_m,
                    const RoomFrame& frame, std::size_t axis, int count) {
   constexpr int kTriesPerLength = 400;
   std::mt19937_64 random(axis + 1);
   const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  WallToWall result;
-  for (int tries = kTriesPerLength * count; tries > 0 && result.count < count; --tries) {
+  std::vector<double> errors_mm;
+  for (int tries = kTriesPerLength * count; tries > 0 && std::ssize(errors_mm) < count; --tries) {
     Point ends{};
     for (std::size_t k = 0; k < 3; ++k) ends[k] = share() * frame.inner_m[k];
     double measured_m = 0, actual_m = 0;
@@ -94,12 +106,9 @@ WallToWall lengths(ImageView<const float> model_m, ImageView<const float> true_m
       measured_m += sign * in_world(frame, point_of(model_m, at.x, at.y))[axis];
       actual_m += sign * actual;
     }
-    if (!free) continue;
-    const double error_mm = 1000 * std::abs(measured_m - actual_m);
-    result.mean_mm += error_mm, result.max_mm = std::max(result.max_mm, error_mm), ++result.count;
+    if (free) errors_mm.push_back(1000 * std::abs(measured_m - actual_m));
   }
-  if (result.count > 0) result.mean_mm /= result.count;
-  return result;
+  return summary_of(errors_mm);
 }
 
 /// Distance of the model's point to the plane of the true surface at the same pixel.

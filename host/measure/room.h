@@ -19,7 +19,7 @@ struct RoomFrame {
 /// Lengths between opposite walls at random places (Schiller et al. 2010, table 1).
 struct WallToWall {
   int count = 0;
-  double mean_mm = 0, max_mm = 0;  ///< of the size of the error
+  double mean_mm = 0, p95_mm = 0, max_mm = 0;  ///< of the size of the error
 };
 
 struct RoomErrors {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/model/floating_areas.h"
 #include "host/model/panorama_color.h"
 #include "host/model/panorama_finish.h"
 #include "host/model/room_planes.h"
@@ -267,6 +268,7 @@ Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraMo
   before = panorama;
   for (int pass = 0; pass < kFillPasses && fill_border(panorama, before); ++pass) before = panorama;
   crew.rows(height, 4, [&](int begin, int end) { trim_field(fusion, panorama, begin, end); });
+  if (options.straighten) forget_wrapped(panorama);
   panorama.known_share =
       share_of_field(panorama, [&](int x, int y) { return panorama.distance_m.row(y)[x] > 0; });
   panorama.measured_share =

@@ -70,6 +70,12 @@ struct RoomPlane {
   }
 };
 
+/// A part of the room.
+struct RoomArea {
+  Eigen::Vector3d direction;  ///< of its middle, of unit length
+  double solid_angle_sr = 0;
+};
+
 /// What makes the pictures of all views equally bright (view_gains.h).
 struct ViewGains {
   std::vector<Eigen::Array3f> gains;  ///< of each view, for linear red, green, blue
@@ -91,6 +97,7 @@ struct Panorama {
   double measured_share = 0;  ///< of the field's solid angle, before holes are filled
   double known_share = 0;     ///< after
   std::vector<RoomPlane> planes{};  ///< that it was straightened to, the largest first
+  std::vector<RoomArea> wrapped{};  ///< made unknown: depth of a mirror that wrapped around
   ViewGains gains{};                ///< that its colour was made with
 
   Size size() const { return distance_m.size(); }
@@ -134,7 +141,8 @@ struct PanoramaOptions {
 /// moved stood before the room. Small holes are filled from their border.
 /// `smooth` averages the inverse distances of pixels within 3 pixels in elevation, in pairs
 /// opposite each other, where a pair agrees with the pixel to three sigma. `straighten` moves what
-/// lies on large planes onto them (room_planes.h). `equalise` takes out what the views' exposures
+/// lies on large planes onto them (room_planes.h), and makes unknown what floats before them with
+/// the scatter of depth that wrapped around. `equalise` takes out what the views' exposures
 /// and the lens's corners differ by (view_gains.h).
 Panorama make_panorama(std::span<const ScanView> views, const geometry::CameraModel& tof,
                        const geometry::CameraModel& target, const PanoramaOptions& options,

@@ -32,6 +32,8 @@ std::string room_text(const Panorama& p, const RoomManifest& manifest) {
   root.set("triangles", manifest.triangles);
   root.set("mesh_tolerance_mm", config::rounded(kRoomMm * manifest.mesh_tolerance_m, 6));
   root.set("calibration_hash", manifest.calibration_hash);
+  if (manifest.distance_sigma > 0)
+    root.set("distance_sigma_pct", config::rounded(kPct * manifest.distance_sigma, 6));
   calibration_file::set_vignetting(root, manifest.vignetting);
   if (manifest.world_from_base)
     root.set("world_from_base", calibration_file::pose_table(*manifest.world_from_base));
@@ -57,6 +59,7 @@ Result<RoomFile> read_room_manifest(const fs::path& path) {
   room.manifest.triangles = root.integer("triangles", {0, 1e9});
   room.manifest.mesh_tolerance_m = root.number("mesh_tolerance_mm", {0, 1e6}) / kRoomMm;
   room.manifest.calibration_hash = root.text_or("calibration_hash", "");
+  room.manifest.distance_sigma = root.number_or("distance_sigma_pct", 0, {0, 50}) / kPct;
   room.manifest.vignetting = calibration_file::parse_vignetting(root);
   const config::Table pose = root.table("world_from_base");
   const geometry::Pose world_from_base = calibration_file::parse_pose(pose);

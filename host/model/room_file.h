@@ -21,6 +21,8 @@ struct RoomManifest {
   std::string calibration_hash;       ///< of the calibration that the sweep was fused with
   geometry::Vignetting vignetting{};  ///< of the target camera, taken out of the colour
   std::optional<geometry::Pose> world_from_base{};  ///< where the views had poses of their own
+  double distance_sigma = 0;  ///< of what all distances have in common, as a share of them; 0:
+                              ///< not known
 };
 
 struct RoomFile {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/angles.h"
+#include "host/model/floating_areas.h"
 #include "host/model/sphere_areas.h"
 
 namespace mixrig::model {
@@ -28,15 +29,32 @@ Finding at(FindingKind kind, int view, const Vector3d& direction, double value) 
           std::asin(std::clamp(direction.normalized().z(), -1.0, 1.0)) / kDeg, value};
 }
 
-double saturated_pct(const Image<Rgb8>& plate) {
-  if (plate.empty()) return 0;
-  std::int64_t count = 0;
+struct Saturated {
+  double pct = 0;
+  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
+};
+
+Saturated saturated_in(const Image<Rgb8>& plate) {
+  Saturated found;
+  double count = 0;
   for (int y = 0; y < plate.height(); ++y)
     for (int x = 0; x < plate.width(); ++x) {
       const Rgb8& c = plate.row(y)[x];
-      count += std::min({c.r, c.g, c.b}) >= 254 ? 1 : 0;
+      if (std::min({c.r, c.g, c.b}) < 254) continue;
+      ++count, found.middle_px += Eigen::Vector2d(x, y);
     }
-  return 100.0 * static_cast<double>(count) / static_cast<double>(plate.size().area());
+  if (count == 0) return found;
+  found.middle_px /= count;
+  found.pct = 100 * count / static_cast<double>(plate.size().area());
+  return found;
+}
+
+/// Where a view's target camera sees a pixel; where its lens has no ray, what is ahead.
+Vector3d seen_at(const ScanView& view, const geometry::CameraModel& target,
+                 const Eigen::Vector2d& px) {
+  const auto ray = target.unproject(px);
+  return view.base_from_target.rotation *
+         (ray ? Vector3d(ray->homogeneous()) : Vector3d(Vector3d::UnitZ()));
 }
 
 double known_pct(const Image<float>& distance_m) {
@@ -46,8 +64,11 @@ double known_pct(const Image<float>& distance_m) {
   return 100.0 * static_cast<double>(count) / static_cast<double>(distance_m.size().area());
 }
 
-void find_in_view(int number, const ScanView& view, const ViewAgreement& agreement, double median_m,
-                  std::vector<Finding>& out) {
+void find_in_view(const ScannedRoom& room, std::size_t i, std::vector<Finding>& out) {
+  const ScanView& view = room.views[i];
+  const ViewAgreement& agreement = room.alignment.views[i];
+  const double median_m = room.alignment.median_m;
+  const int number = static_cast<int>(i + 1);
   const Vector3d ahead = view.base_from_tof.rotation * Vector3d::UnitZ();
   const auto add = [&](FindingKind kind, double value) {
     out.push_back(at(kind, number, ahead, value));
@@ -58,8 +79,9 @@ void find_in_view(int number, const ScanView& view, const ViewAgreement& agreeme
     add(FindingKind::kUncheckedView, agreement.samples);
   else if (agreement.median_m > std::max(kDisagreeing_m, kDisagreeing * median_m))
     add(FindingKind::kDisagreeingView, 1e3 * agreement.median_m);
-  if (const double pct = saturated_pct(view.plate); pct > kSaturated_pct)
-    add(FindingKind::kSaturatedView, pct);
+  if (const Saturated lamp = saturated_in(view.plate); lamp.pct > kSaturated_pct)
+    out.push_back(at(FindingKind::kSaturatedView, number,
+                     seen_at(view, room.target, lamp.middle_px).normalized(), lamp.pct));
   if (const double pct = known_pct(view.distance_m); pct < kEmpty_pct)
     add(FindingKind::kEmptyView, pct);
 }
@@ -73,11 +95,23 @@ Vector3d away_from(std::span<const ScanView> views) {
                                                               : Vector3d::Zero();
 }
 
-void find_unseen(std::span<const ScanView> views, const Panorama& p, const Directions& directions,
-                 std::vector<Finding>& out) {
-  const Vector3d away = away_from(views);
-  const auto areas =
-      areas_of(p.size(), directions, away, [&](int x, int y) { return p.field.row(y)[x] == 0; });
+/// Whether a sweep of that field has to show a direction; its border is less sure than the plan's
+/// step of 1.5 degrees.
+bool is_asked(const Size& field_deg, const Vector3d& ray) {
+  constexpr double kUnsure_deg = 1.5, kWhole_deg = 180;
+  const double pan_deg = std::abs(std::atan2(-ray.x(), ray.y())) / kDeg;
+  const double tilt_deg = std::abs(std::asin(std::clamp(ray.z(), -1.0, 1.0))) / kDeg;
+  return (field_deg.width >= 2 * kWhole_deg || pan_deg < 0.5 * field_deg.width - kUnsure_deg) &&
+         (field_deg.height >= kWhole_deg || tilt_deg < 0.5 * field_deg.height - kUnsure_deg);
+}
+
+void find_unseen(const ScannedRoom& room, const Directions& directions, std::vector<Finding>& out) {
+  const Panorama& p = room.panorama;
+  const Vector3d away = room.field_deg ? Vector3d(Vector3d::Zero()) : away_from(room.views);
+  const auto areas = areas_of(p.size(), directions, away, [&](int x, int y) {
+    return p.field.row(y)[x] == 0 &&
+           (!room.field_deg || is_asked(*room.field_deg, directions(x, y)));
+  });
   for (const SphereArea& area : areas)
     if (area.solid_angle_sr > kLeastArea_sr && !area.holds_marked)
       out.push_back(
@@ -116,11 +150,21 @@ void find_behind(const Panorama& p, const Directions& directions, const RoomPlan
   }
 }
 
+void find_before(const Panorama& p, std::vector<Finding>& out) {
+  const auto add = [&](FindingKind kind, const Vector3d& direction, double solid_angle_sr) {
+    out.push_back(at(kind, 0, direction, kSquareDegrees * solid_angle_sr));
+  };
+  for (const FloatingArea& area : floating_areas(p, p.planes))
+    add(FindingKind::kBeforeWall, area.direction, area.solid_angle_sr);
+  for (const RoomArea& area : p.wrapped)
+    add(FindingKind::kWrapped, area.direction, area.solid_angle_sr);
+}
+
 struct Words {
   FindingKind kind;
   std::string_view name, text;  ///< text: with the value
 };
-constexpr std::array<Words, 8> kWords{{
+constexpr std::array<Words, 10> kWords{{
     {FindingKind::kTurnedView, "turned_view",
      "its angles disagree with its neighbours by {:.2f} deg: turned to agree, unless --no-align"},
     {FindingKind::kDisagreeingView, "disagreeing_view",
@@ -135,6 +179,12 @@ constexpr std::array<Words, 8> kWords{{
      "{:.0f} square degrees without depth (glass, black or too far): unknown"},
     {FindingKind::kBehindWall, "behind_wall",
      "{:.0f} square degrees lie behind the wall around them: a mirror, a window or an opening"},
+    {FindingKind::kBeforeWall, "before_wall",
+     "{:.0f} square degrees float before the wall around them: a thing that hangs, or stands on "
+     "what is too thin to be measured"},
+    {FindingKind::kWrapped, "wrapped",
+     "{:.0f} square degrees float before the wall around them and are noisier than it: a "
+     "mirror that shows what is beyond the range of the depth camera; unknown"},
 }};
 
 const Words& words_of(FindingKind kind) { return kWords[static_cast<std::size_t>(kind)]; }
@@ -149,16 +199,15 @@ std::string text_of(const Finding& f) {
                      f.elevation_deg, fmt::format(fmt::runtime(words_of(f.kind).text), f.value));
 }
 
-std::vector<Finding> find_faults(std::span<const ScanView> views, const Alignment& alignment,
-                                 const Panorama& panorama) {
-  std::vector<Finding> found;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    find_in_view(static_cast<int>(i + 1), views[i], alignment.views[i], alignment.median_m, found);
-  std::vector<Finding> of_room;
+std::vector<Finding> find_faults(const ScannedRoom& room) {
+  std::vector<Finding> found, of_room;
+  for (std::size_t i = 0; i < room.views.size(); ++i) find_in_view(room, i, found);
+  const Panorama& panorama = room.panorama;
   const Directions directions(panorama.size());
-  find_unseen(views, panorama, directions, of_room);
+  find_unseen(room, directions, of_room);
   find_without_depth(panorama, directions, of_room);
   for (const RoomPlane& plane : panorama.planes) find_behind(panorama, directions, plane, of_room);
+  find_before(panorama, of_room);
   std::sort(of_room.begin(), of_room.end(),
             [](const Finding& a, const Finding& b) { return a.value > b.value; });
   found.insert(found.end(), of_room.begin(), of_room.end());

@@ -27,6 +27,7 @@ Result<void> check_task(const SweepTask& t) {
   if (!within(t.camera_pan_rad, 3) || !within(t.camera_tilt_rad, 3))
     return wrong("the field of view must be above 0 and at most 170 degrees");
   if (!(t.overlap >= 0 && t.overlap <= 0.9)) return wrong("the overlap must be 0 to 0.9");
+  if (t.most_views < 0) return wrong("the number of views must not be negative");
   if (!(t.most_pan_rad >= 0 && t.most_tilt_rad >= 0 && t.most_down_rad.value_or(0) >= 0))
     return wrong("limits must not be negative");
   return {};
@@ -166,6 +167,36 @@ std::vector<HeadView> joined(const std::vector<HeadView>& below,
   return views;
 }
 
+/// For any unit; empty where nothing covers the field.
+std::vector<HeadView> views_of(const SweepTask& task) {
+  std::vector<HeadView> views = plan_both_ways(task);
+  if (const auto& down = task.most_down_rad; down && *down != task.most_tilt_rad) {
+    SweepTask below = task;
+    below.most_tilt_rad = *down;
+    views = joined(plan_both_ways(below), views);
+  }
+  return views;
+}
+
+bool is_within(const SweepTask& task, const std::vector<HeadView>& views) {
+  return task.most_views == 0 || views.size() <= static_cast<std::size_t>(task.most_views);
+}
+
+/// The highest field that so many views cover, to a degree; no views where none is.
+void lower_field(const SweepTask& task, SweepPlan& plan) {
+  constexpr double kStep_rad = std::numbers::pi / 180;
+  plan = {};
+  double low = 0, high = task.field_tilt_rad;
+  while (high - low > kStep_rad) {
+    SweepTask lower = task;
+    lower.field_tilt_rad = 0.5 * (low + high);
+    std::vector<HeadView> views = views_of(lower);
+    const bool fits = !views.empty() && is_within(task, views);
+    (fits ? low : high) = lower.field_tilt_rad;
+    if (fits) plan = {std::move(views), lower.field_tilt_rad, 0};
+  }
+}
+
 }  // namespace
 
 bool sees(const SweepTask& task, const HeadView& view, double azimuth_rad, double elevation_rad,
@@ -182,16 +213,16 @@ bool sees(const SweepTask& task, const HeadView& view, double azimuth_rad, doubl
 
 Result<SweepPlan> plan_sweep(const SweepTask& task) {
   MIXRIG_TRY(check_task(task));
-  SweepPlan plan;
-  plan.views = plan_both_ways(task);
-  if (const auto& down = task.most_down_rad; down && *down != task.most_tilt_rad) {
-    SweepTask below = task;
-    below.most_tilt_rad = *down;
-    plan.views = joined(plan_both_ways(below), plan.views);
-  }
+  SweepPlan plan{views_of(task), task.field_tilt_rad, 0};
   if (plan.views.empty())
     return Error{ErrorCode::kUsage,
                  "sweep: no plan covers the field: lower the overlap or the field"};
+  if (!is_within(task, plan.views)) lower_field(task, plan);
+  if (plan.views.empty())
+    return Error{ErrorCode::kUsage,
+                 fmt::format("sweep: {} views do not cover one row of the field: allow more, or "
+                             "lower the overlap or the field",
+                             task.most_views)};
   plan.covered_share = covered_share_of(task, plan.views);
   return plan;
 }

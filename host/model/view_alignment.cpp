@@ -20,13 +20,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kPointsOfView = 3000;           ///< at most, on a grid
-constexpr std::size_t kSamplesOfView = 6000;  ///< at most: points that other views see
-constexpr int kBlock_px = 16;                 ///< held out together
-constexpr int kNormal_px = 4;                 ///< reach of a surface's normal
-constexpr double kOther_m = 0.15;             ///< further away is another surface
-constexpr double kColorNoise = 2;             ///< bytes of sRGB
-constexpr double kColorShift_px = 0.4;        ///< of a level: what resampling may shift
+constexpr double kMostMedianTurn_rad = 0.5 * kDeg;  ///< of a unit whose depth camera is right
+constexpr int kPointsOfView = 3000;                 ///< at most, on a grid
+constexpr std::size_t kSamplesOfView = 6000;        ///< at most: points that other views see
+constexpr int kBlock_px = 16;                       ///< held out together
+constexpr int kNormal_px = 4;                       ///< reach of a surface's normal
+constexpr double kOther_m = 0.15;                   ///< further away is another surface
+constexpr double kColorNoise = 2;                   ///< bytes of sRGB
+constexpr double kColorShift_px = 0.4;              ///< of a level: what resampling may shift
 constexpr double kDepthFloor_m = 1e-3;
 constexpr double kCauchy = 2;                   ///< sigmas at which a residual weighs half
 constexpr double kUnitSigma_rad = 0.02 * kDeg;  ///< of the prior on turns
@@ -328,6 +329,10 @@ Alignment align(std::span<const ScanView> views, const geometry::CameraModel& to
   aligner.set_turns(std::vector<Vector3d>(views.size(), Vector3d::Zero()));
   const std::vector<HeldOut> before = aligner.held_out();
   Alignment result;
+  std::vector<double> sizes_rad;
+  for (const Vector3d& by : turns) sizes_rad.push_back(by.norm());
+  result.median_turn_rad = upper_median_in_place(std::span(sizes_rad));
+  result.refused = result.median_turn_rad > kMostMedianTurn_rad;
   std::vector<float> all_m;
   for (std::size_t i = 0; i < views.size(); ++i) {
     ViewAgreement& view = result.views.emplace_back();
@@ -338,7 +343,8 @@ Alignment align(std::span<const ScanView> views, const geometry::CameraModel& to
     const auto mean = [](const HeldOut& h) {
       return h.distances_m.empty() ? 0.0 : h.cost / static_cast<double>(h.distances_m.size());
     };
-    if (turns[i].norm() > least_turn_rad && mean(after[i]) < (1 - kLeastGain) * mean(before[i]))
+    if (!result.refused && turns[i].norm() > least_turn_rad &&
+        mean(after[i]) < (1 - kLeastGain) * mean(before[i]))
       view.turn_rad = turns[i];
   }
   result.samples = static_cast<int>(all_m.size() / 2);  // each was counted for two views

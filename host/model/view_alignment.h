@@ -24,6 +24,8 @@ struct Alignment {
   std::vector<ViewAgreement> views;
   int samples = 0;
   double median_m = 0, p95_m = 0;
+  double median_turn_rad = 0;  ///< of the turns that would make all views agree, as far as they can
+  bool refused = false;        ///< that is more than a unit errs by: no view has a turn
 };
 
 /// Estimates a small turn of each view around the origin of the base: distances (point to plane)
@@ -31,7 +33,9 @@ struct Alignment {
 /// weights, since people and edges do not (analysis by synthesis, Schiller et al. 2010, section
 /// 4.2, for all views at once). A third of the samples is held out: a view's turn is kept where it
 /// lowers their error by more than a twentieth and is larger than `least_turn_rad`. The turns'
-/// common part cannot be seen; a robust prior on each keeps it with those that need none.
+/// common part cannot be seen; a robust prior on each keeps it with those that need none. Where
+/// half of the views would turn by more than half a degree, depth is wrong, not angles (light that
+/// comes by way of other surfaces bends walls), and none is turned.
 Alignment align(std::span<const ScanView> views, const geometry::CameraModel& tof,
                 const geometry::CameraModel& target, double least_turn_rad, Crew& crew);
 

@@ -27,7 +27,7 @@ constexpr float kTexture =
     0.15F;  ///< standard deviation over mean: a hundredth of a degree would count
 constexpr int kLeastPairs = 200;      ///< fewer say nothing of a lens
 constexpr int kHeldOut = 3;           ///< each third place
-constexpr int kRounds = 6;            ///< of robust weights
+constexpr int kGainRounds = 6;        ///< of robust weights
 constexpr double kLeastSigma = 5e-3;  ///< of a logarithm: half a step of sRGB in the dark
 constexpr double kGainSigma = 0.3, kLensSigma = 0.5;  ///< before anything is seen
 constexpr double kWorthwhile = 0.95;                  ///< of the held-out error
@@ -203,7 +203,7 @@ ViewGains find_gains(std::span<const ScanView> views, const geometry::CameraMode
   if (static_cast<int>(pairs.size()) < kLeastPairs || none.samples == 0) return none;
   GainFit fit(static_cast<int>(views.size()));
   const double before = fit.sigma(pairs, true);
-  for (int i = 0; i < kRounds; ++i) fit.step(pairs);
+  for (int i = 0; i < kGainRounds; ++i) fit.step(pairs);
   const double after = fit.sigma(pairs, true);
   none.before_pct = none.after_pct = 100 * before;
   if (after >= kWorthwhile * before) return none;

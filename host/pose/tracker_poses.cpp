@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pose/tracker_poses.h"
 
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "hal/base/clock.h"
 
@@ -11,6 +13,8 @@ namespace {
 using capture::CameraPose;
 using capture::PoseLoss;
 
+constexpr std::array<const char*, 3> kWays{"constant velocity", "the angles of the head",
+                                           "the angles of the head and constant velocity"};
 constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;  ///< sigma of a hand-held camera's
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
@@ -32,26 +36,32 @@ class TrackerPoses final : public capture::PoseSource {
   TrackerPoses(const model::Panorama& room, const TrackerPoseOptions& options)
       : options_(options),
         crew_(options.threads),
+        motion_(options.predict, options.fisheye_from_target, options.head),
         tracker_(room, options.fisheye, options.tracker, crew_) {}
 
   std::string_view name() const override { return "tracker"; }
   std::string describe() const override {
-    return "tracked: the fisheye's pictures against the scanned room";
+    return std::string(
+               "tracked: the fisheye's pictures against the scanned room; plates are "
+               "reached by ") +
+           kWays[static_cast<std::size_t>(options_.predict)];
   }
   bool moves() const override { return true; }
 
   CameraPose pose_of(const capture::Capture& capture) override {
     const double plate_s = seconds(capture.mid_exposure.time_since_epoch());
+    if (capture.pan_tilt) motion_.add_angles(plate_s, *capture.pan_tilt);
     take_picture(capture);
-    const auto room_from_fisheye = tracker_.predicted(plate_s);
-    if (!room_from_fisheye)
+    if (capture.status_of(capture::Stream::kFisheye) == capture::StreamStatus::kMissing)
+      return CameraPose::lost(PoseLoss::kNoPicture);
+    const auto room_from_target = motion_.at(plate_s);
+    if (!room_from_target)
       return CameraPose::lost(tracker_.counts().pictures == 0 ? PoseLoss::kAbsent
                                                               : PoseLoss::kUntracked);
     CameraPose pose;
     pose.age_s = std::abs(plate_s - picture_s_);
-    pose.world_from_target =
-        options_.world_from_base * *room_from_fisheye * options_.fisheye_from_target;
-    pose.covariance = covariance_at(*room_from_fisheye, plate_s - picture_s_);
+    pose.world_from_target = options_.world_from_base * *room_from_target;
+    pose.covariance = covariance_at(*room_from_target, plate_s - picture_s_);
     return pose;
   }
 
@@ -62,14 +72,17 @@ class TrackerPoses final : public capture::PoseSource {
     if (tracker_.counts().pictures > 0 && time_s <= picture_s_) return;
     picture_s_ = time_s;
     const tracking::TrackedPose tracked = tracker_.track(capture.fisheye, time_s);
-    if (tracked.known) covariance_ = tracked.covariance;
+    if (!tracked.known) return motion_.lose();
+    covariance_ = tracked.covariance;
+    motion_.add_picture(time_s, tracked.room_from_camera, tracked.searched);
   }
 
   /// Of the target camera's pose in the world, `ahead_s` after the last picture.
-  capture::PoseCovariance covariance_at(const geometry::Pose& room_from_fisheye,
+  capture::PoseCovariance covariance_at(const geometry::Pose& room_from_target,
                                         double ahead_s) const {
-    capture::PoseCovariance c = moved_by(
-        covariance_, room_from_fisheye.rotation * options_.fisheye_from_target.translation_m);
+    const Eigen::Vector3d arm_m =
+        room_from_target.rotation * geometry::inverse(options_.fisheye_from_target).translation_m;
+    capture::PoseCovariance c = moved_by(covariance_, -arm_m);
     if (ahead_s > 0) {
       const double way = 0.5 * ahead_s * ahead_s;
       c.diagonal().head<3>().array() += std::pow(kSpeedUp_rad_s2 * way, 2);
@@ -83,6 +96,7 @@ class TrackerPoses final : public capture::PoseSource {
 
   const TrackerPoseOptions options_;
   Crew crew_;
+  PictureMotion motion_;
   tracking::Tracker tracker_;
   double picture_s_ = 0;  ///< of the last picture that was tracked, found or not
   capture::PoseCovariance covariance_ = capture::PoseCovariance::Zero();

@@ -7,6 +7,7 @@
 #include "host/capture/pose_source.h"
 #include "host/geometry/any_camera.h"
 #include "host/model/panorama.h"
+#include "host/pose/picture_motion.h"
 #include "host/tracking/tracker.h"
 
 namespace mixrig::pose {
@@ -15,16 +16,19 @@ struct TrackerPoseOptions {
   geometry::AnyCamera fisheye;
   geometry::Pose fisheye_from_target;
   geometry::Pose world_from_base;  ///< of the room
+  Predict predict = Predict::kVelocity;
+  std::optional<calibration_file::PanTilt> head;  ///< that carries the target camera; for `predict`
   tracking::TrackerOptions tracker;
   int threads = 0;  ///< 0: one per core
 };
 
 /// Tracks each fresh picture of the fisheye when its capture is asked for. The plate has another
 /// time: between the newest two pictures the motion is interpolated, after the newest one it goes
-/// on (constant velocity), so that no frame waits. The covariance grows by what a camera that
-/// changes its speed by 1 m/s^2 and 2 rad/s^2 would add. A capture that brings a picture takes some
+/// on (Predict), so that no frame waits. The covariance grows by what a camera that changes its
+/// speed by 1 m/s^2 and 2 rad/s^2 would add. A capture that brings a picture takes some
 /// milliseconds longer; one whose camera has to be looked for, a second or less. Allocates only
-/// then. Pictures of another size than the calibrated one are left out.
+/// then. Pictures of another size than the calibrated one are left out. A capture whose
+/// fisheye is missing has no pose.
 std::unique_ptr<capture::PoseSource> make_tracker_poses(const model::Panorama& room,
                                                         const TrackerPoseOptions& options);
 

@@ -27,6 +27,19 @@ struct RayResidual {
   }
 };
 
+struct RangeResidual {
+  BundleRange range;
+
+  template <typename T>
+  bool operator()(const T* view, const T* place, T* residual) const {
+    Eigen::Matrix<T, 3, 1> p;
+    ceres::AngleAxisRotatePoint(view, place, p.data());
+    for (int k = 0; k < 3; ++k) p[k] += view[3 + k];
+    residual[0] = (p.norm() - range.range) / range.sigma;
+    return true;
+  }
+};
+
 }  // namespace
 
 bool adjust(Bundle& bundle, int iterations, int threads) {
@@ -43,6 +56,11 @@ bool adjust(Bundle& bundle, int iterations, int threads) {
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<RayResidual, 2, 6, 3>(new RayResidual{r.ray}),
         new ceres::HuberLoss(kHuberSigmas), views[static_cast<std::size_t>(r.view)].data(),
+        places[static_cast<std::size_t>(r.place)].data());
+  for (const BundleRange& r : bundle.ranges)
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<RangeResidual, 1, 6, 3>(new RangeResidual{r}),
+        new ceres::CauchyLoss(kHuberSigmas), views[static_cast<std::size_t>(r.view)].data(),
         places[static_cast<std::size_t>(r.place)].data());
   for (std::size_t i = 0; i < views.size(); ++i)
     if (bundle.fixed[i] && problem.HasParameterBlock(views[i].data()))

@@ -11,6 +11,7 @@
 
 #include "hal/base/order_statistics.h"
 #include "host/reconstruction/rays.h"
+#include "host/reconstruction/track_align.h"
 
 namespace mixrig::reconstruction {
 namespace {
@@ -294,6 +295,8 @@ void FeatureTracker::add(ImageView<const Rgb8> picture, double time_s) {
   s.align_to_key(mat);
   for (const State::Active& a : s.active) s.see(a);
   if (s.is_key()) s.make_key(grey);
+  const bool kept = s.result.greys.size() * grey.size().area() < kMostKept_bytes;
+  s.result.greys.push_back(kept ? smoothed(grey.view()) : Image<std::uint8_t>());
   s.before = std::move(grey);
 }
 

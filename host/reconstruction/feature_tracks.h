@@ -50,11 +50,15 @@ struct FeatureTracks {
   std::vector<double> times_s;  ///< of all pictures
   std::vector<FeatureTrack> tracks;
   std::vector<KeyPicture> keys;
+  /// Of all pictures, smoothed for align_looks(); those after kMostKept_bytes are empty.
+  std::vector<Image<std::uint8_t>> greys;
 };
 
+inline constexpr std::size_t kMostKept_bytes = 512U << 20U;
+
 struct TrackingOptions {
-  int tracks = 700;       ///< that are followed at a time
-  int features = 1500;    ///< SIFT, of a key picture
+  int tracks = 1500;      ///< that are followed at a time
+  int features = 2500;    ///< SIFT, of a key picture
   double grey_sigma = 4;  ///< noise of a grey value, of 255
   /// A picture becomes a key where the tracks moved so far since the last key (median), or 30 % of
   /// them are gone.

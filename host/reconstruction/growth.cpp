@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -33,6 +34,8 @@ class Grower {
     grown_.places.resize(tracks.tracks.size());
     grown_.covariances.resize(tracks.tracks.size());
     grown_.sightings.resize(tracks.tracks.size());
+    grown_.same_as.resize(tracks.tracks.size());
+    std::iota(grown_.same_as.begin(), grown_.same_as.end(), 0);
     std::map<int, int> key_of_picture;
     for (std::size_t k = 0; k < tracks.keys.size(); ++k)
       key_of_picture[tracks.keys[k].picture] = static_cast<int>(k);

@@ -25,6 +25,7 @@ struct Growth {
   std::vector<std::optional<Eigen::Vector3d>> places;
   std::vector<Eigen::Matrix3d> covariances;
   std::vector<std::vector<KeySighting>> sightings;
+  std::vector<int> same_as;  ///< of each track the one that has its sightings now
   double residual_px = 0;
   std::size_t followed = 0, known = 0;  ///< tracks that enough key pictures see; places of them
 };

@@ -65,6 +65,8 @@ bool unite(Growth& grown, std::size_t track, std::size_t other) {
             [](const KeySighting& a, const KeySighting& b) { return a.key < b.key; });
   grown.sightings[other].clear();
   grown.places[other].reset();
+  for (int& same : grown.same_as)
+    if (same == static_cast<int>(other)) same = static_cast<int>(track);
   return true;
 }
 

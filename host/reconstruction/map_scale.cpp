@@ -52,54 +52,91 @@ double scale_of_point(const Vector3d& in_camera, const DepthView& view, const De
 
 double median_of(std::vector<double> values) { return median_in_place(std::span<double>(values)); }
 
-/// A first value without the distance of the two cameras: the median of measured over unit depths.
-double first_guess(const LearnedMap& map, std::span<const DepthView> views) {
-  std::vector<double> depths_m, units;
-  for (const DepthView& view : views)
-    for (int y = 0; y < view.depth_m.height(); y += 4)
-      for (int x = 0; x < view.depth_m.width(); x += 4)
-        if (view.depth_m.row(y)[x] > 0) depths_m.push_back(view.depth_m.row(y)[x]);
-  for (const MapPoint& p : map.points) units.push_back(p.place.norm());
-  const double unit = median_of(units);
-  return unit > 0 ? median_of(depths_m) / unit : 0;
+bool is_seen(const SeenPlace& place, double time_s) {
+  constexpr double kNear_s = 0.1;
+  const auto next = std::lower_bound(place.seen_s.begin(), place.seen_s.end(), time_s - kNear_s);
+  return next != place.seen_s.end() && *next <= time_s + kNear_s;
+}
+
+/// Median of each place, as a logarithm; NaN where no view shows it. Returns the number of ratios.
+int measure_places(std::span<const SeenPlace> places, const trajectory::Trajectory& path,
+                   std::span<const DepthView> views, const DepthCamera& camera, double guess,
+                   std::vector<double>& logs) {
+  std::vector<std::vector<double>> of_place(places.size());
+  int measurements = 0;
+  for (const DepthView& view : views) {
+    const auto pose = path.at(view.time_s);
+    if (!pose) continue;
+    const geometry::Pose camera_from_map = geometry::inverse(*pose);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!is_seen(places[i], view.time_s)) continue;
+      const double scale = scale_of_point(camera_from_map * places[i].place, view, camera, guess);
+      if (scale > 0) of_place[i].push_back(std::log(scale)), ++measurements;
+    }
+  }
+  logs.assign(places.size(), std::nan(""));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (!of_place[i].empty()) logs[i] = median_of(of_place[i]);
+  return measurements;
+}
+
+struct Mode {
+  double middle = 0, deviation = 0;
+  int count = 0;  ///< of the values within 2.5 deviations
+};
+
+/// Precondition: two values at least.
+Mode mode_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + half < values.size(); ++i)
+    if (values[i + half] - values[i] < values[best + half] - values[best]) best = i;
+  constexpr double kHalfOfNormal = 0.6745, kReach = 2.5, kLeast = 0.002;
+  Mode mode;
+  mode.middle = 0.5 * (values[best] + values[best + half]);
+  mode.deviation = std::max(kLeast, 0.5 * (values[best + half] - values[best]) / kHalfOfNormal);
+  constexpr int kRounds = 5;
+  for (int round = 0; round < kRounds; ++round) {
+    double sum = 0;
+    mode.count = 0;
+    for (const double v : values)
+      if (std::abs(v - mode.middle) <= kReach * mode.deviation) sum += v, ++mode.count;
+    if (mode.count > 0) mode.middle = sum / mode.count;
+  }
+  return mode;
 }
 
 }  // namespace
 
-std::optional<ScaleFit> scale_by_depth(const LearnedMap& map, std::span<const DepthView> views,
-                                       const DepthCamera& camera) {
-  const trajectory::Trajectory path(map.path);
-  double guess = first_guess(map, views);
-  if (!(guess > 0)) return std::nullopt;
+std::optional<ScaleFit> scale_by_depth(std::span<const SeenPlace> places,
+                                       const trajectory::Trajectory& path,
+                                       const DepthRecord& depth) {
+  // Without the distance of the two cameras the pixels of a place do not hang on the scale.
+  DepthCamera in_one_place = depth.camera;
+  in_one_place.from_camera.translation_m.setZero();
+  double guess = 1;
   ScaleFit fit;
-  constexpr int kPasses = 4;
-  constexpr std::size_t kFewestPoints = 30;
-  constexpr double kMostSigma = 0.05;
+  constexpr int kPasses = 4, kFewestPlaces = 30;
+  constexpr double kMostSigma = 0.05, kReach = 2.5;
+  std::vector<double> logs;
+  Mode mode;
   for (int pass = 0; pass < kPasses; ++pass) {
-    std::vector<std::vector<double>> of_point(map.points.size());
-    fit.scale.measurements = 0;
-    for (const DepthView& view : views) {
-      const auto pose = path.at(view.time_s);
-      if (!pose) continue;
-      const geometry::Pose camera_from_map = geometry::inverse(*pose);
-      for (std::size_t i = 0; i < map.points.size(); ++i) {
-        const double scale =
-            scale_of_point(camera_from_map * map.points[i].place, view, camera, guess);
-        if (scale > 0) of_point[i].push_back(std::log(scale)), ++fit.scale.measurements;
-      }
-    }
-    std::vector<double> logs;
-    for (const auto& values : of_point)
-      if (!values.empty()) logs.push_back(median_of(values));
-    if (logs.size() < kFewestPoints) return std::nullopt;
-    const double middle = median_of(logs);
-    for (double& value : logs) value = std::abs(value - middle);
-    constexpr double kSigmaOfDeviation = 1.4826, kSigmaOfMedian = 1.2533;
-    fit.scale.sigma = kSigmaOfMedian * kSigmaOfDeviation * median_of(logs) /
-                      std::sqrt(static_cast<double>(logs.size()));
-    guess = fit.metres_per_unit = std::exp(middle);
+    fit.scale.measurements = measure_places(places, path, depth.views,
+                                            pass == 0 ? in_one_place : depth.camera, guess, logs);
+    std::vector<double> known;
+    for (const double v : logs)
+      if (std::isfinite(v)) known.push_back(v);
+    if (known.size() < kFewestPlaces) return std::nullopt;
+    mode = mode_of(std::move(known));
+    guess = fit.metres_per_unit = std::exp(mode.middle);
   }
+  if (mode.count < kFewestPlaces / 2) return std::nullopt;
+  fit.scale.sigma = mode.deviation / std::sqrt(static_cast<double>(mode.count));
   if (!(fit.scale.sigma < kMostSigma)) return std::nullopt;
+  for (const double v : logs)
+    fit.of_place.push_back(std::abs(v - mode.middle) <= kReach * mode.deviation ? std::exp(v)
+                                                                                : 0.0);
   return fit;
 }
 

@@ -5,6 +5,7 @@
 #include "hal/base/result.h"
 #include "host/reconstruction/feature_tracks.h"
 #include "host/reconstruction/learned_map.h"
+#include "host/reconstruction/map_scale.h"
 
 namespace mixrig::reconstruction {
 
@@ -20,13 +21,15 @@ struct ReconstructOptions {
 
 /// Two key pictures with parallax give the start (five-point method); each other key picture is
 /// added by its pose from known places, new places are triangulated, and poses and places are
-/// adjusted together, of the neighbours at each step and of all at the end. Places that few key
-/// pictures see, that contradict them, or whose depth is not known are left out; so are those of
-/// people, who move. All pictures then get their poses from the places that were followed in them.
-/// camera, calibration_hash and scale are left empty. Errors: kData where the camera does not move
+/// adjusted together, of the neighbours at each step and of all at the end. Then every track is
+/// aligned to its mean look, and all pictures are adjusted together, with the depth where there is
+/// some: a small motion is well known then, and the map is in metres. Places that few pictures see,
+/// that contradict them, or whose depth is not known are left out; so are those of people, who
+/// move. camera and calibration_hash are left empty. Errors: kData where the camera does not move
 /// enough (by turning alone, or fewer than a quarter of the followed places get a depth), or fewer
 /// than half of the key pictures fit together.
 Result<LearnedMap> reconstruct(const FeatureTracks& tracks, const geometry::AnyCamera& camera,
-                               const ReconstructOptions& options = {});
+                               const ReconstructOptions& options = {},
+                               const DepthRecord* depth = nullptr);
 
 }  // namespace mixrig::reconstruction

@@ -88,6 +88,7 @@ struct KeyParams {
   float threshold_m = 0.05F;
   float noise_factor = 4.0F;
   bool color = true;
+  bool refine = true;  ///< the matte follows the edges of the plate; only with color
 };
 
 /// World axes, z up. Real points outside are not keyed (Cortes Reina 2015, section 3.1 "Cropping").

@@ -92,6 +92,16 @@ inline constexpr float kBackgroundWeight = 5.0F;
 /// than even, so that holes alone do not become people.
 inline constexpr float kUnknownShare = 0.4F;
 
+// --- key: the matte is refined
+/// Side of a tile in ToF footprints, before it is rounded down to 1, 2 or 4 pixels.
+inline constexpr float kMatteTileFootprints = 1.6F;
+/// Tiles to either side in which the matte is a line of the colour, 5x5 of them.
+inline constexpr int kMatteWindowTiles = 2;
+/// Variance of square roots of linear light up to which colours are alike, and the line is flat.
+inline constexpr float kMatteSpread2 = 2e-4F;
+/// The line is made steeper around one half: least squares leave a veil on both sides of a border.
+inline constexpr float kMatteGain = 1.25F;
+
 // --- light
 /// Side of a tile in pixels: people's light is found once a tile, no ToF camera sees finer.
 inline constexpr int kLightTilePx = 4;

@@ -84,6 +84,14 @@ struct LampParams {
   float map_center_texel = 0;
   int map_size_texel = 0;    ///< 0: this lamp casts no shadow into the view
   float casters_near_m = 0;  ///< lamp z of the nearest caster: what is nearer is lit
+  int room_layer = -1;       ///< of RoomShade; -1: nothing real hides the lamp
+};
+
+/// RoomShade in camera axes: cell = cell_from_camera * p.
+struct RoomShadeParams {
+  glm::mat4 cell_from_camera{1};
+  glm::ivec3 cells{0};
+  float lift_m = 0;  ///< of a receiver along its normal
 };
 
 /// Light map of real surfaces, shading of virtual ones.
@@ -103,6 +111,7 @@ enum class KeyBy : std::uint8_t {
 struct KeyPassParams {
   KeyBy by = KeyBy::kNothing;
   bool color = true;
+  bool refine = true;  ///< the matte follows the plate's edges; needs color
   bool crop = false;
   glm::mat4 world_from_camera{1};
   glm::vec3 crop_min_m{0}, crop_max_m{0};

@@ -13,6 +13,7 @@
 #include "hal/base/image.h"
 #include "host/render/compositor.h"
 #include "host/render/passes.h"
+#include "host/render/room_shade.h"
 
 namespace mixrig::render {
 
@@ -94,8 +95,11 @@ struct Draw {
 struct FrameParams {
   bool pose_changed = true;  ///< or the view, since the last update(); true at first
   bool maps_changed = true;  ///< shadow maps must be drawn again
+  bool room_changed = true;  ///< `room_share` was made since the last update()
   KeyPassParams key;
   LightParams light;
+  RoomShadeParams room;
+  std::span<const float> room_share;     ///< RoomShade::share
   std::vector<LampParams> lamps;         ///< as Light::lamps
   std::vector<LampParams> people_lamps;  ///< the same with maps of people; empty: they cast none
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
@@ -111,7 +115,7 @@ class FramePreparer {
  public:
   explicit FramePreparer(const CompositorSetup& setup);
   /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
-  /// first call only.
+  /// first call only, which finds out what the real room hides of the lamps.
   void update(const geometry::Pose& world_from_target, bool view_changed = false);
   const FrameParams& params() const { return params_; }
   const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
@@ -129,6 +133,7 @@ class FramePreparer {
                                 const glm::dmat4& camera_from_world);
   int map_size(const glm::dmat4& camera_from_world) const;
   void update_floor(const glm::dmat4& world_from_camera);
+  void update_room(const geometry::Pose& world_from_target);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
   const CompositorSetup& setup_;
@@ -136,6 +141,7 @@ class FramePreparer {
   bool has_pose_ = false;
   geometry::Pose last_pose_;
   int map_size_ = 0;
+  RoomShade room_;  ///< of the first pose
   std::vector<MapFit> fits_, people_fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };
@@ -149,6 +155,12 @@ inline int normal_reach_tiles(float tof_footprint_px) {
 /// View pixels that a ToF pixel spans, at least 1.
 inline float tof_footprint_px(const CompositorSetup& setup) {
   return static_cast<float>(std::max(1.0, setup.view.fx_px / setup.tof.pinhole.fx_px));
+}
+/// Side of the tiles in which the matte is refined, in pixels (1, 2 or 4: it divides a block): the
+/// window of 5x5 tiles spans the few footprints in which depth is wrong at a border.
+inline int matte_tile_px(float tof_footprint_px) {
+  const float side = kMatteTileFootprints * tof_footprint_px;
+  return side >= 4 ? 4 : side >= 2 ? 2 : 1;
 }
 /// View pixels around one in which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {

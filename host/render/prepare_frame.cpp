@@ -14,10 +14,16 @@ namespace {
 
 constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 constexpr int kSmallestMap = 64, kLargestMap = 1024;
-/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees.
-constexpr int kPeopleMap = 1024;
+/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
+/// objects alone fewer will do.
+constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 512;
+/// Cells by which a receiver is lifted along its normal off the real things that hide the lamps:
+/// the learned depth is noisy.
+constexpr float kRoomLiftCells = 0.5F;
 /// Without a capture volume people are looked for between these distances from the camera.
 constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
+/// Between a lamp and the objects they are no nearer to it than this part of the way.
+constexpr double kPeopleNearPart = 0.4;
 
 glm::dmat4 world_from(const VirtualObject& object) {
   glm::dmat4 m = to_glm(object.world_from_object.matrix());
@@ -82,6 +88,13 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
           std::max(rect.y1, box.y1)};
 }
 
+/// Whether people are looked for between the lamps and the objects alone.
+bool people_around_objects(const CompositorSetup& setup) {
+  return !setup.capture_box &&
+         std::none_of(setup.objects.begin(), setup.objects.end(),
+                      [](const VirtualObject& object) { return object.in_set; });
+}
+
 }  // namespace
 
 KeyBy key_by(const CompositorSetup& setup) {
@@ -110,6 +123,7 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   params_.light = {setup.light.ambient, setup.light.exposure};
   KeyPassParams& key = params_.key;
   key.color = setup.key.color;
+  key.refine = setup.key.refine;
   key.crop = setup.capture_box.has_value();
   if (key.crop)
     key.crop_min_m = setup.capture_box->min_m, key.crop_max_m = setup.capture_box->max_m;
@@ -162,9 +176,19 @@ FramePreparer::MapFit FramePreparer::fit_map(const Lamp& lamp,
   return fit;
 }
 
-/// Maps of the capture volume; without one, of what the camera sees of a room.
+/// Maps of the capture volume; without one, of what lies between a lamp and the objects, or of what
+/// the camera sees of a set, which is all around.
 void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
-  if (params_.people_lamps.empty() || (setup_.capture_box && people_fits_[0].near_m > 0)) return;
+  const bool around_objects = people_around_objects(setup_);
+  const bool stay = setup_.capture_box || around_objects;
+  if (params_.people_lamps.empty() || (stay && people_fits_[0].near_m > 0)) return;
+  if (around_objects) {
+    for (std::size_t i = 0; i < people_fits_.size(); ++i) {
+      people_fits_[i] = fit_map(setup_.light.lamps[i], corners_m_);
+      people_fits_[i].near_m = std::max(kNearPeopleM, kPeopleNearPart * people_fits_[i].near_m);
+    }
+    return;
+  }
   std::array<glm::dvec3, 8> corners_m;
   for (std::size_t i = 0; i < 8; ++i) {
     if (setup_.capture_box) {
@@ -216,6 +240,23 @@ LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int m
   return out;
 }
 
+/// A still background is where the first pose puts it. Found once: lamps, objects and room stay.
+void FramePreparer::update_room(const geometry::Pose& world_from_target) {
+  if (!has_pose_ && needs_room_shade(setup_)) {
+    room_ = make_room_shade(setup_, world_from_target);
+    params_.room_share = room_.share;
+    params_.room_changed = true;
+    for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
+      params_.lamps[i].room_layer = room_.layer_of[i];
+  }
+  if (room_.empty()) return;
+  const double scale = 1 / room_.cell_m;
+  glm::dmat4 cell_from_world(scale);
+  cell_from_world[3] = glm::dvec4(-scale * room_.first_m, 1);
+  params_.room = {glm::mat4(cell_from_world * to_glm(world_from_target.matrix())), room_.cells,
+                  kRoomLiftCells * static_cast<float>(room_.cell_m)};
+}
+
 void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
                                  const glm::dmat4& camera_from_world) {
   const int wanted = caster_corners_m_.empty() ? 0 : map_size(camera_from_world);
@@ -223,15 +264,18 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
   map_size_ = wanted;
   for (std::size_t i = 0; i < params_.lamps.size(); ++i) {
     const MapFit& fit = fits_[i];
+    const int room_layer = params_.lamps[i].room_layer;
     params_.lamps[i] =
         lamp_params(setup_.light.lamps[i], fit, map_size_, world_from_camera, camera_from_world);
+    params_.lamps[i].room_layer = room_layer;
     if (params_.lamps[i].map_size_texel == 0) continue;
     for (std::size_t k = 0; k < setup_.objects.size(); ++k)
       params_.lamp_from_object[i][k] =
           glm::mat4(fit.lamp_from_world * world_from(setup_.objects[k]));
   }
+  const int people_map = people_around_objects(setup_) ? kPeopleMapOfObjects : kPeopleMap;
   for (std::size_t i = 0; i < params_.people_lamps.size(); ++i)
-    params_.people_lamps[i] = lamp_params(setup_.light.lamps[i], people_fits_[i], kPeopleMap,
+    params_.people_lamps[i] = lamp_params(setup_.light.lamps[i], people_fits_[i], people_map,
                                           world_from_camera, camera_from_world);
 }
 
@@ -239,8 +283,9 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
   params_.pose_changed = !has_pose_ || view_changed ||
                          world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
                          world_from_target.translation_m != last_pose_.translation_m;
-  params_.maps_changed = false;
+  params_.maps_changed = params_.room_changed = false;
   if (!params_.pose_changed) return;
+  update_room(world_from_target);
   has_pose_ = true;
   last_pose_ = world_from_target;
   const glm::dmat4 world_from_camera = to_glm(world_from_target.matrix());

@@ -22,14 +22,15 @@ struct OwnKey {
   const char* key;
   PoseSource of;
 };
-constexpr std::array<OwnKey, 8> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
+constexpr std::array<OwnKey, 9> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
                                           {"time_offset_s", PoseSource::kRecorded},
                                           {"world_from_target", PoseSource::kFixed},
                                           {"world_from_base", PoseSource::kPanTilt},
                                           {"constellation", PoseSource::kMocap},
                                           {"body", PoseSource::kMocap},
                                           {"up", PoseSource::kMocap},
-                                          {"delay_ms", PoseSource::kMocap}}};
+                                          {"delay_ms", PoseSource::kMocap},
+                                          {"predict", PoseSource::kTracker}}};
 
 Eigen::Vector3d corner(const Table& box, const char* key) {
   const auto v = box.numbers(key, 3, 3, {-1e4, 1e4});
@@ -69,6 +70,7 @@ void read_own_keys(const Table& table, const std::filesystem::path& folder, Pose
   mocap.body = table.integer_or("body", 0, {0, 1e9});
   mocap.y_up = table.one_of("up", {"y", "z"}, 0) == 0;
   mocap.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
+  camera.predict = static_cast<Predict>(table.one_of("predict", {"velocity", "head", "both"}, 0));
   if (!mocap.constellation.empty() && table.has("body"))
     table.fail("body", "given beside constellation: remove one of them");
   if (source == PoseSource::kFixed && !fixed.present())

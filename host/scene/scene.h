@@ -67,6 +67,7 @@ struct Lamp {
 struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
+  bool people_cast = false;  ///< people cast shadows on the objects; on a set they always do
   std::vector<Lamp> lamps;
 };
 
@@ -86,14 +87,18 @@ struct MocapSettings {
   double delay_s = 0;                   ///< from the exposure of a frame to its earliest arrival
 };
 
+/// How a tracker reaches the time of a plate from the pictures before it.
+enum class Predict { kVelocity, kHead, kBoth };
+
 /// Where the camera's pose comes from. Each value belongs to one PoseSource.
 struct CameraPoses {
-  std::filesystem::path trajectory;  ///< kRecorded: a file; empty: the take's own poses
-  double time_offset_s = 0;          ///< kRecorded: time of the take = time of the file + this
-  geometry::Pose world_from_target;  ///< kFixed
-  geometry::Pose world_from_base;    ///< kPanTilt: the foot of the head
-  MocapSettings mocap;               ///< kMocap
-  double max_age_s = 0.1;            ///< an older pose is lost
+  std::filesystem::path trajectory;      ///< kRecorded: a file; empty: the take's own poses
+  double time_offset_s = 0;              ///< kRecorded: time of the take = time of the file + this
+  geometry::Pose world_from_target;      ///< kFixed
+  geometry::Pose world_from_base;        ///< kPanTilt: the foot of the head
+  MocapSettings mocap;                   ///< kMocap
+  Predict predict = Predict::kVelocity;  ///< kTracker
+  double max_age_s = 0.1;                ///< an older pose is lost
   WhenLost when_lost = WhenLost::kFreeze;
 };
 
@@ -123,6 +128,7 @@ struct KeySettings {
   double threshold_m = 0.05;  ///< least depth step that is keyed
   double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
   bool color = true;          ///< decide pixels in doubt by colour
+  bool refine = true;         ///< the matte follows the edges of the plate; only with color
 };
 
 struct Scene {

@@ -127,6 +127,7 @@ Light read_light(const Table& table) {
   Light light;
   light.ambient = color_or(table, "ambient", light.ambient);
   light.exposure = table.number_or("exposure", light.exposure, {1e-6, 1e6});
+  light.people_cast = table.boolean_or("people_cast", light.people_cast);
   for (const Table& lamp : table.tables("lamp"))
     light.lamps.push_back(read_lamp(lamp, light.lamps.size() + 1));
   return light;
@@ -159,6 +160,7 @@ KeySettings read_key(const Table& table) {
   key.threshold_m = table.number_or("threshold_m", key.threshold_m, {0.0, 10.0});
   key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
   key.color = table.boolean_or("color", key.color);
+  key.refine = table.boolean_or("refine", key.refine);
   return key;
 }
 

@@ -36,6 +36,7 @@ std::string key_reason(const render::CompositorSetup& setup, render::KeyBy by) {
   std::string reason = volume ? "foreground is what lies in the capture volume over its floor"
                               : "foreground against the learned background";
   if (setup.key.color) reason += ", by colour where depth is uncertain";
+  if (setup.key.color && setup.key.refine) reason += ", the matte refined by the plate";
   if (setup.capture_box && !volume) reason += ", cropped to the capture volume";
   return reason;
 }
@@ -47,7 +48,8 @@ std::string light_reason(const render::CompositorSetup& setup, std::size_t maps,
                                    "virtual objects"
                                  : "shading of virtual objects; without a background no real "
                                    "surface is known that could receive a shadow";
-  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on the set";
+  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on virtual surfaces";
+  if (render::needs_room_shade(setup)) reason += "; what the room hides of the lamps, found once";
   return reason;
 }
 

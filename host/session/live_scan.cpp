@@ -63,7 +63,7 @@ Result<SweepSetup> sweep_setup(const LiveScanOptions& options) {
   SweepSetup setup;
   MIXRIG_ASSIGN(setup.rig, live::read_rig(options.rig));
   MIXRIG_TRY(check_rig(setup.rig, options.rig));
-  setup.rig.cameras.resize(1);
+  leave_out_cameras(setup.rig, true);
   setup.rig = without_idle_trigger(std::move(setup.rig));
   if (!options.calibration.empty()) setup.rig.calibration = options.calibration;
   setup.calibration_path = setup.rig.calibration;
@@ -106,6 +106,7 @@ Result<model::SweepPlan> plan_for(const LiveScanOptions& options, const SweepSet
   task.camera_pan_rad = 2 * std::atan(0.5 * tof.size_px.width / tof.fx_px);
   task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
   task.overlap = options.overlap;
+  task.most_views = options.most_views;
   task.most_pan_rad = std::min(-unit.minimum.pan_rad, unit.maximum.pan_rad);
   task.most_tilt_rad = unit.maximum.tilt_rad;
   task.most_down_rad = -unit.minimum.tilt_rad;

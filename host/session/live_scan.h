@@ -16,7 +16,8 @@ struct LiveScan {
   std::filesystem::path sweep, calibration;  ///< for scan_room
   int views = 0, planned = 0;
   int resumed = 0;           ///< of the views, those of an earlier run
-  double covered_share = 0;  ///< of the field, by the plan; below 1 where the unit's limits are
+  double covered_share = 0;  ///< of the field, by the plan; below 1 where the unit's limits or
+                             ///< the number of views leave out some
   int restarts = 0;          ///< frames that were shifted against those before them
   double seconds = 0;        ///< from the first move to the last view
   bool stopped = false;      ///< `stop` was set before the last view
@@ -28,6 +29,7 @@ struct LiveScanOptions {
   std::filesystem::path out;          ///< of the room; the sweep lies beside it
   Size field_deg{270, 180};           ///< pan x tilt
   double overlap = 0.1;
+  int most_views = 0;  ///< 0: as many as it takes; else the height of the field may be lowered
   int view_frames = 4;
   /// Called once before the unit moves: views, planned, resumed and covered_share are known.
   std::function<void(const LiveScan& plan)> planned;

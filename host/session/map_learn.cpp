@@ -27,7 +27,7 @@ struct TrueView {
 /// What the take holds beside the tracks.
 struct Beside {
   std::vector<TrueView> truth;
-  std::vector<reconstruction::DepthView> depth;  ///< at most kDepthViews, evenly over the take
+  std::vector<reconstruction::DepthView> depth;  ///< some kDepthViews, evenly over the take
 };
 
 constexpr int kDepthViews = 40;
@@ -78,15 +78,6 @@ reconstruction::DepthCamera depth_camera(const MapLearnOptions& options,
   return depth;
 }
 
-/// Metres, where depth tells them.
-void set_scale(const std::vector<reconstruction::DepthView>& depth,
-               const reconstruction::DepthCamera& camera, reconstruction::LearnedMap& map) {
-  const auto fit = reconstruction::scale_by_depth(map, depth, camera);
-  if (!fit) return;
-  reconstruction::rescale(map, fit->metres_per_unit);
-  map.scale = fit->scale;
-}
-
 Result<std::string> hash_of(const std::filesystem::path& calibration) {
   if (calibration.empty()) return std::string();
   calibration_file::InputHash hash;
@@ -133,7 +124,9 @@ Result<nlohmann::json> learn_map(const MapLearnOptions& options) {
   MIXRIG_ASSIGN(const auto tracks, follow_features(options, *source, camera, beside));
   reconstruction::ReconstructOptions how;
   how.threads = Crew(options.threads).threads();
-  auto learned = reconstruction::reconstruct(tracks, camera.model, how);
+  const reconstruction::DepthRecord depth{std::move(beside.depth),
+                                          depth_camera(options, source->info(), camera)};
+  auto learned = reconstruction::reconstruct(tracks, camera.model, how, &depth);
   if (!learned)
     return Error{learned.error().code, options.take.string() + ": " + learned.error().context};
   reconstruction::LearnedMap& map = *learned;
@@ -141,7 +134,6 @@ Result<nlohmann::json> learn_map(const MapLearnOptions& options) {
   MIXRIG_ASSIGN(
       map.calibration_hash,
       hash_of(options.calibration.empty() ? source->info().calibration : options.calibration));
-  set_scale(beside.depth, depth_camera(options, source->info(), camera), map);
   MIXRIG_TRY(reconstruction::write_map(map, options.out));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -151,7 +143,7 @@ Result<nlohmann::json> learn_map(const MapLearnOptions& options) {
   // A metric map's own scale against the truth's.
   const nlohmann::json by_similarity = errors_of_path(pairs_of(map, beside.truth), true);
   if (map.scale && by_similarity.is_object()) {
-    json["scale_error_pct"] = 100 * (1 / by_similarity["scale"].get<double>() - 1);
+    json["scale_error_pct"] = 100 * (1 / by_similarity["metres_per_unit"].get<double>() - 1);
     json["rms_similarity_mm"] = by_similarity["rms_mm"];
     json["rms_similarity_pct"] = by_similarity["rms_pct"];
   }

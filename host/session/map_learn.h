@@ -16,7 +16,7 @@ struct MapLearnOptions {
   std::filesystem::path take, out;
   std::filesystem::path calibration;  ///< empty: the take's
   TrackedCamera camera = TrackedCamera::kFisheye;
-  int tracks = 700;                        ///< places that are followed at a time
+  int tracks = 1500;                       ///< places that are followed at a time
   int threads = 0;                         ///< 0: one per core
   std::function<void(int, int)> progress;  ///< done and total; may be empty
 };

@@ -5,11 +5,22 @@
 #include <utility>
 
 #include "hal/base/log.h"
+#include "host/live/live_capture.h"
 #include "host/live/live_source.h"
 #include "host/session/studio.h"
 #include "host/take/take_source.h"
 
 namespace mixrig::session {
+namespace {
+
+/// The pose is made from the head's angles.
+bool needs_head(const scene::Scene& scene) {
+  return scene.pose_source == scene::PoseSource::kPanTilt ||
+         (scene.pose_source == scene::PoseSource::kTracker &&
+          scene.camera.predict != scene::Predict::kVelocity);
+}
+
+}  // namespace
 
 Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri) {
   const std::size_t colon = uri.find(':');
@@ -30,14 +41,23 @@ std::vector<live::Recording> open_recordings(const live::RigConfig& rig) {
   return recordings;
 }
 
+void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye) {
+  std::vector<live::CameraConfig> used;
+  for (live::CameraConfig& camera : rig.cameras) {
+    if (used.empty() || (keep_fisheye && camera.name == live::kFisheye))
+      used.push_back(std::move(camera));
+    else
+      log_info("session", "camera \"" + camera.name + "\" is not used");
+  }
+  rig.cameras = std::move(used);
+}
+
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
-  // No pose source of a scene uses the fisheye. One that does not follow the head watches it: a
-  // head that turns then ends the run.
+  // A pose that does not follow the head watches it: a head that turns then ends the run.
   const bool head = scene.pose_source != scene::PoseSource::kRecorded &&
-                    scene.pose_source != scene::PoseSource::kMocap;
-  for (std::size_t i = 1; i < rig.cameras.size(); ++i)
-    log_info("session", "camera \"" + rig.cameras[i].name + "\" is not used by the scene");
-  if (rig.cameras.size() > 1) rig.cameras.erase(rig.cameras.begin() + 1, rig.cameras.end());
+                    scene.pose_source != scene::PoseSource::kMocap &&
+                    (scene.pose_source != scene::PoseSource::kTracker || needs_head(scene));
+  leave_out_cameras(rig, scene.pose_source == scene::PoseSource::kTracker);
   if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
   if (!head) rig.pan_tilt_uri.clear();
   return without_idle_trigger(std::move(rig));
@@ -60,10 +80,15 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
                                                          Clock& clock) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
-  if (scene.pose_source == scene::PoseSource::kPanTilt && rig.pan_tilt_uri.empty())
-    return Error{ErrorCode::kFormat, scene.path.string() + ": camera.pose: \"pan_tilt\", but " +
+  if (needs_head(scene) && rig.pan_tilt_uri.empty())
+    return Error{ErrorCode::kFormat,
+                 scene.path.string() + ": camera.pose: \"" + scene::name(scene.pose_source) +
+                     "\", but " + rig_toml.string() + " has no head: add [pan_tilt] with its uri"};
+  if (scene.pose_source == scene::PoseSource::kTracker && live::fisheye_index(rig) == 0)
+    return Error{ErrorCode::kFormat, scene.path.string() + ": camera.pose: \"tracker\", but " +
                                          rig_toml.string() +
-                                         " has no head: add [pan_tilt] with its uri"};
+                                         " has no fisheye: add a further [[camera]] with name = "
+                                         "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock);

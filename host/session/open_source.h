@@ -25,16 +25,20 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
 /// holds the error.
 std::vector<live::Recording> open_recordings(const live::RigConfig& rig);
 
-/// The part of a rig that a scene uses: the first camera, the depth camera, the head unless the
-/// pose comes from elsewhere (a fixed pose watches it), and the trigger if it fires one of the
-/// cameras. Other cameras are not opened.
+/// All but the first camera and, where wanted, the one named "fisheye".
+void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
+
+/// The part of a rig that a scene uses: the first camera, the fisheye of pose = "tracker", the
+/// depth camera, the head unless the pose comes from elsewhere (a fixed pose watches it), and the
+/// trigger if it fires one of the cameras. Other cameras are not opened.
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 
 /// `rig`, without its trigger where that fires none of its cameras.
 live::RigConfig without_idle_trigger(live::RigConfig rig);
 
 /// Opens the devices of rig.toml that the scene uses. `stop` and `clock` must outlive the source.
-/// Errors: those of rig.toml and of the devices; kUsage without a camera or a depth camera.
+/// Errors: those of rig.toml and of the devices; kUsage without a camera or a depth camera, kFormat
+/// without the head or the fisheye that the scene's pose needs.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
                                                          const scene::Scene& scene,
                                                          const std::atomic<bool>& stop,

@@ -68,7 +68,7 @@ nlohmann::json errors_of_path(std::span<const PosePair> pairs, bool free_scale) 
           {"rms_deg", root_mean_square(turn_deg)},
           {"rms_pct", extent_m > 0 ? 0.1 * rms_mm / extent_m : 0},
           {"drift_mm_per_1000", 1000 * slope_by_number(shift_mm)},
-          {"scale", on_truth->scale}};
+          {"metres_per_unit", on_truth->scale}};
 }
 
 }  // namespace mixrig::session

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <future>
+#include <iterator>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,9 +16,11 @@
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
+#include "host/calibration_file/depth_sigma.h"
 #include "host/capture/calibrated_source.h"
 #include "host/capture/unwrapped_source.h"
 #include "host/image_io/image_io.h"
+#include "host/measure/percentile.h"
 #include "host/model/room_file.h"
 #include "host/report/picture.h"
 #include "host/scene/glb_writer.h"
@@ -68,14 +71,68 @@ Result<measure::RoomFrame> true_frame(const fs::path& path) {
   }
 }
 
-/// The unit that the calibration has, none where no calibration was given: then frames need poses.
-Result<std::optional<calibration_file::PanTilt>> unit_of(const fs::path& calibration) {
-  if (calibration.empty()) return std::optional<calibration_file::PanTilt>();
-  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(calibration));
+/// The calibration with its unit, none where no file was given: then frames need poses.
+Result<std::optional<calibration_file::Calibration>> known_rig(const fs::path& calibration) {
+  if (calibration.empty()) return std::optional<calibration_file::Calibration>();
+  MIXRIG_ASSIGN(auto known, calibration_file::read_calibration(calibration));
   if (!known.pan_tilt)
     return Error{ErrorCode::kFormat,
                  "'" + calibration.string() + "' has no pan-tilt unit: run mixrig calibrate ptu"};
-  return known.pan_tilt;
+  return std::optional(std::move(known));
+}
+
+DepthReach depth_reach(const calibration_file::DepthError& error, const model::Panorama& p) {
+  constexpr double kAlike_m = 0.1;  // the error hardly changes over it; the camera is as far off
+  DepthReach reach{error.knots_m.back(), 0};
+  const model::Directions directions(p.size());
+  double known = 0, beyond = 0;
+  for (int y = 0; y < p.size().height; ++y)
+    for (int x = 0; x < p.size().width; ++x) {
+      const float distance_m = p.distance_m.row(y)[x];
+      if (distance_m <= 0) continue;
+      known += directions.across(y);
+      if (distance_m > reach.far_m + kAlike_m) beyond += directions.across(y);
+    }
+  reach.beyond_pct = known > 0 ? 100 * beyond / known : 0;
+  return reach;
+}
+
+/// Distances of the pixels of another size. Inverse distances are interpolated: on a plane they are
+/// linear in the ray, and nearly so in the angles of a pixel.
+Image<float> at_size(const Image<float>& distance_m, Size size) {
+  const Size from = distance_m.size();
+  Image<float> out(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const double u = (x + 0.5) * from.width / size.width - 0.5;
+      const double v =
+          std::clamp((y + 0.5) * from.height / size.height - 0.5, 0.0, from.height - 1.001);
+      const int left = static_cast<int>(std::floor(u)), top = static_cast<int>(v);
+      const double right = u - left, down = v - top;
+      const auto at = [&](int dx, int dy) {
+        return distance_m.row(top + dy)[(left + dx + from.width) % from.width];
+      };
+      const auto [low, high] = std::minmax({at(0, 0), at(1, 0), at(0, 1), at(1, 1)});
+      const float nearest = at(right > 0.5 ? 1 : 0, down > 0.5 ? 1 : 0);
+      const bool edge = low <= 0 || model::is_depth_step(low, high);
+      const auto row = [&](int dy) { return (1 - right) / at(0, dy) + right / at(1, dy); };
+      out.row(y)[x] =
+          edge ? nearest : static_cast<float>(1 / ((1 - down) * row(0) + down * row(1)));
+    }
+  return out;
+}
+
+/// Of what the calibration's depth error leaves unknown, at the median distance.
+Result<double> distance_sigma(const model::Panorama& panorama, const fs::path& calibration) {
+  if (calibration.empty()) return 0.0;
+  MIXRIG_ASSIGN(const auto known, calibration_file::read_calibration(calibration));
+  std::vector<float> distances_m;
+  for (int y = 0; y < panorama.size().height; ++y)
+    std::copy_if(panorama.distance_m.row(y), panorama.distance_m.row(y) + panorama.size().width,
+                 std::back_inserter(distances_m), [](float d) { return d > 0; });
+  if (!known.depth_error || distances_m.empty()) return 0.0;
+  const double median_m = measure::quantile(std::move(distances_m), 0.5);
+  return calibration_file::depth_sigma_m(*known.depth_error, median_m) / median_m;
 }
 
 }  // namespace
@@ -83,18 +140,19 @@ Result<std::optional<calibration_file::PanTilt>> unit_of(const fs::path& calibra
 Result<JudgedRoom> judge_room(const model::Panorama& panorama, const fs::path& take) {
   MIXRIG_ASSIGN(const measure::RoomFrame frame, true_frame(take / "truth/rig.json"));
   MIXRIG_ASSIGN(const auto truth, image_io::read_exr(take / "truth/room.exr"));
-  if (truth.empty() || truth[0].pixels.size() != panorama.size())
-    return Error{ErrorCode::kData,
-                 "'" + (take / "truth/room.exr").string() +
-                     "' has another size than the panorama: scan with its height"};
-  const auto model_m = panorama.distance_m.view(), true_m = truth[0].pixels.view();
+  if (truth.empty())
+    return Error{ErrorCode::kData, "'" + (take / "truth/room.exr").string() + "' has no picture"};
+  const bool same = truth[0].pixels.size() == panorama.size();
+  const Image<float> resized = same ? Image<float>() : at_size(truth[0].pixels, panorama.size());
+  const auto model_m = panorama.distance_m.view();
+  const auto true_m = (same ? truth[0].pixels : resized).view();
   return JudgedRoom{measure::room_errors(model_m, true_m, frame, kLengths),
                     measure::off_surface_mm(model_m, true_m)};
 }
 
 Result<RoomScan> scan_room(const RoomScanOptions& options) {
   MIXRIG_ASSIGN(auto recorded, take::open_take_source(options.take));
-  MIXRIG_ASSIGN(const auto unit, unit_of(options.calibration));
+  MIXRIG_ASSIGN(const auto known, known_rig(options.calibration));
   const fs::path calibration =
       options.calibration.empty() ? recorded->info().calibration : options.calibration;
   MIXRIG_ASSIGN(auto calibrated, capture::with_calibration(std::move(recorded), calibration));
@@ -105,7 +163,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
                             "the lens as cameras.target says: it must have stood there");
   const Stopwatch reading;
   Crew crew(options.threads);
-  MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, unit ? &*unit : nullptr, crew));
+  MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, known ? &*known->pan_tilt : nullptr, crew));
   const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;
   scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;
@@ -118,12 +176,15 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
       model::turn(scan.alignment.views[i].turn_rad, sweep.views[i]);
   scan.align_seconds = modelling.seconds();
   scan.panorama = model::make_panorama(sweep.views, tof, target, options.panorama, crew);
-  scan.findings = model::find_faults(sweep.views, scan.alignment, scan.panorama);
+  scan.findings =
+      model::find_faults({sweep.views, target, scan.alignment, scan.panorama, options.field_deg});
+  if (known && known->depth_error)
+    scan.depth_reach = depth_reach(*known->depth_error, scan.panorama);
   scan.model_seconds = modelling.seconds();
   const Stopwatch meshing;
   const model::RoomMesh grid = model::grid_mesh(scan.panorama);
   scan.triangles_raw = grid.indices.size() / 3;
-  scan.tolerance_m = model::mesh_tolerance_m(scan.panorama);
+  scan.tolerance_m = options.mesh_tolerance_m.value_or(model::mesh_tolerance_m(scan.panorama));
   scan.mesh = model::simplified(grid, scan.panorama.size(), scan.tolerance_m, crew);
   scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
@@ -161,6 +222,7 @@ Result<void> save_room(const RoomScan& scan, const fs::path& calibration, const 
   manifest.calibration_hash = calibration.empty() ? "" : hash.text();
   manifest.vignetting = scan.panorama.gains.vignetting;
   manifest.world_from_base = scan.world_from_base;
+  MIXRIG_ASSIGN(manifest.distance_sigma, distance_sigma(scan.panorama, calibration));
   // The large picture is encoded twice, beside itself: it is in the model, too.
   std::future<Result<void>> mesh = std::async(std::launch::async, [&] {
     return write_mesh(scan.mesh, scan.panorama.color, partial.path() / "room.glb");

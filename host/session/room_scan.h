@@ -23,16 +23,26 @@ struct RoomScanOptions {
   std::filesystem::path take;
   /// Cameras, depth error and the pan-tilt unit; empty: those of the take, whose frames have poses.
   std::filesystem::path calibration;
-  bool evaluate = false;  ///< against the room that the take holds as truth
-  bool align = true;      ///< turn views that do not agree with their neighbours
+  bool evaluate = false;            ///< against the room that the take holds as truth
+  bool align = true;                ///< turn views that do not agree with their neighbours
+  std::optional<Size> field_deg{};  ///< that the sweep was to cover, pan x tilt around ahead
   model::PanoramaOptions panorama;
-  int threads = 0;  ///< 0: one per core
+  std::optional<double> mesh_tolerance_m{};  ///< in place of model::mesh_tolerance_m
+  int threads = 0;                           ///< 0: one per core
+};
+
+/// How far away the boards of the depth camera's calibration were, and how much of the room is
+/// farther: its depth error there is that of the farthest board.
+struct DepthReach {
+  double far_m = 0;
+  double beyond_pct = 0;  ///< of the known solid angle
 };
 
 struct RoomScan {
   model::Panorama panorama;
   model::Alignment alignment;  ///< how well the views agree, as the unit or the poses say
   std::vector<model::Finding> findings;
+  std::optional<DepthReach> depth_reach;  ///< where the calibration has a depth error
   model::RoomMesh mesh;
   std::size_t triangles_raw = 0;  ///< of the grid; the mesh has fewer
   double tolerance_m = 0;         ///< of the mesh
@@ -52,8 +62,9 @@ struct JudgedRoom {
   Image<float> off_mm;  ///< measure::off_surface_mm
 };
 
-/// Against the truth that a studio's take of a sweep holds. Errors: kNotFound without truth, kData
-/// where it has another size, those of reading it.
+/// Against the truth that a studio's take of a sweep holds; where the panorama has another size,
+/// the truth is interpolated between its pixels, but not across depth steps. Errors: kNotFound
+/// without truth, those of reading it.
 Result<JudgedRoom> judge_room(const model::Panorama& panorama, const std::filesystem::path& take);
 
 /// Frames of equal angles in sequence are one view; without a calibration each frame is one, at its

@@ -19,6 +19,8 @@
 namespace mixrig::session {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Errors of the pictures that have a pose and truth.
 struct PathErrors {
   std::vector<double> shift_mm, turn_deg, nees, number;
@@ -128,7 +130,9 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
   const geometry::Pose world_from_base = place.value_or(geometry::Pose{});
   Crew crew(options.threads);
-  tracking::Tracker tracker(room.panorama, camera.model, options.tracker, crew);
+  tracking::TrackerOptions tracking = options.tracker;
+  tracking.distance_sigma = room.manifest.distance_sigma;
+  tracking::Tracker tracker(room.panorama, camera.model, tracking, crew);
   RoomTrack track;
   track.world_known = place.has_value();
   capture::Capture capture;

@@ -152,7 +152,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (options_.baselines) MIXRIG_TRY(open_baselines());
   keeper_.emplace(session_, live());
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
-  if (options_.watch_room) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
+  if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
   report_.backend = backend_of(compositor_->whole());
   report_.renderer = compositor_->whole().renderer();
   report_.size = session_.setup.view.size_px;

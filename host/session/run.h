@@ -25,7 +25,8 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
   bool baselines = false;                   ///< judge plain composites beside it
-  bool watch_room = true;                   ///< for changes, where the background can be watched
+  /// For changes, where the background can be watched; absent: in live runs.
+  std::optional<bool> watch_room;
   ChangeOptions changes;                    ///< which of them become background
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`

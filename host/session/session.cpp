@@ -68,6 +68,7 @@ void add_objects(Session& session) {
 void add_set(Session& session) {
   render::CompositorSetup& setup = session.setup;
   setup.open_walls = session.scene.background.open_walls;
+  setup.people_cast_shadows = session.scene.light.people_cast;
   if (!session.scene.set) return;
   const Image<Rgb8>& picture = session.scene.set->picture;
   if (!picture.empty()) session.backdrop = image_io::scaled_to_fill(picture, setup.view.size_px);
@@ -89,6 +90,7 @@ void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = scene.key.color;
+  setup.key.refine = scene.key.refine;
   if (const auto& volume = scene.capture_volume)
     setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),
                          static_cast<float>(volume->floor_tolerance_m)};

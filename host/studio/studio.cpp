@@ -27,6 +27,10 @@ Result<void> check_place(const StudioOptions& o) {
                  fmt::format("studio: the camera and what it looks at must be in the room of "
                              "{} x {} x {} m, 5 cm off its walls",
                              kRoomX_m, kRoomY_m, kRoomZ_m)};
+  if (const auto& at_m = o.object_m;
+      at_m && !(at_m->minCoeff() > 0.4 && at_m->x() < kRoomX_m - 0.4 && at_m->y() < kRoomY_m - 0.4))
+    return Error{ErrorCode::kUsage,
+                 "studio: the object must stand in the room, 0.4 m off its walls"};
   const Layout layout = make_layout(o);
   const Eigen::Vector3d ahead = layout.look_at_m - layout.eye_m;
   if (ahead.cross(Eigen::Vector3d::UnitZ()).norm() < 0.05)
@@ -70,6 +74,8 @@ Result<void> check(const StudioOptions& o) {
     return wrong(fmt::format("the zoom must be 1 to 8 times, not {}", o.zoom));
   if (o.zoom > 1 && o.scenario == Scenario::kSweep)
     return wrong("a sweep has a fixed lens: leave out the zoom");
+  if (o.window && o.realism.mirror)
+    return wrong("window and mirror have one place: drop one of the two");
   MIXRIG_TRY(check_place(o));
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
@@ -222,7 +228,8 @@ double Studio::State::people_time_s(double time_s) const {
   const double frame_s = frame / kFrameRate_hz;
   const Eigen::Vector3d right =
       camera_at(layout, options, frame_s).world_from_target.rotation * Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d ahead = (stop % 2 == 1 ? 1 : -1) * Eigen::Vector3d::UnitZ().cross(right);
+  const bool crosses = stop % 2 == 1 || options.sweep.crossing_all;
+  const Eigen::Vector3d ahead = (crosses ? 1 : -1) * Eigen::Vector3d::UnitZ().cross(right);
   return cast.first().time_towards(ahead.x(), ahead.y()) +
          kCross_s * (frame % per_view - 0.5 * (per_view - 1)) + time_s - frame_s;
 }

@@ -48,11 +48,12 @@ Result<RigPreset> parse_rig(std::string_view text);
 /// take; people move on in it. Without views the head stands and turns as Studio::turn_head says.
 struct Sweep {
   std::vector<HeadAngles> views;
-  int frames_per_view = 4;  ///< StudioOptions::frames is views times this
-  bool people = false;      ///< from the second view on; otherwise nobody is in the room
-  bool crossing = false;    ///< people: the first walks around the head and crosses the middle of
-                            ///< every second view, 0.7 s from one of its frames to the next
-  HeadMotion moved{};       ///< where there are no views, at the time `moved_s`
+  int frames_per_view = 4;    ///< StudioOptions::frames is views times this
+  bool people = false;        ///< from the second view on; otherwise nobody is in the room
+  bool crossing = false;      ///< people: the first walks around the head and crosses the middle of
+                              ///< every second view, 0.7 s from one of its frames to the next
+  bool crossing_all = false;  ///< crossing: of every view
+  HeadMotion moved{};         ///< where there are no views, at the time `moved_s`
   double moved_s = 0;
 };
 
@@ -76,9 +77,12 @@ struct StudioOptions {
   bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
   int people = 1;            ///< 1..3
   bool props = false;        ///< the first person carries a stick, a black bag, a chrome ball
-  Sweep sweep;               ///< of scenario sweep
+  bool window = false;  ///< a pane of dark glass, without depth, in place of the middle picture
+  Sweep sweep;          ///< of scenario sweep
   std::optional<Eigen::Vector3d> eye_m, look_at_m;  ///< of the camera at rest, in place of the
                                                     ///< scenario's; world
+  std::optional<Eigen::Vector2d> object_m;          ///< of the object on the floor, in place of the
+                                                    ///< scenario's; world x y
   double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
   Realism realism;        ///< all off: the plain look
   Day day;
@@ -251,6 +255,8 @@ class Studio {
 
   /// Renders picture `number` (1..info().fisheye_pictures), in any order with the frames.
   void render_fisheye(int number, FisheyePicture& out);
+  /// The frame that it belongs to, without rendering it: FisheyePicture::frame.
+  int fisheye_frame(int number) const;
 
   /// Scenario sweep without views: the head at mid-exposure of the frames that are rendered from
   /// now on. It turns at its rate while each is exposed.

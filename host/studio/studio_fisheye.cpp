@@ -43,11 +43,15 @@ void Studio::State::expose_fisheye(double time_s, const FisheyeSample& sample) {
                     materials, lamps, light_now, crew, fisheye_light, fisheye_people);
 }
 
+int Studio::fisheye_frame(int number) const {
+  return nearest_frame(fisheye_time_s(state_->info, number));
+}
+
 void Studio::render_fisheye(int number, FisheyePicture& out) {
   State& s = *state_;
   out.number = number;
   out.time_s = fisheye_time_s(s.info, number);
-  out.frame = nearest_frame(out.time_s);
+  out.frame = fisheye_frame(number);
   s.options.sweep.moved_s = out.time_s;
   s.set_time(out.time_s);
   out.world_from_fisheye = camera_at(s.layout, s.options, out.time_s).world_from_target *

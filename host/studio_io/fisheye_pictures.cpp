@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host/capture/fisheye.h"
+
 namespace mixrig::studio_io {
 
 void FisheyePictures::add_to(studio::Studio& studio, capture::Capture& capture) {
@@ -18,8 +20,7 @@ void FisheyePictures::add_to(studio::Studio& studio, capture::Capture& capture) 
     studio.render_fisheye(next_.number + 1, next_);
     rendered_ = true;
   }
-  capture::clear_fisheye(capture);
-  capture.set_status(Stream::kFisheye, StreamStatus::kMissing);
+  capture::lose_fisheye(capture);
   if (!rendered_ || next_.frame != capture.number) return;
   rendered_ = false;
   std::swap(capture.fisheye, next_.picture);

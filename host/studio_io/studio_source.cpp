@@ -2,10 +2,12 @@
 #include "host/studio_io/studio_source.h"
 
 #include <charconv>
+#include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
+#include "host/capture/fisheye.h"
 #include "host/studio/studio.h"
 #include "host/studio_io/studio_take.h"
 
@@ -46,6 +48,8 @@ class StudioSource final : public capture::CaptureSource {
         head_(studio_),
         head_moves_(head_moves) {
     info_.has_truth = !head_moves;
+    info_.fisheye_rate_hz = studio_.info().fisheye_rate_hz;
+    if (info_.fisheye_rate_hz > 0) info_.fisheye_px = studio_.info().fisheye.optics.size_px;
   }
 
   capture::RenderedHead* head() override { return head_moves_ ? &head_ : nullptr; }
@@ -55,6 +59,7 @@ class StudioSource final : public capture::CaptureSource {
     studio_.render(number, frame_, head_moves_ ? nullptr : &truth_);
     swap_into(frame_, capture);
     capture.cameras = cameras_;
+    add_fisheye(capture);
     return true;
   }
   Result<void> read_truth(int, capture::Truth& truth) override {
@@ -63,14 +68,37 @@ class StudioSource final : public capture::CaptureSource {
   }
 
  private:
+  void add_fisheye(capture::Capture& capture);
+
   studio::Studio studio_;
   capture::SourceInfo info_;
   std::shared_ptr<const capture::RigCameras> cameras_;
   studio::Frame frame_;
   studio::Truth truth_;
+  studio::FisheyePicture fisheye_;  ///< the last one that was rendered; number 0: none
   StudioHead head_;
   const bool head_moves_;
 };
+
+/// The newest picture whose frame is not after the capture's.
+void StudioSource::add_fisheye(capture::Capture& capture) {
+  const int pictures = studio_.info().fisheye_pictures;
+  if (pictures == 0) return;
+  int number = fisheye_.number;
+  while (number < pictures && studio_.fisheye_frame(number + 1) <= capture.number) ++number;
+  while (number > 0 && studio_.fisheye_frame(number) > capture.number) --number;
+  if (number == 0) return capture::lose_fisheye(capture);
+  if (number != fisheye_.number) studio_.render_fisheye(number, fisheye_);
+  const HostTime at{Duration(std::llround(fisheye_.time_s * 1e9))};
+  const capture::StreamStatus status =
+      capture::fisheye_status(fisheye_.frame == capture.number, capture.mid_exposure, at,
+                              capture::fisheye_hold(info_.fisheye_rate_hz));
+  if (status == capture::StreamStatus::kMissing) return capture::lose_fisheye(capture);
+  capture.set_status(capture::Stream::kFisheye, status);
+  capture.fisheye = fisheye_.picture;
+  capture.fisheye_mid_exposure = at;
+  capture.fisheye_counter = static_cast<std::uint64_t>(number);
+}
 
 std::vector<std::string> split(const std::string& words) {
   std::vector<std::string> out(1);
@@ -94,12 +122,23 @@ Result<void> read_number(const std::string& word, const char* what, Int& value) 
                "--source studio: " + std::string(what) + " \"" + word + "\" is not a whole number"};
 }
 
+/// WxH in place of `size`, which stays where `word` is empty.
+Result<void> read_size(const std::string& word, Size& size) {
+  if (word.empty()) return {};
+  const std::size_t x = word.find('x');
+  if (x == std::string::npos)
+    return Error{ErrorCode::kUsage, "--source studio: size \"" + word + "\": give WxH"};
+  MIXRIG_TRY(read_number(word.substr(0, x), "width", size.width));
+  return read_number(word.substr(x + 1), "height", size.height);
+}
+
 Result<studio::StudioOptions> options_of(const std::string& words) {
   std::vector<std::string> word = split(words);
-  if (word.size() > 5)
-    return Error{ErrorCode::kUsage,
-                 "--source studio:" + words + ": give at most SCENARIO,SEED,RIG,FRAMES,WxH"};
-  word.resize(5);
+  if (word.size() > 6)
+    return Error{ErrorCode::kUsage, "--source studio:" + words +
+                                        ": give at most SCENARIO,SEED,RIG,FRAMES,WxH and the "
+                                        "fisheye's WxH"};
+  word.resize(6);
   studio::StudioOptions options;
   if (!word[0].empty()) {
     MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(word[0]));
@@ -110,12 +149,12 @@ Result<studio::StudioOptions> options_of(const std::string& words) {
   }
   if (options.scenario == studio::Scenario::kSweep) options.frames = kLongest;
   MIXRIG_TRY(read_number(word[3], "number of frames", options.frames));
-  if (const std::size_t x = word[4].find('x'); !word[4].empty()) {
-    if (x == std::string::npos)
-      return Error{ErrorCode::kUsage, "--source studio: size \"" + word[4] + "\": give WxH"};
-    MIXRIG_TRY(read_number(word[4].substr(0, x), "width", options.size_px.width));
-    MIXRIG_TRY(read_number(word[4].substr(x + 1), "height", options.size_px.height));
-  }
+  MIXRIG_TRY(read_size(word[4], options.size_px));
+  MIXRIG_TRY(read_size(word[5], options.fisheye_px));
+  options.fisheye = !word[5].empty();
+  if (options.fisheye && options.scenario == studio::Scenario::kSweep)
+    return Error{ErrorCode::kUsage,
+                 "--source studio:" + words + ": a sweep whose head is moved has no fisheye"};
   return options;
 }
 

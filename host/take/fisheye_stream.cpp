@@ -2,12 +2,12 @@
 #include "host/take/fisheye_stream.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
+#include "host/capture/fisheye.h"
 #include "host/config/table.h"
 #include "host/take/stored_stream.h"
 
@@ -15,14 +15,11 @@ namespace mixrig::take {
 namespace {
 
 constexpr std::size_t kMaxTableBytes = std::size_t{64} << 20;
-constexpr double kRepeatedPeriods = 1.5;
 
-/// Of the stream, by its rate or by its stamps; 0 where neither tells.
-double period_s(const StreamInfo& stream, const std::vector<FisheyeStamp>& stamps) {
-  if (stream.rate_hz > 0) return 1 / stream.rate_hz;
-  if (stamps.size() < 2) return 0;
-  return seconds(stamps.back().mid_exposure - stamps.front().mid_exposure) /
-         static_cast<double>(stamps.size() - 1);
+double rate_of(const StreamInfo& stream, const std::vector<FisheyeStamp>& stamps) {
+  if (stream.rate_hz > 0 || stamps.size() < 2) return stream.rate_hz;
+  return static_cast<double>(stamps.size() - 1) /
+         seconds(stamps.back().mid_exposure - stamps.front().mid_exposure);
 }
 
 }  // namespace
@@ -36,8 +33,8 @@ FisheyeStream::FisheyeStream(const StreamInfo& stream, std::unique_ptr<PictureSt
                                     "partner is left out",
                                     take, count, stamps_.size()));
   stamps_.resize(std::min(stamps_.size(), count));
-  const double age_s = std::min(kRepeatedPeriods * period_s(stream, stamps_), 1e6);
-  longest_age_ = Duration(std::llround(age_s * 1e9));
+  rate_hz_ = rate_of(stream, stamps_);
+  hold_ = capture::fisheye_hold(rate_hz_);
 }
 
 Result<void> FisheyeStream::load(int picture) {
@@ -64,16 +61,11 @@ Result<void> FisheyeStream::read(capture::Capture& capture) {
   StreamStatus status = StreamStatus::kMissing;
   if (after != stamps_.begin()) {
     const FisheyeStamp& stamp = *std::prev(after);
-    if (stamp.frame == capture.number)
-      status = StreamStatus::kFresh;
-    else if (capture.mid_exposure - stamp.mid_exposure <= longest_age_)
-      status = StreamStatus::kRepeated;
+    status = capture::fisheye_status(stamp.frame == capture.number, capture.mid_exposure,
+                                     stamp.mid_exposure, hold_);
   }
+  if (status == StreamStatus::kMissing) return capture::lose_fisheye(capture), Result<void>();
   capture.set_status(Stream::kFisheye, status);
-  if (status == StreamStatus::kMissing) {
-    capture::clear_fisheye(capture);
-    return {};
-  }
   const auto picture = static_cast<int>(std::prev(after) - stamps_.begin());
   MIXRIG_TRY(load(picture));
   if (capture.fisheye.size() != size_) capture.fisheye.reset(size_);

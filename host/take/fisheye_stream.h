@@ -14,6 +14,7 @@
 namespace mixrig::take {
 
 inline constexpr const char* kFisheyeTable = "fisheye.csv";
+inline constexpr const char* kFisheyeHeader = "picture,frame,counter,mid_exposure_ns\n";
 
 /// A row of fisheye.csv. Row k (from 0) is that of picture k of the stream.
 struct FisheyeStamp {
@@ -37,18 +38,20 @@ class FisheyeStream {
                 std::vector<FisheyeStamp> stamps, const std::string& take);
 
   /// Sets picture, stamp, counter and status of the fisheye of capture `capture.number`, whose
-  /// mid-exposure is set. kFresh in the frame of the picture's row; kRepeated after it, while the
-  /// plate's mid-exposure is at most 1.5 periods of the stream after the picture's (of a stream
-  /// without rate: of its mean period); else kMissing. Errors: those of the stream; kData for a
-  /// picture of another size than the first one that was read.
+  /// mid-exposure is set, by capture::fisheye_status(): fresh in the frame of the picture's row.
+  /// Errors: those of the stream; kData for a picture of another size than the first one that was
+  /// read.
   Result<void> read(capture::Capture& capture);
+  /// As the stream says, else by its stamps; 0 where neither tells.
+  double rate_hz() const { return rate_hz_; }
 
  private:
   Result<void> load(int picture);
 
   std::unique_ptr<PictureStream> pictures_;
   std::vector<FisheyeStamp> stamps_;
-  Duration longest_age_{};
+  double rate_hz_ = 0;
+  Duration hold_{};
   Image<Rgb8> picture_;
   Size size_{};
   int loaded_ = -1;  ///< index of `picture_`

@@ -26,6 +26,11 @@ Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::s
   return ticks;
 }
 
+std::string tick_row(int frame, std::string_view stream, const FrameTick& tick) {
+  return fmt::format("{},{},{},0,{},0.0\n", frame, stream, tick.tick,
+                     tick.mid_exposure.time_since_epoch().count());
+}
+
 Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view text,
                                                             const std::string& name) {
   std::map<int, device::PanTiltAngles> angles;

@@ -25,6 +25,11 @@ struct FrameTick {
 /// ticks.csv: tick and mid-exposure of the plate of each frame, by frame number. A frame's first
 /// row is its plate's. Pure. Errors: kFormat (name:line: ...).
 Result<std::map<int, FrameTick>> parse_ticks(std::string_view text, const std::string& name);
+inline constexpr const char* kTicksTable = "ticks.csv";
+inline constexpr const char* kTicksHeader =
+    "frame,stream,tick,counter,mid_exposure_ns,residual_us\n";
+/// Of a frame whose counter and residual are not known.
+std::string tick_row(int frame, std::string_view stream, const FrameTick& tick);
 /// pan_tilt.csv: angles of the head by frame number. Pure. Errors: kFormat (name:line: ...).
 Result<std::map<int, device::PanTiltAngles>> parse_pan_tilt(std::string_view text,
                                                             const std::string& name);

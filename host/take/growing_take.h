@@ -10,9 +10,11 @@
 
 namespace mixrig::take {
 
-/// Numbered PNG pictures and pan_tilt.csv. The manifest, which counts the frames, is replaced last:
-/// whatever ends the process, the folder is the take as it was after the last append(). Before the
-/// first one it is not a take. Not thread-safe.
+/// Numbered PNG pictures, pan_tilt.csv and, where frames have a fisheye's picture, its stream with
+/// fisheye.csv and the frames' times in ticks.csv; times of a take that is continued go on a second
+/// after its last frame. The manifest, which counts the frames, is replaced last: whatever ends the
+/// process, the folder is the take as it was after the last append(). Before the first one it is
+/// not a take. Not thread-safe.
 class GrowingTake {
  public:
   /// Continues the take in `folder`, or begins one where there is no take.toml; `info` as for
@@ -24,8 +26,8 @@ class GrowingTake {
   ~GrowingTake();
 
   int frames() const;
-  /// All of them or none, all with the angles `at`. Errors: kIo; kData where amplitudes are missing
-  /// that other frames have.
+  /// All of them or none, all with the angles `at`; a fisheye's picture once, by the first frame
+  /// that has it. Errors: kIo; kData where amplitudes are missing that other frames have.
   Result<void> append(std::span<const capture::Capture> frames, device::PanTiltAngles at);
 
  private:

@@ -45,8 +45,8 @@ class TakeReader {
   ~TakeReader();
 
   const TakeInfo& info() const;
-  /// Reads frame `number` (1..frames), reusing the memory of `frame`. Its fisheye is the picture
-  /// that was fresh in it, or the last one again for 1.5 periods of that stream, else kMissing.
+  /// Reads frame `number` (1..frames), reusing the memory of `frame`. Its fisheye is that of
+  /// capture::fisheye_status().
   /// Errors: kNotFound, kFormat, kData; the line names the file.
   Result<void> read(int number, capture::Capture& frame);
   /// Reads the truth of frame `number`. Errors as read; kNotFound where the take has none.
@@ -73,8 +73,8 @@ class TakeWriter {
   TakeWriter& operator=(TakeWriter&&) noexcept;
   ~TakeWriter();
 
-  /// The fisheye's picture only where its status is kFresh, with its own stamp; one
-  /// that is not later than the last is left out. What the lens's encoders say likewise.
+  /// The fisheye's picture only where its stamp is later than the last. What the lens's encoders
+  /// say likewise.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
   /// Folder to put further files in (scene.toml, models) before finish().

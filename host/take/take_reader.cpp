@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
+#include "host/capture/fisheye.h"
 #include "host/capture/pose_source.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
@@ -270,6 +271,7 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   MIXRIG_TRY(state->read_tables());
   if (state->info().fisheye) {
     MIXRIG_ASSIGN(state->fisheye, open_fisheye_stream(state->info()));
+    state->info().fisheye_rate_hz = state->fisheye->rate_hz();
   }
   state->take_times_from_ticks();
   TakeInfo& info = state->info();

@@ -112,11 +112,10 @@ Result<void> TakeWriter::State::write_text(const char* name, const std::string& 
   return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
 }
 
-/// The picture of a frame in which it is fresh.
+/// Each picture once, by the first frame that has it. A camera that started again may stamp one
+/// before its last: a reader refuses that.
 Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
-  if (frame.status_of(capture::Stream::kFisheye) != capture::StreamStatus::kFresh) return {};
-  // A camera that started again may stamp a picture before its last one: a reader refuses that.
-  if (frame.fisheye_mid_exposure <= last_fisheye) return {};
+  if (frame.fisheye.empty() || frame.fisheye_mid_exposure <= last_fisheye) return {};
   last_fisheye = frame.fisheye_mid_exposure;
   MIXRIG_TRY(fisheye.write(frame.fisheye.view()));
   fisheye_rows += fisheye_row(fisheye.info().count,
@@ -210,8 +209,7 @@ Result<void> TakeWriter::finish() {
   s.info.fisheye.reset();
   if (s.fisheye.info().count > 0) {
     s.info.fisheye = s.fisheye.info();
-    MIXRIG_TRY(
-        s.write_text(kFisheyeTable, "picture,frame,counter,mid_exposure_ns\n" + s.fisheye_rows));
+    MIXRIG_TRY(s.write_text(kFisheyeTable, kFisheyeHeader + s.fisheye_rows));
   }
   if (s.info.has_poses) MIXRIG_TRY(s.write_text("poses.txt", s.poses));
   if (!s.lens_rows.empty()) MIXRIG_TRY(s.write_text(kLensTable, kLensHeader + s.lens_rows));

@@ -18,6 +18,8 @@ void add_board_commands(Command app, Context& context) {
   add_calibrate_external_command(app, context);
   add_calibrate_vignetting_command(app, context);
   add_track_command(app, context);
+  add_lights_command(app, context);
+  add_place_command(app, context);
 }
 
 }  // namespace mixrig::tools

@@ -18,6 +18,7 @@
 #include "host/model/room_planes.h"
 #include "host/report/canvas.h"
 #include "host/session/room_scan.h"
+#include "host/tools/room_report.h"
 
 namespace mixrig::tools {
 namespace {
@@ -150,14 +151,6 @@ nlohmann::json spans_json(const std::vector<Span>& spans) {
   return list;
 }
 
-nlohmann::json errors_of(const measure::RoomErrors& errors) {
-  std::printf("  error: median %.1f mm, 95 %% within %.1f mm, %.2f %% over 20 mm\n", errors.p50_mm,
-              errors.p95_mm, errors.over_20mm_pct);
-  return {{"p50_mm", errors.p50_mm},
-          {"p95_mm", errors.p95_mm},
-          {"over_20mm_pct", errors.over_20mm_pct}};
-}
-
 /// Of a joined room: size, pose and its sigma, each.
 nlohmann::json joined_json(const std::vector<model::PlacedRoom>& rooms) {
   std::printf("%zu rooms joined\n", rooms.size());
@@ -217,7 +210,7 @@ Result<nlohmann::json> info_room(const InfoRoomOptions& options) {
   report["spans"] = spans_json(spans_of(model::find_planes(p)));
   if (!options.truth.empty()) {
     MIXRIG_ASSIGN(const session::JudgedRoom judged, session::judge_room(p, options.truth));
-    report["evaluate"] = errors_of(judged.errors);
+    report["evaluate"] = errors_json(judged.errors);
   }
   if (!options.picture.empty())
     MIXRIG_TRY(image_io::write_png(options.picture, plan_and_elevation(surfaces).view()));

@@ -13,7 +13,7 @@ namespace {
 
 struct LearnArguments {
   std::string take, out, calibration, camera = "fisheye";
-  int tracks = 700, threads = 0;
+  int tracks = 1500, threads = 0;
 };
 
 void print_learned(const nlohmann::json& report) {

@@ -18,7 +18,7 @@ struct RunArguments {
   SessionArguments session;
   std::string out, frames, format = "png";
   bool layers = false, inspect = false, baselines = false;
-  bool no_watch = false, accept_changes = false;
+  bool watch = false, no_watch = false, accept_changes = false;
   std::string save_room;
   double change_after_s = model::WatchOptions{}.appeared_s;
 };
@@ -36,7 +36,10 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
-  options.watch_room = !arguments.no_watch;
+  if (arguments.no_watch)
+    options.watch_room = false;
+  else if (arguments.watch || arguments.accept_changes || !arguments.save_room.empty())
+    options.watch_room = true;
   options.changes.watch = model::watch_options(arguments.change_after_s);
   options.changes.accept_all = arguments.accept_changes;
   options.changes.requests = &CountSignals::count();
@@ -85,6 +88,8 @@ void add_run_command(Command app, Context& context) {
                   "gone two thirds of it, a colour five thirds")
       .range(1.0, 600.0)
       .show_default();
+  command.add_flag("--watch", arguments->watch,
+                   "look for changes of the room in a recording, too; live runs do");
   command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });

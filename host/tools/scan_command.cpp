@@ -19,10 +19,10 @@
 #include "host/session/learn.h"
 #include "host/session/live_scan.h"
 #include "host/session/room_scan.h"
-#include "host/session/run_report.h"
 #include "host/take/take_source.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/room_report.h"
 #include "host/tools/scan_merge.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -32,9 +32,9 @@ namespace {
 struct ScanArguments {
   SessionArguments session;
   std::string take, frames, out;
-  std::string sweep, rig, field = "270x180";
+  std::string sweep, rig, field;
   double overlap = 0.1;
-  int view_frames = 4;
+  int view_frames = 4, most_views = 0, height_px = 720;
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
   bool no_gains = false;
   bool keep_sweep = false;
@@ -92,83 +92,6 @@ void print(const model::StaticBackground& background) {
     std::printf("no floor found\n");
 }
 
-nlohmann::json errors_json(const measure::RoomErrors& errors) {
-  nlohmann::json mean_mm, max_mm, count;
-  constexpr std::array<const char*, 3> kAxes{"width", "depth", "height"};
-  for (std::size_t i = 0; i < kAxes.size(); ++i) {
-    mean_mm[kAxes[i]] = errors.axes[i].mean_mm;
-    max_mm[kAxes[i]] = errors.axes[i].max_mm;
-    count[kAxes[i]] = errors.axes[i].count;
-    std::printf("%-6s %3d lengths: error mean %5.1f mm, largest %5.1f mm\n", kAxes[i],
-                errors.axes[i].count, errors.axes[i].mean_mm, errors.axes[i].max_mm);
-  }
-  std::printf("surface: median %.1f mm, 95 %% within %.1f mm, %.2f %% over 20 mm\n", errors.p50_mm,
-              errors.p95_mm, errors.over_20mm_pct);
-  return {{"mean_mm", mean_mm},      {"max_mm", max_mm},
-          {"lengths", count},        {"p50_mm", errors.p50_mm},
-          {"p95_mm", errors.p95_mm}, {"over_20mm_pct", errors.over_20mm_pct}};
-}
-
-/// How well views agree where they overlap, as the unit or the poses say.
-nlohmann::json agreement_json(const model::Alignment& a) {
-  std::printf("overlaps: median %.1f mm, 95 %% within %.1f mm, %d places\n", 1e3 * a.median_m,
-              1e3 * a.p95_m, a.samples);
-  return {{"median_mm", 1e3 * a.median_m}, {"p95_mm", 1e3 * a.p95_m}, {"places", a.samples}};
-}
-
-/// What the pictures of the views differed by, and what is left of it.
-nlohmann::json gains_json(const model::ViewGains& g) {
-  double most = 1;
-  for (const Eigen::Array3f& gain : g.gains)
-    most = std::max<double>(most, std::max(gain.maxCoeff(), 1 / gain.minCoeff()));
-  const double corner_pct = 100 * (1 - 1 / g.vignetting.factor(1));
-  if (!g.gains.empty())
-    std::printf(
-        "colours of overlapping views differed by %.1f %%, %.1f %% with gains (up to a factor of "
-        "%.2f) and a lens that darkens corners by %.0f %%\n",
-        g.before_pct, g.after_pct, most, corner_pct);
-  return {{"places", g.samples},
-          {"before_pct", g.before_pct},
-          {"after_pct", g.after_pct},
-          {"largest_factor", most},
-          {"corners_pct", corner_pct}};
-}
-
-/// Each fault in a line of its own, saturated views in one: most rooms have lamps.
-nlohmann::json findings_json(const std::vector<model::Finding>& findings) {
-  nlohmann::json list = nlohmann::json::array();
-  int saturated = 0;
-  double most_pct = 0;
-  for (const model::Finding& f : findings) {
-    if (f.kind == model::FindingKind::kSaturatedView)
-      ++saturated, most_pct = std::max(most_pct, f.value);
-    else
-      std::printf("%s\n", model::text_of(f).c_str());
-    list.push_back({{"kind", model::name(f.kind)},
-                    {"view", f.view},
-                    {"azimuth_deg", f.azimuth_deg},
-                    {"elevation_deg", f.elevation_deg},
-                    {"value", f.value}});
-  }
-  if (saturated > 0)
-    std::printf(
-        "%d views have saturated colour (lamps, windows), up to %.1f %% of a picture: a "
-        "shorter exposure would show what is bright\n",
-        saturated, most_pct);
-  return list;
-}
-
-nlohmann::json errors_json(const measure::MeshErrors& errors) {
-  std::printf(
-      "mesh: added error mean %.2f mm, 95 %% within %.2f mm, largest %.0f mm, %.2f %% not "
-      "covered\n",
-      errors.mean_mm, errors.p95_mm, errors.max_mm, errors.uncovered_pct);
-  return {{"mean_mm", errors.mean_mm},
-          {"p95_mm", errors.p95_mm},
-          {"max_mm", errors.max_mm},
-          {"uncovered_pct", errors.uncovered_pct}};
-}
-
 /// The room of a sweep that lies in a folder.
 Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::filesystem::path& take,
                                   const std::filesystem::path& calibration) {
@@ -178,35 +101,16 @@ Result<nlohmann::json> model_room(const ScanArguments& arguments, const std::fil
   options.panorama.smooth = !arguments.no_smooth;
   options.panorama.straighten = !arguments.no_planes;
   options.panorama.equalise = !arguments.no_gains;
+  options.panorama.height_px = arguments.height_px;
   options.threads = arguments.session.threads;
+  if (!arguments.field.empty()) {
+    MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
+  }
   MIXRIG_ASSIGN(const session::RoomScan room, session::scan_room(options));
+  const SystemClock clock;
+  const HostTime begin = clock.now();
   MIXRIG_TRY(session::save_room(room, options.calibration, arguments.out));
-  const model::Panorama& p = room.panorama;
-  std::printf("%d views, %d frames: %.2f %% of the field measured, %.2f %% known\n", room.views,
-              room.frames, 100 * p.measured_share, 100 * p.known_share);
-  const std::size_t triangles = room.mesh.indices.size() / 3;
-  std::printf("%zu triangles of %zu, to %.2f mm\n", triangles, room.triangles_raw,
-              1000 * room.tolerance_m);
-  std::printf("%.2f s to read and average, %.2f s for the panorama, %.2f s for the mesh\n",
-              room.read_seconds, room.model_seconds, room.mesh_seconds);
-  nlohmann::json report = {{"views", room.views},
-                           {"frames", room.frames},
-                           {"seconds", room.read_seconds + room.model_seconds + room.mesh_seconds},
-                           {"model_seconds", room.model_seconds},
-                           {"align_seconds", room.align_seconds},
-                           {"mesh_seconds", room.mesh_seconds},
-                           {"triangles_raw", room.triangles_raw},
-                           {"triangles", triangles},
-                           {"rss_mb", session::peak_rss_mb()},
-                           {"measured_pct", 100 * p.measured_share},
-                           {"fill_pct", 100 * p.known_share},
-                           {"planes", p.planes.size()},
-                           {"overlaps", agreement_json(room.alignment)},
-                           {"gains", gains_json(p.gains)},
-                           {"findings", findings_json(room.findings)}};
-  if (room.errors) report["evaluate"] = errors_json(*room.errors);
-  if (room.mesh_errors) report["evaluate"]["mesh"] = errors_json(*room.mesh_errors);
-  return report;
+  return room_report(room, seconds(clock.now() - begin));
 }
 
 Result<nlohmann::json> scan_sweep(const ScanArguments& arguments) {
@@ -219,7 +123,7 @@ void print_plan(const session::LiveScan& plan) {
   if (plan.resumed > 0) std::printf(", %d of them from an earlier run", plan.resumed);
   std::printf("\n");
   if (plan.covered_share < 1 - kWholeField)
-    std::printf("the limits of the unit leave out %.1f %% of the field\n",
+    std::printf("the limits of the unit or the number of views leave out %.1f %% of the field\n",
                 100 * (1 - plan.covered_share));
   std::fflush(stdout);
 }
@@ -229,7 +133,10 @@ Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   options.rig = arguments.rig, options.calibration = arguments.session.calibration;
   options.out = arguments.out, options.overlap = arguments.overlap;
   options.view_frames = arguments.view_frames;
-  MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
+  options.most_views = arguments.most_views;
+  if (!arguments.field.empty()) {
+    MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
+  }
   std::optional<Progress> bar;
   options.planned = [&](const session::LiveScan& plan) {
     print_plan(plan);
@@ -286,6 +193,10 @@ Result<nlohmann::json> scan_still(const ScanArguments& arguments) {
 }
 
 Result<nlohmann::json> scan(const ScanArguments& arguments) {
+  if (arguments.height_px % 2 != 0)
+    return Error{ErrorCode::kUsage,
+                 "--height must be even: a row for each elevation, twice as "
+                 "many columns"};
   const auto given = [](const std::string& option) { return option.empty() ? 0 : 1; };
   const bool merges = !arguments.merge.rooms.empty();
   if (given(arguments.rig) + given(arguments.sweep) + given(arguments.take) + (merges ? 1 : 0) != 1)
@@ -301,17 +212,28 @@ Result<nlohmann::json> scan(const ScanArguments& arguments) {
 }
 
 void add_scan_sweep_options(Command command, ScanArguments& arguments) {
-  command
-      .add_option("--field", arguments.field, "--rig: pan x tilt to cover, up to 360x180 degrees")
-      .show_default();
+  command.add_option("--field", arguments.field,
+                     "Pan x tilt to cover, up to 360x180 degrees, 270x180 if not given; --take: "
+                     "what the sweep was to cover, so that what it lacks is named");
   command
       .add_option("--overlap", arguments.overlap,
                   "--rig: share of a view that its neighbours see too")
       .show_default()
       .range(0.0, 0.9);
+  command
+      .add_option("--views", arguments.most_views,
+                  "--rig: at most so many views, of a lower field where they do not cover it; 0: "
+                  "as many as it takes")
+      .show_default()
+      .range(0, 1000);
   command.add_option("--view-frames", arguments.view_frames, "--rig: frames of each view")
       .show_default()
       .range(1, 1000);
+  command
+      .add_option("--height", arguments.height_px,
+                  "Rows of the panorama of a sweep; it has twice as many columns")
+      .show_default()
+      .range(90, 1440);
   command.add_flag("--keep-sweep", arguments.keep_sweep,
                    "--rig: leave OUT.sweep, a take for scan --take, beside the room");
 }

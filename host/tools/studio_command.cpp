@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/angles.h"
 #include "host/model/sweep_plan.h"
 #include "host/studio/rig.h"
 #include "host/studio_io/board_set.h"
@@ -21,8 +22,9 @@ namespace {
 struct StudioArguments {
   std::string out, scenario = "walk", rig = "kinect2", size = "1280x1024", format = "png";
   std::string board = "checkerboard", squares = "10x7";
-  int seed = 1, frames = 60, threads = 0, views = 20;
+  int seed = 1, frames = 60, threads = 0, views = 0;
   bool raw_depth = false, pan_tilt = false, clear_floor = false;
+  double far_m = 2.4;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
   std::optional<double> depth_error_mm, lens_error_px;
@@ -32,8 +34,9 @@ struct StudioArguments {
   std::string field = "270x180";
   double overlap = 0.1, most_tilt_deg = 90;
   int frames_per_view = 4;
-  bool sweep_people = false, sweep_crossing = false;
-  std::string eye, look_at;
+  bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
+  bool window = false;
+  std::string eye, look_at, object;
   std::optional<double> pan_deg;
   double zoom = 1;
   bool fisheye = false;
@@ -69,6 +72,15 @@ Result<std::optional<Eigen::Vector3d>> parse_place(const std::string& text,
   return std::optional(place);
 }
 
+/// "X,Y" in metres; nothing for an empty text.
+Result<std::optional<Eigen::Vector2d>> parse_floor_place(const std::string& text,
+                                                         const std::string& option) {
+  if (text.empty()) return std::optional<Eigen::Vector2d>();
+  auto place = parse_place(text + ",0", option);
+  if (!place) return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y in metres"};
+  return std::optional<Eigen::Vector2d>((*place)->head<2>());
+}
+
 /// The head's views of a sweep with the depth camera of the rig as designed.
 Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPreset rig) {
   constexpr double kMostPan_deg = 180;
@@ -79,15 +91,18 @@ Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPres
   task.camera_pan_rad = 2 * std::atan(0.5 * tof.size_px.width / tof.fx_px);
   task.camera_tilt_rad = 2 * std::atan(0.5 * tof.size_px.height / tof.fy_px);
   task.overlap = arguments.overlap;
+  task.most_views = arguments.views;
   task.most_pan_rad = kMostPan_deg * kDeg, task.most_tilt_rad = arguments.most_tilt_deg * kDeg;
   MIXRIG_ASSIGN(const model::SweepPlan plan, model::plan_sweep(task));
   studio::Sweep sweep;
   for (const model::HeadView& view : plan.views)
     sweep.views.push_back({view.pan_rad, view.tilt_rad});
   sweep.frames_per_view = arguments.frames_per_view;
-  sweep.people = arguments.sweep_people || arguments.sweep_crossing;
-  sweep.crossing = arguments.sweep_crossing;
-  std::printf("%zu views, %.1f %% of the field\n", plan.views.size(), 100 * plan.covered_share);
+  sweep.crossing = arguments.sweep_crossing || arguments.sweep_crossing_all;
+  sweep.crossing_all = arguments.sweep_crossing_all;
+  sweep.people = arguments.sweep_people || sweep.crossing;
+  std::printf("%zu views, %.0f degrees high, %.1f %% of the field\n", plan.views.size(),
+              plan.field_tilt_rad / kDeg, 100 * plan.covered_share);
   return sweep;
 }
 
@@ -105,9 +120,11 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.tolerance = arguments.tolerance;
   options.people = arguments.people;
   options.props = arguments.props;
+  options.window = arguments.window;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
+  MIXRIG_ASSIGN(options.object_m, parse_floor_place(arguments.object, "--object"));
   options.zoom = arguments.zoom;
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
@@ -128,7 +145,7 @@ Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) 
   MIXRIG_ASSIGN(const Size squares, parse_size(arguments.squares, "--squares"));
   if (arguments.seed < 0) return Error{ErrorCode::kUsage, "--seed must not be negative"};
   options.seed = static_cast<unsigned>(arguments.seed);
-  options.views = arguments.views;
+  if (arguments.views != 0) options.views = arguments.views;
   options.threads = arguments.threads;
   options.pan_tilt = arguments.pan_tilt;
   options.board.columns = squares.width, options.board.rows = squares.height;
@@ -136,6 +153,7 @@ Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) 
   options.board.marker_m =
       (arguments.marker_mm > 0 ? arguments.marker_mm : 0.75 * arguments.square_mm) / 1000;
   options.board.bend_m = arguments.bend_mm / 1000;
+  options.far_m = arguments.far_m;
   options.blur_px = arguments.blur_px;
   options.noise = arguments.noise;
   options.tolerance = arguments.tolerance;
@@ -185,12 +203,17 @@ void add_board_options(Command command, StudioArguments& arguments) {
   const auto option = [&](const char* name, auto& value, const char* what) {
     command.add_option(name, value, what).group(group).show_default();
   };
-  option("--views", arguments.views, "Number of views of the board; every fifth far off the axis");
+  command
+      .add_option("--views", arguments.views,
+                  "Number of views of the board, 20 if not given, every fifth far off the axis; "
+                  "scenario sweep: at most so many, of a lower field where they do not cover it")
+      .group(group);
   option("--board", arguments.board, "checkerboard charuco");
   option("--squares", arguments.squares, "Columns x rows of squares");
   option("--square", arguments.square_mm, "Side of a square, mm");
   option("--marker", arguments.marker_mm, "ChArUco: side of a marker, mm; 0: 3/4 of a square");
   option("--bend", arguments.bend_mm, "Height of the board's middle above its edges, mm");
+  option("--far", arguments.far_m, "Most distance of the board before the cameras, m");
   option("--blur", arguments.blur_px, "Sigma of every lens, px");
   option("--noise", arguments.noise, "Noise of every sensor, as a factor of its own");
   command
@@ -223,6 +246,8 @@ void add_sweep_options(Command command, StudioArguments& arguments) {
   command
       .add_flag("--crossing", arguments.sweep_crossing,
                 "A person crosses every second view, 0.7 s from one of its frames to the next")
+      .group(group);
+  command.add_flag("--crossing-all", arguments.sweep_crossing_all, "The same in every view")
       .group(group);
 }
 
@@ -264,6 +289,8 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");
   command.add_flag("--props", arguments->props,
                    "The first person carries a stick, a black bag and a chrome ball");
+  command.add_flag("--window", arguments->window,
+                   "A window by night in place of the middle picture: glass without depth");
   command.add_flag("--plain", arguments->plain,
                    "No imperfection but noise: the look before docs/studio.md's switches");
   const std::string switches = studio::names_of(studio::Realism::all());
@@ -272,6 +299,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
   command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
+  command.add_option("--object", arguments->object, "X,Y of the virtual object on the floor");
   command.add_option("--pan", arguments->pan_deg, "Scenario pan: degrees from side to side, or 24");
   command
       .add_option(

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "host/geometry/motion.h"
+
 namespace mixrig::tracking {
 namespace {
 
@@ -17,25 +19,6 @@ PatchMapOptions map_options(const geometry::AnyCamera& camera, const AlignOption
   PatchMapOptions options;
   options.finest_rad = kFinerThanPicture * (1 << align.finest) / geometry::parameters_of(camera)[0];
   return options;
-}
-
-/// The motion that takes `share` of the way from the identity to `pose`; past it above 1.
-geometry::Pose part_of(const geometry::Pose& pose, double share) {
-  const Eigen::AngleAxisd turn(pose.rotation);
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis())),
-          share * pose.translation_m};
-}
-
-TrackedPose known_pose(const PatchFit& fit) {
-  TrackedPose pose;
-  pose.known = true;
-  pose.room_from_camera = geometry::inverse(fit.camera_from_room);
-  const Eigen::Matrix3d turn = pose.room_from_camera.rotation.toRotationMatrix();
-  Eigen::Matrix<double, 6, 6> turns = Eigen::Matrix<double, 6, 6>::Zero();
-  turns.topLeftCorner<3, 3>() = turns.bottomRightCorner<3, 3>() = turn;
-  pose.covariance = turns * fit.covariance * turns.transpose();
-  pose.visible = fit.visible, pose.inliers = fit.inliers;
-  return pose;
 }
 
 }  // namespace
@@ -89,9 +72,9 @@ std::optional<geometry::Pose> Tracker::predicted(double time_s) const {
   if (!last_ || lost_) return std::nullopt;
   const double step_s = before_ ? last_->time_s - before_->time_s : 0;
   if (!(step_s > 0) || step_s > kLongestStep_s) return last_->room_from_camera;
-  const geometry::Pose motion =
-      geometry::inverse(before_->room_from_camera) * last_->room_from_camera;
-  return last_->room_from_camera * part_of(motion, (time_s - last_->time_s) / step_s);
+  if (time_s - last_->time_s > kLongestStep_s) return last_->room_from_camera;
+  return geometry::moved_on(before_->room_from_camera, last_->room_from_camera,
+                            (time_s - last_->time_s) / step_s);
 }
 
 std::optional<PatchFit> Tracker::follow(double time_s) {
@@ -124,6 +107,20 @@ std::optional<PatchFit> Tracker::search(double time_s) {
   auto fit = finder_->find(picture_, field);
   if (fit) ++counts_.found;
   return fit;
+}
+
+TrackedPose Tracker::known_pose(const PatchFit& fit) const {
+  TrackedPose pose;
+  pose.known = true;
+  pose.room_from_camera = geometry::inverse(fit.camera_from_room);
+  const Eigen::Matrix3d turn = pose.room_from_camera.rotation.toRotationMatrix();
+  Eigen::Matrix<double, 6, 6> turns = Eigen::Matrix<double, 6, 6>::Zero();
+  turns.topLeftCorner<3, 3>() = turns.bottomRightCorner<3, 3>() = turn;
+  pose.covariance = turns * fit.covariance * turns.transpose();
+  pose.covariance.diagonal().tail<3>().array() +=
+      std::pow(options_.distance_sigma, 2) * pose.room_from_camera.translation_m.squaredNorm();
+  pose.visible = fit.visible, pose.inliers = fit.inliers;
+  return pose;
 }
 
 TrackedPose Tracker::track(ImageView<const Rgb8> picture, double time_s) {

@@ -24,6 +24,10 @@ struct TrackerOptions {
   double start_radius_m = 1.2, start_radius_rad = 1.2;
   /// A camera that is lost is looked for around its last pose, in a field that grows so fast.
   double speed_m_s = 1, speed_rad_s = 2;
+  /// Of what all distances of the room have in common, as a share of them. A room that is too large
+  /// or too small by a share moves the camera by that share of its way from the place of the scan,
+  /// and no patch lies off: the covariance has as much in every direction.
+  double distance_sigma = 0;
 };
 
 /// What is known of one picture's camera.
@@ -76,6 +80,7 @@ class Tracker {
   };
   std::optional<PatchFit> follow(double time_s);
   std::optional<PatchFit> search(double time_s);
+  TrackedPose known_pose(const PatchFit& fit) const;
 
   const geometry::AnyCamera camera_;
   const TrackerOptions options_;

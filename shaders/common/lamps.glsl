@@ -5,10 +5,17 @@ struct Lamp {
   mat4 lamp_from_camera;
   vec4 position_m, direction, intensity;  // direction 0: to all sides
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
-  ivec4 map_size_texel;                   // x; 0 without map
+  ivec4 map_size_texel;                   // x; 0 without map; y: layer of room_share, or -1
 };
-layout(std140, binding = 0) uniform Lamps { Lamp lamps[most_lamps]; };
+layout(std140, binding = 0) uniform Lamps {
+  Lamp lamps[most_lamps];
+  mat4 cell_from_camera;  // of room_share
+};
 layout(binding = 7) uniform sampler2DArray shadow_maps;
+// What the real room leaves of a lamp (room_shade.h): grids along z, one a layer, trilinear.
+layout(binding = 5) uniform sampler3D room_share;
+uniform ivec3 room_cells;
+uniform float room_lift_m;
 uniform int lamp_count;
 uniform vec3 ambient;
 uniform vec2 blocker_taps[blocker_tap_count], shadow_taps[shadow_tap_count];
@@ -60,6 +67,16 @@ float visibility(int i, vec3 position_m, vec3 normal) {
   return visibility_past(lamps[i], shadow_maps, i, position_m, normal);
 }
 
+// Share of a lamp that a point sees past the real room.
+float seen_in_room(int i, vec3 position_m, vec3 normal) {
+  int layer = lamps[i].map_size_texel.y;
+  if (layer < 0) return 1.0;
+  vec3 cell = (cell_from_camera * vec4(position_m + room_lift_m * normal, 1.0)).xyz;
+  cell = clamp(cell, vec3(0), vec3(room_cells - 1));
+  cell.z += float(layer * room_cells.z);
+  return texture(room_share, (cell + 0.5) / vec3(textureSize(room_share, 0))).r;
+}
+
 vec3 irradiance(int i, vec3 position_m, vec3 normal) {
   vec3 to_lamp = lamps[i].position_m.xyz - position_m;
   float distance2 = max(dot(to_lamp, to_lamp), least_distance2);
@@ -74,6 +91,8 @@ float light_ratio(vec3 position_m, vec3 normal) {
   float with_objects = luminance(ambient), without = with_objects;
   for (int i = 0; i < lamp_count; ++i) {
     float light = luminance(irradiance(i, position_m, normal));
+    if (light <= 0.0) continue;
+    light *= seen_in_room(i, position_m, normal);
     with_objects += light * visibility(i, position_m, normal);
     without += light;
   }

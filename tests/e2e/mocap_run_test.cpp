@@ -3,10 +3,8 @@
 // studio's take is the rig; its motion capture is sent with delay, jitter and loss, and with
 // faults.
 #include <cmath>
-#include <condition_variable>
 #include <fstream>
 #include <map>
-#include <mutex>
 #include <random>
 #include <regex>
 
@@ -15,6 +13,7 @@
 #include "host/session/run.h"
 #include "host/session/session.h"
 #include "tests/e2e/command.h"
+#include "tests/e2e/composited.h"
 #include "tests/support/natnet_sender.h"
 #include "tests/support/progress.h"
 #include "tests/support/taken_mocap.h"
@@ -44,32 +43,6 @@ struct Stream {
   bool renumbered = false;               ///< and its frame numbers start again then
   int body = kBody;
   bool second_sender = false;  ///< another one sends the first sample again and again
-};
-
-/// Frames that were composited so far.
-class Composited final : public output::CompositeSink {
- public:
-  explicit Composited(std::map<int, capture::CameraPose>& poses) : poses_(poses) {}
-  std::string_view name() const override { return "composited"; }
-  render::OutputMask wanted(int) const override { return render::kMatte; }
-  Result<void> write(const output::CompositePtr& composite) override {
-    const std::lock_guard lock(mutex_);
-    poses_[composite->capture->number] = composite->pose;
-    last_ = composite->capture->number;
-    changed_.notify_all();
-    return {};
-  }
-  Result<void> finish() override { return {}; }
-  bool wait_for(int number) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::minutes(2), [&] { return last_ >= number; });
-  }
-
- private:
-  std::map<int, capture::CameraPose>& poses_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int last_ = 0;
 };
 
 /// The take as live devices: before a frame is given out, time advances to the moment at which it

@@ -60,7 +60,7 @@ TEST_F(RoomFault, AViewWithAWrongAngleIsNamedAndMended) {
   EXPECT_EQ(turned(mended)[0].at("view"), 2);
   EXPECT_NEAR(turned(mended)[0].at("value").get<double>(), 0.5, 0.1);
   const auto p95_mm = [](const nlohmann::json& report) {
-    return report.at("evaluate").at("p95_mm").get<double>();
+    return report.at("evaluate").at("surface").at("p95_mm").get<double>();
   };
   EXPECT_GT(p95_mm(left), 1.1 * p95_mm(sound));
   EXPECT_LT(p95_mm(mended), 1.03 * p95_mm(sound));

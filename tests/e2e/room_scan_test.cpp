@@ -24,8 +24,12 @@ TEST_F(RoomScan, HoldsTheFarWallsOfASmallField) {
   EXPECT_EQ(report.at("views").get<int>(), 6);
   EXPECT_GT(report.at("measured_pct").get<double>(), 99.0);
   EXPECT_EQ(report.at("fill_pct").get<double>(), 100.0);
-  EXPECT_LT(report.at("evaluate").at("p50_mm").get<double>(), 2.0);
-  EXPECT_LT(report.at("evaluate").at("p95_mm").get<double>(), 16.0);
+  const auto errors = report.at("evaluate");
+  EXPECT_LT(errors.at("surface").at("p50_mm").get<double>(), 2.0);
+  EXPECT_LT(errors.at("surface").at("p95_mm").get<double>(), 16.0);
+  for (const char* key : {"mean_mm", "max_mm", "p95_mm"})
+    for (const char* axis : {"width", "depth", "height"})
+      EXPECT_TRUE(errors.at(key).at(axis).is_number()) << key << ' ' << axis;
   EXPECT_GT(report.at("triangles").get<int>(), 100);
   EXPECT_LT(2 * report.at("triangles").get<int>(), report.at("triangles_raw").get<int>());
   for (const char* file : {"manifest.toml", "room.exr", "room.glb", "color.png", "distance.png"})

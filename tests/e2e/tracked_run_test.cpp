@@ -2,9 +2,10 @@
 // A room is scanned, then a hand-held camera is tracked in it by its fisheye: mixrig track, and
 // mixrig run with pose = "tracker". The bounds were chosen on seeds 5 and 6; the test has 33.
 #include <fstream>
-#include <sstream>
 
+#include "host/image_io/image_io.h"
 #include "tests/e2e/command.h"
+#include "tests/e2e/tracked_scene.h"
 
 namespace mixrig::test {
 namespace {
@@ -37,31 +38,6 @@ class TrackedRun : public CommandTest {
     return {std::istreambuf_iterator<char>(file), {}};
   }
 };
-
-nlohmann::json world_from_base(const std::string& take) {
-  std::ifstream file(take + "/truth/rig.json");
-  return nlohmann::json::parse(file).at("world_from_base");
-}
-
-/// The take's own scene with the tracker and the scanned room.
-std::string tracker_scene(const std::string& take, const std::string& room,
-                          const nlohmann::json& place) {
-  std::ifstream file(take + "/scene.toml");
-  std::stringstream text;
-  text << file.rdbuf();
-  std::string scene = text.str();
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    const auto at = scene.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    const auto end = scene.find('\n', at);
-    if (at != std::string::npos) scene.replace(at, end - at, to);
-  };
-  replace("pose = ", "pose = \"tracker\"");
-  replace("learn = ", "model = \"" + room + "\"\nworld_from_base = { rotation_xyzw = " +
-                          place.at("rotation_xyzw").dump() +
-                          ", translation_m = " + place.at("translation_m").dump() + " }");
-  return "calibration = \"truth/calibration.toml\"\n" + scene;
-}
 
 TEST_F(TrackedRun, FollowsAHandHeldCamera) {
   const std::string of_take = "track --model " + path("room") + " --take " + path("take") + " ";
@@ -96,6 +72,21 @@ TEST_F(TrackedRun, FollowsAHandHeldCamera) {
   EXPECT_EQ(pose.at("lost").get<int>(), 0);
   EXPECT_LT(pose.at("error").at("shift_mm").at("rms").get<double>(), 4);
   EXPECT_LT(pose.at("slip_px").at("rms").get<double>(), 0.5);
+}
+
+TEST_F(TrackedRun, IsFoundAgainInTheFirstPictureAfterTheLensWasCovered) {
+  for (int picture = 5; picture <= 7; ++picture)
+    ASSERT_TRUE(image_io::write_png(path("take/fisheye/00000" + std::to_string(picture) + ".png"),
+                                    Image<Rgb8>({320, 256}).view()));
+  ASSERT_EQ(
+      mixrig("track --model " + path("room") + " --take " + path("take") + " --calibration " +
+             path("take/truth/calibration.toml") + " --scene " + path("sweep/scene_pan_tilt.toml") +
+             " " + path("path.tum") + " --json " + path("track.json")),
+      0);
+  const auto tracked = report("track.json");
+  EXPECT_EQ(tracked.at("frames").get<int>(), 12);
+  EXPECT_EQ(tracked.at("lost_pct").get<double>(), 25) << "the three covered ones";
+  EXPECT_LT(tracked.at("max_mm").get<double>(), 6);
 }
 
 }  // namespace

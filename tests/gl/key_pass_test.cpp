@@ -81,6 +81,7 @@ TEST_F(KeyPassTest, speckles_are_dropped) {
 }
 
 TEST_F(KeyPassTest, color_moves_the_border_where_depth_reaches_too_far) {
+  params_.refine = false;
   put(16, 0, 40, 64);
   put(40, 0, 42, 64, true, false);  // depth says person, colour shows the wall
   put(13, 0, 16, 64, false, true);  // depth says wall, colour shows the person
@@ -101,6 +102,25 @@ TEST_F(KeyPassTest, shadow_on_the_wall_is_no_person) {
     for (int x = 40; x < 64; ++x) plate_.at(x, y) = {100, 0, 0};  // 0.67 of the light
   draw();
   EXPECT_EQ(matte(44, 30), 0);
+}
+
+TEST_F(KeyPassTest, the_refined_matte_has_the_border_of_the_plate) {
+  put(16, 0, 40, 64);
+  put(40, 0, 44, 64, true, false);  // depth says person, colour shows the wall
+  draw();
+  for (int x = 18; x < 40; ++x) EXPECT_GT(matte(x, 40), 0.5F) << x;
+  for (int x = 40; x < 64; ++x) EXPECT_LT(matte(x, 40), 0.5F) << x;
+}
+
+TEST_F(KeyPassTest, what_is_measured_nearer_is_kept_where_the_background_has_no_depth) {
+  put(16, 0, 48, 64);
+  tables_.key_limit_w.fill(render::kNoLimitW);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 32; ++x) tables_.key_limit_w.at(x, y) = 0.3F;
+  for (int y = 0; y < 64; ++y) w_.at(36, y) = 0.8F;
+  draw();
+  EXPECT_GT(matte(36, 30), 0.5F);
+  EXPECT_FLOAT_EQ(visible_w_.at(36, 30).r, 0.8F);
 }
 
 TEST_F(KeyPassTest, points_outside_the_capture_box_are_cropped) {

@@ -63,6 +63,17 @@ void RoomSetup::learn(bool with_color) {
   setup.background.color_sigma = color_sigma_;
 }
 
+void RoomSetup::put_board(const Eigen::Vector3d& at_m, double half_m) {
+  for (int y = 0; y < background_m_.height(); ++y)
+    for (int x = 0; x < background_m_.width(); ++x) {
+      const Eigen::Vector2d ray = setup.view.unproject({x, y});
+      const double z = at_m.y() / ray.y();  // y points down; the eye is at the origin
+      const bool hit =
+          z > 0 && std::abs(z - at_m.z()) < half_m && std::abs(ray.x() * z - at_m.x()) < half_m;
+      if (hit && z < background_m_.at(x, y)) background_m_.at(x, y) = static_cast<float>(z);
+    }
+}
+
 void RoomSetup::draw_background_for_each_pose() {
   render::BackgroundModel model{
       setup.view, {geometry::Pose()}, background_m_, background_sigma_m_, {}};

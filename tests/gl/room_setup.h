@@ -28,6 +28,9 @@ struct RoomSetup {
   Image<Rgb8> plate;   ///< with the person
   Image<float> depth;  ///< with the person
   render::FrameInput frame() const { return {plate, depth, {}}; }
+  /// A horizontal square board of the learned room, `half_m` to each side of `at_m`, as far as it
+  /// is seen. Precondition: a still background.
+  void put_board(const Eigen::Vector3d& at_m, double half_m);
   /// Has the still background drawn for each pose. Precondition: Options::background.
   void draw_background_for_each_pose();
 

@@ -9,6 +9,7 @@
 
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/render/gles/compositor_gles.h"
+#include "host/render/room_shade.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/face_model.h"
 
@@ -273,6 +274,25 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_a_set) {
   Pair without = make_pair(room);
   expect_agreement(without, frame);
   EXPECT_LT(psnr_db(shadowed, without.cpu_frame.color), 60);  // there is a shadow
+}
+
+/// A real board over the object hides a lamp from it.
+TEST(WholeFrame, agrees_in_the_shade_of_the_room) {
+  RoomSetup room(RoomSetup::Options{});
+  room.put_board({0.1, 0.25, 2.6}, 0.4);
+  EXPECT_GT(render::make_room_shade(room.setup, {}).layers, 0);
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  room.draw_background_for_each_pose();
+  Pair moving = make_pair(room);
+  expect_agreement_as_it_turns(moving, room.frame());
+}
+
+TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
+  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  room.setup.people_cast_shadows = true;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
 }
 
 TEST(WholeFrame, agrees_with_open_walls) {

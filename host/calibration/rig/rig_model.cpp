@@ -70,6 +70,7 @@ BoardPoint board_point(const RigModel& model, int columns, int rows, const Eigen
 void spline_basis(const std::vector<double>& knots, double at, Eigen::VectorXd& values) {
   const int n = static_cast<int>(knots.size());
   values.setZero(n);
+  at = std::clamp(at, knots.front(), knots.back());
   const auto right = std::upper_bound(knots.begin() + 1, knots.end() - 1, at);
   const int i = static_cast<int>(right - knots.begin()) - 1;
   const double h = knots[i + 1] - knots[i], b = (at - knots[i]) / h, a = 1 - b;
@@ -84,13 +85,6 @@ void spline_basis(const std::vector<double>& knots, double at, Eigen::VectorXd& 
     by_value(k, k) = -6 / before - 6 / after;
   }
   const Eigen::MatrixXd second = left.partialPivLu().solve(by_value);
-  if (at < knots.front() || at > knots.back()) {  // straight on from the end
-    const bool low = at < knots.front();
-    const double slope_i = low ? -h / 3 : h / 6, slope_next = low ? -h / 6 : h / 3;
-    const double beyond = low ? at - knots.front() : at - knots.back();
-    values += beyond * (slope_i * second.row(i) + slope_next * second.row(i + 1)).transpose();
-    return;
-  }
   values += ((a * a * a - a) * second.row(i) + (b * b * b - b) * second.row(i + 1)).transpose() *
             (h * h / 6);
 }

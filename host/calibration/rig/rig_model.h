@@ -62,7 +62,8 @@ struct BoardPoint {
 };
 BoardPoint board_point(const RigModel& model, int columns, int rows, const Eigen::Vector2d& uv);
 
-/// Values of the natural cubic splines that are 1 at one knot and 0 at the others.
+/// Values of the natural cubic splines that are 1 at one knot and 0 at the others; past the ends
+/// those at the ends, as calibration_file::DepthError has them.
 void spline_basis(const std::vector<double>& knots, double at, Eigen::VectorXd& values);
 
 }  // namespace mixrig::calibration

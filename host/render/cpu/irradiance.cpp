@@ -25,6 +25,48 @@ FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   return receiver * emitter / (distance2 * distance2);
 }
 
+/// Cell below a place along an axis of `count` cells, and the way on to the next one.
+struct CellLanes {
+  IntLanes first;
+  FloatLanes share;
+};
+CellLanes cell_at(FloatLanes at, int count) {
+  const FloatLanes inside =
+      min(max(at, FloatLanes{}), FloatLanes{} + static_cast<float>(count - 1));
+  const IntLanes whole = truncate(inside), last = IntLanes{} + std::max(count - 2, 0);
+  const IntLanes first = whole > last ? last : whole;
+  return {first, inside - to_float(first)};
+}
+
+/// Share of a lamp that is seen past the real room: RoomShade, trilinear.
+FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
+  if (lamp.room_layer < 0) return FloatLanes{} + 1.0F;
+  const RoomShadeParams& room = frame.room;
+  const FloatLanes px = at.position_m.x + room.lift_m * at.normal.x,
+                   py = at.position_m.y + room.lift_m * at.normal.y,
+                   pz = at.position_m.z + room.lift_m * at.normal.z;
+  const auto cell = [&](int axis) {
+    const glm::mat4& m = room.cell_from_camera;
+    return cell_at(px * m[0][axis] + py * m[1][axis] + pz * m[2][axis] + m[3][axis],
+                   room.cells[axis]);
+  };
+  const CellLanes x = cell(0), y = cell(1), z = cell(2);
+  const int columns = room.cells.x, plane = columns * room.cells.y;
+  const float* const shares =
+      frame.room_share.data() + static_cast<std::ptrdiff_t>(lamp.room_layer) * plane * room.cells.z;
+  const IntLanes first = x.first + y.first * columns + z.first * plane;
+  const auto along_x = [&](int offset) {
+    const FloatLanes a = gather(shares, first + offset), b = gather(shares, first + (offset + 1));
+    return a + (b - a) * x.share;
+  };
+  const auto along_y = [&](int offset) {
+    const FloatLanes a = along_x(offset), b = along_x(offset + columns);
+    return a + (b - a) * y.share;
+  };
+  const FloatLanes a = along_y(0), b = along_y(plane);
+  return a + (b - a) * z.share;
+}
+
 }  // namespace
 
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
@@ -36,13 +78,14 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
     if (!holds(maybe, k)) continue;
     const FloatLanes light = irradiance(lamp, at);
     if (!any(light > 0)) continue;
-    lost += light * (1 - visibility(lamp, maps[k], at.position_m, at.normal)) *
-            luminance(lamp.intensity);
+    const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, at.normal);
+    if (!any(hidden > 0)) continue;
+    lost += light * hidden * room_share(frame, lamp, at) * luminance(lamp.intensity);
   }
   if (!any(lost > 0)) return one;
   FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
   for (const LampParams& lamp : frame.lamps)
-    all += irradiance(lamp, at) * luminance(lamp.intensity);
+    all += irradiance(lamp, at) * room_share(frame, lamp, at) * luminance(lamp.intensity);
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
@@ -60,6 +103,7 @@ VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& m
     if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
+    if (lamp.room_layer >= 0) of_lamp *= room_share(frame, lamp, at);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
     light.x += of_lamp * intensity.r;
     light.y += of_lamp * intensity.g;

@@ -18,10 +18,6 @@ constexpr auto kBackground = static_cast<std::uint8_t>(PixelState::kBackground);
 constexpr auto kForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-/// Pixels of block row `by` or column.
-int block_begin(int b) { return b * kBlockPx; }
-int block_end(int b, int size) { return std::min(size, (b + 1) * kBlockPx); }
-
 void classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
   for (int x = 0; x < width; ++x) {
     const bool known = w[x] > 0, learned = limit_w[x] < kNoLimitW;
@@ -145,9 +141,13 @@ void find_band(bool room, KeyScratch& scratch) {
     }
   for (int by = 0; by < size.height; ++by)
     for (int bx = 0; bx < size.width; ++bx)
-      if (is_decided(scratch.at(bx, by)))
+      if (is_decided(scratch.at(bx, by))) {
         around(scratch, bx, by, kNearBlocks,
                [&](Block& b) { b.sampled |= b.foreground > 0 || (room && b.others); });
+        for (const int reach : {2, 1, 0})
+          around(scratch, bx, by, reach,
+                 [&](Block& b) { b.decided_within = std::min(b.decided_within, reach); });
+      }
 }
 
 /// Offsets of the depth votes' taps along an axis.
@@ -204,11 +204,12 @@ bool is_open(const Block& block, std::uint8_t state) {
   return block.band || state == kDoubt || (block.near && state == kUnknown);
 }
 
-void decide_block(const KeyInput& input, KeyScratch& scratch, int bx, int by, Image<float>& view_w,
+void decide_block(const KeyInput& input, KeyScratch& scratch, int bx, int by,
                   Image<std::uint8_t>& matte) {
   Block& block = scratch.at(bx, by);
   const Size size = input.tables.view_size;
   const NearColors near = colors_around(scratch, bx, by, block.band ? kBandBlocks : kNearBlocks);
+  block.near_w = near.w;
   block.room_color = near.room.known ? near.room.mean : glm::vec3(-1);
   const DepthTaps taps = taps_of(input.tables.tof_footprint_px);
   const int x0 = block_begin(bx), y0 = block_begin(by);
@@ -217,17 +218,31 @@ void decide_block(const KeyInput& input, KeyScratch& scratch, int bx, int by, Im
   for (int y = y0; y < block_end(by, size.height); ++y)
     for (int x = x0; x < block_end(bx, size.width); ++x) {
       const std::uint8_t state = scratch.state.row(y)[x];
-      const bool foreground = state == kForeground;
-      float share = foreground ? 1 : 0;
+      float share = state == kForeground ? 1 : 0;
       if (is_open(block, state)) {
         const float odds =
             mean_around(votes, x - x0, y - y0) + depth_vote(scratch.state, size, taps, x, y);
         share = std::clamp(0.5F + 0.5F * odds, 0.0F, 1.0F);
       }
       matte.row(y)[x] = static_cast<std::uint8_t>(255 * share + 0.5F);
+    }
+}
+
+/// Depth of a pixel that is a person or not, from what was measured. What is known and nearer is
+/// kept in doubt: virtual objects must not cover it.
+float decided_w(std::uint8_t state, bool person, float measured_w, float near_w) {
+  if (person == (state == kForeground)) return measured_w;
+  if (!person) return 0;
+  return state == kDoubt ? std::max(measured_w, near_w) : near_w;
+}
+
+void store_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
+                 Image<float>& view_w) {
+  const float near_w = scratch.at(bx, by).near_w;
+  for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
+    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
       float& w = view_w.row(y)[x];
-      const bool person = matte.row(y)[x] > 0;
-      if (person != foreground) w = person ? near.w : 0;
+      w = decided_w(scratch.state.row(y)[x], matte.row(y)[x] > 0, w, near_w);
     }
 }
 
@@ -257,12 +272,13 @@ void fill_block(int bx, int by, std::uint8_t value, Image<std::uint8_t>& matte) 
 
 }  // namespace
 
-KeyScratch::KeyScratch(Size view_size)
+KeyScratch::KeyScratch(Size view_size, float tof_footprint_px)
     : blocks_size{(view_size.width + kBlockPx - 1) / kBlockPx,
                   (view_size.height + kBlockPx - 1) / kBlockPx},
       blocks(blocks_size.area()),
       speckle_sum(blocks_size.area()),
-      state({blocks_size.width * kBlockPx, blocks_size.height * kBlockPx}, kBackground) {}
+      state({blocks_size.width * kBlockPx, blocks_size.height * kBlockPx}, kBackground),
+      refine(view_size, tof_footprint_px) {}
 
 void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
          Image<std::uint8_t>& matte) {
@@ -306,9 +322,14 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   });
   each_block([&](int bx, int by, Block& block) {
     if (is_decided(block))
-      decide_block(input, scratch, bx, by, view_w, matte);
+      decide_block(input, scratch, bx, by, matte);
     else
       fill_block(bx, by, block.foreground > 0 ? 255 : 0, matte);
+  });
+  if (input.params.color && input.params.refine)
+    refine(crew, input.plate, scratch, scratch.refine, matte);
+  each_block([&](int bx, int by, Block& block) {
+    if (is_decided(block)) store_depth(scratch, bx, by, matte, view_w);
   });
 }
 

@@ -2,14 +2,19 @@
 // Pass key: which pixels show people, by depth, and by colour where depth is in doubt.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/background.h"
+#include "host/render/cpu/refine.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render::cpu {
+
+/// Linear light, 0..1.
+inline glm::vec3 linear(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b) * (1 / kLinearOne); }
 
 /// Sums over pixels, linear.
 struct ColorSums {
@@ -27,22 +32,31 @@ struct Block {
   bool doubt = false;               ///< any pixel measured where the background has no depth
   bool band = false, near = false;  ///< within one block of a border, three of foreground
   bool sampled = false;             ///< the sums below are needed
+  int decided_within = 255;         ///< blocks to the nearest one where votes decide, up to 2
   float w_sum = 0;                  ///< over foreground
+  float near_w = 0;                 ///< where votes decide: mean w of the foreground around
   ColorSums people;                 ///< foreground not drawn by a cut cell
   ColorSums room;                   ///< background; where its colour was not learned
   glm::vec3 room_color{-1};         ///< mean of the blocks around that decide_block compared with
 };
 
+/// Pixels of a row or column of blocks.
+inline int block_begin(int b) { return b * kBlockPx; }
+inline int block_end(int b, int size) { return std::min(size, (b + 1) * kBlockPx); }
+
 struct KeyScratch {
-  explicit KeyScratch(Size view_size);
+  KeyScratch(Size view_size, float tof_footprint_px);
   Size blocks_size;
   std::vector<Block> blocks;
   std::vector<int> speckle_sum;  ///< foreground within 5x5 blocks
   Image<std::uint8_t> state;     ///< PixelState before colour votes; kEdge is doubt
+  RefineScratch refine;
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }
   const Block& at(int x, int y) const {
     return blocks[static_cast<std::size_t>(y * blocks_size.width + x)];
   }
+  /// Whether votes decide in a block, or in one within `reach` <= 2 blocks.
+  bool near_decided(int x, int y, int reach) const { return at(x, y).decided_within <= reach; }
 };
 
 /// Inputs of the pass.
@@ -58,7 +72,8 @@ struct KeyInput {
 };
 
 /// Writes the matte. `view_w` becomes a person's depth where the matte is not 0 (that of the
-/// foreground around where it measured none), and unknown where foreground lost the vote.
+/// foreground around where it measured none, the nearer of both where the background has no depth),
+/// and unknown where foreground lost the vote.
 void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& view_w,
          Image<std::uint8_t>& matte);
 

@@ -21,9 +21,6 @@ struct NearColors {
   float w = 0;  ///< mean of the foreground, 1/m
 };
 
-/// Linear light, 0..1.
-inline glm::vec3 linear(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b) * (1 / kLinearOne); }
-
 /// Calls visit(neighbour) for the blocks within `radius` of (bx, by), itself among them.
 template <typename Scratch, typename Visit>
 void around(Scratch& scratch, int bx, int by, int radius, Visit&& visit) {

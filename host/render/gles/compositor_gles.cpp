@@ -264,6 +264,7 @@ Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
   if (!has_objects()) return {};
   const StageScope stage(timer, Stage::kLight);
   if (preparer_.params().pose_changed) {
+    if (preparer_.params().room_changed) MIXRIG_TRY(light_.set_room(preparer_.params()));
     light_.set_lamps(preparer_.params());
     if (!people_shadow_ || !people)
       light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());

@@ -18,11 +18,23 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
                          &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_})
     *image = make_texture(blocks, GL_RGBA32F);
+  pass.refine_ = params.color && params.refine;
+  if (pass.refine_) {
+    const int px = matte_tile_px(tables.tof_footprint_px);
+    const Size matte_tiles{(view.width + px - 1) / px, (view.height + px - 1) / px};
+    for (Texture* image : {&pass.tile_counts_, &pass.tile_with_p_, &pass.tile_squares_,
+                           &pass.tile_products_, &pass.lines_})
+      *image = make_texture(matte_tiles, GL_RGBA32F);
+  }
+  pass.voted_ = make_texture(view, GL_R8);
   pass.matte_ = make_texture(view, GL_R8);
   pass.visible_w_ = make_texture(view, GL_R32F);
   if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
   MIXRIG_TRY(pass.make_steps());
   pass.set_constants(params, learned.with_spread);
+  const int matte_tile = matte_tile_px(tables.tof_footprint_px);
+  pass.finish_.program.set("tile_px", matte_tile);
+  if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile);
   pass.set_view(tables);
   return pass;
 }
@@ -33,12 +45,17 @@ Result<void> KeyPass::make_steps() {
   MIXRIG_ASSIGN(speckles_,
                 make_step("key_speckles.frag", {&kept_counts_, &kept_colors_, &kept_rooms_}));
   MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_}));
-  MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&matte_, &visible_w_}));
+  MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&voted_}));
   if (use_color_) {
     MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
   }
-  MIXRIG_ASSIGN(decide_,
-                make_block_step("key_decide.frag", {&matte_, &visible_w_}, kVotes, kBlockPx));
+  MIXRIG_ASSIGN(decide_, make_block_step("key_decide.frag", {&voted_}, kVotes, kBlockPx));
+  if (refine_) {
+    MIXRIG_ASSIGN(sum_tiles_, make_step("key_tiles.frag", {&tile_counts_, &tile_with_p_,
+                                                           &tile_squares_, &tile_products_}));
+    MIXRIG_ASSIGN(fit_, make_step("key_lines.frag", {&lines_}));
+  }
+  MIXRIG_ASSIGN(finish_, make_step("key_matte.frag", {&matte_, &visible_w_}));
   return {};
 }
 
@@ -62,6 +79,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   decide_.program.set("use_color", use_color_);
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
+  finish_.program.set("refine", refine_);
   state_.program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
@@ -79,14 +97,20 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run(blocks_, {&state_image_, &input.w, &input.plate});
   run(speckles_, {&counts_, &colors_, &rooms_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_});
-  run(fill_, {&band_, &input.w});
+  run(fill_, {&band_});
   if (use_color_) {
     vote_.program.use();
     set_uniform(gain_, input.gain);
     run_blocks(vote_, band_,
                {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
   }
-  run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_, &input.w});
+  run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
+  if (refine_) {
+    run(sum_tiles_, {&input.plate, &voted_, &band_});
+    run(fit_, {&tile_counts_, &tile_with_p_, &tile_squares_, &tile_products_});
+  }
+  run(finish_, {&voted_, &band_, &state_image_, &kept_counts_, &input.plate,
+                refine_ ? &lines_ : nullptr, &input.w});
 }
 
 }  // namespace mixrig::render::gles

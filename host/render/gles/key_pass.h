@@ -39,18 +39,19 @@ class KeyPass {
   /// A texel a block: mean colour of the background around where none was learned, and its
   /// variance, 0 where it is not known.
   const Texture& room() const { return room_; }
-  const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, as key_decide.frag has it
+  const Texture& visible_w() const { return visible_w_; }  ///< GL_R32F, as key_matte.frag has it
   const Target& state_target() const { return state_.target; }
 
  private:
   Result<void> make_steps();
   void set_constants(const KeyPassParams& params, bool has_sigma);
 
-  bool use_color_ = false, has_learned_ = false;
+  bool use_color_ = false, has_learned_ = false, refine_ = false;
   Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,
-      band_, person_, room_, votes_;
+      band_, person_, room_, votes_, voted_;
+  Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_;  ///< a texel a tile
   Texture matte_, visible_w_;
-  Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_;
+  Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_, finish_;
   GLint world_from_camera_ = -1, floor_w_ = -1, gain_ = -1;
 };
 

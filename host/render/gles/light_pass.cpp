@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kMapUnit = 7;        // common/lamps.glsl
 constexpr int kPeopleMapUnit = 6;  // shade_virtual.frag
+constexpr int kRoomUnit = 5;       // common/lamps.glsl
 
 /// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
 struct GpuLamp {
@@ -34,15 +35,16 @@ GpuLamp to_gpu(const LampParams& lamp) {
           lamp.map_focal_texel,
           lamp.map_center_texel,
           lamp.casters_near_m,
-          glm::ivec4(lamp.map_size_texel)};
+          glm::ivec4(lamp.map_size_texel, lamp.room_layer, 0, 0)};
 }
 
-/// A uniform block of kMostLamps.
+/// A uniform block of kMostLamps, and RoomShadeParams::cell_from_camera.
 BufferHandle make_lamps() {
   GLuint name = 0;
   glGenBuffers(1, &name);
   glBindBuffer(GL_UNIFORM_BUFFER, name);
-  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), nullptr, GL_DYNAMIC_DRAW);
+  glBufferData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp) + sizeof(glm::mat4), nullptr,
+               GL_DYNAMIC_DRAW);
   return BufferHandle(name);
 }
 
@@ -112,13 +114,52 @@ void LightPass::set_view(const Tables& tables) const {
 
 void LightPass::set_lamps(const FrameParams& params) {
   upload(params.lamps, lamps_);
+  if (!params.room_share.empty()) {
+    glBindBuffer(GL_UNIFORM_BUFFER, lamps_.get());
+    glBufferSubData(GL_UNIFORM_BUFFER, kMostLamps * sizeof(GpuLamp), sizeof(glm::mat4),
+                    &params.room.cell_from_camera);
+  }
   upload(params.people_lamps, people_lamps_);
+}
+
+Result<void> LightPass::set_room(const FrameParams& params) {
+  if (params.room_share.empty()) return {};
+  const glm::ivec3 cells = params.room.cells;
+  const auto layers = static_cast<GLint>(params.room_share.size()) / (cells.x * cells.y * cells.z);
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
+  if (std::max({cells.x, cells.y, cells.z * layers}) > most)
+    return Error{
+        ErrorCode::kUnsupported,
+        fmt::format("the OpenGL ES driver has 3D textures of {} texels, the shadows of the "
+                    "room need {}: use --backend cpu or fewer lamps",
+                    most, std::max({cells.x, cells.y, cells.z * layers}))};
+  GLuint name = 0;
+  glGenTextures(1, &name);
+  room_ = TextureHandle(name);
+  glBindTexture(GL_TEXTURE_3D, name);
+  glTexStorage3D(GL_TEXTURE_3D, 1, GL_R16F, cells.x, cells.y, cells.z * layers);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, cells.x, cells.y, cells.z * layers, GL_RED, GL_FLOAT,
+                  params.room_share.data());
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  for (const Step* step : {&background_, &tiles_, &shade_}) {
+    step->program.set("room_cells", cells);
+    step->program.set("room_lift_m", params.room.lift_m);
+  }
+  return {};
 }
 
 void LightPass::bind_lamps(GLuint shadow_maps) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, lamps_.get());
   glActiveTexture(GL_TEXTURE0 + kMapUnit);
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_maps);
+  glActiveTexture(GL_TEXTURE0 + kRoomUnit);
+  glBindTexture(GL_TEXTURE_3D, room_.get());
 }
 
 void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps,

@@ -14,6 +14,9 @@ class LightPass {
 
   /// Another view of the same size.
   void set_view(const Tables& tables) const;
+  /// What the real room hides of the lamps, where the frame says room_changed. Errors:
+  /// kUnsupported.
+  Result<void> set_room(const FrameParams& params);
   /// Lamps and maps (ShadowPass) of this pose.
   void set_lamps(const FrameParams& params);
   /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
@@ -43,6 +46,7 @@ class LightPass {
   Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
   Step background_, tile_depth_, tiles_, people_, shade_;
   BufferHandle lamps_, people_lamps_;
+  TextureHandle room_;
   GLint shade_origin_px_ = -1, has_people_ = -1;
 };
 

@@ -14,7 +14,6 @@ namespace mixrig::studio {
 namespace {
 
 constexpr int kOffAxisEvery = 5;
-constexpr double kFar_m = 2.4;
 
 /// Random values for one attempt at one view.
 class RandomDraw {
@@ -89,7 +88,7 @@ geometry::Pose off_axis_pose(const BoardInfo& info, RandomDraw& draw) {
 }
 
 geometry::Pose in_view_pose(const BoardInfo& info, int number, RandomDraw& draw, int attempt) {
-  const double near = nearest_distance_m(info), far = std::max(kFar_m, 1.3 * near);
+  const double near = nearest_distance_m(info), far = std::max(info.options.far_m, 1.3 * near);
   // Golden-ratio sequence: distances cover the whole range for any number of views, more of them
   // near.
   const double share = std::fmod(number * 0.6180339887498949, 1.0);

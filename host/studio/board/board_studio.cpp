@@ -42,6 +42,7 @@ Result<void> check(const BoardOptions& o) {
   MIXRIG_TRY(check_range("board rows", o.board.rows, 3, 40));
   MIXRIG_TRY(check_range("square", o.board.square_m, 0.005, 0.5));
   MIXRIG_TRY(check_range("board bend", o.board.bend_m, -0.02, 0.02));
+  MIXRIG_TRY(check_range("most distance", o.far_m, 0.5, 10));
   MIXRIG_TRY(check_range("blur", o.blur_px, 0, 10));
   MIXRIG_TRY(check_range("noise", o.noise, 0, 100));
   MIXRIG_TRY(check_range("tolerance", o.tolerance, 0, 2));

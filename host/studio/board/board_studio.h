@@ -20,6 +20,7 @@ struct BoardOptions {
   int threads = 0;           ///< 0: one per core
   BoardPlan board;
   bool pan_tilt = false;     ///< the board is fixed and the unit turns
+  double far_m = 2.4;        ///< most distance of the boards before the cameras, 0.5..10
   double blur_px = 0.6;      ///< sigma of every lens, 0..10
   double noise = 1;          ///< factor on the noise of every sensor, 0..100
   double tolerance = 0;      ///< of lenses and mounting by seed, as StudioOptions::tolerance

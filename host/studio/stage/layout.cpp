@@ -138,6 +138,7 @@ Layout make_layout(const StudioOptions& options) {
   if (scenario == Scenario::kTalk && options.seed % 2 == 1) layout.room.seat = false;
   layout.room.guest_seat = options.people >= 2;
   layout.room.mirror = options.realism.mirror;
+  layout.room.window = options.window;
   layout.room.desk_chair = !options.clear_floor;
   layout.room.moved_chair = options.day.moved_chair;
   layout.room.seat_foot = Vec3(stage.spot.x(), stage.spot.y(), 0);
@@ -145,6 +146,7 @@ Layout make_layout(const StudioOptions& options) {
   const double yaw = 0.6 + 0.5 * uniform(hash_key(options.seed, 0x0B1));
   layout.world_from_object = {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
                               {stage.object.x(), stage.object.y(), 0}};
+  if (options.object_m) layout.world_from_object.translation_m.head<2>() = *options.object_m;
   layout.pan_tilt =
       rig_of_seed(options.rig, options.seed, options.size_px, options.tolerance).pan_tilt;
   layout.light =

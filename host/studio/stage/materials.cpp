@@ -152,6 +152,8 @@ Vec3 Materials::room(Material material, const Vec2& uv) const {
       return std::max(lamp_level_, 0.05F) * Vec3(4.0F, 3.9F, 3.6F);
     case Kind::kMirror:
       return Vec3::Constant(0.02F);  // dust
+    case Kind::kGlass:
+      return {0.03F, 0.04F, 0.06F};  // what is behind it, by night
     case Kind::kWood:
       return wood(uv, {0.38F, 0.24F, 0.13F}, seed_ + variant);
     case Kind::kDarkWood:
@@ -272,6 +274,8 @@ float Materials::infrared(Material material, const Vec3& visible) const {
       return 0.45F + 0.2F * luminance;
     case Kind::kLamp:
       return 0.5F;
+    case Kind::kGlass:
+      return 0;  // the light goes on through it, or is mirrored away
     case Kind::kMirror:
       return 0.02F;
     default:

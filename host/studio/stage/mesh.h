@@ -38,7 +38,8 @@ enum class Kind : std::uint8_t {
   kStrand,
   kStick,
   kBlack,
-  kChrome
+  kChrome,
+  kGlass
 };
 struct Material {
   Kind kind = Kind::kPaint;

@@ -174,8 +174,8 @@ Mesh build_room(const RoomPlan& plan) {
   add_skirting(m);
   add_lamps(m);
   add_picture(m, 3.75F, 1.25F, 0.62F, 0.86F, {Kind::kPoster, 1});
-  if (plan.mirror)
-    add_picture(m, 2.75F, 0.95F, 0.95F, 1.1F, {Kind::kMirror});
+  if (plan.mirror || plan.window)
+    add_picture(m, 2.75F, 0.95F, 0.95F, 1.1F, {plan.mirror ? Kind::kMirror : Kind::kGlass});
   else
     add_picture(m, 2.75F, 1.05F, 0.95F, 0.7F, {Kind::kPoster, 2});
   add_picture(m, 1.35F, 1.30F, 0.5F, 0.7F, {Kind::kPoster, 3});

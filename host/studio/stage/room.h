@@ -21,6 +21,7 @@ struct RoomPlan {
   bool guest_seat = false;   ///< a second chair
   Vec3 guest_foot{4.35F, 1.0F, 0};
   bool mirror = false;       ///< on the far wall, in place of the middle picture
+  bool window = false;       ///< the same place: a pane of glass before the night
   bool thin_things = false;  ///< thin poles and a table seen at a grazing angle
 };
 inline constexpr float kSeatHeight_m = 0.45F;

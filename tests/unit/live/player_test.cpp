@@ -2,6 +2,8 @@
 // A recording as devices: the contracts of cameras, and the properties of playing.
 #include "host/live/player.h"
 
+#include <map>
+
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
@@ -112,6 +114,60 @@ TEST_F(PlayerTest, AFrameOfAnotherSizeEndsItAndWritesNowhere) {
   ASSERT_TRUE(color->start(keep(color_)));
   ASSERT_TRUE(comes_true([&] { return color->health().state == device::DeviceState::kFailed; }));
   EXPECT_EQ(color_.size(), 6U);
+}
+
+/// A fisheye of 8x6 px and 10 Hz, its first picture 15 ms before frame 4: the counter grows by 2,
+/// and the picture 10 ms after frame 9 comes after it.
+std::unique_ptr<MadeRecording> with_fisheye(int frames) {
+  auto recording = std::make_unique<MadeRecording>(frames);
+  recording->info().fisheye_rate_hz = 10;
+  recording->damage = [](int number, capture::Capture& capture) -> Result<void> {
+    using capture::StreamStatus;
+    capture.mid_exposure = HostTime((number - 1) * 40ms);
+    const std::map<int, Duration> after{{4, -15ms}, {6, 5ms}, {9, 10ms}, {11, -5ms}};
+    const auto own = after.find(number);
+    capture.set_status(capture::Stream::kFisheye,
+                       own == after.end() ? StreamStatus::kMissing : StreamStatus::kFresh);
+    capture.fisheye.reset({});
+    if (own == after.end()) return {};
+    capture.fisheye.reset({8, 6}, {static_cast<std::uint8_t>(100 + number), 0, 0});
+    capture.fisheye_mid_exposure = capture.mid_exposure + own->second;
+    capture.fisheye_counter = static_cast<std::uint64_t>(70 + 2 * number);
+    return {};
+  };
+  return recording;
+}
+
+TEST_F(PlayerTest, ItsFisheyePlaysAtItsOwnTimesWithItsOwnCounters) {
+  const auto player = *live::Player::create(with_fisheye(12), "take:made", clock_);
+  const auto color = player->camera();
+  const auto fisheye = player->fisheye();
+  ASSERT_TRUE(fisheye) << fisheye.error().context;
+  EXPECT_EQ((*fisheye)->info().uri, "take:made/fisheye");
+  EXPECT_EQ((*fisheye)->info().size, (Size{8, 6}));
+  EXPECT_EQ((*fisheye)->info().rate_hz, 10);
+  ASSERT_TRUE(color->start(keep(color_)));
+  EXPECT_EQ(color->health().frames, 0U) << "it waits for the fisheye";
+  ASSERT_TRUE((*fisheye)->start(keep(depth_)));
+  ASSERT_TRUE(comes_true([&] { return color->health().state == device::DeviceState::kStopped; }));
+  EXPECT_EQ((*fisheye)->health().state, device::DeviceState::kStopped);
+  ASSERT_EQ(color_.size(), 12U);
+  ASSERT_EQ(depth_.size(), 4U);
+  const std::array<int, 4> frames{4, 6, 9, 11};
+  const std::array<Duration, 4> after{-15ms, 5ms, 10ms, -5ms};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(depth_[i].sequence, 70U + 2U * static_cast<unsigned>(frames[i]));
+    EXPECT_EQ(depth_[i].red, 100 + frames[i]);
+    EXPECT_EQ(depth_[i].at - color_[static_cast<std::size_t>(frames[i] - 1)].at, after[i]);
+  }
+  EXPECT_EQ(color_[0].red, 1) << "looking for the first picture skips no frame";
+}
+
+TEST_F(PlayerTest, ARecordingWithoutAFisheyeSaysSo) {
+  const auto none = make_player(clock_, 5)->fisheye();
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kData);
+  EXPECT_NE(none.error().context.find("--fisheye"), std::string::npos);
 }
 
 /// The head of a recording turns by 0.1 rad a frame.

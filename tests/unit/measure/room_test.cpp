@@ -58,6 +58,7 @@ TEST(RoomErrors, SayByHowMuchEachLengthIsWrong) {
   EXPECT_NEAR(errors.axes[1].mean_mm, 4, 0.05);
   EXPECT_NEAR(errors.axes[2].mean_mm, 2, 0.05);
   EXPECT_NEAR(errors.axes[0].max_mm, 10, 0.1);
+  EXPECT_NEAR(errors.axes[1].p95_mm, 4, 0.1);
   EXPECT_NEAR(errors.p95_mm, 10, 0.1);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -211,6 +212,27 @@ TEST(ViewAverage, WeighsFramesByTheSquareOfTheirAmplitude) {
   average.clear();
   average.finish(distance_m, sigma_m);
   EXPECT_EQ(distance_m.at(0, 0), 0);
+}
+
+/// The noise of the camera says 1 mm, for a bright surface; a dark one scatters by 40 mm.
+TEST(ViewAverage, WhereLittleLightReturnsSigmaIsThatOfTheScatter) {
+  ViewAverage average(box_camera(), {0.001, 0, 0}, true);
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise;
+  constexpr float kBright = 400, kDark = 10;
+  Image<float> depth_m({96, 80}), amplitude({96, 80});
+  for (int frame = 0; frame < 4; ++frame) {
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 96; ++x) {
+        amplitude.at(x, y) = y < 50 ? kBright : kDark;
+        depth_m.at(x, y) = 2 + 0.4F / amplitude.at(x, y) * noise(random);
+      }
+    average.add(depth_m.view(), amplitude.view());
+  }
+  Image<float> distance_m, sigma_m;
+  average.finish(distance_m, sigma_m);
+  EXPECT_NEAR(sigma_m.at(40, 20), 0.0005, 0.00005);
+  EXPECT_NEAR(sigma_m.at(40, 70), 0.02, 0.002);
 }
 
 TEST(ViewAverage, OfSurfacesKeepsTheOneThatMostFramesSeeOrTheFartherOne) {

@@ -27,7 +27,7 @@ Panorama small_room(int factor) {
 class RoomFileTest : public testing::Test {
  protected:
   void write(int factor = 2) {
-    const RoomManifest manifest{21, 84, 1234, 0.0015, "0123abcd", {0.25, -0.125}};
+    const RoomManifest manifest{21, 84, 1234, 0.0015, "0123abcd", {0.25, -0.125}, {}, 0.004};
     ASSERT_TRUE(write_room(small_room(factor), manifest, folder_.path()));
   }
   std::string refusal() const {
@@ -71,6 +71,7 @@ TEST_F(RoomFileTest, ComesBackExactly) {
     EXPECT_DOUBLE_EQ(read->manifest.mesh_tolerance_m, 0.0015);
     EXPECT_EQ(read->manifest.calibration_hash, "0123abcd");
     EXPECT_EQ(read->manifest.vignetting, (geometry::Vignetting{0.25, -0.125}));
+    EXPECT_DOUBLE_EQ(read->manifest.distance_sigma, 0.004);
     EXPECT_EQ(read_manifest(folder_.path())->vignetting, read->manifest.vignetting);
   }
 }
@@ -78,12 +79,12 @@ TEST_F(RoomFileTest, ComesBackExactly) {
 TEST_F(RoomFileTest, ManifestsThatCannotBeAreRefusedWithLineAndKey) {
   EXPECT_NE(refusal().find("manifest.toml"), std::string::npos) << "there is none";
   const std::pair<const char*, const char*> wrong[] = {
-      {"format", "2"},         {"projection", "\"cube\""},
-      {"origin", "\"head\""},  {"size_px", "[8, 5]"},
-      {"size_px", "[6, 3]"},   {"size_px", "[1e9, 5e8]"},
-      {"views", "0"},          {"frames", "-1"},
-      {"fill_pct", "101"},     {"triangles", "\"many\""},
-      {"vignetting", "[0, 7]"}};
+      {"format", "2"},          {"projection", "\"cube\""},
+      {"origin", "\"head\""},   {"size_px", "[8, 5]"},
+      {"size_px", "[6, 3]"},    {"size_px", "[1e9, 5e8]"},
+      {"views", "0"},           {"frames", "-1"},
+      {"fill_pct", "101"},      {"triangles", "\"many\""},
+      {"vignetting", "[0, 7]"}, {"distance_sigma_pct", "-1"}};
   for (const auto& [key, value] : wrong) {
     write();
     put(key, value);

@@ -119,6 +119,26 @@ TEST(SweepPlan, MoreOverlapTakesMoreViews) {
             1.5 * static_cast<double>(plan_sweep(task_of(180, 120, 0.05))->views.size()));
 }
 
+TEST(SweepPlan, SoManyViewsCoverALowerFieldOfTheSameWidth) {
+  SweepTask task = task_of(270, 180, 0.1);
+  const auto whole = plan_sweep(task);
+  ASSERT_TRUE(whole);
+  EXPECT_DOUBLE_EQ(whole->field_tilt_rad, task.field_tilt_rad);
+  task.most_views = static_cast<int>(whole->views.size()) - 6;
+  const auto fewer = plan_sweep(task);
+  ASSERT_TRUE(fewer);
+  EXPECT_LE(static_cast<int>(fewer->views.size()), task.most_views);
+  EXPECT_GT(fewer->field_tilt_rad, 60 * kRad);
+  SweepTask lower = task;
+  lower.field_tilt_rad = fewer->field_tilt_rad;
+  EXPECT_EQ(missed(lower, *fewer, 1), 0);
+  EXPECT_NEAR(fewer->covered_share, std::sin(0.5 * fewer->field_tilt_rad), 0.12);
+  task.most_views = 2;
+  EXPECT_FALSE(plan_sweep(task));
+  task.most_views = static_cast<int>(whole->views.size());
+  EXPECT_EQ(plan_sweep(task)->views.size(), whole->views.size());
+}
+
 TEST(SweepPlan, RefusesValuesOutOfRange) {
   for (const SweepTask& task : {task_of(0, 90, 0.1), task_of(361, 90, 0.1), task_of(90, 181, 0.1),
                                 task_of(90, 90, 0.95), task_of(90, 90, -0.1)}) {

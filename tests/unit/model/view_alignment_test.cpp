@@ -54,6 +54,17 @@ TEST(ViewAlignment, OneWrongAngleIsFoundAndMended) {
     }
 }
 
+/// No unit errs so: something else is wrong, and turns would only hide it.
+TEST(ViewAlignment, WhereMostViewsWouldTurnNoneDoes) {
+  std::vector<ScanView> views = noisy_box();
+  for (std::size_t i = 0; i < views.size(); ++i)
+    turn(Vector3d(i % 2 == 0 ? 1.5 : -1.5, 0, i % 3 == 0 ? 1.5 : -1.5) * kDeg, views[i]);
+  const Alignment result = aligned(views);
+  EXPECT_TRUE(result.refused);
+  EXPECT_GT(result.median_turn_rad, 0.5 * kDeg);
+  for (const ViewAgreement& view : result.views) EXPECT_EQ(view.turn_rad, Vector3d::Zero());
+}
+
 TEST(ViewAlignment, PeopleTurnNoView) {
   std::vector<ScanView> views = noisy_box();
   for (const std::size_t i : {3U, 14U, 25U, 36U})

@@ -99,6 +99,15 @@ TEST_F(TrackerPosesTest, PicturesOfAnotherSizeAreLeftOut) {
   EXPECT_TRUE(pose_at(0.14, 0.2, Image<Rgb8>({64, 48})).ok());
 }
 
+TEST_F(TrackerPosesTest, AFisheyeThatGivesNoPictureIsLostAndSaid) {
+  ASSERT_TRUE(pose_at(0, 0).ok());
+  Capture without;
+  without.mid_exposure = at(0.2), without.time_s = 0.2;
+  without.set_status(capture::Stream::kFisheye, capture::StreamStatus::kMissing);
+  EXPECT_EQ(poses_->pose_of(without).loss, PoseLoss::kNoPicture);
+  EXPECT_TRUE(pose_at(0.3, 0.3).ok()) << "it is back";
+}
+
 TEST_F(TrackerPosesTest, OnePictureIsTrackedOnce) {
   ASSERT_TRUE(pose_at(0, 0).ok());
   // The same stamp with a covered picture: it is not looked at again.

@@ -36,7 +36,7 @@ struct Keyed {
     const render::Tables tables = render::make_tables(setup);
     render::FramePreparer preparer(setup);
     preparer.update({});
-    render::cpu::KeyScratch scratch(kKeyView);
+    render::cpu::KeyScratch scratch(kKeyView, tables.tof_footprint_px);
     matte.reset(kKeyView, 77);
     Crew crew(2);
     render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,
@@ -115,6 +115,35 @@ TEST(Key, unknown_depth_beside_a_person_is_decided_by_colour) {
   EXPECT_TRUE(k.is_person(36, 32));
   EXPECT_FALSE(k.is_person(44, 32));
   EXPECT_NEAR(k.w.at(36, 32), 0.5F, 1e-3F) << "takes the depth of the person beside it";
+}
+
+TEST(Key, refined_matte_is_half_where_a_pixel_is_half_a_person) {
+  Keyed k;
+  k.person(16, 0, 40, 64);
+  k.paint(16, 0, 40, 64, kShirt);
+  const Rgbf half{(kWall.r + kShirt.r) / 2, (kWall.g + kShirt.g) / 2, (kWall.b + kShirt.b) / 2};
+  k.paint(40, 0, 41, 64, half);
+  k.run();
+  // Colour is a line of the matte; its square root is bent, by 0.1 at most here.
+  EXPECT_NEAR(k.matte.at(40, 32) / 255.0, 0.5, 0.2);
+  EXPECT_GT(k.matte.at(38, 32), 230);
+  EXPECT_LT(k.matte.at(43, 32), 26);
+  k.setup.key.refine = false;
+  k.person(16, 0, 40, 64);
+  k.run();
+  EXPECT_TRUE(k.matte.at(40, 32) == 0 || k.matte.at(40, 32) == 255) << "votes are nearly binary";
+}
+
+TEST(Key, what_is_measured_nearer_is_kept_where_the_background_has_no_depth) {
+  Keyed k;
+  k.person(16, 16, 48, 48);
+  k.paint(16, 16, 48, 48, kShirt);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 64; ++x) k.depth.at(x, y) = 0;
+  k.person(38, 30, 42, 34, 1.2F);
+  k.run();
+  EXPECT_TRUE(k.is_person(40, 32));
+  EXPECT_NEAR(1 / k.w.at(40, 32), 1.2, 1e-3) << "not the mean depth of the person around";
 }
 
 TEST(Key, unknown_depth_far_from_people_is_nobody) {

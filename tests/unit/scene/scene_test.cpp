@@ -113,6 +113,10 @@ TEST(Scene, NamesWhereThePoseComesFrom) {
   EXPECT_EQ(mocap->camera.mocap.constellation, "s/camera.toml");
   EXPECT_FALSE(mocap->camera.mocap.y_up);
   EXPECT_DOUBLE_EQ(mocap->camera.mocap.delay_s, 0.03);
+
+  const auto tracker = scene_of("pose = \"tracker\"\npredict = \"both\"\n");
+  ASSERT_TRUE(tracker) << tracker.error().context;
+  EXPECT_EQ(tracker->camera.predict, Predict::kBoth);
 }
 
 TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
@@ -128,6 +132,8 @@ TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
        "[0, 0, 0] }\n",
        "belongs to pose = \"fixed\""},
       {"pose = \"recorded\"\ndelay_ms = 3\n", "belongs to pose = \"mocap\""},
+      {"pose = \"pan_tilt\"\npredict = \"head\"\n", "belongs to pose = \"tracker\""},
+      {"pose = \"tracker\"\npredict = \"fast\"\n", "use one of \"velocity\", \"head\", \"both\""},
       {"pose = \"fixed\"\n", "key \"camera.world_from_target\": missing"},
       {"pose = \"recorded\"\ntime_offset_s = 1.0\n", "needs a trajectory"},
       {"pose = \"recorded\"\ntrajectory = \"a\"\ntime_offset_s = nan\n", "camera.time_offset_s"},

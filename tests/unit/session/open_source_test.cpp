@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temporary_folder.h"
+
 namespace mixrig::session {
 namespace {
 
@@ -29,6 +31,35 @@ TEST(UsedBy, LeavesOutTheFisheye) {
   EXPECT_EQ(used.pan_tilt_uri, rig.pan_tilt_uri) << "a fixed pose watches it";
   EXPECT_EQ(used.trigger_uri, rig.trigger_uri) << "it fires the depth camera";
   EXPECT_EQ(used.edges_uri, rig.edges_uri);
+}
+
+TEST(UsedBy, TheTrackerNeedsTheFisheyeAndTheHeadOnlyToPredictByIt) {
+  live::RigConfig rig = whole_rig();
+  rig.cameras.emplace_back().name = "side";
+  scene::Scene scene;
+  scene.pose_source = scene::PoseSource::kTracker;
+  const live::RigConfig used = used_by(scene, rig);
+  ASSERT_EQ(used.cameras.size(), 2U);
+  EXPECT_EQ(used.cameras[1].name, "fisheye");
+  EXPECT_EQ(used.pan_tilt_uri, "");
+  scene.camera.predict = scene::Predict::kHead;
+  EXPECT_EQ(used_by(scene, rig).pan_tilt_uri, rig.pan_tilt_uri);
+}
+
+TEST(OpenRig, ATrackerWithoutItsFisheyeIsRefused) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("rig.toml",
+                                 "format = 1\nname = \"r\"\n[[camera]]\nname = \"target\"\nuri = "
+                                 "\"take:none/color\"\n[depth]\nuri = \"take:none/depth\"\n");
+  scene::Scene scene;
+  scene.pose_source = scene::PoseSource::kTracker;
+  std::atomic<bool> stop = false;
+  SystemClock clock;
+  const auto refused = open_rig(file, scene, stop, clock);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kFormat);
+  EXPECT_NE(refused.error().context.find("\"fisheye\""), std::string::npos)
+      << refused.error().context;
 }
 
 TEST(UsedBy, LeavesOutAHeadThatThePoseDoesNotDependOn) {

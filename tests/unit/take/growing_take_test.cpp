@@ -75,6 +75,61 @@ TEST(GrowingTake, WhatWasInterruptedIsNotInItAndIsWrittenAgain) {
             (std::vector{frame_of(1, 0.5), frame_of(2, 0.5), frame_of(5, 1.5), frame_of(6, 1.5)}));
 }
 
+/// Frames 40 ms apart whose fisheye was exposed 5 ms before every second one, and shown again.
+std::array<capture::Capture, 4> frames_with_fisheye(long begin_ms) {
+  using std::chrono::milliseconds;
+  std::array<capture::Capture, 4> frames;
+  for (int i = 0; i < 4; ++i) {
+    capture::Capture& frame = frames[static_cast<std::size_t>(i)];
+    frame = made_frame(i + 1);
+    frame.mid_exposure = HostTime(milliseconds(begin_ms + 40 * i));
+    frame.set_status(capture::Stream::kFisheye,
+                     i % 2 == 0 ? capture::StreamStatus::kFresh : capture::StreamStatus::kRepeated);
+    frame.fisheye.reset({9, 7}, {static_cast<std::uint8_t>(begin_ms + i / 2), 0, 0});
+    frame.fisheye_mid_exposure = HostTime(milliseconds(begin_ms + 80 * (i / 2) - 5));
+    frame.fisheye_counter = 50U + static_cast<unsigned>(i / 2);
+  }
+  return frames;
+}
+
+TEST(GrowingTake, GrowsWithItsFisheyeAndGoesOnAfterAnInterruption) {
+  using std::chrono::milliseconds;
+  const test::TemporaryFolder folder;
+  TakeInfo info = made_info();
+  info.has_poses = false;
+  info.fisheye.emplace().rate_hz = 12.5;
+  {
+    auto take = GrowingTake::open(folder / "sweep", info);
+    ASSERT_TRUE(take);
+    ASSERT_TRUE(take->append(frames_with_fisheye(1000), {0.5, 0}));
+  }
+  // The host was started again: its clock too.
+  auto take = GrowingTake::open(folder / "sweep", info);
+  ASSERT_TRUE(take) << take.error().context;
+  EXPECT_EQ(take->frames(), 4);
+  const auto later = frames_with_fisheye(7);
+  ASSERT_TRUE(take->append(std::span(later).first(2), {0.75, 0}));
+  ASSERT_TRUE(take->append(std::span(later).last(2), {0.75, 0}));
+  auto reader = TakeReader::open(folder / "sweep");
+  ASSERT_TRUE(reader) << reader.error().context;
+  ASSERT_TRUE(reader->info().fisheye);
+  EXPECT_EQ(reader->info().fisheye->count, 4);
+  EXPECT_EQ(reader->info().fisheye->rate_hz, 12.5);
+  capture::Capture frame;
+  for (int number = 1; number <= 8; ++number) {
+    SCOPED_TRACE(number);
+    ASSERT_TRUE(reader->read(number, frame));
+    EXPECT_EQ(frame.status_of(capture::Stream::kFisheye),
+              number % 2 == 1 ? capture::StreamStatus::kFresh : capture::StreamStatus::kRepeated);
+    const int picture = (number - 1) % 4 / 2, begin_ms = number <= 4 ? 1000 : 7;
+    EXPECT_EQ(frame.fisheye.at(2, 3).r, (begin_ms + picture) & 255);
+    EXPECT_EQ(frame.fisheye_counter, 50U + static_cast<unsigned>(picture));
+    EXPECT_EQ(frame.mid_exposure - frame.fisheye_mid_exposure,
+              number % 2 == 1 ? milliseconds(5) : milliseconds(45));
+  }
+  EXPECT_EQ(frame.mid_exposure, HostTime(milliseconds(1000 + 3 * 40 + 1000 + 3 * 40)));
+}
+
 TEST(GrowingTake, FramesThatCannotBeWrittenLeaveItAsItWas) {
   const test::TemporaryFolder folder;
   GrowingTake take = opened(folder / "sweep");

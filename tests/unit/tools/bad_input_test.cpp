@@ -246,7 +246,7 @@ std::vector<Row> rows() {
       {"studio:wolk", "wolk"},
       {"studio:walk,x", "seed"},
       {"studio:walk,1,kinect2,9,64", "WxH"},
-      {"studio:walk,1,kinect2,9,64x48,1", "at most"}};
+      {"studio:walk,1,kinect2,9,64x48,64x48,1", "at most"}};
   for (const auto& [source, contains] : sources)
     all.push_back({"StudioSource",
                    nothing,

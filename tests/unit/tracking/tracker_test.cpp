@@ -57,6 +57,30 @@ TEST(Tracker, FollowsACameraWithoutDriftAndWithoutAllocation) {
   EXPECT_EQ(tracker.counts().searches, 1U);
 }
 
+TEST(Tracker, ARoomThatIsTooLargeIsInTheCovarianceWhereItsSigmaIsStated) {
+  constexpr double kTooLarge = 0.01;
+  const TexturedBox box;
+  model::Panorama room = box.panorama();
+  for (int y = 0; y < room.size().height; ++y)
+    for (int x = 0; x < room.size().width; ++x)
+      room.distance_m.row(y)[x] *= static_cast<float>(1 + kTooLarge);
+  Crew crew(2);
+  const geometry::Pose there = in_the_box({0.3, 0.4, -0.2}, {0, 0.1, 0.2});
+  const auto nees = [&](double sigma) {
+    TrackerOptions options = narrow_options();
+    options.start_radius_m = 0.8;
+    options.distance_sigma = sigma;
+    Tracker tracker(room, TexturedBox::camera(), options, crew);
+    const TrackedPose pose = tracker.track(box.picture(there, 2), 0);
+    EXPECT_TRUE(pose.known);
+    const Eigen::Vector3d off = pose.room_from_camera.translation_m - there.translation_m;
+    EXPECT_LT((off - kTooLarge * there.translation_m).norm(), 0.001) << "by its way from the scan";
+    return off.dot(pose.covariance.bottomRightCorner<3, 3>().ldlt().solve(off));
+  };
+  EXPECT_GT(nees(0), 20);
+  EXPECT_LT(nees(kTooLarge), 3);
+}
+
 TEST(Tracker, PredictsByConstantVelocity) {
   const TexturedBox box;
   Crew crew(2);

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/scene_edit.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "host/config/writer.h"
+#include "host/scene/scene_manifest.h"
+
+namespace mixrig::scene {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr int kLampDigits = 6, kObjectDigits = 7;
+
+Lines lines_of(std::string_view text) {
+  Lines lines;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    lines.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+std::string text_of_lines(const Lines& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + '\n';
+  return text;
+}
+
+/// The line without blanks around it and without a comment at its end.
+std::string_view bare(std::string_view line) {
+  line = line.substr(0, line.find('#'));
+  const auto from = line.find_first_not_of(" \t\r");
+  if (from == std::string_view::npos) return {};
+  return line.substr(from, line.find_last_not_of(" \t\r") - from + 1);
+}
+
+/// "[light]" of "[ light ] # ...": the header of a table, without blanks; else empty.
+std::string header_of(std::string_view line) {
+  const std::string_view text = bare(line);
+  if (text.size() < 3 || text.front() != '[' || text.back() != ']') return {};
+  std::string header;
+  for (const char c : text) {
+    if (c == ',' || c == '=') return {};  // an array's row
+    if (c != ' ' && c != '\t') header += c;
+  }
+  return header;
+}
+
+/// The key that a line sets, or empty.
+std::string_view key_of(std::string_view line) {
+  const auto equals = line.find('=');
+  return equals == std::string_view::npos ? std::string_view{} : bare(line.substr(0, equals));
+}
+
+/// Lines [begin, end) of a table; comments and blank lines before the next header are not in it.
+struct Block {
+  std::size_t begin = 0, end = 0;
+};
+
+std::vector<Block> blocks_of(const Lines& lines, std::string_view header) {
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (header_of(lines[i]) != header) continue;
+    std::size_t end = i + 1;
+    while (end < lines.size() && header_of(lines[end]).empty()) ++end;
+    while (end > i + 1 && bare(lines[end - 1]).empty()) --end;
+    blocks.push_back({i, end});
+  }
+  return blocks;
+}
+
+template <typename Vector>
+std::vector<double> rounded_numbers(const Vector& v, int digits) {
+  std::vector<double> values;
+  for (int i = 0; i < v.size(); ++i) values.push_back(config::rounded(v[i], digits));
+  return values;
+}
+
+Lines lamp_lines(const Lamp& lamp) {
+  config::Writer table;
+  table.set("name", lamp.name);
+  table.set("position_m", rounded_numbers(lamp.position_m, kLampDigits));
+  if (lamp.direction) table.set("direction", rounded_numbers(*lamp.direction, kLampDigits));
+  table.set("size_m", rounded_numbers(lamp.size_m, kLampDigits));
+  table.set("intensity", rounded_numbers(lamp.intensity, kLampDigits));
+  Lines lines{"[[light.lamp]]"};
+  for (std::string& line : lines_of(table.text())) lines.push_back(std::move(line));
+  return lines;
+}
+
+std::string number_line(std::string_view key, std::span<const double> values) {
+  config::Writer table;
+  table.set(key, values);
+  std::string text = table.text();
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+/// Sets a key of a table that is written on one line.
+void set_line(Lines& lines, const Block& block, std::string_view key, const std::string& line) {
+  for (std::size_t i = block.begin + 1; i < block.end; ++i)
+    if (key_of(lines[i]) == key) {
+      lines[i] = line;
+      return;
+    }
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1, line);
+}
+
+Error cannot_edit(const std::filesystem::path& path, const std::string& what) {
+  return {ErrorCode::kFormat, path.string() + ": " + what};
+}
+
+}  // namespace
+
+Result<std::string> with_lamps(std::string_view text, const std::filesystem::path& path,
+                               std::span<const Lamp> lamps,
+                               const std::optional<Eigen::Vector3f>& ambient) {
+  MIXRIG_TRY(parse_scene(text, path, false));
+  Lines lines = lines_of(text);
+  const auto old = blocks_of(lines, "[[light.lamp]]");
+  std::size_t at = old.empty() ? lines.size() : old.front().begin;
+  for (auto block = old.rbegin(); block != old.rend(); ++block) {
+    std::size_t end = block->end;
+    if (end < lines.size() && lines[end].empty()) ++end;  // the blank line after it
+    lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(block->begin),
+                lines.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  auto light = blocks_of(lines, "[light]");
+  if (light.empty() && ambient) {
+    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at), {"[light]", ""});
+    light = blocks_of(lines, "[light]"), at += 2;
+  }
+  const std::size_t before = lines.size();
+  if (ambient)
+    set_line(lines, light.front(), "ambient",
+             number_line("ambient", rounded_numbers(*ambient, kLampDigits)));
+  if (old.empty() && !light.empty())
+    at = blocks_of(lines, "[light]").front().end;
+  else if (!light.empty() && light.front().begin < at)
+    at += lines.size() - before;
+  Lines added;
+  if (at > 0 && at <= lines.size() && !lines[at - 1].empty()) added.emplace_back();
+  for (const Lamp& lamp : lamps) {
+    for (std::string& line : lamp_lines(lamp)) added.push_back(std::move(line));
+    added.emplace_back();
+  }
+  if (at >= lines.size() && !added.empty() && added.back().empty()) added.pop_back();
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(std::min(at, lines.size())),
+               added.begin(), added.end());
+  std::string edited = text_of_lines(lines);
+  const auto check = parse_scene(edited, path, false);
+  if (!check || check->light.lamps.size() != lamps.size())
+    return cannot_edit(path,
+                       "its light cannot be changed: write [light] and [[light.lamp]] as "
+                       "tables of their own, and ambient on one line");
+  return edited;
+}
+
+Result<std::string> with_object_pose(std::string_view text, const std::filesystem::path& path,
+                                     const std::string& name,
+                                     const geometry::Pose& world_from_object) {
+  MIXRIG_ASSIGN(const Scene scene, parse_scene(text, path, false));
+  std::string names;
+  std::size_t index = scene.objects.size();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    names += (i == 0 ? "" : ", ") + scene.objects[i].name;
+    if (scene.objects[i].name == name && index == scene.objects.size()) index = i;
+  }
+  if (index == scene.objects.size())
+    return Error{ErrorCode::kUsage, path.string() + ": has no object \"" + name + "\": it has " +
+                                        (names.empty() ? "none" : names)};
+  Lines lines = lines_of(text);
+  const auto blocks = blocks_of(lines, "[[object]]");
+  const std::string refused =
+      "its objects cannot be changed: write each as a table [[object]], "
+      "with position_m and rotation_xyzw on one line";
+  if (blocks.size() != scene.objects.size()) return cannot_edit(path, refused);
+  const Block block = blocks[index];
+  const auto remove =
+      std::remove_if(lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1,
+                     lines.begin() + static_cast<std::ptrdiff_t>(block.end),
+                     [](const std::string& line) { return key_of(line) == "yaw_deg"; });
+  const auto end = lines.begin() + static_cast<std::ptrdiff_t>(block.end);
+  const auto removed = static_cast<std::size_t>(end - remove);
+  lines.erase(remove, end);
+  const Block left{block.begin, block.end - removed};
+  set_line(lines, left, "rotation_xyzw",
+           number_line("rotation_xyzw",
+                       rounded_numbers(Eigen::Vector4d(world_from_object.rotation.coeffs()),
+                                       kObjectDigits)));
+  set_line(
+      lines, {left.begin, left.end + 1}, "position_m",
+      number_line("position_m", rounded_numbers(world_from_object.translation_m, kObjectDigits)));
+  std::string edited = text_of_lines(lines);
+  const auto check = parse_scene(edited, path, false);
+  if (!check || check->objects.size() != scene.objects.size() ||
+      (check->objects[index].world_from_object.translation_m - world_from_object.translation_m)
+              .norm() > 1e-4)
+    return cannot_edit(path, refused);
+  return edited;
+}
+
+}  // namespace mixrig::scene

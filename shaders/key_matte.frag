@@ -1,0 +1,55 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass key: the matte as it is used, refined where votes decide, and the depth that follows from it.
+//   voted, band  of key_decide.frag and key_fill.frag, and of key_band.frag
+//   state, counts  of key_state.frag and key_speckles.frag
+//   plate        linear light
+//   line         of key_lines.frag, bilinear over the centres of tiles
+//   w            1/m, sign aside; 0 unknown
+//   matte        people, 0..1
+//   visible_w    of the visible real surface, 1/m, 0 unknown
+#include "common/precision.glsl"
+#include "common/constants.glsl"
+#include "common/key.glsl"
+layout(binding = 0) uniform sampler2D voted;
+layout(binding = 1) uniform sampler2D band;
+layout(binding = 2) uniform sampler2D state;
+layout(binding = 3) uniform sampler2D counts;
+layout(binding = 4) uniform sampler2D plate;
+layout(binding = 5) uniform sampler2D line;
+layout(binding = 6) uniform sampler2D w;
+uniform bool refine;
+uniform int tile_px;
+layout(location = 0) out float matte;
+layout(location = 1) out float visible_w;
+
+vec4 line_at(ivec2 at) {
+  vec2 uv = max((vec2(at) + 0.5) / float(tile_px) - 0.5, 0.0);
+  ivec2 i = ivec2(uv), j = min(i + 1, textureSize(line, 0) - 1);
+  vec2 f = uv - vec2(i);
+  vec4 above = mix(texelFetch(line, i, 0), texelFetch(line, ivec2(j.x, i.y), 0), f.x);
+  vec4 below = mix(texelFetch(line, ivec2(i.x, j.y), 0), texelFetch(line, j, 0), f.x);
+  return mix(above, below, f.y);
+}
+
+float refined(ivec2 at) {
+  vec4 l = line_at(at);
+  float share = dot(l.rgb, sqrt(texelFetch(plate, at, 0).rgb)) + l.a;
+  return floor(255.0 * clamp(0.5 + matte_gain * (share - 0.5), 0.0, 1.0) + 0.5) / 255.0;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
+  vec4 near = texelFetch(band, block, 0);
+  matte = texelFetch(voted, at, 0).r;
+  float measured = abs(texelFetch(w, at, 0).r);
+  visible_w = measured;
+  if ((int(near.x) & 4) == 0) return;
+  if (refine) matte = refined(at);
+  int s = to_state(texelFetch(state, at, 0).r);
+  bool dropped = (int(texelFetch(counts, block, 0).w) & 4) != 0;
+  bool is_foreground = s == foreground && !dropped, is_person = matte > 0.0;
+  // What is known and nearer is kept in doubt: virtual objects must not cover it.
+  if (is_person != is_foreground)
+    visible_w = !is_person ? 0.0 : s == doubt ? max(measured, near.y) : near.y;
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// A room is learned from the pictures of a swinging camera, which is then found in it: in the same
+// take, on another day, after the lens was covered, and not in another room. Maps that the
+// motion does not let join are refused.
+#include "host/image_io/image_io.h"
+#include "tests/e2e/command.h"
+
+namespace mixrig::test {
+namespace {
+
+class LearnedRun : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    ASSERT_EQ(mixrig("studio " + path("take") + kRig + " --frames 120 --size 320x256"), 0);
+  }
+
+  int learn(const std::string& camera) const {
+    return mixrig("learn --take " + path("take") + kCalibrated +
+                  path("take/truth/calibration.toml") + " --camera " + camera + " " +
+                  path(camera + "_map") + " --json " + path(camera + ".json"));
+  }
+  std::string track_words(const std::string& take, const std::string& json) const {
+    return "track --map " + path("fisheye_map") + " --take " + path(take) + kCalibrated +
+           path("take/truth/calibration.toml") + " " + path(json + ".tum") + " --json " +
+           path(json);
+  }
+  /// A copy of a take with other pictures of the fisheye.
+  template <typename Change>
+  void copy_take(const std::string& from, const std::string& to, Change&& change) const {
+    std::filesystem::copy(path(from), path(to), std::filesystem::copy_options::recursive);
+    int number = 0;
+    for (;; ++number) {
+      char name[32];
+      std::snprintf(name, sizeof name, "/fisheye/%06d.png", number + 1);
+      Image<Rgb8> picture;
+      if (!std::filesystem::exists(path(to + name))) break;
+      ASSERT_TRUE(image_io::read_rgb8(path(to + name), picture));
+      change(number, picture);
+      ASSERT_TRUE(image_io::write_png(path(to + name), picture.view()));
+    }
+    ASSERT_GT(number, 10);
+  }
+
+  /// What the command says where it must fail.
+  std::string refusal(const std::string& words) const {
+    const std::string line =
+        std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";
+    EXPECT_NE(std::system(line.c_str()), 0) << words;
+    std::ifstream file(path("refusal"));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  void check_another_day() const;
+  void check_another_room() const;
+  void check_join() const;
+
+  static constexpr const char* kRig =
+      " --scenario pendulum --rig sr3000 --seed 34 --plain --fisheye --fisheye-size 320x256";
+  static constexpr const char* kCalibrated = " --calibration ";
+};
+
+void cover(int number, Image<Rgb8>& picture) {
+  if (number >= 6 && number < 9) picture.fill({});
+}
+
+/// The room in a mirror is another room.
+void mirror(int, Image<Rgb8>& picture) {
+  for (int y = 0; y < picture.height(); ++y)
+    std::reverse(picture.row(y), picture.row(y) + picture.width());
+}
+
+/// Other light, another person more, the chair elsewhere; then the lens is covered for a while.
+void LearnedRun::check_another_day() const {
+  ASSERT_EQ(mixrig("studio " + path("day") + kRig +
+                   " --frames 60 --size 160x128 --moved-chair --lamps 0.5 --crowd 1"),
+            0);
+  ASSERT_EQ(mixrig(track_words("day", "day.json")), 0);
+  EXPECT_LT(report("day.json").at("lost_pct").get<double>(), 10);
+  EXPECT_LT(report("day.json").at("rms_mm").get<double>(), 8);
+  copy_take("day", "covered", cover);
+  ASSERT_EQ(mixrig(track_words("covered", "covered.json")), 0);
+  const auto covered = report("covered.json");
+  const double black_pct = 100 * 3.0 / covered.at("frames").get<double>();
+  EXPECT_GE(covered.at("lost_pct").get<double>(), black_pct - 1e-9);
+  EXPECT_LT(covered.at("lost_pct").get<double>(), black_pct + 15);
+  EXPECT_LT(covered.at("rms_mm").get<double>(), 8);
+}
+
+void LearnedRun::check_another_room() const {
+  copy_take("day", "mirrored", mirror);
+  const std::string said = refusal(track_words("mirrored", "mirrored.json"));
+  EXPECT_NE(said.find("explains none of its pictures"), std::string::npos) << said;
+  EXPECT_FALSE(std::filesystem::exists(path("mirrored.json.tum")));
+}
+
+/// A pendulum turns about one axis: maps of its two cameras cannot be joined, and that is said.
+void LearnedRun::check_join() const {
+  ASSERT_EQ(learn("target"), 0);
+  const std::string said = refusal("align --join " + path("joined") + " " + path("target_map") +
+                                   " " + path("fisheye_map"));
+  EXPECT_NE(said.find("turn about one axis only"), std::string::npos) << said;
+  EXPECT_FALSE(std::filesystem::exists(path("joined")));
+}
+
+TEST_F(LearnedRun, TheCameraIsFoundInALearnedRoom) {
+  ASSERT_EQ(learn("fisheye"), 0);
+  const auto learned = report("fisheye.json");
+  EXPECT_EQ(learned.at("poses"), learned.at("pictures"));
+  EXPECT_EQ(learned.at("scale"), "metric");
+  EXPECT_LT(learned.at("rms_similarity_pct").get<double>(), 0.6);
+  EXPECT_LT(std::abs(learned.at("scale_error_pct").get<double>()),
+            3 * learned.at("scale_sigma_pct").get<double>());
+  ASSERT_EQ(mixrig(track_words("take", "same.json")), 0);
+  EXPECT_EQ(report("same.json").at("lost_pct"), 0);
+  EXPECT_LT(report("same.json").at("rms_mm").get<double>(), 4);
+  check_another_day();
+  check_another_room();
+  check_join();
+}
+
+}  // namespace
+}  // namespace mixrig::test

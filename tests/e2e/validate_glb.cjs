@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Khronos' glTF validator (package gltf-validator of the npm registry) says of a file, as JSON.
+// usage: node validate_glb.cjs FOLDER FILE   FOLDER: node_modules/gltf-validator
+const fs = require('fs');
+const path = require('path');
+const [folder, file] = process.argv.slice(2);
+const validator = require(path.resolve(folder));
+validator.validateBytes(new Uint8Array(fs.readFileSync(file)), {maxIssues: 0}).then(
+    (report) => console.log(JSON.stringify(report, null, 1)),
+    (error) => { console.error(String(error)); process.exit(1); });
