@@ -14,6 +14,8 @@ constexpr float kLongestStreak_s = 1, kLeastAgainst_s = 0.2F, kMostAgainstPart =
 constexpr float kBeyondPart = 0.7F, kTherePart = 0.4F;
 /// Time over which the unrest of a cell is averaged.
 constexpr double kUnrest_s = 4;
+/// Time over which its depth is averaged before.
+constexpr double kSway_s = 0.6;
 /// Metres around the room's surfaces that still belong to it.
 constexpr double kRoomMargin_m = 0.3;
 
@@ -59,12 +61,18 @@ void ChangeCells::add(const FrameSight& sight, double dt_s) {
     }
 }
 
-/// What moves by less than a step is still the same, and no thing.
+/// What moves by less than a step is still the same, and no thing. Noise is averaged out first: who
+/// stands sways slower than that.
 void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
-  const float share = std::min(static_cast<float>(dt_s / kUnrest_s), 1.0F);
-  const float from_mean_m = off_m - cell.mean_m;
+  const auto share_of = [dt_s](double time_s) {
+    return std::min(static_cast<float>(dt_s / time_s), 1.0F);
+  };
+  if (cell.weight == 0) cell.smooth_m = cell.mean_m = off_m;
+  cell.smooth_m += share_of(kSway_s) * (off_m - cell.smooth_m);
+  const float share = share_of(kUnrest_s), from_mean_m = cell.smooth_m - cell.mean_m;
   cell.mean_m += share * from_mean_m;
   cell.variance_m2 = (1 - share) * (cell.variance_m2 + share * from_mean_m * from_mean_m);
+  cell.weight += share * (1 - cell.weight);
 }
 
 /// What hides a cell says nothing about it.

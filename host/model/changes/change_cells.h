@@ -21,10 +21,11 @@ struct ChangeCell {
   float against_s = 0;               ///< in which they did not
   float streak_s = 0;                ///< of that since they last agreed
   double first_s = 0, seen_s = 0;
-  float mean_m = 0, variance_m2 = 0;  ///< of measured z less that of the point, lately
-  int points = 0;                     ///< averaged in point_m
-  int change = 0;                     ///< number of the change that it belongs to; 0: none
-  int slot = -1;                      ///< where in the grid; -1: not in use
+  float smooth_m = 0;  ///< measured z less that of the point, averaged over a moment
+  float mean_m = 0, variance_m2 = 0, weight = 0;  ///< of smooth_m, lately; less than 1: since it is
+  int points = 0;                                 ///< averaged in point_m
+  int change = 0;  ///< number of the change that it belongs to; 0: none
+  int slot = -1;   ///< where in the grid; -1: not in use
 };
 
 /// Grid of one kind of evidence. Memory is constant: at most kMostVoxels of at least

@@ -21,7 +21,7 @@ constexpr int kFewestRipe = 10;
 /// Parts of one thing lie no further from each other.
 constexpr double kOneThing_m = 0.25;
 /// A depth's own noise, smoothed by the warp, moves a thing by less than this part of its sigma.
-constexpr double kNoisePart = 0.5;
+constexpr double kNoisePart = 0.25;
 /// Numbers of cells of what appeared and of what is gone, of one thing seen from two sides.
 constexpr double kMostSizeRatio = 3;
 constexpr double kFarthestMove_m = 6;
@@ -120,7 +120,10 @@ int RoomWatch::count_ripe(const ChangeCells& evidence, double least_s) const {
 
 double RoomWatch::unrest_m(const ChangeCells& evidence) {
   values_.clear();
-  for (const std::size_t i : members_) values_.push_back(evidence.cells()[i].variance_m2);
+  for (const std::size_t i : members_) {
+    const ChangeCell& cell = evidence.cells()[i];
+    values_.push_back(cell.weight > 0 ? cell.variance_m2 / cell.weight : 0);
+  }
   return std::sqrt(double{upper_median_in_place(std::span(values_))});
 }
 

@@ -23,7 +23,7 @@ struct WatchOptions {
   double color_s = 20;     ///< so do their shadows
   double lights_s = 2;
   /// What moves by more, root mean square, or by a quarter of the sigma of a depth, is no thing.
-  double still_m = 0.004;
+  double still_m = 0.002;
 };
 
 /// The same with all times but that of lights in proportion to that of what appeared.
