@@ -71,6 +71,7 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
     root_ = mkdtemp(pattern.data());
     options_.changes.watch = model::watch_options(kSettle_s);
     options_.changes.requests = &requests_;
+    options_.watch_room = true;
   }
   ~RoomKeeperTest() override { fs::remove_all(root_); }
 
