@@ -44,7 +44,7 @@ TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   EXPECT_LE(error.at("light_shadow_rmse").get<double>(), kMostShadowRmse);
   EXPECT_LE(error.at("depth_bad_pct").get<double>(), 6.0);
 #ifndef __SANITIZE_ADDRESS__  // its shadow memory counts too
-  EXPECT_LE(report.at("rss_mb").get<double>(), 410.0);
+  EXPECT_LE(report.at("rss_mb").get<double>(), 400.0);
 #endif
   EXPECT_GT(report.at("foreground_pct").at("max").get<double>(), 1.0);
   const std::vector<double> foreground_pct = column(path("out") + "/frames.csv", 4);
