@@ -45,22 +45,11 @@ Due due_of(const fs::path& folder) {
   return due;
 }
 
-class TrackedRig : public CommandTest {
+class TrackedRig : public TrackedTake {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    const std::string rig = " --rig sr3000 --seed 33 --plain --size 160x128";
-    ASSERT_EQ(mixrig("studio " + path("sweep") +
-                     " --scenario sweep --field 150x100 --view-frames 1" + rig),
-              0);
-    ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
-                     path("sweep/truth/calibration.toml") + " " + path("room")),
-              0);
-    ASSERT_EQ(mixrig("studio " + path("take") +
-                     " --scenario handheld --eye 1.2,2.1,1.4 --look-at 3.2,2.1,0.5 --frames 40"
-                     " --fisheye --fisheye-size 320x256" +
-                     rig),
-              0);
+    ASSERT_NO_FATAL_FAILURE(make_room_and_take(40));
     std::string scene = tracker_scene(path("take"), path("room"), world_from_base(path("sweep")));
     scene.insert(scene.find("pose = \"tracker\""), "when_lost = \"hide\"\n");
     std::ofstream(path("take/scene_tracker.toml")) << scene;

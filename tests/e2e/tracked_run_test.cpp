@@ -10,23 +10,13 @@
 namespace mixrig::test {
 namespace {
 
-class TrackedRun : public CommandTest {
+class TrackedRun : public TrackedTake {
  protected:
   static constexpr int kFrames = 30;
 
   void SetUp() override {
     CommandTest::SetUp();
-    const std::string rig = " --rig sr3000 --seed 33 --plain --size 160x128";
-    ASSERT_EQ(mixrig("studio " + path("sweep") +
-                     " --scenario sweep --field 150x100 --view-frames 1" + rig),
-              0);
-    ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
-                     path("sweep/truth/calibration.toml") + " " + path("room")),
-              0);
-    ASSERT_EQ(mixrig("studio " + path("take") +
-                     " --scenario handheld --eye 1.2,2.1,1.4 --look-at 3.2,2.1,0.5 --frames " +
-                     std::to_string(kFrames) + " --fisheye --fisheye-size 320x256" + rig),
-              0);
+    ASSERT_NO_FATAL_FAILURE(make_room_and_take(kFrames));
   }
 
   /// What the command says where it must fail.
