@@ -207,7 +207,8 @@ class Judge {
       met.push_back(*surface), sum += surface->position_m;
     }
     if (met.empty()) return false;
-    lamp.position_m = sum / static_cast<double>(met.size());
+    const Vector3d mean_m = sum / static_cast<double>(met.size());
+    lamp.position_m = mean_m;
     c.normal = met[met.size() / 2].normal;
     // The middle of the area, as where it is triangulated.
     Vector3d middle = Vector3d::Zero();
@@ -219,7 +220,7 @@ class Judge {
     if (spots > 0) lamp.position_m = middle / spots;
     Matrix3d scatter = std::pow(met.front().sigma_m + 5e-3, 2) * Matrix3d::Identity();
     for (const SurfacePoint& p : met) {
-      const Vector3d off = p.position_m - lamp.position_m;
+      const Vector3d off = p.position_m - mean_m;
       scatter += off * off.transpose() / static_cast<double>(met.size());
     }
     lamp.covariance = scatter, lamp.by_surface = true;

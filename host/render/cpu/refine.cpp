@@ -13,12 +13,11 @@ struct TileRange {
   int x0, y0, x1, y1;
 };
 
-/// Tiles of a block, and `reach` tiles around it.
-TileRange tiles_of(const RefineScratch& s, int bx, int by, int reach) {
+/// Tiles of a block.
+TileRange tiles_of(const RefineScratch& s, int bx, int by) {
   const int per_block = kBlockPx / s.tile_px;
-  return {std::max(0, bx * per_block - reach), std::max(0, by * per_block - reach),
-          std::min(s.tiles.width, (bx + 1) * per_block + reach),
-          std::min(s.tiles.height, (by + 1) * per_block + reach)};
+  return {bx * per_block, by * per_block, std::min(s.tiles.width, (bx + 1) * per_block),
+          std::min(s.tiles.height, (by + 1) * per_block)};
 }
 
 std::size_t index(const RefineScratch& s, int x, int y) {
@@ -110,14 +109,12 @@ RefineScratch::RefineScratch(Size view_size, float tof_footprint_px)
 
 void refine(Crew& crew, const Image<Rgbx16>& plate, const KeyScratch& key, RefineScratch& scratch,
             Image<std::uint8_t>& matte) {
-  // Neighbouring blocks share tiles: each row of tiles is found once, by the row of blocks it is
-  // in.
   const auto tiles_near = [&](int reach, auto&& visit) {
     crew.rows(key.blocks_size.height, 2, [&](int begin, int end) {
       for (int by = begin; by < end; ++by)
         for (int bx = 0; bx < key.blocks_size.width; ++bx) {
           if (!key.near_decided(bx, by, reach)) continue;
-          const TileRange r = tiles_of(scratch, bx, by, 0);
+          const TileRange r = tiles_of(scratch, bx, by);
           for (int y = r.y0; y < r.y1; ++y)
             for (int x = r.x0; x < r.x1; ++x) visit(x, y);
         }
