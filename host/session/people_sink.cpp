@@ -26,6 +26,11 @@ PeopleSink::PeopleSink(const std::filesystem::path& folder, const plan::PeopleOp
 
 Result<void> PeopleSink::write(const output::CompositePtr& composite) {
   if (!composite->pose.ok()) return {};
+  if (!report_.first_pose) {
+    report_.first_pose = composite->world_from_target;
+    report_.view = composite->view;
+    report_.first_picture = composite->images.color;
+  }
   const HostTime begin = clock_.now();
   const std::span<const plan::Person> people =
       tracker_.add({composite->images.segmented_depth_m, composite->view,

@@ -40,6 +40,9 @@ struct PeopleReport {
   std::vector<PersonPath> people;  ///< in the order of their ids
   measure::QuantileSketch track_ms;
   std::optional<measure::PeopleErrors> error;  ///< where the true places are known
+  std::optional<geometry::Pose> first_pose;    ///< of the camera
+  geometry::Pinhole view;
+  Image<Rgb8> first_picture;
 };
 /// Without the places of the paths.
 nlohmann::json to_json(const PeopleReport& report);
@@ -57,7 +60,7 @@ class PeopleSink final : public output::CompositeSink {
                                                     PeopleReport& report);
   std::string_view name() const override { return "people"; }
   render::OutputMask wanted(int) const override {
-    return render::kSegmentedDepth | render::kMixedDepth;
+    return render::kSegmentedDepth | render::kMixedDepth | render::kColor;
   }
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/plan/people_tracker.h"
+#include "host/plan/placing.h"
 #include "host/session/people_sink.h"
 #include "host/session/run.h"
 #include "host/session/session.h"
@@ -18,14 +19,20 @@ struct PlanOptions {
   std::optional<FrameRange> frames;
   const std::atomic<bool>* stop = nullptr;
   plan::PeopleOptions people;
+  plan::Footprint box;  ///< of an object to find places for
+  int places = 0;       ///< so many
+  plan::PlacingOptions placing;
 };
 
 struct Plan {
   PeopleReport people;
+  double free_m2 = 0;  ///< of the floor that was seen
+  std::vector<plan::FreePlace> places;
 };
 
-/// Runs the session's key and writes OUT, whole or not at all: people.csv and report.json.
-/// Errors: those of run(); kUsage where the scene has nothing that keys people.
+/// Runs the session's key and writes OUT, whole or not at all: people.csv, report.json, paths.glb
+/// (lines, where anybody walked), plan.png and picture.png. Errors: those of run(); kData where no
+/// frame has a pose, or places are wanted and no floor was seen.
 Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock& clock,
                        const ProgressFn& progress);
 nlohmann::json to_json(const Plan& plan);
