@@ -55,9 +55,9 @@ FloorMap map_floor(std::span<const RoomPoint> points, double cell_m) {
   for (const RoomPoint& p : points)
     if (counts(p)) box.extend(p.at_m.head<2>());
   if (box.isEmpty()) return map;
-  map.corner_m = box.min().cast<double>().array() - cell_m;  // a row of unknown cells around
+  map.corner_m = box.min().cast<double>().array() - 1.5 * cell_m;  // unknown cells around
   const Eigen::Vector2i cells = (box.sizes() / static_cast<float>(cell_m)).cast<int>();
-  const Size size{cells.x() + 3, cells.y() + 3};
+  const Size size{cells.x() + 4, cells.y() + 4};
   map.top_m.reset(size, FloorMap::kUnknown);
   map.color.reset(size, Rgb8{255, 255, 255});
   std::vector<Cell> seen(static_cast<std::size_t>(size.area()));
