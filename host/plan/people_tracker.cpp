@@ -53,12 +53,12 @@ std::span<const Person> PeopleTracker::add(const SegmentedView& seen, double tim
   }
   clusters_ = finder_.find(seen, expected_);
   match(time_s, seen.world_from_view.translation_m);
-  std::erase_if(tracks_, [&](const Track& t) { return has_gone(t, seen, time_s); });
+  std::erase_if(tracks_, [&](Track& t) { return has_gone(t, seen, time_s); });
   drop_doubles();
   people_.clear();
   const double bias2 = options_.shape_sigma_m * options_.shape_sigma_m;
   for (Track& track : tracks_) {
-    if (!track.is_believed) continue;
+    if (!track.is_believed || (track.misses > 0 && !track.may_be_hidden)) continue;
     const Eigen::Vector2d velocity = track.state.tail<2>();
     const double share = std::min(1.0, velocity.norm() / kWalks_m_s);
     track.person.on_floor_m = track.state.head<2>() - share * kLean_m * velocity.stableNormalized();
@@ -165,23 +165,30 @@ void PeopleTracker::begin(int cluster, double time_s, const Eigen::Vector3d& eye
   tracks_.push_back(track);
 }
 
-/// Who is not seen has gone at once where nothing hides the place.
-bool PeopleTracker::has_gone(const Track& track, const SegmentedView& seen, double time_s) const {
-  if (track.misses == 0) return false;
-  if (!track.is_believed) return track.misses > 1;
-  bool may_be_hidden = false;
+/// Whether something nearer is seen where a person at this place would be.
+bool PeopleTracker::may_hide(const Eigen::Vector2d& place_m, const SegmentedView& seen) {
+  const geometry::Pose view_from_world = geometry::inverse(seen.world_from_view);
   for (const double height_m : kLookedAt_m) {
-    const Eigen::Vector3d at = geometry::inverse(seen.world_from_view) *
-                               Eigen::Vector3d(track.state.x(), track.state.y(), height_m);
+    const Eigen::Vector3d at =
+        view_from_world * Eigen::Vector3d(place_m.x(), place_m.y(), height_m);
     if (at.z() <= 0) continue;
     const Eigen::Vector2d px = seen.view.project(at);
     const int x = static_cast<int>(std::lround(px.x())), y = static_cast<int>(std::lround(px.y()));
     const Size size = seen.visible_m.size;
     if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
     const float z = seen.visible_m.at(x, y);
-    may_be_hidden |= z == 0 || z < at.z() - kHides_m;
+    if (z == 0 || z < at.z() - kHides_m) return true;
   }
-  return time_s - track.last_seen_s > (may_be_hidden ? options_.most_hidden_s : options_.left_s);
+  return false;
+}
+
+/// Who is not seen has gone soon where nothing hides the place.
+bool PeopleTracker::has_gone(Track& track, const SegmentedView& seen, double time_s) const {
+  if (track.misses == 0) return false;
+  if (!track.is_believed) return track.misses > 1;
+  track.may_be_hidden = may_hide(track.state.head<2>(), seen);
+  return time_s - track.last_seen_s >
+         (track.may_be_hidden ? options_.most_hidden_s : options_.left_s);
 }
 
 /// Two who are seen nearer to each other than bodies can be are one; the older track stays.

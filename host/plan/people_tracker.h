@@ -50,7 +50,8 @@ struct PeopleOptions {
 class PeopleTracker {
  public:
   explicit PeopleTracker(const PeopleOptions& options = {});
-  /// A frame at `time_s`, later than the one before. The people who are believed in.
+  /// A frame at `time_s`, later than the one before. The people who are believed in: those who are
+  /// seen, and those whom something nearer may hide.
   std::span<const Person> add(const SegmentedView& seen, double time_s);
   /// Of the last frame.
   std::span<const Cluster> clusters() const { return clusters_; }
@@ -64,6 +65,7 @@ class PeopleTracker {
     std::optional<double> half_width_m;  ///< of the trunk, where both sides were seen
     int hits = 0, misses = 0;
     bool is_believed = false;
+    bool may_be_hidden = false;  ///< in this frame, which does not see it
   };
   void predict(Track& track, double step_s) const;
   void update(Track& track, const BodyPlace& place) const;
@@ -72,7 +74,8 @@ class PeopleTracker {
   void match(double time_s, const Eigen::Vector3d& eye_m);
   BodyPlace place(const Track& track, std::size_t cluster, const Eigen::Vector3d& eye_m) const;
   void drop_doubles();
-  bool has_gone(const Track& track, const SegmentedView& seen, double time_s) const;
+  static bool may_hide(const Eigen::Vector2d& place_m, const SegmentedView& seen);
+  bool has_gone(Track& track, const SegmentedView& seen, double time_s) const;
 
   PeopleOptions options_;
   ClusterFinder finder_;

@@ -31,22 +31,29 @@ Result<void> PeopleSink::write(const output::CompositePtr& composite) {
     report_.view = composite->view;
     report_.first_picture = composite->images.color;
   }
+  const double time_s = time_of(*composite->capture);
   const HostTime begin = clock_.now();
   const std::span<const plan::Person> people =
       tracker_.add({composite->images.segmented_depth_m, composite->view,
                     composite->world_from_target, composite->images.mixed_depth_m},
-                   composite->capture->time_s);
+                   time_s);
   report_.track_ms.add(milliseconds(clock_.now() - begin));
   ++report_.frames;
   report_.most_at_once = std::max(report_.most_at_once, people.size());
-  for (const plan::Person& person : people) keep(person, *composite);
+  for (const plan::Person& person : people) keep(person, *composite, time_s);
   if (composite->true_people) judge(people, *composite);
   if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
   return {};
 }
 
-void PeopleSink::keep(const plan::Person& person, const output::Composite& composite) {
-  const double time_s = composite.capture->time_s;
+double PeopleSink::time_of(const capture::Capture& capture) {
+  if (last_time_s_ && capture.time_s <= *last_time_s_) shift_s_ += 1 / kAssumedRate_hz;
+  last_time_s_ = capture.time_s;
+  return capture.time_s + shift_s_;
+}
+
+void PeopleSink::keep(const plan::Person& person, const output::Composite& composite,
+                      double time_s) {
   const bool seen = person.sight != plan::Sight::kHidden;
   PersonPath& path = paths_[person.id];
   if (path.frames == 0) path.id = person.id, path.first_s = person.since_s;

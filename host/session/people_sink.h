@@ -51,6 +51,7 @@ nlohmann::json to_json(const PeopleReport& report);
 class PeopleSink final : public output::CompositeSink {
  public:
   static constexpr double kPathStep_m = 0.02;
+  static constexpr double kAssumedRate_hz = 25;  ///< of a take that does not know its times
   static constexpr const char* kTable = "people.csv";
 
   /// Writes kTable into `folder`, which must exist: a row for each person and frame. `report` is
@@ -68,13 +69,16 @@ class PeopleSink final : public output::CompositeSink {
  private:
   PeopleSink(const std::filesystem::path& folder, const plan::PeopleOptions& options,
              PeopleReport& report);
-  void keep(const plan::Person& person, const output::Composite& composite);
+  double time_of(const capture::Capture& capture);
+  void keep(const plan::Person& person, const output::Composite& composite, double time_s);
   void judge(std::span<const plan::Person> people, const output::Composite& composite);
 
   std::filesystem::path file_;
   std::ofstream table_;
   plan::PeopleTracker tracker_;
   SystemClock clock_;
+  std::optional<double> last_time_s_;  ///< of a capture, as it says
+  double shift_s_ = 0;                 ///< for frames without a time of their own
   std::map<int, PersonPath> paths_;
   std::vector<measure::PersonThere> there_;
   std::vector<measure::PersonFound> found_;
