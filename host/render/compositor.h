@@ -197,8 +197,8 @@ struct FrameOutput {
 /// Time of each stage of one frame, milliseconds; 0 for a stage that did not run.
 using StageTimes = std::array<float, static_cast<std::size_t>(Stage::kCount)>;
 
-/// Composites frames of one take. Not thread-safe; gles instances stay on the thread that made
-/// them.
+/// Composites frames of one take. Not thread-safe; gles instances stay on the thread of their first
+/// frame, and end there.
 class Compositor {
  public:
   /// Frames that may be submitted and not yet collected.

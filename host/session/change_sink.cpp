@@ -97,6 +97,7 @@ Result<void> ChangeSink::open() {
 
 /// The background that is in force, in the size of the watch.
 void ChangeSink::draw_background() {
+  drawn_.reset();  // no two of them at once
   // What is drawn is read here and not kept.
   Image<Rgbx8> color;  // of a still camera's view
   std::vector<render::BackgroundModel> models =

@@ -17,9 +17,9 @@
 
 namespace mixrig::session {
 
-/// Looks at every fifth frame, in a picture of 160 pixels across. write() and finish() on the
-/// thread of the sink; the rest as said. Memory is constant but for the frames that a change is
-/// learned from.
+/// Looks at each frame that it is given, of five about one, in a picture of 160 pixels across.
+/// write() and finish() on the thread of the sink; the rest as said. Memory is constant but for the
+/// frames that a change is learned from.
 class ChangeSink final : public output::CompositeSink {
  public:
   static constexpr int kFrameStep = 5;
@@ -34,9 +34,7 @@ class ChangeSink final : public output::CompositeSink {
                                                     const ChangeOptions& options);
 
   std::string_view name() const override { return "room changes"; }
-  render::OutputMask wanted(int number) const override {
-    return number % kFrameStep == 0 ? render::kMatte : 0;
-  }
+  render::OutputMask wanted(int /*number*/) const override { return render::kMatte; }
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override { return {}; }
 

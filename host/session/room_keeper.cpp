@@ -18,7 +18,9 @@ Result<void> RoomKeeper::open(const ChangeOptions& options, WorkGate* gate) {
 }
 
 Result<void> RoomKeeper::push(const output::CompositePtr& composite) {
-  if (sink_ == nullptr || sink_->wanted(composite->capture->number) == 0) return {};
+  const int number = composite->capture->number;
+  if (sink_ == nullptr || number < next_look_) return {};
+  next_look_ = number - number % ChangeSink::kFrameStep + ChangeSink::kFrameStep;
   MIXRIG_TRY(thread_->push(composite));
   if (!live_) thread_->wait_until_idle();
   return {};
@@ -33,15 +35,13 @@ Result<RoomKeeper::Next> RoomKeeper::make(std::shared_ptr<KeptBackground> backgr
 
 Result<void> RoomKeeper::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides) {
   if (sink_ == nullptr) return {};
-  const bool here = backend_of(compositor->whole()) == "gles";
   if (!making_.valid()) {
     auto learned = sink_->take_learned();
     if (!learned) return {};
-    making_ = std::async(here ? std::launch::deferred : std::launch::async, make,
-                         std::move(learned), session_.backend, hides);
+    making_ = std::async(std::launch::async, make, std::move(learned), session_.backend, hides);
   }
   using std::chrono::seconds;
-  if (live_ && !here && making_.wait_for(seconds(0)) != std::future_status::ready) return {};
+  if (live_ && making_.wait_for(seconds(0)) != std::future_status::ready) return {};
   const HostTime begin = clock_.now();
   MIXRIG_ASSIGN(Next next, making_.get());
   compositor = std::move(next.compositor);

@@ -24,11 +24,11 @@ class RoomKeeper {
   /// Does nothing where ChangeSink::can_watch() is false. Errors: those of ChangeSink::create().
   Result<void> open(const ChangeOptions& options, WorkGate* gate);
   bool is_open() const { return sink_ != nullptr; }
-  /// Gives a finished frame to the watch. Errors: those of an earlier one.
+  /// Gives one of five finished frames to the watch, and where a live run loses some, the next one
+  /// that there is. Errors: those of an earlier one.
   Result<void> push(const output::CompositePtr& composite);
-  /// Before a frame: where changes were accepted, exchanges the compositor. That of cpu is made on
-  /// another thread while frames go on with the old one; of gles here, since its context stays on
-  /// this thread. Errors: those of HidingCompositor::open().
+  /// Before a frame: where changes were accepted, exchanges the compositor. The new one is made on
+  /// another thread while frames go on with the old one. Errors: those of HidingCompositor::open().
   Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides);
   /// Ends the watch. Errors: those of the watch.
   Result<void> finish();
@@ -48,6 +48,7 @@ class RoomKeeper {
   const Session& session_;
   const bool live_;
   ChangeSink* sink_ = nullptr;  ///< that of thread_
+  int next_look_ = 0;           ///< number of a frame
   std::unique_ptr<output::SinkThread> thread_;
   std::future<Result<Next>> making_;
   std::shared_ptr<KeptBackground> in_use_;

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <thread>
+#include <utility>
+
 #include "host/render/gles/gl_convention.h"
 #include "host/render/gles/gl_program.h"
 #include "shaders/shaders.h"
@@ -27,6 +31,21 @@ TEST_F(EglContextTest, second_context_leaves_the_first_usable) {
   }
   ASSERT_TRUE(context_->make_current());
   EXPECT_NE(glGetString(GL_VERSION), nullptr);
+}
+
+TEST_F(EglContextTest, one_that_another_thread_made_and_released_is_usable_here) {
+  std::optional<EglContext> made;
+  std::thread([&] {
+    auto second = EglContext::create();
+    if (!second) return;
+    second->release();
+    made.emplace(std::move(*second));
+  }).join();
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(made->make_current());
+  EXPECT_NE(glGetString(GL_VERSION), nullptr);
+  made.reset();
+  ASSERT_TRUE(context_->make_current());
 }
 
 TEST(IsSoftware, knows_software_renderers_by_name) {

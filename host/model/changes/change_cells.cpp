@@ -50,14 +50,12 @@ void ChangeCells::free(ChangeCell& cell) {
 void ChangeCells::add(const FrameSight& sight, double dt_s) {
   for (ChangeCell& cell : cells_)
     if (cell.slot >= 0) check(sight, dt_s, cell);
-  const auto wanted =
-      kind_ == Kind::kSurface ? FrameSight::Beside::kNearer : FrameSight::Beside::kFarther;
   for (int y = 0; y < sight.height(); ++y)
     for (int x = 0; x < sight.width(); ++x) {
-      if (sight.compare(x, y) != wanted) continue;
-      const float z_m =
-          kind_ == Kind::kSurface ? sight.steady_m(x, y) : sight.frame().model_depth_m.row(y)[x];
-      note(sight.world(x, y, z_m), sight.frame().time_s);
+      if (kind_ == Kind::kSurface && sight.compare(x, y) == FrameSight::Beside::kNearer)
+        note(sight.world(x, y, sight.steady_m(x, y)), sight.frame().time_s);
+      if (kind_ == Kind::kHole && sight.is_seen_through(x, y))
+        note(sight.world(x, y, sight.frame().model_depth_m.row(y)[x]), sight.frame().time_s);
     }
 }
 
@@ -80,11 +78,12 @@ void ChangeCells::check(const FrameSight& sight, double dt_s, ChangeCell& cell) 
   int x = 0, y = 0;
   float z_m = 0;
   if (!sight.find(cell.point_m.cast<double>(), x, y, z_m)) return;
-  const float seen_m = sight.mean_m(x, y);
+  const float seen_m = kind_ == Kind::kHole ? sight.nearest_m(x, y) : sight.mean_m(x, y);
   if (!(seen_m > 0)) return;
   const float step_m = sight.step_m(z_m), off_m = seen_m - z_m;
   if (off_m < -step_m) return;
   const bool beyond = off_m > kBeyondPart * step_m;
+  if (kind_ == Kind::kHole && beyond && !(sight.steady_m(x, y) > 0)) return;
   if (kind_ == Kind::kSurface && !beyond) note_unrest(off_m, dt_s, cell);
   if (!beyond && off_m > kTherePart * step_m) return;
   const auto dt = static_cast<float>(dt_s);

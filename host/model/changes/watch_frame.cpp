@@ -13,6 +13,8 @@ namespace {
 constexpr double kStepSigmas = 5, kLeastStep_m = 0.07;
 /// Of the four pairs of opposite neighbours, those that have to lie on the surface of a pixel.
 constexpr int kFewestPairs = 3;
+/// Of the 9 pixels around one of the model, those on its surface: more than a line has.
+constexpr int kFewestOfModel = 5;
 
 }  // namespace
 
@@ -20,9 +22,11 @@ void FrameSight::see(const WatchFrame& frame) {
   frame_ = frame;
   view_from_world_ = geometry::inverse(frame.world_from_view);
   turn_ = view_from_world_.rotation.toRotationMatrix();
-  for (Image<float>* image : {&steady_m_, &near_m_, &far_m_, &row_near_m_, &row_far_m_})
+  for (Image<float>* image :
+       {&steady_m_, &near_m_, &far_m_, &shared_m_, &seen_near_m_, &row_near_m_, &row_far_m_})
     if (image->size() != frame.view.size_px) image->reset(frame.view.size_px);
   spread_model();
+  spread_seen();
   find_steady();
 }
 
@@ -49,6 +53,38 @@ void FrameSight::spread_model() {
         far = std::max(far, row_far_m_.row(j)[x]);
       }
       near_m_.row(y)[x] = near, far_m_.row(y)[x] = far;
+    }
+}
+
+/// A measured z that has a neighbour on its surface.
+float FrameSight::shared_m(int x, int y) const {
+  const float z = frame_.depth_m.row(y)[x];
+  if (!(z > 0)) return kNoDepth_m;
+  const float step = step_m(z);
+  int count = 0;
+  for (int j = std::max(0, y - 1); j <= std::min(height() - 1, y + 1); ++j)
+    for (int i = std::max(0, x - 1); i <= std::min(width() - 1, x + 1); ++i)
+      count += std::abs(frame_.depth_m.row(j)[i] - z) < step ? 1 : 0;
+  return count > 1 ? z : kNoDepth_m;
+}
+
+void FrameSight::spread_seen() {
+  const int w = width(), h = height();
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) shared_m_.row(y)[x] = shared_m(x, y);
+  for (int y = 0; y < h; ++y) {
+    const float* z = shared_m_.row(y);
+    for (int x = 0; x < w; ++x) {
+      const int first = std::max(0, x - kReach_px), last = std::min(w - 1, x + kReach_px);
+      row_near_m_.row(y)[x] = *std::min_element(z + first, z + last + 1);
+    }
+  }
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      float near = kNoDepth_m;
+      for (int j = std::max(0, y - kReach_px); j <= std::min(h - 1, y + kReach_px); ++j)
+        near = std::min(near, row_near_m_.row(j)[x]);
+      seen_near_m_.row(y)[x] = near;
     }
 }
 
@@ -91,9 +127,18 @@ FrameSight::Beside FrameSight::compare(int x, int y) const {
   const float z = steady_m_.row(y)[x], near = near_m_.row(y)[x], far = far_m_.row(y)[x];
   if (!(z > 0) || !(near > 0)) return Beside::kNothing;
   if (z < near - step_m(near)) return Beside::kNearer;
-  if (z > far + step_m(z)) return Beside::kFarther;
   const float step = 0.5F * step_m(z);
   return z > near - step && z < far + step ? Beside::kSame : Beside::kNothing;
+}
+
+bool FrameSight::is_seen_through(int x, int y) const {
+  const float m = frame_.model_depth_m.row(y)[x];
+  if (!(m > 0 && steady_m(x, y) > 0 && nearest_m(x, y) > m + step_m(m))) return false;
+  int count = 0;
+  for (int j = y - 1; j <= y + 1; ++j)
+    for (int i = x - 1; i <= x + 1; ++i)
+      count += std::abs(frame_.model_depth_m.row(j)[i] - m) < step_m(m) ? 1 : 0;
+  return count >= kFewestOfModel;
 }
 
 Eigen::Vector3d FrameSight::world(int x, int y, float z_m) const {

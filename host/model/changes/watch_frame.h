@@ -32,13 +32,22 @@ class FrameSight {
   int width() const { return frame_.view.size_px.width; }
   int height() const { return frame_.view.size_px.height; }
 
-  enum class Beside { kNothing, kSame, kNearer, kFarther };
+  enum class Beside { kNothing, kSame, kNearer };
   /// What is measured at a pixel against the model's surfaces within kReach_px of it.
   Beside compare(int x, int y) const;
+  /// Whether the model's surface at a pixel is not there: all that is measured within kReach_px of
+  /// it is farther. Narrow parts count too, but not those of a single pixel.
+  bool is_seen_through(int x, int y) const;
   /// Measured z, 0 where unknown or beside a step.
   float steady_m(int x, int y) const { return steady_m_.row(y)[x]; }
   /// Mean of the steady z of a pixel and of those around it on the same surface; 0 where unknown.
   float mean_m(int x, int y) const;
+  /// Nearest of the measured z within kReach_px that have a neighbour on their surface; 0 without
+  /// one.
+  float nearest_m(int x, int y) const {
+    const float z = seen_near_m_.row(y)[x];
+    return z < kNoDepth_m ? z : 0;
+  }
   /// z by which two surfaces at z must differ.
   float step_m(float z_m) const;
   Eigen::Vector3d world(int x, int y, float z_m) const;
@@ -48,7 +57,11 @@ class FrameSight {
   static constexpr int kReach_px = 2;
 
  private:
+  static constexpr float kNoDepth_m = 1e9F;
+
   void spread_model();
+  float shared_m(int x, int y) const;
+  void spread_seen();
   void find_steady();
   int add_pairs(int x, int y, float& sum_w) const;
 
@@ -58,7 +71,8 @@ class FrameSight {
   Eigen::Matrix3d turn_;
   Image<float> steady_m_;
   Image<float> near_m_, far_m_;          ///< of the model within reach; near 0: one is unknown
-  Image<float> row_near_m_, row_far_m_;  ///< the same along the row
+  Image<float> shared_m_, seen_near_m_;  ///< measured, and the nearest of that within reach
+  Image<float> row_near_m_, row_far_m_;  ///< along the row
 };
 
 }  // namespace mixrig::model

@@ -35,6 +35,8 @@ class GlesCompositor final : public Compositor {
   GlesCompositor(EglContext context, const CompositorSetup& setup);
   ~GlesCompositor() override;
   Result<void> create_passes();
+  /// The context is current on no thread afterwards.
+  void leave_thread() const { context_.release(); }
 
   Result<void> submit(const FrameInput& input, OutputMask wanted) override;
   Result<void> collect(FrameOutput& output) override;
@@ -371,6 +373,7 @@ Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& 
   MIXRIG_ASSIGN(EglContext context, EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
   MIXRIG_TRY(compositor->create_passes());
+  compositor->leave_thread();
   return std::unique_ptr<Compositor>(std::move(compositor));
 }
 

@@ -9,7 +9,8 @@
 
 namespace mixrig::render {
 
-/// Makes a context of its own, current on this thread, where the compositor then has to stay.
+/// Makes a context of its own, which is left current on no thread: the compositor stays on that of
+/// its first frame, which may be another one than this.
 /// Borrows meshes, textures and background of `setup` during the call only. Errors: kData from
 /// validate(setup); kDevice without EGL; kUnsupported where the driver cannot draw the passes.
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup);

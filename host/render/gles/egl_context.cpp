@@ -120,9 +120,13 @@ EglContext& EglContext::operator=(EglContext&& other) noexcept {
 // The display is shared by all contexts of the process, so it is never terminated here.
 EglContext::~EglContext() {
   if (context_ == EGL_NO_CONTEXT) return;
+  release();
+  eglDestroyContext(display_, context_);
+}
+
+void EglContext::release() const {
   if (eglGetCurrentContext() == context_)
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  eglDestroyContext(display_, context_);
 }
 
 Result<void> EglContext::make_current() const {

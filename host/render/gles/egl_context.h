@@ -12,7 +12,8 @@
 
 namespace mixrig::render::gles {
 
-/// Owns display connection and context. Stays on the thread that made it.
+/// Owns display connection and context. On one thread at a time: release() there before another one
+/// makes it current.
 class EglContext {
  public:
   /// Tries EGL_MESA_platform_surfaceless, then the EGL devices, then the default display, and
@@ -26,6 +27,8 @@ class EglContext {
 
   /// Binds the context to this thread. Errors: kDevice.
   Result<void> make_current() const;
+  /// Leaves this thread without a context, where this one is current.
+  void release() const;
   /// GL_RENDERER, "llvmpipe (LLVM 15.0.6, 256 bits)".
   std::string renderer() const;
   /// Precondition: current.
