@@ -78,7 +78,7 @@ TEST_F(RealLearn, AKitchenIsLearnedAndItsKinectFoundInIt) {
   ASSERT_EQ(known.size(), of_known.size());
   const Eigen::Isometry3d world = world_from_map(known, of_known);
   const PathOff off = off_of(known, of_known, world);
-  EXPECT_LT(off.rms_mm, 12);
+  EXPECT_LT(off.rms_mm, 20);
   EXPECT_LT(off.rms_deg, 1);
 
   ASSERT_EQ(mixrig("track --map " + path("map") + " --take " + path("unseen/take.toml") + " " +
@@ -88,7 +88,7 @@ TEST_F(RealLearn, AKitchenIsLearnedAndItsKinectFoundInIt) {
   const Samples unseen = samples("path.tum");
   ASSERT_EQ(unseen.size(), of_unseen.size());
   const PathOff tracked = off_of(unseen, of_unseen, world);
-  EXPECT_LT(tracked.rms_mm, 12);
+  EXPECT_LT(tracked.rms_mm, 20);
   EXPECT_LT(tracked.rms_deg, 1);
   std::printf("learned %.1f mm, %.2f deg RMS; tracked %.1f mm, %.2f deg RMS\n", off.rms_mm,
               off.rms_deg, tracked.rms_mm, tracked.rms_deg);

@@ -43,7 +43,8 @@ Placed in_box(unsigned seed, double scale) {
     placed.map.points.push_back(point);
   }
   for (int i = 0; i < 8; ++i) {
-    const geometry::Pose pose = test::in_the_box({0.04 * i, 0.1 * std::sin(i), 0.02 * i}, {});
+    const geometry::Pose pose =
+        test::in_the_box({0.04 * i, 0.1 * std::sin(i), 0.02 * i}, Vector3d::Zero());
     reconstruction::MapKey key;
     key.map_from_camera = geometry::inverse(kRoomFromMap) * pose;
     key.map_from_camera.translation_m /= scale;
@@ -61,20 +62,25 @@ Placed in_box(unsigned seed, double scale) {
   return placed;
 }
 
+const model::Panorama& box() {
+  static const model::Panorama room = test::TexturedBox().panorama();
+  return room;
+}
+
 double off_m(const reconstruction::MapInRoom& place, double scale) {
   const Vector3d corner(2, 2, 1);
   return (place.room_from_map * in_map(corner, scale) - corner).norm();
 }
 
 TEST(MapInRoom, IsFoundInPlaceAndScale) {
-  const auto room = test::TexturedBox().panorama(180);
   for (const double scale : {1.0, 4.0})
     for (unsigned seed = 1; seed <= 3; ++seed) {
       const Placed placed = in_box(seed, scale);
-      const auto place = reconstruction::place_in_room(placed.map, room, placed.found);
+      const auto place = reconstruction::place_in_room(placed.map, box(), placed.found);
       ASSERT_TRUE(place) << place.error().context;
       EXPECT_EQ(place->keys_agree, 8U);
-      EXPECT_GT(place->points_agree, 300U);
+      EXPECT_GT(place->points, 200U);
+      EXPECT_GT(place->points_agree, 0.9 * static_cast<double>(place->points));
       EXPECT_LT(off_m(*place, scale), 0.006) << seed;
       EXPECT_NEAR(place->room_from_map.scale / scale, 1, 4 * place->scale_sigma()) << seed;
       EXPECT_LT(place->scale_sigma(), 0.002);
@@ -90,9 +96,9 @@ TEST(MapInRoom, IsFoundInPlaceAndScale) {
 TEST(MapInRoom, ThreeKeyPicturesElsewhereDoNotCount) {
   Placed placed = in_box(4, 4.0);
   for (std::size_t i = 0; i < 3; ++i)
-    placed.found[i].room_from_camera.translation_m += Vector3d(0.5 + 0.2 * i, -0.3, 0.1);
-  const auto place =
-      reconstruction::place_in_room(placed.map, test::TexturedBox().panorama(180), placed.found);
+    placed.found[i].room_from_camera.translation_m +=
+        Vector3d(0.5 + 0.2 * static_cast<double>(i), -0.3, 0.1);
+  const auto place = reconstruction::place_in_room(placed.map, box(), placed.found);
   ASSERT_TRUE(place) << place.error().context;
   EXPECT_EQ(place->keys, 8U);
   EXPECT_EQ(place->keys_agree, 5U);
@@ -103,8 +109,7 @@ TEST(MapInRoom, KeyPicturesThatContradictEachOtherAreRefused) {
   Placed placed = in_box(5, 1.0);
   for (std::size_t i = 0; i < placed.found.size(); ++i)
     placed.found[i].room_from_camera.translation_m.y() += i % 2 == 0 ? 0.3 : -0.3;
-  const auto place =
-      reconstruction::place_in_room(placed.map, test::TexturedBox().panorama(180), placed.found);
+  const auto place = reconstruction::place_in_room(placed.map, box(), placed.found);
   ASSERT_FALSE(place);
   EXPECT_NE(place.error().context.find("agree on one place"), std::string::npos)
       << place.error().context;
@@ -113,13 +118,12 @@ TEST(MapInRoom, KeyPicturesThatContradictEachOtherAreRefused) {
 TEST(MapInRoom, FewKeyPicturesAreRefused) {
   Placed placed = in_box(6, 1.0);
   placed.found.resize(2);
-  EXPECT_FALSE(
-      reconstruction::place_in_room(placed.map, test::TexturedBox().panorama(180), placed.found));
+  EXPECT_FALSE(reconstruction::place_in_room(placed.map, box(), placed.found));
 }
 
 TEST(MapInRoom, ARoomWithOtherWallsIsRefused) {
   const Placed placed = in_box(7, 1.0);
-  auto room = test::TexturedBox().panorama(180);
+  model::Panorama room = box();
   for (int y = 0; y < room.size().height; ++y)
     for (float& d : std::span(room.distance_m.row(y), static_cast<std::size_t>(room.size().width)))
       d *= 0.7F;
