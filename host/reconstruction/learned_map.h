@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "hal/base/image.h"
+#include "host/estimation/points/rigid_fit.h"
 #include "host/geometry/pose.h"
 #include "host/reconstruction/feature_tracks.h"
 #include "host/trajectory/trajectory.h"
@@ -44,12 +45,19 @@ struct MapScale {
   int measurements = 0;  ///< distances that it comes from
 };
 
-/// Axes: those of the camera at the first key picture that was solved; units: metres, or as `scale`
-/// says.
+/// Of a map in axes of a scanned room: how well its place is known, and where the room stands.
+struct RoomAxes {
+  double sigma_m = 0, sigma_rad = 0;  ///< of the place, along the worst axis
+  std::optional<geometry::Pose> world_from_room;
+};
+
+/// Axes: those of the camera at the first key picture that was solved, or of `room`; units: metres,
+/// or as `scale` says.
 struct LearnedMap {
   std::string camera;  ///< "fisheye" or "target": whose pictures
   std::string calibration_hash;
   std::optional<MapScale> scale;
+  std::optional<RoomAxes> room;
   int pictures = 0;        ///< that were looked at
   double residual_px = 0;  ///< root mean square of a coordinate, of the key pictures
   std::vector<MapKey> keys;
@@ -62,5 +70,8 @@ struct LearnedMap {
 double extent_of(const std::vector<trajectory::TimedPose>& path);
 /// Places, covariances and poses times `factor`.
 void rescale(LearnedMap& map, double factor);
+/// Places, covariances and poses in other axes and units.
+LearnedMap carried(const LearnedMap& map, const estimation::Similarity& by);
+geometry::Pose carried(const geometry::Pose& pose, const estimation::Similarity& by);
 
 }  // namespace mixrig::reconstruction

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
+#include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
@@ -76,9 +78,16 @@ std::string manifest_text(const LearnedMap& map) {
     root.set("scale_sigma", config::rounded(map.scale->sigma, 4))
         .set("scale_measurements", map.scale->measurements);
   root.set("pictures", map.pictures).set("residual_px", config::rounded(map.residual_px, 4));
+  root.set("axes", map.room ? "room" : "map");
+  if (map.room) {
+    root.set("room_sigma_mm", config::rounded(1e3 * map.room->sigma_m, 5));
+    root.set("room_sigma_deg", config::rounded(map.room->sigma_rad / kDeg, 5));
+  }
   root.set("keys", static_cast<int>(map.keys.size()));
   root.set("points", static_cast<int>(map.points.size()));
   root.set("descriptors", static_cast<int>(map.descriptors.size()));
+  if (map.room && map.room->world_from_room)
+    root.set("world_from_room", calibration_file::pose_table(*map.room->world_from_room));
   return root.text();
 }
 
@@ -104,6 +113,17 @@ Result<MapPoint> point_of(const PointRecord& r, int keys, const std::string& nam
   if (p.key < 0 || p.key >= keys || p.views < 0)
     return bad_points(name, "names a key picture that is not there");
   return p;
+}
+
+RoomAxes room_axes(const config::Table& root) {
+  constexpr double kMost_mm = 1e4, kMost_deg = 180;
+  RoomAxes room;
+  room.sigma_m = 1e-3 * root.number("room_sigma_mm", {0, kMost_mm});
+  room.sigma_rad = kDeg * root.number("room_sigma_deg", {0, kMost_deg});
+  const config::Table pose = root.table("world_from_room");
+  const geometry::Pose world_from_room = calibration_file::parse_pose(pose);
+  if (pose.present()) room.world_from_room = world_from_room;
+  return room;
 }
 
 }  // namespace
@@ -132,6 +152,7 @@ Result<MapManifest> parse_map_manifest(std::string_view text, const std::string&
         MapScale{root.number("scale_sigma", {0, 10}), root.integer("scale_measurements", {0, 1e9})};
   manifest.map.pictures = root.integer("pictures", {1, 1e9});
   manifest.map.residual_px = root.number("residual_px", {0, 1e3});
+  if (root.one_of("axes", {"map", "room"}, 0) == 1) manifest.map.room = room_axes(root);
   manifest.keys = root.integer("keys", {1, kMostKeys});
   manifest.points = root.integer("points", {1, kMostPoints});
   manifest.descriptors = root.integer("descriptors", {0, kMostDescriptors});

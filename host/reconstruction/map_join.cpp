@@ -22,10 +22,6 @@ std::vector<std::pair<geometry::Pose, geometry::Pose>> common_poses(
   return poses;
 }
 
-geometry::Pose carried(const geometry::Pose& pose, const estimation::Similarity& by) {
-  return {(by.pose.rotation * pose.rotation).normalized(), by * pose.translation_m};
-}
-
 }  // namespace
 
 Result<MapJoin> join(const LearnedMap& first, const LearnedMap& second) {
@@ -68,22 +64,10 @@ Result<MapJoin> join(const LearnedMap& first, const LearnedMap& second) {
 }
 
 LearnedMap in_first(const LearnedMap& second, const LearnedMap& first, const MapJoin& join) {
-  LearnedMap map = second;
-  const estimation::Similarity& by = join.first_from_second;
-  const Eigen::Matrix3d turn = by.scale * by.pose.rotation.toRotationMatrix();
-  for (MapPoint& p : map.points) {
-    p.place = by * p.place;
-    p.covariance = turn * p.covariance * turn.transpose();
-  }
-  for (MapKey& k : map.keys) {
-    k.map_from_camera = carried(k.map_from_camera, by);
-    k.time_s += join.alignment.time_offset_s;
-  }
-  for (auto& p : map.path) {
-    p.world_from_body = carried(p.world_from_body, by);
-    p.t_s += join.alignment.time_offset_s;
-  }
-  map.scale = first.scale;
+  LearnedMap map = carried(second, join.first_from_second);
+  for (MapKey& k : map.keys) k.time_s += join.alignment.time_offset_s;
+  for (auto& p : map.path) p.t_s += join.alignment.time_offset_s;
+  map.scale = first.scale, map.room = first.room;
   if (map.scale) map.scale->sigma = std::hypot(map.scale->sigma, join.scale_sigma);
   return map;
 }

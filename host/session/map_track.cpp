@@ -35,9 +35,11 @@ struct Followed {
   std::vector<PosePair> pairs;
 };
 
+/// `place`: of the room in the world, where the map has its axes and that is known.
 Result<Followed> follow_take(const MapTrackOptions& options, TrackedCamera by,
                              capture::CaptureSource& source, const RigCamera& camera,
-                             tracking::Tracker& tracker, double size) {
+                             tracking::Tracker& tracker, double size,
+                             const std::optional<geometry::Pose>& place) {
   const TruePath truth(by, options.take, source.info(), camera);
   Followed followed;
   capture::Capture capture;
@@ -54,12 +56,16 @@ Result<Followed> follow_take(const MapTrackOptions& options, TrackedCamera by,
     tracked.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     followed.track.seconds += tracked.seconds;
+    const auto world_from_target = truth.at(picture.time_s, capture);
+    tracked.world_from_target = place.value_or(geometry::Pose{}) * tracked.pose.room_from_camera *
+                                camera.camera_from_target;
+    if (place) tracked.truth = world_from_target;
     followed.track.pictures.push_back(tracked);
     if (!tracked.pose.known) continue;
     geometry::Pose pose = tracked.pose.room_from_camera;
     pose.translation_m /= size;
     followed.path.push_back({picture.time_s, pose});
-    if (const auto world_from_target = truth.at(picture.time_s, capture))
+    if (world_from_target)
       followed.pairs.push_back(
           {pose, *world_from_target * geometry::inverse(camera.camera_from_target)});
   }
@@ -68,6 +74,12 @@ Result<Followed> follow_take(const MapTrackOptions& options, TrackedCamera by,
                  options.take.string() + ": has no pictures of the camera that learned the map"};
   followed.track.counts = tracker.counts();
   return followed;
+}
+
+std::optional<geometry::Pose> place_of(const reconstruction::LearnedMap& map,
+                                       const MapTrackOptions& options) {
+  if (!map.room) return std::nullopt;
+  return options.world_from_room ? options.world_from_room : map.room->world_from_room;
 }
 
 }  // namespace
@@ -92,14 +104,18 @@ Result<MapTrack> track_map(const MapTrackOptions& options) {
                                                            options.tracker.align);
       },
       crew);
-  MIXRIG_ASSIGN(const Followed followed, follow_take(options, by, *source, camera, tracker, size));
+  const auto place = place_of(map, options);
+  MIXRIG_ASSIGN(const Followed followed,
+                follow_take(options, by, *source, camera, tracker, size, place));
   MapTrack result;
   result.report = to_json(followed.track);
+  result.report.erase("nees");  // the covariance of a map is not known
   result.report["scale_of_map"] = map.scale ? "metric" : "unknown";
+  result.report["axes"] = map.room ? "room" : "map";
   if (!map.scale) result.report.erase("sigma_mm");
   const nlohmann::json errors = errors_of_path(followed.pairs, !map.scale);
-  if (errors.is_object()) result.report.update(errors);
-  result.tum = reconstruction::tum_text(followed.path);
+  if (!place && errors.is_object()) result.report.update(errors);
+  result.tum = map.room ? to_tum(followed.track) : reconstruction::tum_text(followed.path);
   result.lost = followed.path.empty();
   return result;
 }
@@ -116,10 +132,11 @@ Result<nlohmann::json> join_maps(const std::filesystem::path& first,
   MIXRIG_TRY(reconstruction::write_map(reconstruction::in_first(b, a, *joined), out));
   const estimation::Similarity& map = joined->first_from_second;
   const Eigen::Vector3d& t = map.pose.translation_m;
-  const Eigen::Quaterniond& q = map.pose.rotation;
+  const Eigen::Quaterniond &q = map.pose.rotation, &rig = joined->alignment.a_from_b;
   return nlohmann::json{
       {"time_offset_s", joined->alignment.time_offset_s},
       {"time_offset_sigma_s", joined->alignment.time_offset_sigma_s},
+      {"rotation_xyzw", {rig.x(), rig.y(), rig.z(), rig.w()}},
       {"rotation_sigma_deg", joined->alignment.rotation_sigma_rad / kDeg},
       {"scale", map.scale},
       {"scale_sigma_pct", 100 * joined->scale_sigma},

@@ -16,6 +16,8 @@ Error no_maps(const std::filesystem::path& map) {
 
 Result<MapTrack> track_map(const MapTrackOptions& options) { return no_maps(options.map); }
 
+Result<nlohmann::json> place_map(const MapRoomOptions& options) { return no_maps(options.map); }
+
 Result<nlohmann::json> join_maps(const std::filesystem::path& first, const std::filesystem::path&,
                                  const std::filesystem::path&) {
   return no_maps(first);

@@ -13,13 +13,14 @@ struct Named {
   std::string_view name;
 };
 
-constexpr std::array<Named<Scenario>, 10> kScenarios{{{Scenario::kStill, "still"},
+constexpr std::array<Named<Scenario>, 11> kScenarios{{{Scenario::kStill, "still"},
                                                       {Scenario::kWalk, "walk"},
                                                       {Scenario::kTalk, "talk"},
                                                       {Scenario::kPan, "pan"},
                                                       {Scenario::kSweep, "sweep"},
                                                       {Scenario::kHandheld, "handheld"},
                                                       {Scenario::kPendulum, "pendulum"},
+                                                      {Scenario::kCarried, "carried"},
                                                       {Scenario::kEdges, "edges"},
                                                       {Scenario::kFar, "far"},
                                                       {Scenario::kDark, "dark"}}};

@@ -21,8 +21,8 @@
 
 namespace mixrig::studio {
 
-/// What the person and the camera do. The camera stands still except in pan, sweep, handheld and
-/// pendulum.
+/// What the person and the camera do. The camera stands still except in pan, sweep, handheld,
+/// pendulum and carried.
 enum class Scenario {
   kStill,
   kWalk,
@@ -31,6 +31,7 @@ enum class Scenario {
   kSweep,
   kHandheld,
   kPendulum,
+  kCarried,
   kEdges,
   kFar,
   kDark

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mixrig align: time offset and rotation between two trajectories of one rig; two maps joined.
+// mixrig align: time offset and rotation between two trajectories of one rig; two maps joined; a
+// map laid into a scanned room.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -18,7 +19,8 @@ namespace mixrig::tools {
 namespace {
 
 struct AlignArguments {
-  std::string a, b, json, plot, join;
+  std::string a, b, json, plot, join, room, calibration;
+  int threads = 0;
   trajectory::AlignOptions options;
 };
 
@@ -78,6 +80,14 @@ Result<trajectory::Trajectory> read(const std::string& path) {
   return trajectory;
 }
 
+Result<void> write_report(const AlignArguments& arguments, const nlohmann::json& report) {
+  if (arguments.json == "-")
+    std::printf("%s\n", report.dump(2).c_str());
+  else if (!arguments.json.empty())
+    return write_file(arguments.json, report.dump(2) + "\n");
+  return {};
+}
+
 Result<nlohmann::json> join(const AlignArguments& arguments) {
   MIXRIG_ASSIGN(const nlohmann::json report,
                 session::join_maps(arguments.a, arguments.b, arguments.join));
@@ -86,23 +96,38 @@ Result<nlohmann::json> join(const AlignArguments& arguments) {
   std::printf("rotation      sigma %.4f deg\nscale         %.5f  (sigma %.2f %%)\n",
               report["rotation_sigma_deg"].get<double>(), report["scale"].get<double>(),
               report["scale_sigma_pct"].get<double>());
-  if (arguments.json == "-")
-    std::printf("%s\n", report.dump(2).c_str());
-  else if (!arguments.json.empty())
-    MIXRIG_TRY(write_file(arguments.json, report.dump(2) + "\n"));
+  MIXRIG_TRY(write_report(arguments, report));
+  return report;
+}
+
+Result<nlohmann::json> place(const AlignArguments& arguments) {
+  if (arguments.calibration.empty())
+    return Error{ErrorCode::kUsage,
+                 "align: --room needs --calibration: of the camera that learned the map"};
+  session::MapRoomOptions options;
+  options.map = arguments.a, options.room = arguments.b, options.out = arguments.room;
+  options.calibration = arguments.calibration, options.threads = arguments.threads;
+  MIXRIG_ASSIGN(const nlohmann::json report, session::place_map(options));
+  const auto number = [&](const char* key) { return report[key].get<double>(); };
+  std::printf("%.0f of %.0f key pictures agree, %.0f of %.0f points are on the room's surface\n",
+              number("keys_agree"), number("keys"), number("points_agree"), number("points"));
+  std::printf("place         sigma %.2f mm, %.4f deg\n", number("sigma_mm"), number("sigma_deg"));
+  std::printf("scale         %.5f m per unit  (sigma %.2f %%)\n", number("metres_per_unit"),
+              number("scale_sigma_pct"));
+  MIXRIG_TRY(write_report(arguments, report));
   return report;
 }
 
 Result<nlohmann::json> act(const AlignArguments& arguments) {
+  if (!arguments.join.empty() && !arguments.room.empty())
+    return Error{ErrorCode::kUsage, "align: give one of --join, --room"};
   if (!arguments.join.empty()) return join(arguments);
+  if (!arguments.room.empty()) return place(arguments);
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
   MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
   const auto estimate = trajectory::align(a, b, arguments.options);
   const nlohmann::json report = report_of(estimate);
-  if (arguments.json == "-")
-    std::printf("%s\n", report.dump(2).c_str());
-  else if (!arguments.json.empty())
-    MIXRIG_TRY(write_file(arguments.json, report.dump(2) + "\n"));
+  MIXRIG_TRY(write_report(arguments, report));
   if (!estimate.usable())
     return Error{ErrorCode::kData, arguments.a + " and " + arguments.b +
                                        " cannot be aligned: " + estimate.verdict.reason};
@@ -126,6 +151,12 @@ void add_align_command(Command app, Context& context) {
   command.add_option("--join", arguments->join,
                      "A and B are maps written by learn from one take: folder that B is written "
                      "to, in axes and units of A");
+  command.add_option("--room", arguments->room,
+                     "A is a map written by learn, B a room written by scan: folder that A is "
+                     "written to, in axes of B, in metres");
+  command.add_option("--calibration", arguments->calibration,
+                     "--room: calibration.toml with the camera that learned the map");
+  command.add_option("--threads", arguments->threads, "--room: 0: one per core").non_negative();
   command.add_option("--plot", arguments->plot, "PNG of the residuals over time");
   command.add_option("--json", arguments->json, "FILE that the report is written to; none: stdout")
       .value_if_left_out("-");

@@ -179,17 +179,21 @@ Result<nlohmann::json> track_in_map(const TrackArguments& arguments) {
   session::MapTrackOptions options;
   options.map = arguments.map, options.take = arguments.take;
   options.calibration = arguments.calibration, options.threads = arguments.threads;
+  MIXRIG_ASSIGN(options.world_from_room, place_of_room(arguments.scene));
   options.tracker.align.patches = arguments.patches;
   options.tracker.align.finest = arguments.finest;
   MIXRIG_ASSIGN(const session::MapTrack track, session::track_map(options));
   const nlohmann::json& json = track.report;
   std::printf("%d pictures, %.1f %% without a pose, %.0f pictures a second\n",
               json["frames"].get<int>(), json["lost_pct"].get<double>(), json["fps"].get<double>());
-  if (json.contains("rms_mm"))
-    std::printf(
-        "error of the camera after %s alignment: %.2f mm RMS, 95 %% within %.2f mm, %.4f deg RMS\n",
-        json["aligned"].get<std::string>().c_str(), json["rms_mm"].get<double>(),
-        json["p95_mm"].get<double>(), json["rms_deg"].get<double>());
+  if (json.contains("rms_mm")) {
+    const std::string of = json.contains("aligned")
+                               ? "camera after " + json["aligned"].get<std::string>() + " alignment"
+                               : "target camera";
+    std::printf("error of the %s: %.2f mm RMS, 95 %% within %.2f mm, %.4f deg RMS\n", of.c_str(),
+                json["rms_mm"].get<double>(), json["p95_mm"].get<double>(),
+                json["rms_deg"].get<double>());
+  }
   if (track.lost)
     return Error{ErrorCode::kData, arguments.take +
                                        ": the map explains none of its pictures: is it a take of "
@@ -245,14 +249,14 @@ void add_track_command(Command app, Context& context) {
                      "room written by scan, in which the camera of --take is tracked");
   command.add_option("--map", arguments->map,
                      "map written by learn, in which the camera of --take is tracked that learned "
-                     "it; poses are in its axes");
+                     "it; poses are in its axes, in the room's after align --room");
   command.add_option("--take", arguments->take, "--model, --map: folder or take.toml");
   command.add_option("--camera", arguments->camera, "--model: by whose pictures")
       .one_of({"fisheye", "target"})
       .show_default();
   command.add_option("--scene", arguments->scene,
-                     "--model: scene.toml that says where the room stands; else poses are in its "
-                     "own axes where its folder does not say");
+                     "--model, --map of a room: scene.toml that says where the room stands; else "
+                     "poses are in its own axes where its folder does not say");
   command.add_option("--patches", arguments->patches, "--model, --map: of a picture")
       .show_default()
       .range(20, 5000);
@@ -298,8 +302,8 @@ void add_track_command(Command app, Context& context) {
   command.add_option("--frames", arguments->frames, "number of frames of a live stream");
   command.add_option("--out", arguments->out, "--mocap: trajectory in TUM format, z up");
   command.add_option("OUT", arguments->tum,
-                     "--model: poses of the target camera at its pictures, TUM format; --map: of "
-                     "the camera that learned it");
+                     "--model, --map of a room: poses of the target camera at its pictures, TUM "
+                     "format; --map: of the camera that learned it");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return track(*arguments); }; });
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A room is learned from the pictures of a swinging camera, which is then found in it: in the same
-// take, on another day, after the lens was covered, and not in another room. Maps that the
-// motion does not let join are refused.
+// take, on another day, after the lens was covered, and not in another room; its map is laid into a
+// scan of the room. Maps that the motion does not let join are refused; those of a carried rig are
+// joined.
 #include "host/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
@@ -53,6 +54,7 @@ class LearnedRun : public CommandTest {
   void check_another_day() const;
   void check_another_room() const;
   void check_join() const;
+  void check_room() const;
 
   static constexpr const char* kRig =
       " --scenario pendulum --rig sr3000 --seed 34 --plain --fisheye --fisheye-size 320x256";
@@ -102,6 +104,61 @@ void LearnedRun::check_join() const {
   EXPECT_FALSE(std::filesystem::exists(path("joined")));
 }
 
+/// The map in a scan of the room: poses are those of the target camera in the world.
+void LearnedRun::check_room() const {
+  const std::string truth = path("take/truth/calibration.toml");
+  const std::string words = "align " + path("fisheye_map") + " " + path("room") + " --room " +
+                            path("placed") + " --json " + path("placed.json");
+  ASSERT_EQ(mixrig("studio " + path("sweep") +
+                   " --scenario sweep --field 150x100 --view-frames 1 --rig sr3000 --seed 34 "
+                   "--plain --size 160x128"),
+            0);
+  ASSERT_EQ(mixrig("scan --take " + path("sweep") + kCalibrated +
+                   path("sweep/truth/calibration.toml") + " " + path("room")),
+            0);
+  EXPECT_NE(refusal(words).find("--room needs --calibration"), std::string::npos);
+  ASSERT_EQ(mixrig(words + kCalibrated + truth), 0);
+  const auto placed = report("placed.json");
+  EXPECT_GE(placed.at("keys_agree").get<int>(), 3);
+  EXPECT_NEAR(placed.at("metres_per_unit").get<double>(), 1, 0.03);
+  ASSERT_EQ(mixrig("track --map " + path("placed") + " --take " + path("take") + kCalibrated +
+                   truth + " --scene " + path("sweep/scene_pan_tilt.toml") + " " +
+                   path("world.tum") + " --json " + path("world.json")),
+            0);
+  EXPECT_EQ(report("world.json").at("axes"), "room");
+  EXPECT_LT(report("world.json").at("rms_mm").get<double>(), 10);
+  EXPECT_LT(report("world.json").at("rms_deg").get<double>(), 0.3);
+}
+
+/// A map of each camera of a rig that is carried: the offset in time of the two is none, the
+/// rotation that of the calibration, and both are metric.
+class CarriedRun : public CommandTest {
+ protected:
+  void learn(const std::string& camera) const {
+    ASSERT_EQ(mixrig("learn --take " + path("take") + " --calibration " +
+                     path("take/truth/calibration.toml") + " --camera " + camera + " " +
+                     path(camera + "_map") + " --json " + path(camera + ".json")),
+              0);
+    EXPECT_EQ(report(camera + ".json").at("scale"), "metric");
+  }
+};
+
+TEST_F(CarriedRun, TheMapsOfItsTwoCamerasAreJoined) {
+  ASSERT_EQ(mixrig("studio " + path("take") +
+                   " --scenario carried --rig sr3000 --seed 34 --plain --frames 150 --size 320x256 "
+                   "--fisheye --fisheye-size 320x256"),
+            0);
+  ASSERT_NO_FATAL_FAILURE(learn("target"));
+  ASSERT_NO_FATAL_FAILURE(learn("fisheye"));
+  ASSERT_EQ(mixrig("align --join " + path("joined") + " " + path("target_map") + " " +
+                   path("fisheye_map") + " --json " + path("join.json")),
+            0);
+  const auto joined = report("join.json");
+  EXPECT_LT(std::abs(joined.at("time_offset_s").get<double>()), 0.02);
+  EXPECT_NEAR(joined.at("scale").get<double>(), 1, 0.05);
+  EXPECT_TRUE(std::filesystem::exists(path("joined/map.toml")));
+}
+
 TEST_F(LearnedRun, TheCameraIsFoundInALearnedRoom) {
   ASSERT_EQ(learn("fisheye"), 0);
   const auto learned = report("fisheye.json");
@@ -116,6 +173,7 @@ TEST_F(LearnedRun, TheCameraIsFoundInALearnedRoom) {
   check_another_day();
   check_another_room();
   check_join();
+  check_room();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "host/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {
@@ -67,6 +68,39 @@ class RealTakeTest : public CommandTest {
                    "[target_from_tof]\nrotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, "
                    "1.0]]\ntranslation_m = [0.0, 0.0, 0.0]\n[pose]\nfile = \"poses.txt\"\n");
     return poses;
+  }
+  /// A take of the 15 pictures of a fisheye in an office, 0.3 to 1 m apart, without depth, and
+  /// beside it TAKE.toml, the intrinsics that came with them.
+  void write_office(const std::string& take) const {
+    constexpr int kPictures = 15;
+    std::string stamps = "picture,frame,counter,mid_exposure_ns\n";
+    std::filesystem::create_directories(folder_ / take / "depth");
+    for (int number = 1; number <= kPictures; ++number) {
+      std::ostringstream two, six;
+      two << std::setfill('0') << std::setw(2) << number;
+      six << std::setfill('0') << std::setw(6) << number;
+      const auto picture = recording("fisheye-moving-camera") / ("Fisheye2_" + two.str() + ".jpg");
+      link(picture, take, "color", number);
+      link(picture, take, "fisheye", number);
+      ASSERT_TRUE(image_io::write_png(folder_ / take / "depth" / (six.str() + ".png"),
+                                      Image<std::uint16_t>({16, 12}).view()));
+      const std::string n = std::to_string(number);
+      stamps +=
+          n + "," + n + "," + n + "," + std::to_string((number - 1) * 1'000'000'000LL / 15) + "\n";
+    }
+    std::ofstream(folder_ / take / "fisheye.csv") << stamps;
+    const std::string still = "rotation_xyzw = [0, 0, 0, 1]\ntranslation_m = [0, 0, 0]\n";
+    write_take(take, kPictures, "jpg",
+               "[fisheye]\npath = \"fisheye/%06d.jpg\"\nfirst = 1\ncount = 15\nrate_hz = 15.0\n"
+               "[target]\nsize_px = [748, 480]\nfx = 200.0\nfy = 200.0\ncx = 373.5\ncy = 239.5\n"
+               "[tof]\nsize_px = [16, 12]\nfx = 15.0\nfy = 15.0\ncx = 7.5\ncy = 5.5\n"
+               "[target_from_tof]\n" +
+                   still);
+    std::ofstream(path(take + ".toml"))
+        << "format = 1\n[cameras.fisheye]\nmax_angle_rad = 1.4\nmodel = \"fisheye\"\nsize_px = "
+           "[748, 480]\nfx = 209.42\nfy = 209.35\ncx = 384.82\ncy = 240.02\ndistortion = "
+           "[-0.0425, -0.0025, 0.0118, -0.0084]\n[target_from.fisheye]\n"
+        << still;
   }
 };
 

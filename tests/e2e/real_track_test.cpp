@@ -41,42 +41,9 @@ TEST_F(RealTrack, AKinectIsFoundInItsKitchen) {
 
 /// 15 pictures of a fisheye in an office that was not scanned.
 TEST_F(RealTrack, AFisheyeInAnotherRoomIsLostInEveryPicture) {
-  constexpr int kPictures = 15;
   write_kitchen("kitchen", 0, 1);
   ASSERT_EQ(mixrig("scan --take " + path("kitchen/take.toml") + " " + path("room")), 0);
-  std::string stamps = "picture,frame,counter,mid_exposure_ns\n";
-  for (int number = 1; number <= kPictures; ++number) {
-    std::ostringstream name;
-    name << "Fisheye2_" << std::setfill('0') << std::setw(2) << number << ".jpg";
-    const auto picture = recording("fisheye-moving-camera") / name.str();
-    link(picture, "office", "color", number);
-    link(picture, "office", "fisheye", number);
-    std::filesystem::create_directories(folder_ / "office/depth");
-    const std::string depth = std::string(number < 10 ? "00000" : "0000") + std::to_string(number);
-    ASSERT_TRUE(image_io::write_png(folder_ / "office/depth" / (depth + ".png"),
-                                    Image<std::uint16_t>({16, 12}, 2000).view()));
-    stamps += std::to_string(number) + "," + std::to_string(number) + "," + std::to_string(number) +
-              "," + std::to_string((number - 1) * 1'000'000'000LL / 15) + "\n";
-  }
-  std::ofstream(path("office/fisheye.csv")) << stamps;
-  const std::string target =
-      "size_px = [748, 480]\nfx = 200.0\nfy = 200.0\ncx = 373.5\ncy = 239.5\n";
-  const std::string still = "rotation_xyzw = [0, 0, 0, 1]\ntranslation_m = [0, 0, 0]\n";
-  write_take("office", kPictures, "jpg",
-             "[fisheye]\npath = \"fisheye/%06d.jpg\"\nfirst = 1\ncount = 15\nrate_hz = 15.0\n"
-             "[target]\n" +
-                 target +
-                 "[tof]\nsize_px = [16, 12]\nfx = 15.0\nfy = 15.0\ncx = 7.5\ncy = 5.5\n"
-                 "[target_from_tof]\n" +
-                 still);
-  // Intrinsics that came with the pictures.
-  std::ofstream(path("office.toml"))
-      << "format = 1\n[cameras.fisheye]\nmax_angle_rad = 1.4\nmodel = \"fisheye\"\nsize_px = [748, "
-         "480]\nfx = "
-         "209.42\nfy "
-         "= 209.35\ncx = 384.82\ncy = 240.02\ndistortion = [-0.0425, -0.0025, 0.0118, -0.0084]\n"
-         "[target_from.fisheye]\n"
-      << still;
+  write_office("office");
   EXPECT_NE(
       std::system((std::string(MIXRIG_COMMAND) + " track --model " + path("room") + " --take " +
                    path("office/take.toml") + " --calibration " + path("office.toml") + " --draw " +

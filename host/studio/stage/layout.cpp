@@ -97,6 +97,17 @@ geometry::Pose swung(const geometry::Pose& rest, double time_s) {
   return rest * geometry::Pose{turn, pivot - turn * pivot};
 }
 
+/// Hands carry the rig a metre to and fro, ahead and up, and turn it about all axes, by 30 degrees
+/// from side to side; they shake.
+geometry::Pose carried(const geometry::Pose& rest, double time_s, unsigned seed) {
+  const auto wave = [&](double period_s) { return std::sin(2 * kPi * time_s / period_s); };
+  const Eigen::Vector3d move(0.5 * wave(7.3), 0.12 * wave(4.1), 0.2 * (1 - std::cos(time_s)));
+  const Eigen::Quaterniond turn = Eigen::AngleAxisd(0.26 * wave(5.3), Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(0.18 * wave(3.7), Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(0.2 * wave(4.7), Eigen::Vector3d::UnitZ());
+  return shaken(rest * geometry::Pose{turn, move}, static_cast<float>(time_s), seed);
+}
+
 }  // namespace
 
 float ambient_share(float lamp_level) {
@@ -152,7 +163,8 @@ Layout make_layout(const StudioOptions& options) {
   layout.light =
       make_light(scenario == Scenario::kDark, static_cast<float>(options.day.lamp_level));
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
-                        scenario == Scenario::kHandheld || scenario == Scenario::kPendulum;
+                        scenario == Scenario::kHandheld || scenario == Scenario::kPendulum ||
+                        scenario == Scenario::kCarried;
   if (options.sweep.crossing) {  // around the head
     stage.object = layout.eye_m.head<2>().cast<float>();
     stage.path_half_m = {0.8F, 1.1F};
@@ -188,6 +200,8 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
       return {shaken(rest, static_cast<float>(time_s), options.seed)};
     case Scenario::kPendulum:
       return {swung(rest, time_s)};
+    case Scenario::kCarried:
+      return {carried(rest, time_s, options.seed)};
     default:
       return {rest};
   }

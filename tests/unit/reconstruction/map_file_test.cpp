@@ -57,6 +57,24 @@ TEST(MapFile, ReadsWhatItWrote) {
   EXPECT_EQ(read->path.size(), 1U);
 }
 
+TEST(MapFile, KeepsTheRoomWhoseAxesItHas) {
+  const test::TemporaryFolder folder;
+  auto map = small_map();
+  map.room = reconstruction::RoomAxes{0.0025, 0.001, {}};
+  ASSERT_TRUE(reconstruction::write_map(map, folder.path() / "map"));
+  auto read = reconstruction::load_map(folder.path() / "map");
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_TRUE(read->room);
+  EXPECT_FALSE(read->room->world_from_room);
+  EXPECT_NEAR(read->room->sigma_m, 0.0025, 1e-9);
+  EXPECT_NEAR(read->room->sigma_rad, 0.001, 1e-7);
+  map.room->world_from_room = geometry::Pose{{0, 0, 1, 0}, {1, 2, 3}};
+  ASSERT_TRUE(reconstruction::write_map(map, folder.path() / "map"));
+  read = reconstruction::load_map(folder.path() / "map");
+  ASSERT_TRUE(read && read->room && read->room->world_from_room);
+  EXPECT_EQ(read->room->world_from_room->translation_m, Eigen::Vector3d(1, 2, 3));
+}
+
 TEST(MapFile, APointsFileCutAnywhereIsRefused) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(reconstruction::write_map(small_map(), folder.path() / "map"));

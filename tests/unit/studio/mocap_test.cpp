@@ -30,7 +30,8 @@ TEST(Mocap, is_empty_for_a_still_camera_and_covers_the_take_of_a_moving_one) {
   const MocapSystem system = mocap_of_seed(options.seed);
   options.scenario = Scenario::kWalk;
   EXPECT_TRUE(record_mocap(options, system).empty());
-  for (const Scenario moving : {Scenario::kHandheld, Scenario::kPendulum, Scenario::kPan}) {
+  for (const Scenario moving :
+       {Scenario::kHandheld, Scenario::kPendulum, Scenario::kCarried, Scenario::kPan}) {
     options.scenario = moving;
     const auto samples = record_mocap(options, system);
     ASSERT_GT(samples.size(), 2U);
