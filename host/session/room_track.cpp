@@ -147,6 +147,7 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     if (step < frames) end_s = picture.time_s + half_s;
     TrackedPicture tracked;
     tracked.time_s = played_s(picture.time_s, step / frames, begin_s, end_s);
+    if (options.anew) tracker.forget();
     const auto start = std::chrono::steady_clock::now();
     tracked.pose = tracker.track(*picture.image, tracked.time_s);
     tracked.seconds =
@@ -163,7 +164,7 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     return Error{ErrorCode::kData, options.take.string() +
                                        ": has no pictures of that camera: record it with the "
                                        "fisheye in rig.toml, or track by --camera target"};
-  track.counts = tracker.counts();
+  track.counts = tracker.counts(), track.anew = options.anew;
   if (options.smooth_s > 0) {
     track.latency_s = options.smooth_s;
     track.unsmoothed = smoothed(track.pictures, options.smooth_s, placed);

@@ -74,6 +74,21 @@ double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
   return xx > 0 ? xy / xx : 0;
 }
 
+nlohmann::json starts_json(const RoomTrack& track, const TrackErrors& errors) {
+  constexpr double kWrong_mm = 50, kWrong_deg = 1;
+  std::vector<float> ms;
+  for (const TrackedPicture& p : track.pictures) ms.push_back(static_cast<float>(1e3 * p.seconds));
+  int wrong = 0;
+  for (std::size_t i = 0; i < errors.shift_mm.size(); ++i)
+    wrong += errors.shift_mm[i] > kWrong_mm || errors.turn_deg[i] > kWrong_deg ? 1 : 0;
+  return {
+      {"found", track.counts.pictures - track.counts.lost},
+      {"wrong", errors.shift_mm.empty() ? nlohmann::json() : nlohmann::json(wrong)},
+      {"refused", track.counts.lost},
+      {"p50_mm", measure::quantile({errors.shift_mm.begin(), errors.shift_mm.end()}, 0.5)},
+      {"search_ms", {{"p50", measure::quantile(ms, 0.5)}, {"p95", measure::quantile(ms, 0.95)}}}};
+}
+
 nlohmann::json to_json(const TrackErrors& errors) {
   return {{"rms_mm", rms_of(errors.shift_mm)},
           {"rms_deg", rms_of(errors.turn_deg)},
@@ -106,6 +121,7 @@ nlohmann::json to_json(const RoomTrack& track) {
                          {"sigma_mm", mean_of(sigma_mm)},
                          {"latency_s", track.latency_s}};
   const TrackErrors errors = errors_of(track.pictures);
+  if (track.anew) json["starts"] = starts_json(track, errors);
   if (errors.shift_mm.empty()) return json;
   json.update(to_json(errors));
   if (!track.unsmoothed.empty()) json["unsmoothed"] = to_json(errors_of(track.unsmoothed));

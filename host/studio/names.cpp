@@ -13,7 +13,7 @@ struct Named {
   std::string_view name;
 };
 
-constexpr std::array<Named<Scenario>, 10> kScenarios{{{Scenario::kStill, "still"},
+constexpr std::array<Named<Scenario>, 11> kScenarios{{{Scenario::kStill, "still"},
                                                       {Scenario::kWalk, "walk"},
                                                       {Scenario::kTalk, "talk"},
                                                       {Scenario::kPan, "pan"},
@@ -22,7 +22,8 @@ constexpr std::array<Named<Scenario>, 10> kScenarios{{{Scenario::kStill, "still"
                                                       {Scenario::kPendulum, "pendulum"},
                                                       {Scenario::kEdges, "edges"},
                                                       {Scenario::kFar, "far"},
-                                                      {Scenario::kDark, "dark"}}};
+                                                      {Scenario::kDark, "dark"},
+                                                      {Scenario::kStarts, "starts"}}};
 constexpr std::array<Named<RigPreset>, 3> kRigs{{{RigPreset::kSr3000, "sr3000"},
                                                  {RigPreset::kKinect2, "kinect2"},
                                                  {RigPreset::kHelios2, "helios2"}}};

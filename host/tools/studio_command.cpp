@@ -307,8 +307,9 @@ void add_studio_command(Command app, Context& context) {
           "The lens zooms in to this many times its focal length; the take has lens.csv and "
           "scene_zoom.toml")
       .show_default();
-  command.add_flag("--fisheye", arguments->fisheye,
-                   "The take has the fisheye's pictures, 10 Hz; in a sweep one for each frame");
+  command.add_flag(
+      "--fisheye", arguments->fisheye,
+      "The take has the fisheye's pictures, 10 Hz; in a sweep and in starts one for each frame");
   command.add_option("--fisheye-size", arguments->fisheye_size, "Of them, WxH");
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);

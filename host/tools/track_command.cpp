@@ -30,6 +30,7 @@ struct TrackArguments {
   std::string drawings;
   double start_m = 1.2, start_deg = 70;
   double smooth_s = 0;
+  bool anew = false;
   int patches = 300, finest = 0, passes = 1, threads = 0;
   int body = 0;
   std::optional<double> duration_s;
@@ -169,7 +170,7 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   options.tracker.align.finest = arguments.finest;
   options.tracker.start_radius_m = arguments.start_m;
   options.tracker.start_radius_rad = arguments.start_deg * kDeg;
-  options.smooth_s = arguments.smooth_s;
+  options.smooth_s = arguments.smooth_s, options.anew = arguments.anew;
   options.passes = arguments.passes, options.drawings = arguments.drawings;
   options.threads = arguments.threads;
   MIXRIG_ASSIGN(const session::RoomTrack track, session::track_room(options));
@@ -279,6 +280,10 @@ void add_track_command(Command app, Context& context) {
                   "--model: and turned so far from where the scan looked; 180: any way")
       .show_default()
       .range(0.0, 180.0);
+  command.add_flag(
+      "--anew", arguments->anew,
+      "--model: every picture is looked for as the first one is, and the report counts "
+      "those that were found, and found wrong");
   command
       .add_option("--smooth", arguments->smooth_s,
                   "--model: seconds before and after each pose whose poses smooth it: the latency; "
