@@ -274,7 +274,7 @@ void add_studio_command(Command app, Context& context) {
       app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();
   command.add_option("--scenario", arguments->scenario,
-                     "still walk talk pan sweep handheld pendulum edges far dark board");
+                     "still walk talk pan sweep handheld pendulum edges far dark starts board");
   command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
   command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
   command.add_option("--tolerance", arguments->tolerance,
