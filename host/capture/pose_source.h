@@ -83,6 +83,12 @@ class PoseSource {
   virtual std::string describe() const = 0;
   /// False where every capture has the same pose.
   virtual bool moves() const = 0;
+  /// How long pose_of() must wait after a capture for those that tell its pose: 0 where its own
+  /// and those before do.
+  virtual double latency_s() const { return 0; }
+  /// A capture whose pose will be asked for, after those that come within latency_s() of it; in
+  /// their order. Not needed where there is no latency.
+  virtual void see(const Capture&) {}
   /// Pose at the capture's mid-exposure. Does not allocate, block or fail: CameraPose::loss.
   virtual CameraPose pose_of(const Capture& capture) = 0;
   /// Counts since the source was made.

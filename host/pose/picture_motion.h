@@ -8,6 +8,7 @@
 
 #include "host/calibration_file/calibration.h"
 #include "host/geometry/pose.h"
+#include "host/pose/smooth_poses.h"
 
 namespace mixrig::pose {
 
@@ -16,6 +17,18 @@ enum class Predict {
   kVelocity,  ///< the fisheye's motion goes on (constant velocity)
   kHead,      ///< the head turns by its angles, and what carries it stands still
   kBoth,      ///< the head turns by its angles, and the motion of what carries it goes on
+};
+
+/// Of a body that is fixed to one whose covariance is known, `arm_m` from it; both in axes of the
+/// room.
+capture::PoseCovariance moved_by(const capture::PoseCovariance& covariance,
+                                 const Eigen::Vector3d& arm_m);
+
+/// Where the target camera is, by the pictures before and after.
+struct SmoothedPlace {
+  geometry::Pose room_from_target;
+  capture::PoseCovariance covariance;  ///< in axes of the room
+  double nearest_s = 0;                ///< from the time to the nearest picture
 };
 
 /// Nothing allocates. Not thread-safe.
@@ -29,13 +42,17 @@ class PictureMotion {
   void add_angles(double time_s, const device::PanTiltAngles& angles);
   /// The fisheye in the room at a picture's time; times grow. `apart`: found anew, nothing is known
   /// of the motion before it.
-  void add_picture(double time_s, const geometry::Pose& room_from_fisheye, bool apart);
-  /// The camera is lost: no pose until the next picture.
-  void lose() { last_.reset(), before_.reset(); }
+  void add_picture(const MeasuredPose& picture, bool apart);
+  /// The camera is lost in a picture: no pose until the next picture.
+  void lose(double time_s);
 
   /// room_from_target. Where the angles are not known at the time or at the pictures, by kVelocity.
   /// Past half a second after the newest picture the motion does not go on.
   std::optional<geometry::Pose> at(double time_s) const;
+  /// The same by the pictures up to `reach_s` before and after the time, without a lost one
+  /// between (smooth_at). With the head's angles, what carries the head is smoothed; where an angle
+  /// is not known, the fisheye. None where the nearest picture is lost, or half a second away.
+  std::optional<SmoothedPlace> smoothed_at(double time_s, double reach_s) const;
 
  private:
   struct Angles {
@@ -46,6 +63,11 @@ class PictureMotion {
     double time_s = 0;
     geometry::Pose room_from_fisheye;
   };
+  struct Kept {
+    MeasuredPose fisheye;  ///< the time alone where it is lost
+    bool known = false, apart = false;
+  };
+  using Around = std::span<MeasuredPose>;
   std::optional<device::PanTiltAngles> angles_at(double time_s) const;
   std::optional<geometry::Pose> by_head(double time_s) const;
   std::optional<geometry::Pose> room_from_base(const Picture& picture) const;
@@ -53,9 +75,18 @@ class PictureMotion {
   const Predict by_;
   const geometry::Pose fisheye_from_target_;
   const std::optional<calibration_file::PanTilt> head_;
-  std::array<Angles, 16> angles_{};  ///< the newest is at (count - 1) mod size
+  const Kept& kept(std::size_t back) const { return kept_[(pictures_ - 1 - back) % kept_.size()]; }
+  void keep(const Kept& picture) { kept_[pictures_++ % kept_.size()] = picture; }
+  std::optional<std::size_t> nearest(double time_s) const;
+  std::size_t around(std::size_t nearest, double time_s, double reach_s, Around out) const;
+  bool to_base(Around poses) const;
+
+  static constexpr std::size_t kMostAngles = 64;
+  std::array<Angles, kMostAngles> angles_{};  ///< the newest is at (count - 1) mod size
   std::size_t count_ = 0;
-  std::optional<Picture> last_, before_;  ///< the newest two
+  std::optional<Picture> last_, before_;    ///< the newest two
+  std::array<Kept, kMostSmoothed> kept_{};  ///< the newest is at (pictures - 1) mod size
+  std::size_t pictures_ = 0;
 };
 
 }  // namespace mixrig::pose

@@ -17,20 +17,6 @@ constexpr std::array<const char*, 3> kWays{"constant velocity", "the angles of t
                                            "the angles of the head and constant velocity"};
 constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;  ///< sigma of a hand-held camera's
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-/// Of a camera at `arm_m` from one whose covariance is known; both in axes of the room.
-capture::PoseCovariance moved_by(const capture::PoseCovariance& covariance,
-                                 const Eigen::Vector3d& arm_m) {
-  capture::PoseCovariance by = capture::PoseCovariance::Identity();
-  by.bottomLeftCorner<3, 3>() = -skew(arm_m);
-  return by * covariance * by.transpose();
-}
-
 class TrackerPoses final : public capture::PoseSource {
  public:
   TrackerPoses(const model::Panorama& room, const TrackerPoseOptions& options)
@@ -48,16 +34,33 @@ class TrackerPoses final : public capture::PoseSource {
   }
   bool moves() const override { return true; }
 
-  CameraPose pose_of(const capture::Capture& capture) override {
+  double latency_s() const override { return options_.smooth_s; }
+  void see(const capture::Capture& capture) override {
     const double plate_s = seconds(capture.mid_exposure.time_since_epoch());
-    if (capture.pan_tilt) motion_.add_angles(plate_s, *capture.pan_tilt);
+    if (capture.pan_tilt && (!angles_s_ || plate_s > *angles_s_)) {
+      angles_s_ = plate_s;
+      motion_.add_angles(plate_s, *capture.pan_tilt);
+    }
     take_picture(capture);
+  }
+
+  CameraPose pose_of(const capture::Capture& capture) override {
+    see(capture);
+    const double plate_s = seconds(capture.mid_exposure.time_since_epoch());
     if (capture.status_of(capture::Stream::kFisheye) == capture::StreamStatus::kMissing)
       return CameraPose::lost(PoseLoss::kNoPicture);
+    const auto why = tracker_.counts().pictures == 0 ? PoseLoss::kAbsent : PoseLoss::kUntracked;
+    if (options_.smooth_s > 0) {
+      const auto place = motion_.smoothed_at(plate_s, options_.smooth_s);
+      if (!place) return CameraPose::lost(why);
+      CameraPose pose;
+      pose.age_s = place->nearest_s;
+      pose.world_from_target = options_.world_from_base * place->room_from_target;
+      pose.covariance = in_world(place->covariance);
+      return pose;
+    }
     const auto room_from_target = motion_.at(plate_s);
-    if (!room_from_target)
-      return CameraPose::lost(tracker_.counts().pictures == 0 ? PoseLoss::kAbsent
-                                                              : PoseLoss::kUntracked);
+    if (!room_from_target) return CameraPose::lost(why);
     CameraPose pose;
     pose.age_s = std::abs(plate_s - picture_s_);
     pose.world_from_target = options_.world_from_base * *room_from_target;
@@ -72,9 +75,9 @@ class TrackerPoses final : public capture::PoseSource {
     if (tracker_.counts().pictures > 0 && time_s <= picture_s_) return;
     picture_s_ = time_s;
     const tracking::TrackedPose tracked = tracker_.track(capture.fisheye, time_s);
-    if (!tracked.known) return motion_.lose();
+    if (!tracked.known) return motion_.lose(time_s);
     covariance_ = tracked.covariance;
-    motion_.add_picture(time_s, tracked.room_from_camera, tracked.searched);
+    motion_.add_picture({time_s, tracked.room_from_camera, tracked.covariance}, tracked.searched);
   }
 
   /// Of the target camera's pose in the world, `ahead_s` after the last picture.
@@ -88,6 +91,9 @@ class TrackerPoses final : public capture::PoseSource {
       c.diagonal().head<3>().array() += std::pow(kSpeedUp_rad_s2 * way, 2);
       c.diagonal().tail<3>().array() += std::pow(kSpeedUp_m_s2 * way, 2);
     }
+    return in_world(c);
+  }
+  capture::PoseCovariance in_world(const capture::PoseCovariance& c) const {
     capture::PoseCovariance turn = capture::PoseCovariance::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
         options_.world_from_base.rotation.toRotationMatrix();
@@ -98,7 +104,8 @@ class TrackerPoses final : public capture::PoseSource {
   Crew crew_;
   PictureMotion motion_;
   tracking::Tracker tracker_;
-  double picture_s_ = 0;  ///< of the last picture that was tracked, found or not
+  std::optional<double> angles_s_;  ///< of the newest plate with angles
+  double picture_s_ = 0;            ///< of the last picture that was tracked, found or not
   capture::PoseCovariance covariance_ = capture::PoseCovariance::Zero();
 };
 

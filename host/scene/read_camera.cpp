@@ -22,15 +22,16 @@ struct OwnKey {
   const char* key;
   PoseSource of;
 };
-constexpr std::array<OwnKey, 9> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
-                                          {"time_offset_s", PoseSource::kRecorded},
-                                          {"world_from_target", PoseSource::kFixed},
-                                          {"world_from_base", PoseSource::kPanTilt},
-                                          {"constellation", PoseSource::kMocap},
-                                          {"body", PoseSource::kMocap},
-                                          {"up", PoseSource::kMocap},
-                                          {"delay_ms", PoseSource::kMocap},
-                                          {"predict", PoseSource::kTracker}}};
+constexpr std::array<OwnKey, 10> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
+                                           {"time_offset_s", PoseSource::kRecorded},
+                                           {"world_from_target", PoseSource::kFixed},
+                                           {"world_from_base", PoseSource::kPanTilt},
+                                           {"constellation", PoseSource::kMocap},
+                                           {"body", PoseSource::kMocap},
+                                           {"up", PoseSource::kMocap},
+                                           {"delay_ms", PoseSource::kMocap},
+                                           {"predict", PoseSource::kTracker},
+                                           {"smooth_ms", PoseSource::kTracker}}};
 
 Eigen::Vector3d corner(const Table& box, const char* key) {
   const auto v = box.numbers(key, 3, 3, {-1e4, 1e4});
@@ -71,6 +72,7 @@ void read_own_keys(const Table& table, const std::filesystem::path& folder, Pose
   mocap.y_up = table.one_of("up", {"y", "z"}, 0) == 0;
   mocap.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
   camera.predict = static_cast<Predict>(table.one_of("predict", {"velocity", "head", "both"}, 0));
+  camera.smooth_s = kMs * table.number_or("smooth_ms", 0, {0, 500});
   if (!mocap.constellation.empty() && table.has("body"))
     table.fail("body", "given beside constellation: remove one of them");
   if (source == PoseSource::kFixed && !fixed.present())

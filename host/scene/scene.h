@@ -98,6 +98,7 @@ struct CameraPoses {
   geometry::Pose world_from_base;        ///< kPanTilt: the foot of the head
   MocapSettings mocap;                   ///< kMocap
   Predict predict = Predict::kVelocity;  ///< kTracker
+  double smooth_s = 0;                   ///< kTracker: latency for which poses are smoothed
   double max_age_s = 0.1;                ///< an older pose is lost
   WhenLost when_lost = WhenLost::kFreeze;
 };

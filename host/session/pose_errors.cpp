@@ -36,10 +36,24 @@ void PoseErrors::add(const geometry::Pose& used, const geometry::Pose& truth) {
   if (!shift_mm_.add(shift_mm) || !turn_deg_.add(turn_deg)) return;
   shift_square_mm2_ += shift_mm * shift_mm;
   turn_square_deg2_ += turn_deg * turn_deg;
+  const Eigen::AngleAxisd turn(truth.rotation * used.rotation.conjugate());
+  const Off now{1e3 * (truth.translation_m - used.translation_m),
+                turn.angle() * 180 / std::numbers::pi * turn.axis()};
+  if (before_ && last_) {
+    ++triples_;
+    shift_jitter_mm2_ += (before_->shift_mm - 2 * last_->shift_mm + now.shift_mm).squaredNorm();
+    turn_jitter_deg2_ += (before_->turn_deg - 2 * last_->turn_deg + now.turn_deg).squaredNorm();
+  }
+  before_ = last_, last_ = now;
 }
 
 nlohmann::json PoseErrors::to_json() const {
+  nlohmann::json jitter;
+  if (triples_ > 0)
+    jitter = {{"shift_mm", in_three_digits(rms(shift_jitter_mm2_, triples_))},
+              {"turn_deg", in_three_digits(rms(turn_jitter_deg2_, triples_))}};
   return {{"frames", frames()},
+          {"jitter", jitter},
           {"shift_mm", summary(shift_mm_, shift_square_mm2_)},
           {"turn_deg", summary(turn_deg_, turn_square_deg2_)}};
 }

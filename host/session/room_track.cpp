@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host/image_io/image_io.h"
-#include "host/measure/percentile.h"
 #include "host/model/room_file.h"
+#include "host/pose/smooth_poses.h"
 #include "host/session/take_pictures.h"
 #include "host/take/take_source.h"
 
@@ -20,48 +18,6 @@ namespace mixrig::session {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Errors of the pictures that have a pose and truth.
-struct PathErrors {
-  std::vector<double> shift_mm, turn_deg, nees, number;
-};
-
-PathErrors errors_of(const RoomTrack& track) {
-  PathErrors errors;
-  for (std::size_t i = 0; i < track.pictures.size(); ++i) {
-    const TrackedPicture& p = track.pictures[i];
-    if (!p.pose.known || !p.truth) continue;
-    const Eigen::Quaterniond turn = p.truth->rotation * p.world_from_target.rotation.conjugate();
-    const Eigen::AngleAxisd angle(turn);
-    errors.shift_mm.push_back(1e3 *
-                              (p.world_from_target.translation_m - p.truth->translation_m).norm());
-    errors.turn_deg.push_back(angle.angle() * 180 / std::numbers::pi);
-    errors.number.push_back(static_cast<double>(i));
-    errors.nees.push_back(p.nees);
-  }
-  return errors;
-}
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-double rms_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-/// Of y over x by least squares; 0 for fewer than two values.
-double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
-  const double mean_x = mean_of(x), mean_y = mean_of(y);
-  double xx = 0, xy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    xx += (x[i] - mean_x) * (x[i] - mean_x), xy += (x[i] - mean_x) * (y[i] - mean_y);
-  return xx > 0 ? xy / xx : 0;
-}
 
 /// e^T C^-1 e of the camera's pose in the room.
 double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_room_from_camera) {
@@ -73,9 +29,50 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
   return e.dot(pose.covariance.ldlt().solve(e));
 }
 
-}  // namespace
+/// What follows from a picture's pose.
+class Placed {
+ public:
+  Placed(const std::optional<geometry::Pose>& world_from_base,
+         const geometry::Pose& camera_from_target)
+      : world_from_base_(world_from_base.value_or(geometry::Pose{})),
+        camera_from_target_(camera_from_target) {}
+  void place(TrackedPicture& p) const {
+    p.world_from_target = world_from_base_ * p.pose.room_from_camera * camera_from_target_;
+    if (p.truth && p.pose.known)
+      p.nees = nees_of(p.pose, geometry::inverse(world_from_base_) * *p.truth *
+                                   geometry::inverse(camera_from_target_));
+  }
 
-namespace {
+ private:
+  const geometry::Pose world_from_base_, camera_from_target_;
+};
+
+/// The pictures with each pose smoothed by those without a lost one between, up to `reach_s` before
+/// and after it.
+std::vector<TrackedPicture> smoothed(const std::vector<TrackedPicture>& pictures, double reach_s,
+                                     const Placed& placed) {
+  std::vector<TrackedPicture> all = pictures;
+  std::vector<pose::MeasuredPose> around;
+  const auto near = [&](std::size_t i, std::size_t k) {
+    return pictures[k].pose.known && std::abs(pictures[k].time_s - pictures[i].time_s) <= reach_s;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all[i].pose.known) continue;
+    constexpr std::size_t kMostToASide = (pose::kMostSmoothed - 1) / 2;
+    std::size_t begin = i, end = i + 1;
+    while (begin > 0 && i - begin < kMostToASide && near(i, begin - 1)) --begin;
+    while (end < all.size() && end - i <= kMostToASide && near(i, end)) ++end;
+    around.clear();
+    for (std::size_t k = begin; k < end; ++k)
+      around.push_back(
+          {pictures[k].time_s, pictures[k].pose.room_from_camera, pictures[k].pose.covariance});
+    const pose::MeasuredPose pose = pose::smooth_at(around, all[i].time_s);
+    all[i].pose.room_from_camera = pose.room_from_body;
+    all[i].pose.covariance = pose.covariance;
+    placed.place(all[i]);
+  }
+  return all;
+}
 
 /// Number of the frame that is played as the `step`th: to and fro.
 int played_frame(int step, int frames) {
@@ -128,7 +125,7 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
   const TruePath truth(options.camera, options.take, source->info(), camera);
   const auto place =
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
-  const geometry::Pose world_from_base = place.value_or(geometry::Pose{});
+  const Placed placed(place, camera.camera_from_target);
   Crew crew(options.threads);
   tracking::TrackerOptions tracking = options.tracker;
   tracking.distance_sigma = room.manifest.distance_sigma;
@@ -150,17 +147,14 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     if (step < frames) end_s = picture.time_s + half_s;
     TrackedPicture tracked;
     tracked.time_s = played_s(picture.time_s, step / frames, begin_s, end_s);
+    if (options.anew) tracker.forget();
     const auto start = std::chrono::steady_clock::now();
     tracked.pose = tracker.track(*picture.image, tracked.time_s);
     tracked.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     track.seconds += tracked.seconds;
-    tracked.world_from_target =
-        world_from_base * tracked.pose.room_from_camera * camera.camera_from_target;
     if (place) tracked.truth = truth.at(picture.time_s, capture);
-    if (tracked.truth && tracked.pose.known)
-      tracked.nees = nees_of(tracked.pose, geometry::inverse(world_from_base) * *tracked.truth *
-                                               geometry::inverse(camera.camera_from_target));
+    placed.place(tracked);
     track.pictures.push_back(tracked);
     if (!options.drawings.empty())
       MIXRIG_TRY(write_drawing(options.drawings, track.pictures.size(), tracker, tracked.pose.known,
@@ -170,47 +164,13 @@ Result<RoomTrack> track_room(const RoomTrackOptions& options) {
     return Error{ErrorCode::kData, options.take.string() +
                                        ": has no pictures of that camera: record it with the "
                                        "fisheye in rig.toml, or track by --camera target"};
-  track.counts = tracker.counts();
+  track.counts = tracker.counts(), track.anew = options.anew;
+  if (options.smooth_s > 0) {
+    track.latency_s = options.smooth_s;
+    track.unsmoothed = smoothed(track.pictures, options.smooth_s, placed);
+    track.pictures.swap(track.unsmoothed);
+  }
   return track;
-}
-
-nlohmann::json to_json(const RoomTrack& track) {
-  const auto frames = static_cast<double>(track.pictures.size());
-  std::vector<double> sigma_mm;
-  std::vector<float> frame_ms, search_ms;
-  for (const TrackedPicture& p : track.pictures) {
-    const bool followed = p.pose.known && !p.pose.searched;
-    (followed ? frame_ms : search_ms).push_back(static_cast<float>(1e3 * p.seconds));
-    if (p.pose.known)
-      sigma_mm.push_back(1e3 * std::sqrt(p.pose.covariance.diagonal().tail<3>().sum()));
-  }
-  nlohmann::json json = {{"frames", track.pictures.size()},
-                         {"lost_pct", 100 * static_cast<double>(track.counts.lost) / frames},
-                         {"fps", track.seconds > 0 ? frames / track.seconds : 0},
-                         {"frame_ms", measure::quantile(frame_ms, 0.5)},
-                         {"search_ms", measure::quantile(search_ms, 0.5)},
-                         {"searches", track.counts.searches},
-                         {"sigma_mm", mean_of(sigma_mm)}};
-  const PathErrors errors = errors_of(track);
-  if (errors.shift_mm.empty()) return json;
-  json["rms_mm"] = rms_of(errors.shift_mm), json["rms_deg"] = rms_of(errors.turn_deg);
-  json["p95_mm"] = measure::quantile({errors.shift_mm.begin(), errors.shift_mm.end()}, 0.95);
-  json["max_mm"] = *std::max_element(errors.shift_mm.begin(), errors.shift_mm.end());
-  json["drift_mm_per_1000"] = 1000 * slope_of(errors.number, errors.shift_mm);
-  json["nees"] = mean_of(errors.nees);
-  return json;
-}
-
-std::string to_tum(const RoomTrack& track) {
-  std::string text = "# t x y z qx qy qz qw of world_from_target\n";
-  for (const TrackedPicture& p : track.pictures) {
-    if (!p.pose.known) continue;
-    const auto& t = p.world_from_target.translation_m;
-    const auto& q = p.world_from_target.rotation;
-    text += fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.time_s,
-                        t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-  }
-  return text;
 }
 
 }  // namespace mixrig::session

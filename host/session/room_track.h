@@ -23,6 +23,8 @@ struct RoomTrackOptions {
   /// Of the room; absent: as its folder says, or poses are in axes of the room.
   std::optional<geometry::Pose> world_from_base;
   tracking::TrackerOptions tracker;
+  double smooth_s = 0;                     ///< poses so long before and after smooth each; 0: none
+  bool anew = false;                       ///< every picture is looked for as the first one is
   int passes = 1;                          ///< the take is played so often, to and fro
   std::filesystem::path drawings;          ///< folder for pictures with their patches; empty: none
   int threads = 0;                         ///< 0: one per core
@@ -40,6 +42,9 @@ struct TrackedPicture {
 
 struct RoomTrack {
   std::vector<TrackedPicture> pictures;
+  bool anew = false;                       ///< as asked for
+  std::vector<TrackedPicture> unsmoothed;  ///< the same as they were tracked, where smoothed
+  double latency_s = 0;                    ///< that smoothing waits for pictures to come
   tracking::TrackerCounts counts;
   double seconds = 0;  ///< in the tracker, of all pictures
   bool world_known = false;
@@ -52,10 +57,14 @@ struct RoomTrack {
 Result<RoomTrack> track_room(const RoomTrackOptions& options);
 
 /// {"frames", "lost_pct", "fps", "frame_ms" (median of the pictures that were not searched for),
-/// "search_ms" (of the others), "searches", "sigma_mm", and where truth is known "rms_mm",
-/// "rms_deg", "p95_mm", "max_mm", "drift_mm_per_1000", "nees"}: errors of the target camera. The
-/// drift is the slope of the distance over the number of the picture; "nees" the mean of
-/// e^T C^-1 e, 6 where the covariances are right.
+/// "search_ms" (of the others), "searches", "sigma_mm", "latency_s", and where truth is known
+/// "rms_mm", "rms_deg", "p95_mm", "max_mm", "drift_mm_per_1000", "jitter_mm", "jitter_deg",
+/// "nees"}: errors of the target camera, and where smoothed, the same before under "unsmoothed".
+/// The drift is the slope of the distance over the number of the picture; jitter the root mean
+/// square of the errors' second differences from picture to picture; "nees" the mean of e^T C^-1 e,
+/// 6 where the covariances are right. Where every picture was looked for anew: "starts": {"found",
+/// "wrong": of them more than 50 mm or 1 degree off, "refused", "p50_mm", "search_ms": {"p50",
+/// "p95"}}.
 nlohmann::json to_json(const RoomTrack& track);
 /// TUM lines "t x y z qx qy qz qw" of world_from_target at the pictures that have a pose.
 std::string to_tum(const RoomTrack& track);

@@ -97,6 +97,7 @@ class Runner {
   bool reads_truth() const {
     return judges() || (options_.true_people && session_.source->info().has_truth);
   }
+  Result<std::optional<capture::CaptureItem>> next_item();
   Result<void> open_sinks(FrameRange range);
   Result<void> prepare_frame_poses();
   Result<void> open_baselines();
@@ -123,6 +124,8 @@ class Runner {
   std::optional<PartialPath> folder_;
   WorkGate gate_;
   std::unique_ptr<capture::CaptureReader> reader_;
+  std::vector<capture::CaptureItem> held_;  ///< that were read ahead, the oldest first
+  bool drained_ = false;                    ///< the reader has no more
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
   Sinks sinks_;
@@ -170,6 +173,7 @@ Result<void> Runner::prepare_frame_poses() {
   const pose::FramePoseOptions options = frame_pose_options(session_.scene);
   poses_.emplace(*session_.poses, options);
   report_.pose.source = session_.poses->name();
+  report_.pose.latency_s = session_.poses->latency_s();
   report_.pose.when_lost = options.when_lost;
   slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
   lens_.emplace(session_.setup,
@@ -221,8 +225,28 @@ render::OutputMask Runner::wanted_by_sinks(int number) const {
   return mask;
 }
 
+/// The next capture, once those within the latency of its pose have come too.
+Result<std::optional<capture::CaptureItem>> Runner::next_item() {
+  const double latency_s = session_.poses->latency_s();
+  const auto waits = [&] {
+    return held_.empty() || seconds(held_.back().capture->mid_exposure -
+                                    held_.front().capture->mid_exposure) < latency_s;
+  };
+  while (!drained_ && waits()) {
+    MIXRIG_ASSIGN(auto item, reader_->next());
+    drained_ = !item;
+    if (drained_) break;
+    session_.poses->see(*item->capture);
+    held_.push_back(*std::move(item));
+  }
+  if (held_.empty()) return std::optional<capture::CaptureItem>();
+  std::optional<capture::CaptureItem> oldest(std::move(held_.front()));
+  held_.erase(held_.begin());
+  return oldest;
+}
+
 Result<bool> Runner::frame() {
-  MIXRIG_ASSIGN(auto item, reader_->next());
+  MIXRIG_ASSIGN(auto item, next_item());
   if (!item) return false;
   if (auto fault = head_.fault(session_, *item->capture)) {
     if (!live()) return Error{ErrorCode::kData, *std::move(fault)};
@@ -268,6 +292,7 @@ void Runner::set_pose(output::Composite& composite) {
       report_.pose.error->add(composite.world_from_target, composite.capture->world_from_target);
     return;
   }
+  if (report_.pose.error) report_.pose.error->skip();
   if (std::exchange(warned_lost_, true)) return;
   log_warning("session", fmt::format("frame {}: the camera's pose is lost ({}): virtual objects "
                                      "are {}; frames.csv and the report say where",

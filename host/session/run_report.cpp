@@ -123,6 +123,7 @@ nlohmann::json to_json(const PoseReport& report) {
       {"lost_by", lost_by_reason(report.frames)},
       {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
       {"jumps", report.frames.jumps},
+      {"latency_s", report.latency_s},
       {"stream", stream_json(report)},
       {"age_ms", age_ms}};
   if (report.error && report.error->frames() > 0) out["error"] = report.error->to_json();

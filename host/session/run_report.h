@@ -28,6 +28,7 @@ namespace mixrig::session {
 struct PoseReport {
   std::string source;  ///< as PoseSource::name
   pose::WhenLost when_lost = pose::WhenLost::kFreeze;
+  double latency_s = 0;  ///< as PoseSource::latency_s
   pose::FramePoseCounts frames;
   capture::PoseFaults faults;  ///< of the source's stream
   std::optional<capture::PoseStream> stream;

@@ -82,6 +82,7 @@ Result<std::unique_ptr<capture::PoseSource>> tracker_poses(const Session& sessio
   options.fisheye = fisheye.model;
   options.fisheye_from_target = fisheye.camera_from_target;
   options.world_from_base = *place;
+  options.smooth_s = session.scene.camera.smooth_s;
   options.tracker.distance_sigma = room.manifest.distance_sigma;
   MIXRIG_TRY(set_prediction(session, options));
   return pose::make_tracker_poses(room.panorama, options);

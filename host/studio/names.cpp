@@ -23,7 +23,8 @@ constexpr std::array<Named<Scenario>, 11> kScenarios{{{Scenario::kStill, "still"
                                                       {Scenario::kCarried, "carried"},
                                                       {Scenario::kEdges, "edges"},
                                                       {Scenario::kFar, "far"},
-                                                      {Scenario::kDark, "dark"}}};
+                                                      {Scenario::kDark, "dark"},
+                                                      {Scenario::kStarts, "starts"}}};
 constexpr std::array<Named<RigPreset>, 3> kRigs{{{RigPreset::kSr3000, "sr3000"},
                                                  {RigPreset::kKinect2, "kinect2"},
                                                  {RigPreset::kHelios2, "helios2"}}};

@@ -106,7 +106,8 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   info.world_from_rest = rest_pose(layout);
   const bool sweeps = options.scenario == Scenario::kSweep;
   if (sweeps || options.scenario == Scenario::kPan) info.pan_tilt = layout.pan_tilt;
-  if (layout.camera_moves && !sweeps) info.mocap = mocap_of_seed(options.seed);
+  if (layout.camera_moves && !sweeps && options.scenario != Scenario::kStarts)
+    info.mocap = mocap_of_seed(options.seed);
   return info;
 }
 

@@ -22,7 +22,8 @@
 namespace mixrig::studio {
 
 /// What the person and the camera do. The camera stands still except in pan, sweep, handheld,
-/// pendulum and carried.
+/// pendulum and carried; in starts it is elsewhere in every frame: within 1 m of where a sweep
+/// stands, turned by up to 60 degrees from where it looks ahead.
 enum class Scenario {
   kStill,
   kWalk,
@@ -34,7 +35,8 @@ enum class Scenario {
   kCarried,
   kEdges,
   kFar,
-  kDark
+  kDark,
+  kStarts
 };
 /// The depth camera beside the target camera.
 enum class RigPreset { kSr3000, kKinect2, kHelios2 };
@@ -206,8 +208,8 @@ struct Frame {
   std::optional<HeadAngles> head;  ///< pan and sweep: encoders at mid-exposure, in whole steps
 };
 
-/// A picture of the fisheye at its own time: 10 Hz, in a sweep one for each frame; never at the
-/// mid-exposure of a frame.
+/// A picture of the fisheye at its own time: 10 Hz, in a sweep and in starts one for each frame;
+/// never at the mid-exposure of a frame.
 struct FisheyePicture {
   int number = 0;                     ///< 1-based
   int frame = 0;                      ///< the frame whose mid-exposure is nearest

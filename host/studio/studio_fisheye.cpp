@@ -28,7 +28,10 @@ int nearest_frame(double time_s) {
 void describe_fisheye(const StudioOptions& options, const Rig& rig, StudioInfo& info) {
   info.fisheye = {scaled(rig.fisheye, options.fisheye_px), rig.target_from_fisheye};
   if (!options.fisheye) return;
-  info.fisheye_rate_hz = options.scenario == Scenario::kSweep ? kFrameRate_hz : kFisheyeRate_hz;
+  info.fisheye_rate_hz =
+      options.scenario == Scenario::kSweep || options.scenario == Scenario::kStarts
+          ? kFrameRate_hz
+          : kFisheyeRate_hz;
   while (nearest_frame(fisheye_time_s(info, info.fisheye_pictures + 1)) <= info.frames)
     ++info.fisheye_pictures;
 }

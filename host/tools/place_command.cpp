@@ -74,7 +74,7 @@ void add_place_command(Command app, Context& context) {
   command.add_option("--object", arguments->object, "its name; not needed where there is one");
   command.add_option("--turn", arguments->turn_deg, "degrees about the surface's normal")
       .show_default()
-      .range(-360, 360);
+      .range(-360.0, 360.0);
   command.add_option("--slide", arguments->slide,
                      "U,V metres in the surface: to the right, and away (on a wall: up)");
   command.add_option("--frame", arguments->frame, "of the source, whose depth is looked at")

@@ -274,7 +274,8 @@ void add_studio_command(Command app, Context& context) {
       app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();
   command.add_option("--scenario", arguments->scenario,
-                     "still walk talk pan sweep handheld pendulum carried edges far dark board");
+                     "still walk talk pan sweep handheld pendulum carried edges far dark starts "
+                     "board");
   command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
   command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
   command.add_option("--tolerance", arguments->tolerance,
@@ -307,8 +308,9 @@ void add_studio_command(Command app, Context& context) {
           "The lens zooms in to this many times its focal length; the take has lens.csv and "
           "scene_zoom.toml")
       .show_default();
-  command.add_flag("--fisheye", arguments->fisheye,
-                   "The take has the fisheye's pictures, 10 Hz; in a sweep one for each frame");
+  command.add_flag(
+      "--fisheye", arguments->fisheye,
+      "The take has the fisheye's pictures, 10 Hz; in a sweep and in starts one for each frame");
   command.add_option("--fisheye-size", arguments->fisheye_size, "Of them, WxH");
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);

@@ -29,6 +29,8 @@ struct TrackArguments {
   std::string model, map, take, scene, camera = "fisheye", tum;
   std::string drawings;
   double start_m = 1.2, start_deg = 70;
+  double smooth_s = 0;
+  bool anew = false;
   int patches = 300, finest = 0, passes = 1, threads = 0;
   int body = 0;
   std::optional<double> duration_s;
@@ -149,6 +151,12 @@ void print(const session::RoomTrack& track, const nlohmann::json& json) {
         "expected %.2f mm\n",
         json["rms_mm"].get<double>(), json["p95_mm"].get<double>(), json["rms_deg"].get<double>(),
         json["sigma_mm"].get<double>());
+  if (!json.contains("unsmoothed")) return;
+  std::printf(
+      "jitter %.3f mm, %.4f deg RMS, %.2f s later than without smoothing (%.3f mm, %.4f deg)\n",
+      json["jitter_mm"].get<double>(), json["jitter_deg"].get<double>(),
+      json["latency_s"].get<double>(), json["unsmoothed"]["jitter_mm"].get<double>(),
+      json["unsmoothed"]["jitter_deg"].get<double>());
 }
 
 Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
@@ -162,6 +170,7 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   options.tracker.align.finest = arguments.finest;
   options.tracker.start_radius_m = arguments.start_m;
   options.tracker.start_radius_rad = arguments.start_deg * kDeg;
+  options.smooth_s = arguments.smooth_s, options.anew = arguments.anew;
   options.passes = arguments.passes, options.drawings = arguments.drawings;
   options.threads = arguments.threads;
   MIXRIG_ASSIGN(const session::RoomTrack track, session::track_room(options));
@@ -269,12 +278,22 @@ void add_track_command(Command app, Context& context) {
       .add_option("--start-m", arguments->start_m,
                   "--model: the first pose is looked for so far from the place of the scan")
       .show_default()
-      .range(0, 5);
+      .range(0.0, 5.0);
   command
       .add_option("--start-deg", arguments->start_deg,
                   "--model: and turned so far from where the scan looked; 180: any way")
       .show_default()
-      .range(0, 180);
+      .range(0.0, 180.0);
+  command.add_flag(
+      "--anew", arguments->anew,
+      "--model: every picture is looked for as the first one is, and the report counts "
+      "those that were found, and found wrong");
+  command
+      .add_option("--smooth", arguments->smooth_s,
+                  "--model: seconds before and after each pose whose poses smooth it: the latency; "
+                  "0: none")
+      .show_default()
+      .range(0.0, 1.0);
   command
       .add_option("--passes", arguments->passes,
                   "--model: the take is played so often, to and fro: does the error grow?")

@@ -65,6 +65,8 @@ class Tracker {
 
   /// A picture of the camera's size; times grow.
   TrackedPose track(ImageView<const Rgb8> picture, double time_s);
+  /// The next picture is looked for as the first one is.
+  void forget() { last_.reset(), before_.reset(), lost_ = true; }
   /// What constant velocity says of a time near the last picture's; none before the first pose and
   /// while the camera is lost.
   std::optional<geometry::Pose> predicted(double time_s) const;

@@ -19,6 +19,11 @@ class TrackedRun : public TrackedTake {
     ASSERT_NO_FATAL_FAILURE(make_room_and_take(kFrames));
   }
 
+  static std::string with_latency(std::string scene) {
+    const std::string tracker = "pose = \"tracker\"";
+    return scene.replace(scene.find(tracker), tracker.size(), tracker + "\nsmooth_ms = 200");
+  }
+
   /// What the command says where it must fail.
   std::string refusal(const std::string& words) const {
     const std::string log = path("refusal");
@@ -60,8 +65,22 @@ TEST_F(TrackedRun, FollowsAHandHeldCamera) {
   const auto pose = report("run.json").at("pose");
   EXPECT_EQ(pose.at("source").get<std::string>(), "tracker");
   EXPECT_EQ(pose.at("lost").get<int>(), 0);
+  EXPECT_EQ(pose.at("latency_s").get<double>(), 0);
   EXPECT_LT(pose.at("error").at("shift_mm").at("rms").get<double>(), 4);
   EXPECT_LT(pose.at("slip_px").at("rms").get<double>(), 0.5);
+
+  std::ofstream(path("take/scene_smooth.toml"))
+      << with_latency(tracker_scene(path("take"), path("room"), world_from_base(path("sweep"))));
+  ASSERT_EQ(mixrig("run " + path("take/scene_smooth.toml") + " --source take:" + path("take") +
+                   " --frames 5-30 --json " + path("smooth.json")),
+            0);
+  const auto smooth = report("smooth.json").at("pose");
+  EXPECT_EQ(smooth.at("frames").get<int>(), 26) << "those that were held come too";
+  EXPECT_EQ(smooth.at("latency_s").get<double>(), 0.2);
+  const auto turn_deg = [](const auto& run) {
+    return run.at("error").at("turn_deg").at("rms").template get<double>();
+  };
+  EXPECT_LT(turn_deg(smooth), turn_deg(pose)) << "pictures after a plate tell more than velocity";
 }
 
 TEST_F(TrackedRun, IsFoundAgainInTheFirstPictureAfterTheLensWasCovered) {

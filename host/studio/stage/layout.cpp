@@ -108,6 +108,32 @@ geometry::Pose carried(const geometry::Pose& rest, double time_s, unsigned seed)
   return shaken(rest * geometry::Pose{turn, move}, static_cast<float>(time_s), seed);
 }
 
+/// Another pose in each frame: places evenly in a ball of 1 m, as far as they are 0.2 m off the
+/// walls and 0.4 m above the floor; turns of evenly 0 to 60 degrees about any axis.
+geometry::Pose thrown(const geometry::Pose& rest, double time_s, unsigned seed) {
+  constexpr double kMost_rad = 60 * kDeg;
+  const auto frame =
+      static_cast<std::uint64_t>(std::llround(std::max(0.0, time_s) * kFrameRate_hz));
+  std::uint64_t next = 0;
+  const auto in_ball = [&] {
+    for (;;) {
+      const auto number = [&] {
+        return 2.0 * uniform(hash_key(seed, 0x57A7, 4096 * frame + next++)) - 1;
+      };
+      const double x = number(), y = number(), z = number();
+      if (const Eigen::Vector3d v(x, y, z); v.squaredNorm() <= 1 && v.squaredNorm() > 1e-4)
+        return v;
+    }
+  };
+  const Eigen::Vector3d room(kRoomX_m, kRoomY_m, kRoomZ_m), off(0.2, 0.2, 0.4);
+  Eigen::Vector3d place;
+  do place = rest.translation_m + in_ball();
+  while (!(place.array() > off.array() && (room - place).array() > 0.2).all());
+  const double angle = kMost_rad * uniform(hash_key(seed, 0x57A8, frame));
+  const Eigen::AngleAxisd turn(angle, in_ball().normalized());
+  return {rest.rotation * Eigen::Quaterniond(turn), place};
+}
+
 }  // namespace
 
 float ambient_share(float lamp_level) {
@@ -138,7 +164,7 @@ Layout make_layout(const StudioOptions& options) {
     stage.object = {3.55F, 2.45F};
     stage.path_half_m = {0.62F, 0.62F};
   }
-  if (scenario == Scenario::kSweep) {
+  if (scenario == Scenario::kSweep || scenario == Scenario::kStarts) {
     layout.eye_m = {1.2, 2.1, 1.45};
     layout.look_at_m = {3.9, 2.1, 1.45};
   }
@@ -164,7 +190,7 @@ Layout make_layout(const StudioOptions& options) {
       make_light(scenario == Scenario::kDark, static_cast<float>(options.day.lamp_level));
   layout.camera_moves = scenario == Scenario::kPan || scenario == Scenario::kSweep ||
                         scenario == Scenario::kHandheld || scenario == Scenario::kPendulum ||
-                        scenario == Scenario::kCarried;
+                        scenario == Scenario::kCarried || scenario == Scenario::kStarts;
   if (options.sweep.crossing) {  // around the head
     stage.object = layout.eye_m.head<2>().cast<float>();
     stage.path_half_m = {0.8F, 1.1F};
@@ -202,6 +228,8 @@ CameraPlace camera_at(const Layout& layout, const StudioOptions& options, double
       return {swung(rest, time_s)};
     case Scenario::kCarried:
       return {carried(rest, time_s, options.seed)};
+    case Scenario::kStarts:
+      return {thrown(rest, time_s, options.seed)};
     default:
       return {rest};
   }

@@ -41,6 +41,10 @@ struct Worst {
   double mm = 0, deg = 0;
 };
 
+MeasuredPose measured(double at_s, const Pose& room_from_fisheye) {
+  return {at_s, room_from_fisheye, 1e-8 * capture::PoseCovariance::Identity()};
+}
+
 /// Over the plates from 0.3 s on, as the pictures come; `angles_until`: then the head is silent.
 Worst worst_of(Predict by, double speed_m_s, double angles_until_s = 1e9) {
   PictureMotion motion(by, kFisheyeFromTarget, unit());
@@ -52,7 +56,8 @@ Worst worst_of(Predict by, double speed_m_s, double angles_until_s = 1e9) {
     for (double at_s = pictures * kPicture_s + kLag_s; at_s <= t_s;
          at_s = ++pictures * kPicture_s + kLag_s)
       motion.add_picture(
-          at_s, room_from_target(at_s, speed_m_s) * geometry::inverse(kFisheyeFromTarget), false);
+          measured(at_s, room_from_target(at_s, speed_m_s) * geometry::inverse(kFisheyeFromTarget)),
+          false);
     const auto pose = motion.at(t_s);
     if (t_s < 0.3) continue;
     EXPECT_TRUE(pose) << t_s;
@@ -89,15 +94,70 @@ TEST(PictureMotion, WithoutAnglesTheVelocityGoesOn) {
 TEST(PictureMotion, EndsWhereTheCameraIsLostAndDoesNotRunAway) {
   PictureMotion motion(Predict::kVelocity, {}, std::nullopt);
   EXPECT_FALSE(motion.at(0));
-  motion.add_picture(0, {}, true);
-  motion.add_picture(0.1, {Eigen::Quaterniond::Identity(), {0.1, 0, 0}}, false);
+  motion.add_picture(measured(0, {}), true);
+  motion.add_picture(measured(0.1, {Eigen::Quaterniond::Identity(), {0.1, 0, 0}}), false);
   EXPECT_NEAR(motion.at(0.2)->translation_m.x(), 0.2, 1e-12);
   EXPECT_NEAR(motion.at(0.05)->translation_m.x(), 0.05, 1e-12);
   EXPECT_NEAR(motion.at(5)->translation_m.x(), 0.1, 1e-12);
-  motion.add_picture(0.2, {Eigen::Quaterniond::Identity(), {7, 0, 0}}, true);
+  motion.add_picture(measured(0.2, {Eigen::Quaterniond::Identity(), {7, 0, 0}}), true);
   EXPECT_NEAR(motion.at(0.25)->translation_m.x(), 7, 1e-12) << "found anew: no motion is known";
-  motion.lose();
+  motion.lose(0.3);
   EXPECT_FALSE(motion.at(0.3));
+}
+
+/// The worst of the plates between 0.3 s and 1.3 s of take, once all pictures are there.
+Worst worst_smoothed(Predict by, double speed_m_s) {
+  constexpr double kReach_s = 0.25;
+  PictureMotion motion(by, kFisheyeFromTarget, unit());
+  for (int plate = 0; plate < 40; ++plate)
+    motion.add_angles(plate * kPlate_s, {pan_rad(plate * kPlate_s), 0.1 * plate * kPlate_s});
+  for (int i = 0; i < 16; ++i) {
+    const double at_s = i * kPicture_s + kLag_s;
+    motion.add_picture(
+        measured(at_s, room_from_target(at_s, speed_m_s) * geometry::inverse(kFisheyeFromTarget)),
+        false);
+  }
+  Worst worst;
+  for (int plate = 8; plate < 33; ++plate) {
+    const double t_s = plate * kPlate_s;
+    const auto place = motion.smoothed_at(t_s, kReach_s);
+    EXPECT_TRUE(place) << t_s;
+    if (!place) continue;
+    const Pose truth = room_from_target(t_s, speed_m_s);
+    worst.mm = std::max(worst.mm,
+                        1e3 * (place->room_from_target.translation_m - truth.translation_m).norm());
+    worst.deg = std::max(worst.deg,
+                         57.3 * place->room_from_target.rotation.angularDistance(truth.rotation));
+    EXPECT_LE(place->nearest_s, 0.5 * kPicture_s + 1e-9);
+  }
+  return worst;
+}
+
+TEST(PictureMotion, SmoothedFollowsAPanThatTurnsBackWithoutLag) {
+  const Worst velocity = worst_smoothed(Predict::kVelocity, 0.3);
+  EXPECT_LT(velocity.deg, 1) << "0.5 rad/s to -0.5 between two pictures";
+  const Worst head = worst_smoothed(Predict::kHead, 0.3);
+  EXPECT_LT(head.deg, 1e-3);
+  EXPECT_LT(head.mm, 0.1) << "what carries the head moves steadily: no prediction is needed";
+}
+
+TEST(PictureMotion, SmoothedIsLostWhereTheNearestPictureIs) {
+  PictureMotion motion(Predict::kVelocity, {}, std::nullopt);
+  EXPECT_FALSE(motion.smoothed_at(0, 0.3));
+  const auto at_x = [](double t_s, double x_m) {
+    return measured(t_s, {Eigen::Quaterniond::Identity(), {x_m, 0, 0}});
+  };
+  for (int i = 0; i < 3; ++i) motion.add_picture(at_x(0.1 * i, 0.1 * i), i == 0);
+  motion.lose(0.3);
+  motion.add_picture(at_x(0.4, 7), true);
+  motion.add_picture(at_x(0.5, 7), false);
+  EXPECT_NEAR(motion.smoothed_at(0.15, 0.3)->room_from_target.translation_m.x(), 0.15, 1e-6);
+  EXPECT_NEAR(motion.smoothed_at(0.24, 0.3)->room_from_target.translation_m.x(), 0.24, 1e-6);
+  EXPECT_FALSE(motion.smoothed_at(0.3, 0.3));
+  EXPECT_FALSE(motion.smoothed_at(0.34, 0.3));
+  EXPECT_NEAR(motion.smoothed_at(0.36, 0.3)->room_from_target.translation_m.x(), 7, 1e-6)
+      << "not mixed with those before it was lost";
+  EXPECT_FALSE(motion.smoothed_at(1.2, 0.3));
 }
 
 }  // namespace

@@ -34,22 +34,26 @@ HostTime at(double t_s) {
 
 class TrackerPosesTest : public ::testing::Test {
  protected:
-  TrackerPosesTest() {
+  TrackerPosesTest() { make(0); }
+  void make(double smooth_s) {
     TrackerPoseOptions options;
     options.fisheye = TexturedBox::camera();
     options.fisheye_from_target = kFisheyeFromTarget, options.world_from_base = kWorldFromBase;
     options.tracker.start_radius_m = 0.4, options.tracker.start_radius_rad = 0.4;
-    options.threads = 2;
+    options.threads = 2, options.smooth_s = smooth_s;
     poses_ = make_tracker_poses(box_.panorama(), options);
   }
 
   /// A frame at `plate_s` whose fisheye was exposed at `picture_s`.
-  CameraPose pose_at(double plate_s, double picture_s, const Image<Rgb8>& picture) {
+  static Capture capture_at(double plate_s, double picture_s, const Image<Rgb8>& picture) {
     Capture capture;
     capture.mid_exposure = at(plate_s), capture.time_s = plate_s;
     capture.fisheye = picture, capture.fisheye_mid_exposure = at(picture_s);
     capture.set_status(capture::Stream::kFisheye, capture::StreamStatus::kFresh);
-    return poses_->pose_of(capture);
+    return capture;
+  }
+  CameraPose pose_at(double plate_s, double picture_s, const Image<Rgb8>& picture) {
+    return poses_->pose_of(capture_at(plate_s, picture_s, picture));
   }
   CameraPose pose_at(double plate_s, double picture_s) {
     return pose_at(plate_s, picture_s, box_.picture(room_from_fisheye_at(picture_s), 2));
@@ -83,6 +87,25 @@ TEST_F(TrackerPosesTest, ArePlacedAtThePlatesOwnTime) {
   EXPECT_GT(sigma_m, 0.5 * 0.07 * 0.07);  // what a change of speed can do in 70 ms
   EXPECT_TRUE(poses_->moves());
   EXPECT_EQ(poses_->name(), "tracker");
+}
+
+TEST_F(TrackerPosesTest, WithALatencyAPlateIsPlacedByThePicturesAfterIt) {
+  EXPECT_EQ(poses_->latency_s(), 0);
+  make(0.2);
+  EXPECT_EQ(poses_->latency_s(), 0.2);
+  std::vector<Capture> held;
+  for (int i = 0; i < 6; ++i) {
+    const double t_s = i * kPictureStep_s;
+    held.push_back(capture_at(t_s + 0.03, t_s, box_.picture(room_from_fisheye_at(t_s), 2)));
+    poses_->see(held.back());
+    if (i < 3) continue;
+    const double plate_s = t_s + 0.03 - 0.3;
+    const CameraPose pose = poses_->pose_of(held[static_cast<std::size_t>(i - 3)]);
+    ASSERT_TRUE(pose.ok());
+    EXPECT_LT(error_m(pose, plate_s), 0.003) << plate_s;
+    EXPECT_NEAR(pose.age_s, 0.03, 1e-9);
+    ASSERT_TRUE(pose.covariance);
+  }
 }
 
 TEST_F(TrackerPosesTest, SayWhyThereIsNone) {

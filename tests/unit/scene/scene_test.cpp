@@ -114,9 +114,10 @@ TEST(Scene, NamesWhereThePoseComesFrom) {
   EXPECT_FALSE(mocap->camera.mocap.y_up);
   EXPECT_DOUBLE_EQ(mocap->camera.mocap.delay_s, 0.03);
 
-  const auto tracker = scene_of("pose = \"tracker\"\npredict = \"both\"\n");
+  const auto tracker = scene_of("pose = \"tracker\"\npredict = \"both\"\nsmooth_ms = 200\n");
   ASSERT_TRUE(tracker) << tracker.error().context;
   EXPECT_EQ(tracker->camera.predict, Predict::kBoth);
+  EXPECT_EQ(tracker->camera.smooth_s, 0.2);
 }
 
 TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
@@ -133,6 +134,8 @@ TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
        "belongs to pose = \"fixed\""},
       {"pose = \"recorded\"\ndelay_ms = 3\n", "belongs to pose = \"mocap\""},
       {"pose = \"pan_tilt\"\npredict = \"head\"\n", "belongs to pose = \"tracker\""},
+      {"pose = \"floor\"\nsmooth_ms = 200\n", "belongs to pose = \"tracker\""},
+      {"pose = \"tracker\"\nsmooth_ms = 600\n", "smooth_ms"},
       {"pose = \"tracker\"\npredict = \"fast\"\n", "use one of \"velocity\", \"head\", \"both\""},
       {"pose = \"fixed\"\n", "key \"camera.world_from_target\": missing"},
       {"pose = \"recorded\"\ntime_offset_s = 1.0\n", "needs a trajectory"},

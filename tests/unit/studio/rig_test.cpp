@@ -224,5 +224,34 @@ TEST(Head, every_frame_of_a_pan_reads_whole_steps_and_other_takes_have_no_head) 
   EXPECT_FALSE(frame.head);
 }
 
+TEST(Rig, StartsAreElsewhereInEachFrameAroundTheScan) {
+  StudioOptions options;
+  options.scenario = Scenario::kStarts;
+  options.seed = 5;
+  const Layout layout = make_layout(options);
+  const geometry::Pose rest = rest_pose(layout);
+  options.scenario = Scenario::kSweep;
+  EXPECT_TRUE(same(rest, rest_pose(make_layout(options)))) << "as the scan stands";
+  options.scenario = Scenario::kStarts;
+  const auto at = [&](double time_s) {
+    return camera_at(layout, options, time_s).world_from_target;
+  };
+  double far_m = 0, far_rad = 0, apart_m = 1;
+  for (int frame = 0; frame < 100; ++frame) {
+    const geometry::Pose pose = at(frame / kFrameRate_hz);
+    EXPECT_TRUE(same(pose, at(frame / kFrameRate_hz + 0.0137))) << "the fisheye's time";
+    far_m = std::max(far_m, (pose.translation_m - rest.translation_m).norm());
+    far_rad = std::max(far_rad, pose.rotation.angularDistance(rest.rotation));
+    apart_m = std::min(apart_m,
+                       (at((frame + 1) / kFrameRate_hz).translation_m - pose.translation_m).norm());
+    EXPECT_GT(pose.translation_m.minCoeff(), 0.2);
+  }
+  EXPECT_GT(far_m, 0.9);
+  EXPECT_LE(far_m, 1);
+  EXPECT_GT(far_rad, 55 * kDeg);
+  EXPECT_LE(far_rad, 60 * kDeg + 1e-9);
+  EXPECT_GT(apart_m, 0.01);
+}
+
 }  // namespace
 }  // namespace mixrig::studio

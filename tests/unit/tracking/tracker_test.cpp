@@ -94,6 +94,20 @@ TEST(Tracker, PredictsByConstantVelocity) {
             0.002);
 }
 
+TEST(Tracker, AfterForgettingItIsFoundAnyWhereInTheFirstField) {
+  const TexturedBox box;
+  Crew crew(2);
+  Tracker tracker(box.panorama(), TexturedBox::camera(), narrow_options(), crew);
+  for (int i = 0; i < 2; ++i) {
+    const geometry::Pose there = in_the_box({i == 0 ? -0.3 : 0.3, 0.1, 0}, {0, 0.1, 0.2 - 0.3 * i});
+    tracker.forget();
+    const TrackedPose pose = tracker.track(box.picture(there, 2), 0.1 * i);
+    ASSERT_TRUE(pose.known) << i;
+    EXPECT_TRUE(pose.searched) << i;
+    EXPECT_LT(error_mm(pose, there), 2) << i;
+  }
+}
+
 TEST(Tracker, ACoveredLensIsLostAndFoundAgainWhereItIsThen) {
   const TexturedBox box;
   Crew crew(2);
