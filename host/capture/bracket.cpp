@@ -9,9 +9,9 @@
 namespace mixrig::capture {
 namespace {
 
-/// Below it a step of the byte is more than a tenth of the light.
-constexpr int kLeastCompared = 20;
-constexpr int kMostCompared = 245;
+/// Of the brighter one of two plates; a step below its least one is still byte 36. The darker one
+/// has no least byte: it would leave in what noise made brighter.
+constexpr int kLeastCompared = 75, kMostCompared = 245;
 constexpr double kThirdOfAStep = 1.6;
 
 template <typename Counts>
@@ -57,8 +57,10 @@ void add_log_ratios(ImageView<const Rgb8> a, ImageView<const Rgb8> b, int stride
                     std::vector<float>& to) {
   const auto& linear = linear_of_srgb_bytes();
   const auto add = [&](std::uint8_t from, std::uint8_t into) {
-    if (std::min(from, into) < kLeastCompared || std::max(from, into) > kMostCompared) return;
-    to.push_back(std::log(linear[into] / linear[from]));
+    const int bright = std::max(from, into);
+    if (bright < kLeastCompared || bright > kMostCompared) return;
+    const auto light = [&](std::uint8_t byte) { return std::max(linear[byte], 0.5F * linear[1]); };
+    to.push_back(std::log(light(into) / light(from)));
   };
   std::size_t at = 0;
   for (int y = 0; y < a.size.height; ++y)

@@ -38,8 +38,8 @@ std::optional<double> shorter_exposure(ImageView<const Rgb8> plate, double expos
 std::optional<double> longer_exposure(ImageView<const Rgb8> plate, double exposure_s,
                                       const ExposureLimits& limits);
 
-/// Adds log(light of b / light of a) of every `stride`-th pixel that neither shows saturated or
-/// dark, each channel for itself. Precondition: plates of one size.
+/// Adds log(light of b / light of a) of every `stride`-th pixel that neither shows saturated and
+/// that one of them shows well, each channel for itself. Precondition: plates of one size.
 void add_log_ratios(ImageView<const Rgb8> a, ImageView<const Rgb8> b, int stride,
                     std::vector<float>& to);
 

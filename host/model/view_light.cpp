@@ -55,13 +55,16 @@ std::map<Exposures, std::vector<float>> log_ratios(std::span<const ScanView> vie
 /// `to`, one step away from `from` in the chain.
 void measure_step(const FoundExposure& from, std::vector<float>& logs, FoundExposure& to) {
   const double nominal = to.nominal / from.nominal;
-  double ratio = nominal;
   if (logs.size() >= kLeastSamples) {
     const double median = std::exp(upper_median_in_place(std::span(logs)));
-    ratio = to.nominal < from.nominal ? median : 1 / median;
+    to.measured = from.measured * (to.nominal < from.nominal ? median : 1 / median);
     to.samples = logs.size();
+  } else {  // n is exposed as (n + offset) / (1 + offset)
+    const double offset =
+        from.nominal == 1 ? 0 : (from.measured - from.nominal) / (1 - from.measured);
+    to.measured = (to.nominal + offset) / (1 + offset);
   }
-  to.measured = from.measured * ratio;
+  const double ratio = to.measured / from.measured;
   to.used = from.used && std::abs(std::log(ratio / nominal)) < std::log(kUnbelievable);
 }
 

@@ -13,15 +13,16 @@ namespace mixrig::model {
 struct FoundExposure {
   double nominal = 1, measured = 1;
   int views = 0;
-  std::size_t samples = 0;  ///< that measured it; 0: too few, taken from the nominal ones
+  std::size_t samples = 0;  ///< that measured it; 0: too few, taken from the others
   bool used = true;         ///< false: it is not what the camera says
 };
 
 /// Light over that of the plates, by nominal exposure: the median of the ratios of pixels that two
 /// plates of neighbouring exposures see well, over all views; a chain from the plates on. Where too
-/// few see both, the nominal ratio of the two. A ratio further off its nominal one than a factor of
-/// 1.5 says that the camera did not do what it was told: that exposure, and those that are reached
-/// by way of it, are not used. The shortest last.
+/// few see both, the camera is taken to expose longer than it says by what the exposure before it
+/// in the chain shows. A ratio further off its nominal one than a factor of 1.5 says that the
+/// camera did not do what it was told: that exposure, and those that are reached by way of it, are
+/// not used. The shortest last.
 std::vector<FoundExposure> find_exposures(std::span<const ScanView> views);
 
 /// Joins the plates of each view that has some at other exposures to ScanView::light, and drops

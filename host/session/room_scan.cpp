@@ -83,6 +83,12 @@ Result<std::optional<calibration_file::Calibration>> known_rig(const fs::path& c
   return std::optional(std::move(known));
 }
 
+/// Of a take that was given as its folder or its take.toml.
+fs::path folder_of(const fs::path& take) {
+  std::error_code error;
+  return fs::is_directory(take, error) ? take : take.parent_path();
+}
+
 DepthReach depth_reach(const calibration_file::DepthError& error, const model::Panorama& p) {
   constexpr double kAlike_m = 0.1;  // the error hardly changes over it; the camera is as far off
   DepthReach reach{error.knots_m.back(), 0};
@@ -204,7 +210,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   const Stopwatch reading;
   Crew crew(options.threads);
   MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, known ? &*known->pan_tilt : nullptr, crew));
-  MIXRIG_TRY(add_brackets(source->info().file.parent_path(), sweep, crew));
+  MIXRIG_TRY(add_brackets(folder_of(options.take), sweep, crew));
   const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;
   scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;

@@ -94,7 +94,7 @@ nlohmann::json bracket_json(const std::vector<model::FoundExposure>& exposures) 
     std::printf("exposure %.4g of the plates' in %d views: %.4g by the pictures%s\n", e.nominal,
                 e.views, e.measured,
                 !e.used          ? ": not what the camera says, not used"
-                : e.samples == 0 ? " (too few pixels: taken from what the camera says)"
+                : e.samples == 0 ? " (too few pixels: as the others let expect)"
                                  : "");
   }
   return list;
