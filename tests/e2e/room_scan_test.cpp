@@ -39,7 +39,7 @@ TEST_F(RoomScan, HoldsTheFarWallsOfASmallField) {
 /// The ceiling with its lamps, whose light is four times the plates' white.
 TEST_F(RoomScan, LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures) {
   const auto report =
-      scanned("--rig kinect2 --seed 31 --field 80x180 --view-frames 2 --bracket", "");
+      scanned("--rig sr3000 --seed 31 --field 40x180 --view-frames 2 --bracket", "");
   const auto exposures = report.at("bracket");
   ASSERT_GE(exposures.size(), 2U);
   for (const auto& e : exposures) {
