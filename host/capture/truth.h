@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "hal/base/image.h"
 #include "host/geometry/camera_model.h"
@@ -14,6 +15,15 @@ namespace mixrig::capture {
 struct TrueLens {
   geometry::Pinhole view;
   double pupil_shift_m = 0;
+};
+
+/// Where one person is, and how much of it the view shows.
+struct TruePerson {
+  int number = 0;           ///< of the person, from 0 on
+  double x_m = 0, y_m = 0;  ///< world, vertically below the middle of the hip joints
+  double top_m = 0;         ///< the highest point of the body over the floor
+  double visible_m2 = 0;    ///< what is seen, each pixel as large as at its own depth
+  bool operator==(const TruePerson&) const = default;
 };
 
 /// All images in the ideal view.
@@ -27,8 +37,9 @@ struct Truth {
   Image<std::uint8_t> matte;  ///< coverage by people, 255 = all
   Image<float> light;         ///< light with / light without virtual objects
   Image<Rgb8> composite;
-  Image<std::uint8_t> labels;    ///< the bits above
-  std::optional<TrueLens> lens;  ///< where the lens moves; else the view is that of the source
+  Image<std::uint8_t> labels;      ///< the bits above
+  std::vector<TruePerson> people;  ///< who is in the room, seen or not
+  std::optional<TrueLens> lens;    ///< where the lens moves; else the view is that of the source
 };
 
 }  // namespace mixrig::capture

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "hal/base/result.h"
 #include "host/capture/capture.h"
@@ -19,15 +20,17 @@ namespace mixrig::output {
 struct Composite {
   capture::CapturePtr capture;
   std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
-  geometry::Pose world_from_target;             ///< that was used
-  capture::CameraPose pose;                     ///< of the source; where it is lost, why
-  geometry::Pinhole view;                       ///< that the images are in
-  std::optional<double> slip_px;                ///< of the contact points, against the true pose
-  std::optional<double> slip_sigma_px;          ///< the same, predicted from the pose's covariance
-  bool objects_shown = true;                    ///< false: hidden, since the pose is lost
-  render::FrameOutput images;                   ///< those of images.wanted are valid
-  float frame_ms = 0;                           ///< time to composite it
-  double foreground_pct = 0;                    ///< share of pixels with a matte of at least half
+  /// Where people are, in a run that wants it of a source that knows.
+  std::optional<std::vector<capture::TruePerson>> true_people;
+  geometry::Pose world_from_target;     ///< that was used
+  capture::CameraPose pose;             ///< of the source; where it is lost, why
+  geometry::Pinhole view;               ///< that the images are in
+  std::optional<double> slip_px;        ///< of the contact points, against the true pose
+  std::optional<double> slip_sigma_px;  ///< the same, predicted from the pose's covariance
+  bool objects_shown = true;            ///< false: hidden, since the pose is lost
+  render::FrameOutput images;           ///< those of images.wanted are valid
+  float frame_ms = 0;                   ///< time to composite it
+  double foreground_pct = 0;            ///< share of pixels with a matte of at least half
 
   /// Lets go of the inputs, when the last user has dropped it; the images keep their buffers.
   void recycle() {

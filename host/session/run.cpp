@@ -94,6 +94,9 @@ class Runner {
   /// A recording has no deadline: while a frame is timed nothing is decoded or encoded beside it.
   WorkGate* gate() { return live() ? nullptr : &gate_; }
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
+  bool reads_truth() const {
+    return judges() || (options_.true_people && session_.source->info().has_truth);
+  }
   Result<void> open_sinks(FrameRange range);
   Result<void> prepare_frame_poses();
   Result<void> open_baselines();
@@ -157,8 +160,9 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   report_.renderer = compositor_->whole().renderer();
   report_.size = session_.setup.view.size_px;
   // A live source may drop captures: it is read until enough were composited.
-  reader_ = std::make_unique<capture::CaptureReader>(
-      *session_.source, range.first, live() ? capture::kEndless : range.second, judges(), gate());
+  reader_ = std::make_unique<capture::CaptureReader>(*session_.source, range.first,
+                                                     live() ? capture::kEndless : range.second,
+                                                     reads_truth(), gate());
   return {};
 }
 
@@ -234,6 +238,8 @@ Result<bool> Runner::frame() {
   composite.capture = std::move(item->capture);
   const bool on_sheet = sheet_ != nullptr && sheet_->sink().wanted(composite.capture->number) != 0;
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
+  composite.true_people.reset();
+  if (options_.true_people && item->truth) composite.true_people = item->truth->people;
   composite.view = frame_view(session_.setup, *composite.capture);
   set_pose(composite);
   watch_slip(composite, judges() ? item->truth.get() : nullptr);

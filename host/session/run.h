@@ -24,6 +24,7 @@ struct RunOptions {
   int sheet_rows = 6;                       ///< frames on the contact sheet
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
+  bool true_people = false;                 ///< sinks get their places, where the source has them
   bool baselines = false;                   ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;

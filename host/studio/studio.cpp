@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -357,6 +359,30 @@ void Studio::set_exposure(double factor) { state_->exposed_by = static_cast<floa
 
 void Studio::turn_head(const HeadMotion& motion) { state_->options.sweep.moved = motion; }
 
+void Studio::State::place_people_truth(double time_s, Truth& truth) {
+  const double at_s = people_time_s(time_s);
+  for (const PersonMotion& motion : cast.people()) {
+    const Vec3 pelvis = motion.at(at_s).pelvis;
+    truth.people.push_back({{pelvis.x(), pelvis.y()}});
+  }
+  const Mesh& mesh = person.scene.mesh();
+  for (std::size_t t = 0; t < mesh.materials.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double& top_m = truth.people[mesh.materials[t].person].top_m;
+      top_m = std::max<double>(top_m, mesh.positions[mesh.indices[3 * t + k]].z());
+    }
+  const Rect& rect = view.person.rect();
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      const float z = view.person.centre_z(x, y);
+      if (!(z < view.room.centre_z(x, y))) continue;
+      const std::span<const Surfel> seen = std::as_const(view.person).at(x, y);
+      const auto nearest = std::min_element(
+          seen.begin(), seen.end(), [](const Surfel& a, const Surfel& b) { return a.z < b.z; });
+      truth.people[nearest->person].visible_m2 += z * z / (info.view.fx_px * info.view.fy_px);
+    }
+}
+
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;
   frame.number = number;
@@ -391,11 +417,8 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   truth->view.reset();
   if (s.options.zoom > 1) truth->view = s.info.view;
   truth->pupil_shift_m = s.pupil_shift_m;
-  truth->person_on_floor_m.reset();
-  if (number > s.info.empty_frames) {
-    const Vec3 pelvis = s.cast.first().at(s.people_time_s(frame.time_s)).pelvis;
-    truth->person_on_floor_m = Eigen::Vector2d(pelvis.x(), pelvis.y());
-  }
+  truth->people.clear();
+  if (number > s.info.empty_frames) s.place_people_truth(frame.time_s, *truth);
 }
 
 }  // namespace mixrig::studio

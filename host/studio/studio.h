@@ -230,6 +230,13 @@ struct FisheyePicture {
   Image<Rgb8> picture;                ///< sRGB; black outside the image circle
 };
 
+/// Where one person is, and how much of it the view shows.
+struct PersonTruth {
+  Eigen::Vector2d on_floor_m;  ///< vertically below the middle of the hip joints, world x y
+  double top_m = 0;            ///< the highest point of the body over the floor
+  double visible_m2 = 0;       ///< what is seen, each pixel as large as at its own depth
+};
+
 /// Ground truth of a frame, in the ideal view.
 struct Truth {
   static constexpr std::uint8_t kBackground = 0, kPerson = 1, kVirtual = 2;  ///< visible layer
@@ -243,7 +250,7 @@ struct Truth {
   Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
   std::optional<Optics> view;  ///< of this frame, where the lens zooms; else StudioInfo::view
   double pupil_shift_m = 0;    ///< of the eye along the axis of world_from_target
-  std::optional<Eigen::Vector2d> person_on_floor_m;  ///< vertically below the pelvis, world x y
+  std::vector<PersonTruth> people;  ///< who is in the room, in the order of the cast
 };
 
 /// StudioOptions::zoom: what the encoders of the lens say 50 times a second, with noise, from

@@ -39,6 +39,7 @@ struct Studio::State {
   /// Mirrored and bounced light of the room or the object.
   void reflect_static(SurfelMap& map, const BounceCache& bounce, bool with_object);
   void bounce_on_person(const CameraPlace& place);
+  void place_people_truth(double time_s, Truth& truth);
   void trace_bounce(const CameraPlace& place);
   /// Splits the take's ambient light into what is bounced and the rest.
   void balance_ambient();

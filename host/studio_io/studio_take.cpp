@@ -199,6 +199,10 @@ void swap_into(studio::Truth& from, capture::Truth& to) {
   std::swap(from.light, to.light);
   std::swap(from.composite, to.composite);
   std::swap(from.labels, to.labels);
+  to.people.clear();
+  for (const studio::PersonTruth& p : from.people)
+    to.people.push_back({static_cast<int>(to.people.size()), p.on_floor_m.x(), p.on_floor_m.y(),
+                         p.top_m, p.visible_m2});
   to.lens.reset();
   if (from.view) to.lens = capture::TrueLens{pinhole_of(*from.view), from.pupil_shift_m};
 }

@@ -48,4 +48,13 @@ inline constexpr const char* kLensTable = "lens.csv";
 inline constexpr const char* kTrueLensHeader = "frame,fx_px,fy_px,cx_px,cy_px,pupil_shift_m\n";
 std::string true_lens_row(int frame, const capture::TrueLens& lens);
 
+/// truth/people.csv: frame,person,x_m,y_m,top_m,visible_m2 of each person in each frame. Pure.
+/// Errors: kFormat (name:line: ...).
+Result<std::map<int, std::vector<capture::TruePerson>>> parse_people(std::string_view text,
+                                                                     const std::string& name);
+inline constexpr const char* kPeopleTable = "people.csv";
+inline constexpr const char* kPeopleHeader = "frame,person,x_m,y_m,top_m,visible_m2\n";
+/// None for nobody.
+std::string people_rows(int frame, const std::vector<capture::TruePerson>& people);
+
 }  // namespace mixrig::take

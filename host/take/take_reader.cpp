@@ -53,6 +53,7 @@ struct TakeReader::State {
   std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
   std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
   std::vector<capture::LensSample> lens;          ///< by time, where recorded
+  std::map<int, std::vector<capture::TruePerson>> people;  ///< true ones, by frame number
   std::map<int, capture::TrueLens> true_lens;     ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
@@ -129,6 +130,11 @@ Result<void> TakeReader::State::read_tables() {
   if (info().has_truth && fs::exists(true_path, error)) {
     MIXRIG_ASSIGN(const std::string text, config::read_text(true_path, kMaxListBytes));
     MIXRIG_ASSIGN(true_lens, parse_true_lens(text, true_path.string(), info().target.size_px()));
+  }
+  const fs::path people_path = info().root / manifest.truth_path / kPeopleTable;
+  if (info().has_truth && fs::exists(people_path, error)) {
+    MIXRIG_ASSIGN(const std::string text, config::read_text(people_path, kMaxListBytes));
+    MIXRIG_ASSIGN(people, parse_people(text, people_path.string()));
   }
   return {};
 }
@@ -327,6 +333,9 @@ Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   if (!info.has_truth || number < 1 || number > info.frames)
     return Error{ErrorCode::kNotFound, "take '" + info.path.string() + "' has no truth of frame " +
                                            std::to_string(number)};
+  truth.people.clear();
+  if (const auto known = s.people.find(number); known != s.people.end())
+    truth.people = known->second;
   truth.lens.reset();
   if (const auto known = s.true_lens.find(number); known != s.true_lens.end())
     truth.lens = known->second;

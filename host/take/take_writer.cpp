@@ -97,7 +97,7 @@ struct TakeWriter::State {
   PartialPath partial;
   TakeInfo info;
   StreamWriter color, depth, amplitude, fisheye;
-  std::string poses, fisheye_rows, lens_rows, true_lens_rows;
+  std::string poses, fisheye_rows, lens_rows, true_lens_rows, people_rows;
   HostTime last_fisheye = HostTime::min(), last_lens = HostTime::min();
   Image<std::uint16_t> steps;
   int frames = 0;
@@ -181,6 +181,7 @@ Result<void> TakeWriter::write_truth(const capture::Truth& truth) {
     MIXRIG_TRY(make_folder(folder / name));
   const std::string name = number_name(s.frames);
   if (truth.lens) s.true_lens_rows += true_lens_row(s.frames, *truth.lens);
+  s.people_rows += people_rows(s.frames, truth.people);
   to_steps(truth.depth_m, s.info.truth_depth_unit_m, 0, s.steps);
   MIXRIG_TRY(image_io::write_png(folder / "depth" / name, std::as_const(s.steps).view()));
   to_steps(truth.light, 1.0 / 65535.0, 0, s.steps);
@@ -215,6 +216,8 @@ Result<void> TakeWriter::finish() {
   if (!s.lens_rows.empty()) MIXRIG_TRY(s.write_text(kLensTable, kLensHeader + s.lens_rows));
   if (!s.true_lens_rows.empty())
     MIXRIG_TRY(s.write_text("truth/lens.csv", kTrueLensHeader + s.true_lens_rows));
+  if (!s.people_rows.empty())
+    MIXRIG_TRY(s.write_text("truth/people.csv", kPeopleHeader + s.people_rows));
   MIXRIG_TRY(s.write_text("take.toml", manifest_text(s.info)));
   return s.partial.commit();
 }

@@ -19,6 +19,7 @@ void add_board_commands(Command app, Context& context) {
   add_calibrate_vignetting_command(app, context);
   add_track_command(app, context);
   add_lights_command(app, context);
+  add_plan_command(app, context);
   add_place_command(app, context);
 }
 

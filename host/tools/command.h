@@ -43,6 +43,7 @@ void add_calibrate_external_command(Command app, Context& context);
 void add_calibrate_vignetting_command(Command app, Context& context);
 void add_track_command(Command app, Context& context);
 void add_lights_command(Command app, Context& context);
+void add_plan_command(Command app, Context& context);
 void add_place_command(Command app, Context& context);
 void add_calibrate_intrinsics_command(Command app, Context& context);
 void add_calibrate_lens_command(Command app, Context& context);

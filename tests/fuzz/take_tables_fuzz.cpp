@@ -16,6 +16,7 @@ MIXRIG_FUZZ_TARGET(take_tables) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   static_cast<void>(take::parse_ticks(text, "ticks.csv"));
   static_cast<void>(take::parse_pan_tilt(text, "pan_tilt.csv"));
+  static_cast<void>(take::parse_people(text, "truth/people.csv"));
   static_cast<void>(take::parse_true_lens(text, "truth/lens.csv", {64, 48}));
   if (const auto samples = take::parse_lens_samples(text, "lens.csv")) {
     std::string again = take::kLensHeader;

@@ -20,6 +20,7 @@ class Cast {
   /// Adds all bodies with what they wear and carry.
   void build(double time_s, Mesh& mesh) const;
   const PersonMotion& first() const { return people_.front(); }
+  const std::vector<PersonMotion>& people() const { return people_; }
   /// Clothes of the others, in order.
   static void dress(const StudioOptions& options, Materials& materials);
 

@@ -33,6 +33,7 @@ Probe probe(const TraceScene& scene, const Materials& materials, const CameraRay
   s.albedo = materials.albedo(hit.material, hit.uv, result.position);
   s.kind = hit.material.kind;
   s.glows = hit.material.kind == Kind::kLamp;
+  s.person = hit.material.person;
   return result;
 }
 

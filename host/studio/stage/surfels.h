@@ -38,7 +38,8 @@ struct Surfel {
   Vec3 albedo;
   float z = kMiss;
   Kind kind = Kind::kPaint;
-  bool glows = false;  ///< a lamp's face: albedo is its emitted light
+  bool glows = false;       ///< a lamp's face: albedo is its emitted light
+  std::uint8_t person = 0;  ///< Material::person
   float real = 0;      ///< lamp light without the virtual object (LampSet::irradiance)
   float mixed = 0;     ///< the same with it
   LampMask open_real = 0, open_mixed = 0;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/scene/glb_lines.h"
 #include "tests/support/temporary_folder.h"
 
 #ifdef MIXRIG_HAS_ASSIMP
@@ -64,6 +65,27 @@ TEST(GlbWriter, IsReadByAssimp) {
   EXPECT_EQ(mesh.mTextureCoords[0][2], aiVector3D(0, 0.75F, 0));  // assimp's v grows upwards
   ASSERT_EQ(scene->mNumTextures, 1U);
   EXPECT_EQ(scene->mTextures[0]->CheckFormat("png"), true);
+#else
+  GTEST_SKIP() << "assimp is not installed: scripts/setup peers installs it";
+#endif
+}
+
+TEST(GlbWriter, LinesAreReadByAnotherLibrary) {
+#ifdef MIXRIG_HAS_ASSIMP
+  const test::TemporaryFolder folder;
+  const auto path = folder / "lines.glb";
+  ASSERT_TRUE(write_glb_lines(
+      {{"person 1", {{1, 2, 0}, {2, 2, 0}, {2, 3, 0}}}, {"person 2", {{0, 0, 0}, {0, 5, 0}}}},
+      path));
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path.string(), 0);
+  ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+  ASSERT_EQ(scene->mNumMeshes, 2U);
+  ASSERT_EQ(scene->mMeshes[0]->mNumVertices, 3U);
+  EXPECT_EQ(scene->mMeshes[0]->mNumFaces, 2U);
+  EXPECT_EQ(scene->mMeshes[0]->mPrimitiveTypes & aiPrimitiveType_LINE,
+            static_cast<unsigned>(aiPrimitiveType_LINE));
+  EXPECT_EQ(scene->mMeshes[1]->mVertices[1], aiVector3D(0, 0, -5));
 #else
   GTEST_SKIP() << "assimp is not installed: scripts/setup peers installs it";
 #endif

@@ -128,7 +128,7 @@ TEST(Reflection, the_mirror_shows_the_person_where_its_mirror_image_is) {
   int changed = 0, inside = 0;
   for (int number = 30; number <= 150 && inside < 60; number += 10) {
     studio->render(number, walking, &truth);
-    const Eigen::Vector2d floor = *truth.person_on_floor_m;
+    const Eigen::Vector2d floor = truth.people.at(0).on_floor_m;
     for (int y = 1; y < 127; ++y)
       for (int x = 1; x < 159; ++x) {
         const auto& pose = walking.world_from_target;

@@ -42,7 +42,7 @@ class TruthOfAWalk : public ::testing::Test {
 
 TEST_F(TruthOfAWalk, an_empty_frame_shows_no_person) {
   EXPECT_EQ(info_->empty_frames, 20);
-  EXPECT_FALSE(empty_truth_->person_on_floor_m);
+  EXPECT_TRUE(empty_truth_->people.empty());
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       ASSERT_EQ(empty_truth_->matte.at(x, y), 0);
@@ -83,8 +83,8 @@ TEST_F(TruthOfAWalk, the_person_is_before_the_background_and_changes_nothing_els
 }
 
 TEST_F(TruthOfAWalk, floor_path_moves_with_the_person) {
-  ASSERT_TRUE(walking_truth_->person_on_floor_m);
-  const Eigen::Vector2d p = *walking_truth_->person_on_floor_m;
+  ASSERT_EQ(walking_truth_->people.size(), 1U);
+  const Eigen::Vector2d p = walking_truth_->people[0].on_floor_m;
   EXPECT_GT(p.x(), 1.5);
   EXPECT_LT(p.x(), 5.0);
   // The person is drawn at the position on the path: the matte's centre column is there.

@@ -82,5 +82,16 @@ TEST(LensTables, TrueViewsAreReadBackOrRefused) {
         << wrong;
 }
 
+TEST(PeopleTable, PlacesAreReadBackOrRefused) {
+  const std::vector<capture::TruePerson> two{{0, 3.25, -1.5, 1.75, 0.5}, {1, 4, 2, 1.25, 0}};
+  const auto read = parse_people(kPeopleHeader + people_rows(7, two) + people_rows(9, {}), "p.csv");
+  ASSERT_TRUE(read) << read.error().context;
+  ASSERT_EQ(read->size(), 1U);
+  EXPECT_EQ(read->at(7), two);
+  for (const char* wrong : {"1,0,2,3,1\n", "1,-1,2,3,1,1\n", "1,0,nan,3,1,1\n", "1,0,2,3,1,-1\n",
+                            "1,0,2,3,1,inf\n", "x,0,2,3,1,1\n"})
+    EXPECT_FALSE(parse_people(std::string(kPeopleHeader) + wrong, "p.csv")) << wrong;
+}
+
 }  // namespace
 }  // namespace mixrig::take

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/angles.h"
+#include "hal/base/partial_path.h"
+#include "host/image_io/image_io.h"
+#include "host/scene/glb_lines.h"
+#include "host/session/plan_pictures.h"
+#include "host/session/plan_room.h"
+
+namespace mixrig::session {
+namespace {
+
+constexpr const char* kPlanReport = "report.json";
+constexpr float kPathHeight_m = 0.01F;  ///< over the floor, so that it does not hide the lines
+
+std::optional<Eigen::Vector3d> brightest_lamp_m(const render::Light& light) {
+  const auto power = [](const render::Lamp& lamp) {
+    return lamp.intensity.x + lamp.intensity.y + lamp.intensity.z;
+  };
+  const auto lamp = std::max_element(
+      light.lamps.begin(), light.lamps.end(),
+      [&](const render::Lamp& a, const render::Lamp& b) { return power(a) < power(b); });
+  if (lamp == light.lamps.end()) return std::nullopt;
+  return Eigen::Vector3d(lamp->position_m.x, lamp->position_m.y, lamp->position_m.z);
+}
+
+std::vector<Eigen::Vector2d> all_places(const std::vector<PersonPath>& people) {
+  std::vector<Eigen::Vector2d> places;
+  for (const PersonPath& path : people)
+    for (const PathPlace& place : path.places) places.push_back(place.on_floor_m);
+  return places;
+}
+
+std::vector<scene::Polyline> lines_of(const std::vector<PersonPath>& people) {
+  std::vector<scene::Polyline> lines;
+  for (const PersonPath& path : people) {
+    scene::Polyline line{"person " + std::to_string(path.id), {}};
+    for (const PathPlace& place : path.places)
+      line.points_m.emplace_back(static_cast<float>(place.on_floor_m.x()),
+                                 static_cast<float>(place.on_floor_m.y()), kPathHeight_m);
+    if (line.points_m.size() > 1) lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+Result<void> suggest(const Session& session, const PlanOptions& options, const plan::FloorMap& map,
+                     const std::vector<plan::RoomPoint>& points, Plan& plan) {
+  if (options.places == 0) return {};
+  if (plan.free_m2 == 0)
+    return Error{ErrorCode::kData,
+                 "plan: the background shows no free floor to suggest places on: is the floor at "
+                 "height 0 of the scene's world?"};
+  Image<float> depth_m;
+  const plan::RoomView view =
+      view_of_room(points, plan.people.view, *plan.people.first_pose, depth_m);
+  plan::PlacingOptions placing = options.placing;
+  placing.lamp_m = brightest_lamp_m(session.setup.light);
+  plan.places = plan::suggest_places(map, all_places(plan.people.people), options.box, view,
+                                     options.places, placing);
+  return {};
+}
+
+Result<void> write_pictures(const std::filesystem::path& folder, const PlanDrawing& drawing,
+                            const PeopleReport& people) {
+  MIXRIG_TRY(image_io::write_png(folder / "plan.png", draw_plan(drawing).view()));
+  MIXRIG_TRY(image_io::write_png(folder / "picture.png",
+                                 draw_in_picture(drawing, people.first_picture).view()));
+  const std::vector<scene::Polyline> lines = lines_of(people.people);
+  if (lines.empty()) return {};
+  return scene::write_glb_lines(lines, folder / "paths.glb");
+}
+
+}  // namespace
+
+Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock& clock,
+                       const ProgressFn& progress) {
+  MIXRIG_ASSIGN(PartialPath folder, make_partial_folder(options.out, kPlanReport));
+  Plan plan;
+  MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder.path(), options.people, plan.people));
+  RunOptions run_options;
+  run_options.frames = options.frames, run_options.stop = options.stop;
+  run_options.judge = false, run_options.true_people = true;
+  run_options.watch_room = false;
+  run_options.sinks.push_back(std::move(sink));
+  MIXRIG_TRY(run(session, std::move(run_options), clock, progress));
+  if (!plan.people.first_pose)
+    return Error{ErrorCode::kData, "plan: no frame has a pose of the camera"};
+  const std::vector<plan::RoomPoint> points = room_points(session, *plan.people.first_pose);
+  const plan::FloorMap map = plan::map_floor(points);
+  plan.free_m2 = map.free_m2();
+  MIXRIG_TRY(suggest(session, options, map, points, plan));
+  MIXRIG_TRY(write_pictures(folder.path(),
+                            {map, plan.people.people, plan.places, options.box,
+                             *plan.people.first_pose, plan.people.view},
+                            plan.people));
+  MIXRIG_TRY(write_file(folder.path() / kPlanReport, to_json(plan).dump(2) + "\n"));
+  MIXRIG_TRY(folder.commit());
+  return plan;
+}
+
+nlohmann::json to_json(const Plan& plan) {
+  nlohmann::json json = to_json(plan.people);
+  json["free_m2"] = plan.free_m2;
+  json["places"] = nlohmann::json::array();
+  for (const plan::FreePlace& p : plan.places)
+    json["places"].push_back({{"position_m", {p.at_m.x(), p.at_m.y(), 0.0}},
+                              {"yaw_deg", p.yaw_rad / kDeg},
+                              {"score", p.score},
+                              {"visible_share", p.visible_share},
+                              {"shadow_share", p.shadow_share},
+                              {"path_m", p.path_m},
+                              {"room_m", p.room_m}});
+  return json;
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// People on the floor over a whole run: paths, pictures, report.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+
+#include "host/plan/people_tracker.h"
+#include "host/plan/placing.h"
+#include "host/session/people_sink.h"
+#include "host/session/run.h"
+#include "host/session/session.h"
+
+namespace mixrig::session {
+
+struct PlanOptions {
+  std::filesystem::path out;
+  std::optional<FrameRange> frames;
+  const std::atomic<bool>* stop = nullptr;
+  plan::PeopleOptions people;
+  plan::Footprint box;  ///< of an object to find places for
+  int places = 0;       ///< so many
+  plan::PlacingOptions placing;
+};
+
+struct Plan {
+  PeopleReport people;
+  double free_m2 = 0;  ///< of the floor that was seen
+  std::vector<plan::FreePlace> places;
+};
+
+/// Runs the session's key and writes OUT, whole or not at all: people.csv, report.json, paths.glb
+/// (lines, where anybody walked), plan.png and picture.png. Errors: those of run(); kData where no
+/// frame has a pose, or places are wanted and no floor was seen.
+Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock& clock,
+                       const ProgressFn& progress);
+nlohmann::json to_json(const Plan& plan);
+
+}  // namespace mixrig::session
