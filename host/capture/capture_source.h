@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hal/base/result.h"
+#include "host/capture/bracket.h"
 #include "host/capture/capture.h"
 #include "host/capture/source_report.h"
 #include "host/capture/truth.h"
@@ -60,6 +61,17 @@ class RenderedHead {
   virtual void turn(const HeadMotion& motion) = 0;
 };
 
+/// The exposure of the plates of a source whose captures are rendered. Calls come from the thread
+/// that reads.
+class RenderedExposure {
+ public:
+  virtual ~RenderedExposure() = default;
+  virtual ExposureLimits limits() const = 0;
+  virtual double rest_s() const = 0;  ///< before the first call of set()
+  /// Within limits(); of captures that are read some calls later.
+  virtual void set(double exposure_s) = 0;
+};
+
 /// Captures by number, 1..info().frames. Calls come from one thread at a time.
 class CaptureSource {
  public:
@@ -73,6 +85,8 @@ class CaptureSource {
   virtual Result<void> read_truth(int number, Truth& truth) = 0;
   /// Null where the captures are given, and no head can be moved.
   virtual RenderedHead* head() { return nullptr; }
+  /// Null where the exposure cannot be set.
+  virtual RenderedExposure* exposure() { return nullptr; }
   /// Counts of live devices; empty for other sources. Any thread.
   virtual std::optional<SourceReport> report() const { return std::nullopt; }
 };

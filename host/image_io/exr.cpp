@@ -79,6 +79,50 @@ void write(const std::filesystem::path& path, const std::vector<Channel>& channe
   file.writePixels(size.height);
 }
 
+void write_light(const std::filesystem::path& path, const Image<RgbHalf>& light,
+                 const Image<std::uint8_t>& saturated) {
+  constexpr std::uint16_t kOne = 0x3C00;
+  const Size size = light.size();
+  Imf::Header header(size.width, size.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Image<std::uint16_t> flag(size);
+  for (int y = 0; y < size.height; ++y)
+    std::transform(saturated.row(y), saturated.row(y) + size.width, flag.row(y),
+                   [](std::uint8_t s) { return s != 0 ? kOne : std::uint16_t{0}; });
+  Imf::FrameBuffer frame;
+  const auto add = [&](const char* name, const std::uint16_t* first, std::size_t pixel_bytes,
+                       std::ptrdiff_t stride) {
+    header.channels().insert(name, Imf::Channel(Imf::HALF));
+    // OpenEXR only reads through the slices of an output file.
+    frame.insert(name,
+                 Imf::Slice(Imf::HALF, reinterpret_cast<char*>(const_cast<std::uint16_t*>(first)),
+                            pixel_bytes, static_cast<std::size_t>(stride) * pixel_bytes));
+  };
+  add("R", &light.row(0)->r, sizeof(RgbHalf), light.stride());
+  add("G", &light.row(0)->g, sizeof(RgbHalf), light.stride());
+  add("B", &light.row(0)->b, sizeof(RgbHalf), light.stride());
+  add("saturated", flag.row(0), sizeof(std::uint16_t), flag.stride());
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(frame);
+  file.writePixels(size.height);
+}
+
+/// Calls write(path of a temporary name), which may throw, and renames. `what` begins the error.
+template <typename Write>
+Result<void> written(const std::filesystem::path& path, const std::string& what, Write&& write) {
+  PartialPath partial(path);
+  try {
+    write(partial.path());
+  } catch (const std::exception& e) {
+    return Error{ErrorCode::kIo, what + e.what()};
+  }
+  return partial.commit();
+}
+
+std::string cannot_write(const std::filesystem::path& path) {
+  return "cannot write picture '" + path.string() + "': ";
+}
+
 }  // namespace
 
 Result<std::vector<Channel>> read_exr(const std::filesystem::path& path) {
@@ -94,19 +138,21 @@ Result<std::vector<Channel>> read_exr(const std::filesystem::path& path) {
 }
 
 Result<void> write_exr(const std::filesystem::path& path, const std::vector<Channel>& channels) {
-  const std::string what = "cannot write picture '" + path.string() + "': ";
+  const std::string what = cannot_write(path);
   const auto same_size = [&](const Channel& channel) {
     return !channel.pixels.empty() && channel.pixels.size() == channels.front().pixels.size();
   };
   if (channels.empty() || !std::all_of(channels.begin(), channels.end(), same_size))
     return Error{ErrorCode::kData, what + "its channels are empty or differ in size"};
-  PartialPath partial(path);
-  try {
-    write(partial.path(), channels);
-  } catch (const std::exception& e) {
-    return Error{ErrorCode::kIo, what + e.what()};
-  }
-  return partial.commit();
+  return written(path, what, [&](const auto& to) { write(to, channels); });
+}
+
+Result<void> write_light_exr(const std::filesystem::path& path, const Image<RgbHalf>& light,
+                             const Image<std::uint8_t>& saturated) {
+  const std::string what = cannot_write(path);
+  if (light.empty() || saturated.size() != light.size())
+    return Error{ErrorCode::kData, what + "its channels are empty or differ in size"};
+  return written(path, what, [&](const auto& to) { write_light(to, light, saturated); });
 }
 
 }  // namespace mixrig::image_io

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/base/half.h"
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 
@@ -44,5 +45,9 @@ struct Channel {
 Result<std::vector<Channel>> read_exr(const std::filesystem::path& path);
 /// Writes channels of one size, ZIP compressed, under a temporary name. Errors: kIo, kData.
 Result<void> write_exr(const std::filesystem::path& path, const std::vector<Channel>& channels);
+/// Writes channels R, G, B of half precision, and `saturated` (0 or 1, half precision) beside them;
+/// both of one size. ZIP compressed, under a temporary name. Errors: kIo, kData.
+Result<void> write_light_exr(const std::filesystem::path& path, const Image<RgbHalf>& light,
+                             const Image<std::uint8_t>& saturated);
 
 }  // namespace mixrig::image_io

@@ -77,6 +77,11 @@ void Player::describe(const std::string& uri) {
   };
   describe_one(color_, "color", capture_.plate.size(), device::PixelFormat::kRgb8);
   describe_one(depth_, "depth", capture_.depth_m.size(), device::PixelFormat::kDepth16);
+  if (const capture::RenderedExposure* exposure = source_->exposure()) {
+    const auto [least_s, most_s, step_s] = exposure->limits();
+    color_.info.controls = {{device::CameraControl::kExposure, least_s, most_s, step_s}};
+    exposure_s_ = exposure->rest_s();
+  }
   const bool along_ray = info.depth_kind == capture::DepthKind::kDistance;
   depth_info_ = {.metres_per_step = info.depth_unit_m,
                  .meaning = along_ray ? device::DepthMeaning::kDistance : device::DepthMeaning::kZ,
@@ -175,6 +180,7 @@ void Player::work_steered() {
     const HostTime due = begin_ + Duration(std::llround((number - 1) / rate_hz * 1e9));
     wait_until(due);
     source_->head()->turn(motion_->at(due));
+    if (source_->exposure() != nullptr) source_->exposure()->set(exposure_s_);
     if (const auto read = read_next(number); !read) {
       log_warning("rig", to_line(read.error()));
       return end(device::DeviceState::kFailed);

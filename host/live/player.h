@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -26,7 +27,8 @@ namespace mixrig::live {
 /// before the time that play_at() sets; at the end they are kStopped. Thread-safe.
 /// A source with a head of its own (capture::RenderedHead) has a head that can be moved. Each frame
 /// is rendered when it is due, as the head stands and turns then; frames that are due while another
-/// is rendered are lost, as the counter says.
+/// is rendered are lost, as the counter says. Where the source's exposure can be set
+/// (capture::RenderedExposure), the colour camera has that control.
 class Player : public std::enable_shared_from_this<Player> {
  public:
   /// Reads the first frame. Errors: those of reading; kData for a recording without frames or rate.
@@ -88,9 +90,10 @@ class Player : public std::enable_shared_from_this<Player> {
   std::unique_ptr<capture::CaptureSource> source_;
   Clock& clock_;
   device::DepthInfo depth_info_;
-  capture::Capture capture_;  ///< used only by the thread while it runs
-  double first_s_ = 0;        ///< time of the first frame in the recording
-  HostTime begin_{};          ///< of the first frame
+  capture::Capture capture_;            ///< used only by the thread while it runs
+  std::atomic<double> exposure_s_ = 0;  ///< as the control was set last
+  double first_s_ = 0;                  ///< time of the first frame in the recording
+  HostTime begin_{};                    ///< of the first frame
   std::optional<HostTime> play_at_;
   std::string uri_;
   std::shared_ptr<PlayedAngles> angles_;   ///< null where the recording has none

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "host/live/player.h"
 
 namespace mixrig::live {
@@ -24,11 +26,26 @@ class PlayedCamera final : public device::Camera {
     return player_->start(channel_, std::move(sink));
   }
   void stop() override { player_->stop(channel_); }
-  Result<void> set(device::CameraControl control, double) override { return unsupported(control); }
-  Result<double> get(device::CameraControl control) override { return unsupported(control); }
+  Result<void> set(device::CameraControl control, double value) override {
+    if (!offers(control)) return unsupported(control);
+    const device::ControlRange& range = channel_.info.controls.front();
+    if (!(value >= range.minimum && value <= range.maximum))
+      return Error{ErrorCode::kUsage,
+                   fmt::format("{}: exposure {} s is not within {} to {} s", channel_.info.uri,
+                               value, range.minimum, range.maximum)};
+    player_->exposure_s_ = value;
+    return {};
+  }
+  Result<double> get(device::CameraControl control) override {
+    if (!offers(control)) return unsupported(control);
+    return player_->exposure_s_.load();
+  }
   device::StreamHealth health() const override { return player_->health(channel_); }
 
  private:
+  bool offers(device::CameraControl control) const {
+    return control == device::CameraControl::kExposure && !channel_.info.controls.empty();
+  }
   Error unsupported(device::CameraControl control) const {
     return Error{ErrorCode::kUnsupported, channel_.info.uri + ": " +
                                               std::string(device::name(control)) +

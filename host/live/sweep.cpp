@@ -178,8 +178,17 @@ Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
     report.stopped = taken && !*taken;
     if (!taken) return at_view(std::move(taken).error(), options, view);
     if (report.stopped) break;
-    if (auto saved = options.save(taker.frames(), taker.angles()); !saved)
+    std::vector<capture::BracketPlate> bracket;
+    if (options.bracket) {
+      auto plates = options.bracket(taker.frames().back().plate);
+      if (!plates) return at_view(std::move(plates).error(), options, view);
+      bracket = *std::move(plates);
+      report.stopped = stop;  // then its plates may be too few: the view is taken again
+      if (report.stopped) break;
+    }
+    if (auto saved = options.save(taker.frames(), taker.angles(), bracket); !saved)
       return at_view(std::move(saved).error(), options, view);
+    if (!bracket.empty()) ++report.bracketed;
     ++report.views;
     const auto done = static_cast<long>(report.views - options.first);
     const auto left = static_cast<long>(options.views.size() - report.views);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hal/base/clock.h"
+#include "host/capture/bracket.h"
 #include "host/capture/capture.h"
 #include "host/live/picture_shift.h"
 
@@ -89,19 +90,23 @@ struct SweepOptions {
   /// Called after each view with the number that is there and the time that is left.
   std::function<void(std::size_t done, Duration left)> progress;
   /// Takes a view; what it returns ends the sweep where it is an error.
-  std::function<Result<void>(std::span<const capture::Capture> frames, device::PanTiltAngles at)>
+  std::function<Result<void>(std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                             std::span<const capture::BracketPlate> bracket)>
       save;
+  /// Plates of a view that was taken, at other exposures, while the unit stands; may be empty.
+  std::function<Result<std::vector<capture::BracketPlate>>(const Image<Rgb8>& plate)> bracket;
 };
 
 struct SweepReport {
   std::size_t views = 0;  ///< that are there
+  int bracketed = 0;      ///< of those taken now, with plates at other exposures
   int restarts = 0;       ///< frames that were shifted against those before them
   bool stopped = false;
 };
 
 /// Takes the views that are not there yet, one after another, until `stop` is set; then, and after
 /// an error that is not the unit's, the unit is halted. Errors: those of the rig, of
-/// ViewTaker::check and of `save`, with the number and angles of the view.
+/// ViewTaker::check, of `bracket` and of `save`, with the number and angles of the view.
 Result<SweepReport> run_sweep(SweepRig& rig, const SweepOptions& options,
                               const std::atomic<bool>& stop, Clock& clock);
 

@@ -17,6 +17,8 @@ class LiveSweepRig final : public SweepRig {
   Result<void> move_to(device::PanTiltAngles target) override { return session_.move_head(target); }
   Result<void> halt() override { return session_.halt_head(); }
   Result<bool> next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) override;
+  /// From frame to frame of the colour camera.
+  Duration color_period() const { return color_period_; }
   std::uint64_t left_out() const { return left_out_; }  ///< sets without colour or depth
 
  private:

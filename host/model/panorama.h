@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "hal/base/half.h"
 #include "hal/base/image.h"
 #include "hal/base/parallel.h"
 #include "host/geometry/camera_model.h"
@@ -21,6 +22,14 @@ struct ScanView {
   Image<float> distance_m;  ///< along the ray of each ToF pixel; 0 = unknown
   Image<float> sigma_m;     ///< of distance_m
   Image<Rgb8> plate;        ///< distorted, of the target camera
+  /// The same at another exposure, over that of `plate`.
+  struct Bracket {
+    double exposure = 1;
+    Image<Rgb8> plate;
+  };
+  std::vector<Bracket> brackets{};
+  Image<RgbHalf> light{};  ///< as `plate`, linear, 1 = its white (view_light.h); may be empty
+  float light_limit = 0;   ///< a channel of `light` that reaches it is a lower limit
 };
 
 /// Averages the depth of a view's frames, each weighted by the square of its amplitude: that is by
@@ -94,11 +103,13 @@ struct Panorama {
   Image<std::uint8_t> views;  ///< that agree on distance_m; 0: filled or unknown
   Image<std::uint8_t> field;  ///< 1 where a view's frustum is
   Image<Rgb8> color;          ///< sRGB; black = unknown; 1 to 8 times as many pixels a side
-  double measured_share = 0;  ///< of the field's solid angle, before holes are filled
-  double known_share = 0;     ///< after
-  std::vector<RoomPlane> planes{};  ///< that it was straightened to, the largest first
-  std::vector<RoomArea> wrapped{};  ///< made unknown: depth of a mirror that wrapped around
-  ViewGains gains{};                ///< that its colour was made with
+  Image<RgbHalf> light{};     ///< as `color`, linear and above 1; empty where no view has light
+  Image<std::uint8_t> light_saturated{};  ///< 1 where `light` is a lower limit
+  double measured_share = 0;              ///< of the field's solid angle, before holes are filled
+  double known_share = 0;                 ///< after
+  std::vector<RoomPlane> planes{};        ///< that it was straightened to, the largest first
+  std::vector<RoomArea> wrapped{};        ///< made unknown: depth of a mirror that wrapped around
+  ViewGains gains{};                      ///< that its colour was made with
 
   Size size() const { return distance_m.size(); }
 };

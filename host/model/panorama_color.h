@@ -10,7 +10,8 @@ namespace mixrig::model {
 /// pictures; `factor` times as many pixels a side as distances. A view whose depth camera sees
 /// something before the surface does not count; one that measured nothing there only where no view
 /// sees it. What no target camera sees stays black. `panorama.gains` makes the views equally bright
-/// where it is not empty.
+/// where it is not empty. Where some view has ScanView::light, panorama.light is made in the same
+/// way, from what is not saturated where any view has that.
 void paint(std::span<const ScanView> views, const geometry::CameraModel& tof,
            const geometry::CameraModel& target, int factor, Panorama& panorama, Crew& crew);
 

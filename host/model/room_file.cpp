@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRoomManifest = "manifest.toml";
+constexpr const char* kLightFile = "color.exr";
 constexpr double kPct = 100, kRoomMm = 1000;
 constexpr int kMostColorFactor = 8;
 
@@ -91,7 +92,29 @@ Result<void> write_room(const Panorama& p, const RoomManifest& manifest, const f
   MIXRIG_TRY(image_io::write_png(folder / "color.png", p.color.view()));
   MIXRIG_TRY(image_io::write_png(folder / "distance.png",
                                  ImageView<const std::uint16_t>(distance_mm.view())));
+  if (!p.light.empty())
+    MIXRIG_TRY(image_io::write_light_exr(folder / kLightFile, p.light, p.light_saturated));
   return write_file(folder / kRoomManifest, room_text(p, manifest));
+}
+
+Result<void> load_light(const fs::path& folder, Panorama& p) {
+  const fs::path path = folder / kLightFile;
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  MIXRIG_ASSIGN(auto channels, image_io::read_exr(path));
+  const Size size = p.color.size();
+  MIXRIG_ASSIGN(const auto red, take_channel(channels, "R", size, path));
+  MIXRIG_ASSIGN(const auto green, take_channel(channels, "G", size, path));
+  MIXRIG_ASSIGN(const auto blue, take_channel(channels, "B", size, path));
+  MIXRIG_ASSIGN(const auto saturated, take_channel(channels, "saturated", size, path));
+  p.light.reset(size), p.light_saturated.reset(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      p.light.row(y)[x] = {half_of_float(red.row(y)[x]), half_of_float(green.row(y)[x]),
+                           half_of_float(blue.row(y)[x])};
+      p.light_saturated.row(y)[x] = saturated.row(y)[x] > 0 ? 1 : 0;
+    }
+  return {};
 }
 
 Result<RoomManifest> read_manifest(const fs::path& folder) {

@@ -33,16 +33,21 @@ struct RoomFile {
 /// Whether the folder says that it is a room; what is wrong in it, load_room() tells.
 bool is_room(const std::filesystem::path& folder);
 
-/// Writes manifest.toml, room.exr (distance_m, sigma_m, views), color.png and distance.png (16 bit,
-/// mm) into a folder that exists. Errors: kIo.
+/// Writes manifest.toml, room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit,
+/// mm) and, where the room has light, color.exr into a folder that exists. Errors: kIo.
 Result<void> write_room(const Panorama& panorama, const RoomManifest& manifest,
                         const std::filesystem::path& folder);
 
 /// Without reading the pictures. Errors: kNotFound, kFormat.
 Result<RoomManifest> read_manifest(const std::filesystem::path& folder);
 
-/// Field is what is known. Errors: kNotFound, kFormat, kData (sizes that disagree).
+/// Field is what is known. Without Panorama::light. Errors: kNotFound, kFormat, kData (sizes that
+/// disagree).
 Result<RoomFile> load_room(const std::filesystem::path& folder);
+
+/// Adds the light of color.exr to the panorama of that folder; none where there is no such file.
+/// Errors: kFormat, kData (another size than the colour's).
+Result<void> load_light(const std::filesystem::path& folder, Panorama& panorama);
 
 /// A room that is joined with others: where the foot of its head stood in the first one's axes.
 struct JoinedPlace {

@@ -18,6 +18,7 @@ class ViewEye {
           const geometry::CameraModel& target);
 
   const Image<Rgb8>& plate() const { return view_->plate; }
+  const ScanView& view() const { return *view_; }
   /// Where the target camera sees a point in base axes; nothing outside of its picture, or without
   /// a picture.
   std::optional<Eigen::Vector2d> pixel(const Eigen::Vector3d& point_m) const;

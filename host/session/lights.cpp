@@ -153,6 +153,7 @@ Result<std::optional<lights::RoomSurfaces>> room_of(const LightsOptions& options
   if (options.room.empty()) return surfaces;
   MIXRIG_ASSIGN(auto rooms, model::load_rooms(options.room));
   model::RoomFile& room = rooms.front().room;  // of joined rooms the first
+  if (rooms.size() == 1) MIXRIG_TRY(model::load_light(options.room, room.panorama));
   const auto place =
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
   surfaces.emplace(std::move(room.panorama), place.value_or(geometry::Pose{}));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,9 +11,11 @@
 #include <fmt/format.h>
 
 #include "hal/base/angles.h"
+#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "host/calibration_file/calibration.h"
 #include "host/config/table.h"
+#include "host/live/bracket.h"
 #include "host/live/held_controls.h"
 #include "host/live/live_capture.h"
 #include "host/live/sweep_rig.h"
@@ -153,6 +156,16 @@ Result<void> hold_colors(const SweepSetup& setup, live::Devices& devices, live::
   return write_file(file, live::held_text(live::hold_controls(config, camera, earlier)));
 }
 
+/// None, with a warning, where the camera has no exposure control.
+std::optional<live::ExposureBracket> bracket_of(device::Camera& camera,
+                                                const live::LiveSweepRig& rig) {
+  auto bracket = live::ExposureBracket::create(camera, rig.color_period());
+  if (bracket) return *std::move(bracket);
+  log_warning("scan", to_line(bracket.error()) +
+                          ": the room keeps the light of one exposure, what saturates stays white");
+  return {};
+}
+
 /// Runs the devices from view `scan.views` on.
 Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
                         const LiveScanOptions& options, const model::SweepPlan& plan,
@@ -166,19 +179,29 @@ Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
   sweep.progress = [&](std::size_t done, Duration left) {
     if (options.progress) options.progress(static_cast<int>(done), scan.planned, left);
   };
-  sweep.save = [&](std::span<const capture::Capture> frames,
-                   device::PanTiltAngles at) -> Result<void> { return take.append(frames, at); };
+  sweep.save = [&](std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                   std::span<const capture::BracketPlate> plates) -> Result<void> {
+    return take.append(frames, at, plates);
+  };
   live::LiveSession session(setup.rig, devices, clock);
   MIXRIG_TRY(session.start());
   const HostTime begin = clock.now();
   live::LiveSweepRig rig(setup.rig, devices, session);
   MIXRIG_TRY(hold_colors(setup, devices, rig, scan.sweep, stop, clock));
+  std::optional<live::ExposureBracket> bracket =
+      options.bracket ? bracket_of(*devices.cameras.front(), rig) : std::nullopt;
+  if (bracket)
+    sweep.bracket = [&](const Image<Rgb8>& plate) {
+      return bracket->take(rig, plate, stop, clock);
+    };
   const auto swept = live::run_sweep(rig, sweep, stop, clock);
+  bracket.reset();  // puts the exposure back, whatever ended the sweep
   session.stop();
   scan.seconds = seconds(clock.now() - begin);
   scan.views = take.frames() / options.view_frames;
   if (swept) {
-    scan.restarts = swept->restarts, scan.stopped = swept->stopped;
+    scan.bracketed = swept->bracketed, scan.restarts = swept->restarts,
+    scan.stopped = swept->stopped;
     return {};
   }
   Error error = swept.error();

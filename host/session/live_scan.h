@@ -18,6 +18,7 @@ struct LiveScan {
   int resumed = 0;           ///< of the views, those of an earlier run
   double covered_share = 0;  ///< of the field, by the plan; below 1 where the unit's limits or
                              ///< the number of views leave out some
+  int bracketed = 0;         ///< of the views taken now, with plates at other exposures
   int restarts = 0;          ///< frames that were shifted against those before them
   double seconds = 0;        ///< from the first move to the last view
   bool stopped = false;      ///< `stop` was set before the last view
@@ -31,6 +32,7 @@ struct LiveScanOptions {
   double overlap = 0.1;
   int most_views = 0;  ///< 0: as many as it takes; else the height of the field may be lowered
   int view_frames = 4;
+  bool bracket = true;  ///< also plates at other exposures, where a view saturates or is dark
   /// Called once before the unit moves: views, planned, resumed and covered_share are known.
   std::function<void(const LiveScan& plan)> planned;
   /// Called after each view.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "hal/base/angles.h"
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
+#include "hal/base/srgb.h"
 #include "host/calibration_file/calibration.h"
 #include "host/calibration_file/depth_sigma.h"
 #include "host/capture/calibrated_source.h"
@@ -81,6 +83,12 @@ Result<std::optional<calibration_file::Calibration>> known_rig(const fs::path& c
   return std::optional(std::move(known));
 }
 
+/// Of a take that was given as its folder or its take.toml.
+fs::path folder_of(const fs::path& take) {
+  std::error_code error;
+  return fs::is_directory(take, error) ? take : take.parent_path();
+}
+
 DepthReach depth_reach(const calibration_file::DepthError& error, const model::Panorama& p) {
   constexpr double kAlike_m = 0.1;  // the error hardly changes over it; the camera is as far off
   DepthReach reach{error.knots_m.back(), 0};
@@ -135,6 +143,44 @@ Result<double> distance_sigma(const model::Panorama& panorama, const fs::path& c
   return calibration_file::depth_sigma_m(*known.depth_error, median_m) / median_m;
 }
 
+/// Luminance of the room's light in the pixels of the distances: -1 where it is not known.
+Image<float> luminance_at(const model::Panorama& p, Size size, Image<float>& saturated) {
+  const int factor = p.light.height() / size.height;
+  Image<float> out(size);
+  saturated.reset(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const int u = factor * x + factor / 2, v = factor * y + factor / 2;
+      const RgbHalf& c = p.light.row(v)[u];
+      const bool known = !(p.color.row(v)[u] == Rgb8{});
+      out.row(y)[x] = known ? kRec709Red * float_of_half(c.r) + kRec709Green * float_of_half(c.g) +
+                                  kRec709Blue * float_of_half(c.b)
+                            : -1.0F;
+      saturated.row(y)[x] = p.light_saturated.row(v)[u];
+    }
+  return out;
+}
+
+Result<std::optional<measure::RoomLightErrors>> judge_light(const model::Panorama& panorama,
+                                                            const fs::path& take) {
+  std::optional<measure::RoomLightErrors> errors;
+  const fs::path path = take / "truth/light.exr";
+  std::error_code missing;
+  if (panorama.light.empty() || !fs::exists(path, missing)) return errors;
+  MIXRIG_ASSIGN(const auto truth, image_io::read_exr(path));  // B, G, R: in order of their names
+  if (truth.size() != 3 || panorama.light.height() % truth[0].pixels.height() != 0) return errors;
+  Image<float> is(truth[0].pixels.size()), saturated;
+  for (int y = 0; y < is.height(); ++y)
+    for (int x = 0; x < is.width(); ++x)
+      is.row(y)[x] = kRec709Blue * truth[0].pixels.row(y)[x] +
+                     kRec709Green * truth[1].pixels.row(y)[x] +
+                     kRec709Red * truth[2].pixels.row(y)[x];
+  const Image<float> found = luminance_at(panorama, is.size(), saturated);
+  errors = measure::room_light_errors(found.view(), std::as_const(saturated).view(),
+                                      std::as_const(is).view());
+  return errors;
+}
+
 }  // namespace
 
 Result<JudgedRoom> judge_room(const model::Panorama& panorama, const fs::path& take) {
@@ -164,6 +210,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   const Stopwatch reading;
   Crew crew(options.threads);
   MIXRIG_ASSIGN(SweepViews sweep, read_sweep(*source, known ? &*known->pan_tilt : nullptr, crew));
+  MIXRIG_TRY(add_brackets(folder_of(options.take), sweep, crew));
   const geometry::CameraModel &tof = source->info().tof, &target = source->info().target;
   RoomScan scan;
   scan.views = static_cast<int>(sweep.views.size()), scan.frames = sweep.frames;
@@ -175,6 +222,8 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
     for (std::size_t i = 0; i < sweep.views.size(); ++i)
       model::turn(scan.alignment.views[i].turn_rad, sweep.views[i]);
   scan.align_seconds = modelling.seconds();
+  scan.exposures = model::find_exposures(sweep.views);
+  model::join_brackets(scan.exposures, sweep.views, crew);
   scan.panorama = model::make_panorama(sweep.views, tof, target, options.panorama, crew);
   scan.findings =
       model::find_faults({sweep.views, target, scan.alignment, scan.panorama, options.field_deg});
@@ -189,6 +238,7 @@ Result<RoomScan> scan_room(const RoomScanOptions& options) {
   scan.mesh_seconds = meshing.seconds();
   if (options.evaluate) {
     MIXRIG_ASSIGN(JudgedRoom judged, judge_room(scan.panorama, options.take));
+    MIXRIG_ASSIGN(scan.light_errors, judge_light(scan.panorama, options.take));
     scan.errors = judged.errors, scan.off_mm = std::move(judged.off_mm);
     if (!scan.mesh.indices.empty())
       scan.mesh_errors = measure::mesh_errors(

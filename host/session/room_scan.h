@@ -8,11 +8,13 @@
 
 #include "host/capture/capture_source.h"
 #include "host/measure/room.h"
+#include "host/measure/room_light.h"
 #include "host/measure/room_mesh.h"
 #include "host/model/panorama.h"
 #include "host/model/room_findings.h"
 #include "host/model/room_mesh.h"
 #include "host/model/view_alignment.h"
+#include "host/model/view_light.h"
 
 namespace mixrig::session {
 
@@ -42,7 +44,8 @@ struct RoomScan {
   model::Panorama panorama;
   model::Alignment alignment;  ///< how well the views agree, as the unit or the poses say
   std::vector<model::Finding> findings;
-  std::optional<DepthReach> depth_reach;  ///< where the calibration has a depth error
+  std::vector<model::FoundExposure> exposures;  ///< of the take's brackets; empty without
+  std::optional<DepthReach> depth_reach;        ///< where the calibration has a depth error
   model::RoomMesh mesh;
   std::size_t triangles_raw = 0;  ///< of the grid; the mesh has fewer
   double tolerance_m = 0;         ///< of the mesh
@@ -53,8 +56,9 @@ struct RoomScan {
   double model_seconds = 0;                       ///< from averaged views to the panorama
   double mesh_seconds = 0;                        ///< from the panorama to the mesh
   std::optional<measure::RoomErrors> errors;
-  Image<float> off_mm;                             ///< measure::off_surface_mm, with `evaluate`
-  std::optional<measure::MeshErrors> mesh_errors;  ///< against the panorama; with `evaluate`
+  Image<float> off_mm;  ///< measure::off_surface_mm, with `evaluate`
+  std::optional<measure::RoomLightErrors> light_errors;  ///< where light and its truth exist
+  std::optional<measure::MeshErrors> mesh_errors;        ///< against the panorama; with `evaluate`
 };
 
 struct JudgedRoom {
@@ -77,9 +81,10 @@ Result<RoomScan> scan_room(const RoomScanOptions& options);
 Result<void> write_mesh(const model::RoomMesh& mesh, const Image<Rgb8>& color,
                         const std::filesystem::path& path);
 
-/// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), room.glb
-/// (where there are triangles), error.png (of a judged room) and manifest.toml into `folder`: whole
-/// or not at all. Errors: kUsage where the folder is something else, kIo.
+/// Writes room.exr (distance_m, sigma_m, views), color.png, distance.png (16 bit, mm), color.exr
+/// (where plates were taken at other exposures), room.glb (where there are triangles), error.png
+/// (of a judged room) and manifest.toml into `folder`: whole or not at all. Errors: kUsage where
+/// the folder is something else, kIo.
 Result<void> save_room(const RoomScan& scan, const std::filesystem::path& calibration,
                        const std::filesystem::path& folder);
 

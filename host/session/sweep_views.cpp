@@ -5,9 +5,12 @@
 
 #include "host/model/plate_median.h"
 #include "host/pose/pan_tilt_poses.h"
+#include "host/take/bracket_files.h"
 
 namespace mixrig::session {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Averages the frames of one view after the other.
 class ViewReader {
@@ -77,6 +80,29 @@ Result<void> read_by_pose(const capture::Capture& frame, ViewReader& reader) {
   return {};
 }
 
+/// The pictures of one exposure, rows [begin, end), of a view.
+Result<void> add_bracket(const fs::path& folder, const std::vector<take::BracketRow>& rows,
+                         std::size_t begin, std::size_t end, model::ScanView& view, Crew& crew) {
+  model::PlateMedian median;
+  Image<Rgb8> plate;
+  for (std::size_t i = begin; i < end; ++i) {
+    const int number = static_cast<int>(i) + 1;
+    MIXRIG_TRY(take::read_bracket_plate(folder, number, plate));
+    if (plate.size() != view.plate.size())
+      return Error{ErrorCode::kData,
+                   fmt::format("'{}': bracket picture {} is {}x{}, the plates are {}x{}: delete "
+                               "{} to scan without it",
+                               folder.string(), number, plate.width(), plate.height(),
+                               view.plate.width(), view.plate.height(), take::kBracketTable)};
+    median.add(plate.view());
+  }
+  const take::BracketRow& row = rows[begin];
+  model::ScanView::Bracket& into = view.brackets.emplace_back();
+  into.exposure = row.exposure_s / row.frames_s;
+  median.finish(into.plate, crew);
+  return {};
+}
+
 /// Moves the origin into the middle of the views.
 void set_base(SweepViews& sweep) {
   geometry::Pose world_from_base;
@@ -102,6 +128,7 @@ Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_
     if (!more) break;
     MIXRIG_TRY(unit != nullptr ? read_by_angles(frame, *unit, reader, sweep)
                                : read_by_pose(frame, reader));
+    sweep.view_of_frame.push_back(static_cast<int>(sweep.views.size()) - 1);
     if (sweep.views.size() > kMostViews)
       return Error{ErrorCode::kData,
                    fmt::format("the take has more than {} views: scan a shorter one", kMostViews)};
@@ -110,6 +137,19 @@ Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_
   if (sweep.views.empty()) return Error{ErrorCode::kData, "the sweep has no frames"};
   if (unit == nullptr) set_base(sweep);
   return sweep;
+}
+
+Result<void> add_brackets(const fs::path& folder, SweepViews& sweep, Crew& crew) {
+  MIXRIG_ASSIGN(const auto rows, take::read_bracket_table(folder));
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    end = begin + 1;
+    while (end < rows.size() && rows[end] == rows[begin]) ++end;
+    const auto frame = static_cast<std::size_t>(rows[begin].frame);
+    if (frame >= sweep.view_of_frame.size()) continue;
+    model::ScanView& view = sweep.views[static_cast<std::size_t>(sweep.view_of_frame[frame])];
+    MIXRIG_TRY(add_bracket(folder, rows, begin, end, view, crew));
+  }
+  return {};
 }
 
 }  // namespace mixrig::session

@@ -2,6 +2,7 @@
 // The views of a sweep from a source: frames of equal angles averaged, or frames with poses.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,7 @@ inline constexpr int kMostViews = 512;  ///< all are kept in memory
 
 struct SweepViews {
   std::vector<model::ScanView> views;
+  std::vector<int> view_of_frame{0};          ///< index of the view by number of the frame, from 1
   std::vector<device::PanTiltAngles> angles;  ///< of each view; empty where frames have poses
   /// Where the base stands: by the poses; nothing where the unit gives the angles.
   std::optional<geometry::Pose> world_from_base;
@@ -28,5 +30,10 @@ struct SweepViews {
 /// unit where a frame has no pose.
 Result<SweepViews> read_sweep(capture::CaptureSource& source, const calibration_file::PanTilt* unit,
                               Crew& crew);
+
+/// Adds the plates at other exposures of the take in `folder`, if it has some, to the views of
+/// their frames; of several at one exposure the median. Rows of frames that the sweep does not have
+/// are left out. Errors: those of reading; kData for a plate of another size than the frames'.
+Result<void> add_brackets(const std::filesystem::path& folder, SweepViews& sweep, Crew& crew);
 
 }  // namespace mixrig::session

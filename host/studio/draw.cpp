@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pictures and the truth of a frame, from what the cameras see.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "host/studio/sensors/warp.h"
@@ -32,9 +33,14 @@ bool Studio::State::visible_to_tof(const Vec3& point, const TraceScene& scene) c
   return !scene.blocked(point + 3e-3F * towards.normalized(), eye);
 }
 
+int Studio::State::noise_number(int frame) const {
+  return frame ^ std::bit_cast<int>(exposed_by) ^ std::bit_cast<int>(1.0F);
+}
+
 void Studio::State::draw_color(Frame& frame) {
   frame.color.reset(options.size_px);
-  const auto exposure = static_cast<float>(info.light.exposure);
+  const float exposure = exposed_by * static_cast<float>(info.light.exposure);
+  const int number = noise_number(frame.number);
   crew.rows(options.size_px.height, kDrawBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < options.size_px.width; ++x) {
@@ -42,8 +48,8 @@ void Studio::State::draw_color(Frame& frame) {
             exposure * compose_pixel(plate, x, y, lamps, ambient, casters, false).real;
         const std::uint64_t pixel =
             static_cast<std::uint64_t>(y) * 65536 + static_cast<unsigned>(x);
-        const std::uint64_t bits = hash_key(hash_key(options.seed, 0xC0102),
-                                            static_cast<std::uint64_t>(frame.number), pixel);
+        const std::uint64_t bits =
+            hash_key(hash_key(options.seed, 0xC0102), static_cast<std::uint64_t>(number), pixel);
         Vec3 noisy;
         for (int c = 0; c < 3; ++c) {
           const float charge = kFullWell_e * light[c];

@@ -356,6 +356,8 @@ void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& 
   });
 }
 
+void Studio::set_exposure(double factor) { state_->exposed_by = static_cast<float>(factor); }
+
 void Studio::turn_head(const HeadMotion& motion) { state_->options.sweep.moved = motion; }
 
 void Studio::State::place_people_truth(double time_s, Truth& truth) {
@@ -398,7 +400,13 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   s.trace_person(place, s.plate_rays, s.info.target, s.plate, false);
   if (s.options.realism.shows_in_the_plate()) {
     s.expose_plate(place, frame.time_s);
-    s.camera.develop(s.exposed, s.plate_z_m, number, frame.time_s, s.crew, frame.color);
+    for (int y = 0; s.exposed_by != 1 && y < s.exposed.height(); ++y)
+      std::transform(s.exposed.row(y), s.exposed.row(y) + s.exposed.width(), s.exposed.row(y),
+                     [&](const Rgbf& c) {
+                       return Rgbf{s.exposed_by * c.r, s.exposed_by * c.g, s.exposed_by * c.b};
+                     });
+    s.camera.develop(s.exposed, s.plate_z_m, s.noise_number(number), frame.time_s, s.crew,
+                     frame.color);
   } else {
     s.draw_color(frame);
   }

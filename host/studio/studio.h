@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,8 +57,21 @@ struct Sweep {
   bool crossing = false;      ///< people: the first walks around the head and crosses the middle of
                               ///< every second view, 0.7 s from one of its frames to the next
   bool crossing_all = false;  ///< crossing: of every view
+  bool bracket = false;       ///< take: plates of each view also at other exposures
   HeadMotion moved{};         ///< where there are no views, at the time `moved_s`
   double moved_s = 0;
+};
+
+/// The exposure control of the target camera. It rounds to whole steps, and as a sensor that reads
+/// out after its shutter does, exposes `longer_s` longer than it says.
+struct ExposureControl {
+  double rest_s = 8e-3, least_s = 2e-5, most_s = 3.6e-2, step_s = 1e-5, longer_s = 9e-6;
+
+  /// Light over that at rest, of an exposure within the limits.
+  double factor(double exposure_s) const {
+    return (least_s + step_s * std::round((exposure_s - least_s) / step_s) + longer_s) /
+           (rest_s + longer_s);
+  }
 };
 
 /// Frames of every camera of a take.
@@ -271,6 +285,13 @@ class Studio {
   /// Scenario sweep without views: the head at mid-exposure of the frames that are rendered from
   /// now on. It turns at its rate while each is exposed.
   void turn_head(const HeadMotion& motion);
+
+  /// Light of the plates over that at rest (ExposureControl::factor), from now on: 1 at first.
+  void set_exposure(double factor);
+
+  /// True linear light of the room without people, 1 = white at the exposure at rest, in all
+  /// directions as room_distances(). Of the room as it is at the last frame that was rendered.
+  void room_light(const geometry::Pose& world_from_eye, Image<Rgbf>& light);
 
   /// True distances to the room without people, metres, in all directions of an eye whose axes are
   /// x right, y ahead, z up. Column x is at azimuth pi - 2 pi (x + 0.5) / width, counter-clockwise

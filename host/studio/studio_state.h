@@ -45,6 +45,10 @@ struct Studio::State {
   void balance_ambient();
   void trace_person(const CameraPlace& place, const RayGrid& rays, const Optics& optics,
                     SceneSurfels& surfels, bool with_object);
+  /// Number of a frame for its noise, which is another one at another exposure.
+  int noise_number(int frame) const;
+  /// The room alone as a pinhole camera sees it, linear, with the take's exposure.
+  void draw_room(const Optics& optics, const geometry::Pose& world_from_camera, Image<Rgbf>& light);
   /// The plain picture: no effect of the camera but noise.
   void draw_color(Frame& frame);
   /// Linear light of the plate with what moves during its exposure.
@@ -77,6 +81,7 @@ struct Studio::State {
   BounceCache room_bounce, object_bounce, person_bounce;
   ZoomLens zoom;
   double pupil_shift_m = 0;  ///< of the lens that is set
+  float exposed_by = 1;      ///< light of the plates over that at rest
   RayGrid plate_rays, view_rays;
   TofCamera tof;
   ColorCamera camera;

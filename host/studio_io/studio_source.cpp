@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/studio_io/studio_source.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -9,6 +11,7 @@
 
 #include "host/capture/fisheye.h"
 #include "host/studio/studio.h"
+#include "host/studio_io/bracket.h"
 #include "host/studio_io/studio_take.h"
 
 namespace mixrig::studio_io {
@@ -39,6 +42,27 @@ class StudioHead final : public capture::RenderedHead {
   studio::Studio& studio_;
 };
 
+/// The camera's control, which takes effect two frames after it was set.
+class StudioExposure final : public capture::RenderedExposure {
+ public:
+  explicit StudioExposure(studio::Studio& studio) : studio_(studio) {
+    pending_.fill(kControl.rest_s);
+  }
+  capture::ExposureLimits limits() const override { return exposure_limits(); }
+  double rest_s() const override { return kControl.rest_s; }
+  void set(double exposure_s) override { pending_.back() = exposure_s; }
+  void next_frame() {
+    std::shift_left(pending_.begin(), pending_.end(), 1);
+    studio_.set_exposure(pending_.front() == kControl.rest_s ? 1
+                                                             : kControl.factor(pending_.front()));
+  }
+
+ private:
+  static constexpr studio::ExposureControl kControl{};
+  studio::Studio& studio_;
+  std::array<double, 3> pending_{};  ///< of this frame and of those after it
+};
+
 class StudioSource final : public capture::CaptureSource {
  public:
   StudioSource(studio::Studio studio, bool head_moves)
@@ -46,6 +70,7 @@ class StudioSource final : public capture::CaptureSource {
         info_(studio_take_info(studio_.info())),
         cameras_(std::make_shared<capture::RigCameras>(info_)),
         head_(studio_),
+        exposure_(studio_),
         head_moves_(head_moves) {
     info_.has_truth = !head_moves;
     info_.fisheye_rate_hz = studio_.info().fisheye_rate_hz;
@@ -53,9 +78,11 @@ class StudioSource final : public capture::CaptureSource {
   }
 
   capture::RenderedHead* head() override { return head_moves_ ? &head_ : nullptr; }
+  capture::RenderedExposure* exposure() override { return head_moves_ ? &exposure_ : nullptr; }
   const capture::SourceInfo& info() const override { return info_; }
 
   Result<bool> read(int number, capture::Capture& capture) override {
+    if (head_moves_) exposure_.next_frame();
     studio_.render(number, frame_, head_moves_ ? nullptr : &truth_);
     swap_into(frame_, capture);
     capture.cameras = cameras_;
@@ -77,6 +104,7 @@ class StudioSource final : public capture::CaptureSource {
   studio::Truth truth_;
   studio::FisheyePicture fisheye_;  ///< the last one that was rendered; number 0: none
   StudioHead head_;
+  StudioExposure exposure_;
   const bool head_moves_;
 };
 

@@ -14,6 +14,7 @@
 #include "host/image_io/image_io.h"
 #include "host/scene/glb_writer.h"
 #include "host/studio/stage/court.h"
+#include "host/studio_io/bracket.h"
 #include "host/studio_io/fisheye_pictures.h"
 #include "host/studio_io/moving_rig.h"
 
@@ -246,6 +247,7 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
   capture::Truth take_truth;
   std::vector<studio::HeadAngles> head;
   FisheyePictures fisheye;
+  std::vector<take::BracketRow> bracket;
   for (int number = 1; number <= info.frames; ++number) {
     studio.render(number, frame, &truth);
     if (frame.head) head.push_back(*frame.head);
@@ -254,10 +256,13 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
     fisheye.add_to(studio, take_frame);
     MIXRIG_TRY(writer.write(take_frame));
     MIXRIG_TRY(writer.write_truth(take_truth));
+    if (options.sweep.bracket && number % options.sweep.frames_per_view == 0)
+      MIXRIG_TRY(add_bracket(studio, number, take_frame.plate, writer.staging(), bracket));
     progress(number);
   }
   if (options.scenario == studio::Scenario::kSweep)
     MIXRIG_TRY(write_room_truth(studio, writer.staging()));
+  if (options.sweep.bracket) MIXRIG_TRY(write_bracket(studio, bracket, writer.staging()));
   if (take.fisheye) {
     MIXRIG_TRY(write_file(writer.staging() / kFisheyeTruth, fisheye.truth()));
     MIXRIG_TRY(write_file(writer.staging() / kFisheyePeople, fisheye.people()));

@@ -9,6 +9,7 @@
 #include "hal/base/partial_path.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
+#include "host/take/bracket_files.h"
 #include "host/take/depth_steps.h"
 #include "host/take/fisheye_stream.h"
 #include "host/take/frame_tables.h"
@@ -47,6 +48,7 @@ struct GrownTables {
   std::string angles = kAnglesHead;                       ///< pan_tilt.csv
   std::string ticks = kTicksHeader;                       ///< ticks.csv, with a fisheye
   std::string fisheye = kFisheyeHeader;                   ///< fisheye.csv
+  std::vector<BracketRow> bracket;                        ///< bracket.csv
   HostTime last_frame{}, last_picture = HostTime::min();  ///< mid-exposures
   int frames = 0, pictures = 0;
 };
@@ -67,6 +69,7 @@ struct GrowingTake::State {
   Result<void> write_frame(const capture::Capture& frame, device::PanTiltAngles at,
                            GrownTables& into);
   Result<void> write_fisheye(const capture::Capture& frame, GrownTables& into);
+  Result<void> write_bracket(std::span<const capture::BracketPlate> bracket, GrownTables& into);
   Result<void> write_tables(const GrownTables& tables);
   Result<void> write_manifest(const GrownTables& tables);
 };
@@ -93,6 +96,8 @@ Result<void> GrowingTake::State::resume() {
   MIXRIG_ASSIGN(const std::string text,
                 config::read_text(folder / "pan_tilt.csv", kMostTable_bytes));
   grown.angles = first_lines(text, grown.frames + 1);
+  MIXRIG_ASSIGN(grown.bracket, read_bracket_table(folder));
+  std::erase_if(grown.bracket, [&](const BracketRow& row) { return row.frame > grown.frames; });
   if (info.fisheye) MIXRIG_TRY(resume_fisheye(reader.info()));
   return copy_calibration();
 }
@@ -146,8 +151,20 @@ Result<void> GrowingTake::State::write_fisheye(const capture::Capture& frame, Gr
                              frame.fisheye.view());
 }
 
+/// Of the view whose frames were the last ones.
+Result<void> GrowingTake::State::write_bracket(std::span<const capture::BracketPlate> bracket,
+                                               GrownTables& into) {
+  for (const capture::BracketPlate& plate : bracket) {
+    into.bracket.push_back({into.frames, plate.exposure_s, plate.frames_s});
+    MIXRIG_TRY(write_bracket_plate(folder, static_cast<int>(into.bracket.size()), plate.plate));
+  }
+  return {};
+}
+
 Result<void> GrowingTake::State::write_tables(const GrownTables& tables) {
   MIXRIG_TRY(write_file(folder / "pan_tilt.csv", tables.angles));
+  if (!tables.bracket.empty())
+    MIXRIG_TRY(write_file(folder / kBracketTable, bracket_text(tables.bracket)));
   if (!info.fisheye) return {};
   MIXRIG_TRY(write_file(folder / kTicksTable, tables.ticks));
   return write_file(folder / kFisheyeTable, tables.fisheye);
@@ -183,8 +200,8 @@ Result<GrowingTake> GrowingTake::open(const fs::path& folder, const TakeInfo& in
 
 int GrowingTake::frames() const { return state_->grown.frames; }
 
-Result<void> GrowingTake::append(std::span<const capture::Capture> frames,
-                                 device::PanTiltAngles at) {
+Result<void> GrowingTake::append(std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                                 std::span<const capture::BracketPlate> bracket) {
   State& s = *state_;
   if (frames.empty()) return {};
   if (s.grown.frames == 0) s.lit = !frames[0].amplitude.empty();
@@ -194,6 +211,7 @@ Result<void> GrowingTake::append(std::span<const capture::Capture> frames,
       return Error{ErrorCode::kData, "a frame without amplitudes in a take that has them"};
     MIXRIG_TRY(s.write_frame(frame, at, grown));
   }
+  MIXRIG_TRY(s.write_bracket(bracket, grown));
   MIXRIG_TRY(s.write_tables(grown));
   MIXRIG_TRY(s.write_manifest(grown));
   s.grown = std::move(grown);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "host/capture/bracket.h"
 #include "host/take/take.h"
 
 namespace mixrig::take {
@@ -27,8 +28,10 @@ class GrowingTake {
 
   int frames() const;
   /// All of them or none, all with the angles `at`; a fisheye's picture once, by the first frame
-  /// that has it. Errors: kIo; kData where amplitudes are missing that other frames have.
-  Result<void> append(std::span<const capture::Capture> frames, device::PanTiltAngles at);
+  /// that has it; `bracket` are plates of the same view (bracket_files.h). Errors: kIo; kData where
+  /// amplitudes are missing that other frames have.
+  Result<void> append(std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                      std::span<const capture::BracketPlate> bracket = {});
 
  private:
   struct State;

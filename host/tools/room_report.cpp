@@ -81,6 +81,37 @@ nlohmann::json reach_json(const session::DepthReach& reach) {
   return {{"far_m", reach.far_m}, {"beyond_pct", reach.beyond_pct}};
 }
 
+/// What the plates at other exposures gave.
+nlohmann::json bracket_json(const std::vector<model::FoundExposure>& exposures) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const model::FoundExposure& e : exposures) {
+    list.push_back({{"nominal", e.nominal},
+                    {"measured", e.measured},
+                    {"views", e.views},
+                    {"samples", e.samples},
+                    {"used", e.used}});
+    if (e.nominal == 1) continue;
+    std::printf("exposure %.4g of the plates' in %d views: %.4g by the pictures%s\n", e.nominal,
+                e.views, e.measured,
+                !e.used          ? ": not what the camera says, not used"
+                : e.samples == 0 ? " (too few pixels: as the others let expect)"
+                                 : "");
+  }
+  return list;
+}
+
+nlohmann::json light_error_json(const char* what, const measure::LightError& e) {
+  std::printf(
+      "light of %s: error median %.1f %%, 95 %% within %.1f %%, bias %+.1f %%, %.1f %% saturated, "
+      "%zu places\n",
+      what, e.p50_pct, e.p95_pct, e.bias_pct, e.saturated_pct, e.places);
+  return {{"places", e.places},
+          {"p50_pct", e.p50_pct},
+          {"p95_pct", e.p95_pct},
+          {"bias_pct", e.bias_pct},
+          {"saturated_pct", e.saturated_pct}};
+}
+
 nlohmann::json mesh_json(const measure::MeshErrors& errors) {
   std::printf(
       "mesh: added error mean %.2f mm, 95 %% within %.2f mm, largest %.0f mm, %.2f %% not "
@@ -145,8 +176,14 @@ nlohmann::json room_report(const session::RoomScan& room, double write_seconds) 
       {"overlaps", agreement_json(room.alignment)},
       {"gains", gains_json(p.gains)},
       {"findings", findings_json(room.findings)}};
+  if (!room.exposures.empty()) report["bracket"] = bracket_json(room.exposures);
   if (room.depth_reach) report["depth_reach"] = reach_json(*room.depth_reach);
   if (room.errors) report["evaluate"] = errors_json(*room.errors);
+  if (room.light_errors)
+    report["evaluate"]["light"] = {
+        {"lamps", light_error_json("lamps", room.light_errors->lamps)},
+        {"bright", light_error_json("bright surfaces", room.light_errors->bright)},
+        {"dim", light_error_json("dim surfaces", room.light_errors->dim)}};
   if (room.mesh_errors) report["evaluate"]["mesh"] = mesh_json(*room.mesh_errors);
   return report;
 }

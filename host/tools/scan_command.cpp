@@ -37,7 +37,7 @@ struct ScanArguments {
   int view_frames = 4, most_views = 0, height_px = 720;
   bool evaluate = false, no_smooth = false, no_planes = false, no_align = false;
   bool no_gains = false;
-  bool keep_sweep = false;
+  bool keep_sweep = false, no_bracket = false;
   ScanMergeOptions merge;
 };
 
@@ -134,6 +134,7 @@ Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   options.out = arguments.out, options.overlap = arguments.overlap;
   options.view_frames = arguments.view_frames;
   options.most_views = arguments.most_views;
+  options.bracket = !arguments.no_bracket;
   if (!arguments.field.empty()) {
     MIXRIG_ASSIGN(options.field_deg, parse_size(arguments.field, "--field"));
   }
@@ -162,6 +163,7 @@ Result<nlohmann::json> scan_rig(const ScanArguments& arguments) {
   MIXRIG_ASSIGN(nlohmann::json report, model_room(arguments, scan.sweep, scan.calibration));
   report["sweep"] = {{"seconds", scan.seconds},
                      {"resumed", scan.resumed},
+                     {"bracketed", scan.bracketed},
                      {"restarts", scan.restarts},
                      {"covered_pct", 100 * scan.covered_share}};
   std::error_code ignored;  // what remains can be removed by hand
@@ -234,6 +236,8 @@ void add_scan_sweep_options(Command command, ScanArguments& arguments) {
                   "Rows of the panorama of a sweep; it has twice as many columns")
       .show_default()
       .range(90, 1440);
+  command.add_flag("--no-bracket", arguments.no_bracket,
+                   "--rig: one exposure only, also where views saturate or are dark");
   command.add_flag("--keep-sweep", arguments.keep_sweep,
                    "--rig: leave OUT.sweep, a take for scan --take, beside the room");
 }

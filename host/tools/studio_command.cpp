@@ -35,7 +35,7 @@ struct StudioArguments {
   double overlap = 0.1, most_tilt_deg = 90;
   int frames_per_view = 4;
   bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
-  bool window = false;
+  bool window = false, sweep_bracket = false;
   std::string eye, look_at, object;
   std::optional<double> pan_deg;
   double zoom = 1;
@@ -101,6 +101,7 @@ Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPres
   sweep.crossing = arguments.sweep_crossing || arguments.sweep_crossing_all;
   sweep.crossing_all = arguments.sweep_crossing_all;
   sweep.people = arguments.sweep_people || sweep.crossing;
+  sweep.bracket = arguments.sweep_bracket;
   std::printf("%zu views, %.0f degrees high, %.1f %% of the field\n", plan.views.size(),
               plan.field_tilt_rad / kDeg, 100 * plan.covered_share);
   return sweep;
@@ -248,6 +249,11 @@ void add_sweep_options(Command command, StudioArguments& arguments) {
                 "A person crosses every second view, 0.7 s from one of its frames to the next")
       .group(group);
   command.add_flag("--crossing-all", arguments.sweep_crossing_all, "The same in every view")
+      .group(group);
+  command
+      .add_flag(
+          "--bracket", arguments.sweep_bracket,
+          "Plates also at other exposures where they saturate or are dark, and the true light")
       .group(group);
 }
 

@@ -36,5 +36,25 @@ TEST_F(RoomScan, HoldsTheFarWallsOfASmallField) {
     EXPECT_TRUE(std::filesystem::exists(path("room/" + std::string(file)))) << file;
 }
 
+/// The ceiling with its lamps, whose light is four times the plates' white.
+TEST_F(RoomScan, LampsHaveTheirLightWherePlatesWereTakenAtOtherExposures) {
+  const auto report =
+      scanned("--rig sr3000 --seed 31 --field 40x180 --view-frames 2 --bracket", "");
+  const auto exposures = report.at("bracket");
+  ASSERT_GE(exposures.size(), 2U);
+  for (const auto& e : exposures) {
+    // The camera exposes 9 us longer than it says, of 8 ms.
+    const double s = 8e-3 * e.at("nominal").get<double>();
+    EXPECT_TRUE(e.at("used").get<bool>());
+    EXPECT_NEAR(e.at("measured").get<double>() / ((s + 9e-6) / (8e-3 + 9e-6)), 1, 0.03) << e;
+  }
+  const auto light = report.at("evaluate").at("light");
+  EXPECT_GT(light.at("lamps").at("places").get<int>(), 200);
+  EXPECT_LT(light.at("lamps").at("saturated_pct").get<double>(), 5);
+  EXPECT_LT(light.at("lamps").at("p50_pct").get<double>(), 5);
+  EXPECT_LT(light.at("bright").at("p50_pct").get<double>(), 5);
+  EXPECT_TRUE(std::filesystem::exists(path("room/color.exr")));
+}
+
 }  // namespace
 }  // namespace mixrig::test

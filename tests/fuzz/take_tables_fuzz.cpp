@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// ticks.csv, pan_tilt.csv, lens.csv and fisheye.csv of any bytes; rows of the lens and the fisheye
-// that are accepted are written and read again.
+// ticks.csv, pan_tilt.csv, lens.csv, fisheye.csv and bracket.csv of any bytes; rows of the lens,
+// the fisheye and the bracket that are accepted are written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 #include <string_view>
 
+#include "host/take/bracket_files.h"
 #include "host/take/fisheye_stream.h"
 #include "host/take/frame_tables.h"
 #include "tests/fuzz/target.h"
@@ -27,6 +28,10 @@ MIXRIG_FUZZ_TARGET(take_tables) {
     static_cast<void>(capture::lens_at(*samples, HostTime{}));
     const auto read = take::parse_lens_samples(again, "lens.csv");
     if (!read || read->size() != samples->size()) std::abort();
+  }
+  if (const auto rows = take::parse_bracket_table(text, "bracket.csv")) {
+    const auto read = take::parse_bracket_table(take::bracket_text(*rows), "bracket.csv");
+    if (!read || *read != *rows) std::abort();
   }
   const auto stamps = take::parse_fisheye_table(text, "fisheye.csv");
   if (!stamps) return 0;

@@ -109,7 +109,8 @@ class Sweep : public ::testing::Test {
   Sweep() {
     options_.views = {{0.5, 0.1}, {1.0, 0.1}, {1.0, -0.2}};
     options_.settings.view_frames = 3;
-    options_.save = [this](std::span<const capture::Capture> frames, PanTiltAngles at) {
+    options_.save = [this](std::span<const capture::Capture> frames, PanTiltAngles at,
+                           std::span<const capture::BracketPlate>) {
       std::vector<HostTime> times;
       for (const capture::Capture& frame : frames) times.push_back(frame.mid_exposure);
       saved_.push_back({at, times});
