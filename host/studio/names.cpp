@@ -13,7 +13,7 @@ struct Named {
   std::string_view name;
 };
 
-constexpr std::array<Named<Scenario>, 11> kScenarios{{{Scenario::kStill, "still"},
+constexpr std::array<Named<Scenario>, 12> kScenarios{{{Scenario::kStill, "still"},
                                                       {Scenario::kWalk, "walk"},
                                                       {Scenario::kTalk, "talk"},
                                                       {Scenario::kPan, "pan"},
