@@ -378,6 +378,7 @@ void Studio::State::place_people_truth(double time_s, Truth& truth) {
       const float z = view.person.centre_z(x, y);
       if (!(z < view.room.centre_z(x, y))) continue;
       const std::span<const Surfel> seen = std::as_const(view.person).at(x, y);
+      if (seen.empty()) continue;  // a strand that no sub-sample meets
       const auto nearest = std::min_element(
           seen.begin(), seen.end(), [](const Surfel& a, const Surfel& b) { return a.z < b.z; });
       truth.people[nearest->person].visible_m2 += z * z / (info.view.fx_px * info.view.fy_px);
