@@ -134,11 +134,9 @@ std::optional<Vector3d> best_guess(const std::vector<PlaneSample>& samples, std:
   return best;
 }
 
-/// How much of the way to the plane a pixel is moved, by the mean of what is around. The mean is
-/// known better than a pixel: dark things before a wall, whose depth is noisy, are not moved.
+/// How much of the way to the plane a pixel is moved, by the mean of what is around.
 double share_to_plane(double mean_off_m, double sigma_m) {
-  constexpr double kMeanSigmas = 0.5;
-  const double gate_m = std::max(kOnPlane_m, kMeanSigmas * sigma_m);
+  const double gate_m = std::max(kOnPlane_m, sigma_m);
   return std::clamp(2 - std::abs(mean_off_m) / gate_m, 0.0, 1.0);
 }
 
@@ -184,7 +182,7 @@ class Straightener {
  private:
   /// Mean of the pixels of the same plane around, where they are most of those known.
   std::optional<double> mean_off(int x, int y) const {
-    constexpr int kReach = 8;
+    constexpr int kReach = 4;
     const Size size = before_.size();
     const int step_x = std::clamp(static_cast<int>(std::lround(1 / directions_.across(y))), 1, 24);
     double sum = 0;
