@@ -14,9 +14,8 @@ constexpr int kMostColumns = 320;  ///< of the picture are looked at
 constexpr float kFloor_m = 0.03F;  ///< what is lower may be the floor
 constexpr float kHighest_m = 2.5F;
 constexpr float kHeightStep_m = 0.02F;
-constexpr float kLeastCell_m2 = 0.012F;  ///< of a cell and those around it
-constexpr float kTop_m2 = 0.004F;        ///< surface above which single points are
-constexpr double kFeet_m = 0.15;
+constexpr float kLeastCell_m2 = 0.012F;    ///< of a cell and those around it
+constexpr float kTop_m2 = 0.004F;          ///< surface above which single points are
 constexpr double kExpectedWithin_m = 0.3;  ///< from the seen surface to the axis of a body
 constexpr double kApart_m = 0.45;          ///< of the axes of people who are told apart at once
 constexpr double kLargeFor_m2 = 0.5;       ///< more than one body may be in it
@@ -295,7 +294,6 @@ void ClusterFinder::group() {
     points_[static_cast<std::size_t>(begin_[k]++)] = s.point;
     Cluster& cluster = clusters_[k];
     cluster.center_m += double{s.point.area_m2} * s.point.at_m.cast<double>();
-    cluster.extent_m.extend(s.point.at_m.cast<double>());
     cluster.area_m2 += s.point.area_m2;
     cluster.is_cut |= s.at_border;
     const int step = std::min(kHeights - 1, static_cast<int>(s.point.at_m.z() / kHeightStep_m));
@@ -304,7 +302,6 @@ void ClusterFinder::group() {
   for (std::size_t k = 0; k < clusters_.size(); ++k) {
     Cluster& cluster = clusters_[k];
     cluster.center_m /= cluster.area_m2;
-    cluster.has_feet = cluster.extent_m.min().z() < kFeet_m;
     float above_m2 = 0;
     int step = kHeights - 1;
     while (step > 0 && (above_m2 += heights_m2_[k][static_cast<std::size_t>(step)]) < kTop_m2)

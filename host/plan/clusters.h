@@ -53,11 +53,9 @@ struct ClusterOptions {
 struct Cluster {
   std::span<const SurfacePoint> points;
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< centre of mass of the seen surface
-  Eigen::AlignedBox3d extent_m;
-  double area_m2 = 0;     ///< of the seen surface
-  double top_m = 0;       ///< height, without single points above
-  bool is_cut = false;    ///< reaches the border of the picture
-  bool has_feet = false;  ///< is seen down to the floor
+  double area_m2 = 0;                                  ///< of the seen surface
+  double top_m = 0;                                    ///< height, without single points above
+  bool is_cut = false;                                 ///< reaches the border of the picture
 };
 
 /// Points are counted in a plan of the floor (the plan-view map of Harville 2004), so what is

@@ -106,7 +106,6 @@ void PeopleTracker::see(Track& track, int cluster, const BodyPlace& at, double t
   person.height_m =
       std::max(seen.top_m, person.height_m - kHeightFades_m_s * (time_s - track.last_seen_s));
   person.area_m2 = seen.area_m2;
-  person.cluster = cluster;
   person.sight = !at.is_whole ? Sight::kPartly : seen.is_cut ? Sight::kCut : Sight::kSeen;
   if (at.is_whole)
     track.half_width_m =
@@ -144,7 +143,7 @@ void PeopleTracker::match(double time_s, const Eigen::Vector3d& eye_m) {
       see(track, c, body, time_s);
     } else {
       ++track.misses;
-      track.person.sight = Sight::kHidden, track.person.cluster = -1, track.person.area_m2 = 0;
+      track.person.sight = Sight::kHidden, track.person.area_m2 = 0;
     }
   }
   for (std::size_t c = 0; c < used.size(); ++c)

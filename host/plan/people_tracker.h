@@ -30,7 +30,6 @@ struct Person {
   double height_m = 0;                                   ///< largest that was seen lately
   double area_m2 = 0;                                    ///< of the surface seen in this frame
   Sight sight = Sight::kSeen;
-  int cluster = -1;    ///< index in clusters(); -1: hidden
   double since_s = 0;  ///< first seen
 };
 
@@ -53,8 +52,6 @@ class PeopleTracker {
   /// A frame at `time_s`, later than the one before. The people who are believed in: those who are
   /// seen, and those whom something nearer may hide.
   std::span<const Person> add(const SegmentedView& seen, double time_s);
-  /// Of the last frame.
-  std::span<const Cluster> clusters() const { return clusters_; }
 
  private:
   struct Track {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "hal/base/learned_color.h"
 #include "hal/base/log.h"
 
 namespace mixrig::session {
@@ -32,15 +31,6 @@ Eigen::AlignedBox3d bounds_of(const std::vector<render::BackgroundModel>& models
         }
       }
   return box_m;
-}
-
-std::vector<render::BackgroundModel> models_of(const Session& session,
-                                               const geometry::Pose& world_from_view,
-                                               Image<Rgbx8>& color) {
-  if (!session.setup.background_models.empty()) return session.setup.background_models;
-  const model::StaticBackground& b = *session.background;
-  color = learned_colors(b.color, b.color_sigma);
-  return {{b.view, {world_from_view}, b.depth_m, b.depth_sigma_m, color}};
 }
 
 /// Means of the colours that a pixel of depth has; unknown where one of them is.

@@ -17,6 +17,16 @@ KeptBackground::KeptBackground(const KeptBackground& from)
 }
 
 /// The order of session.cpp: rooms, then the view.
+std::vector<render::BackgroundModel> models_of(const Session& session,
+                                               const geometry::Pose& world_from_view,
+                                               Image<Rgbx8>& color) {
+  if (!session.setup.background_models.empty()) return session.setup.background_models;
+  if (!session.background) return {};
+  const model::StaticBackground& b = *session.background;
+  color = learned_colors(b.color, b.color_sigma);
+  return {{b.view, {world_from_view}, b.depth_m, b.depth_sigma_m, color}};
+}
+
 void KeptBackground::see() {
   for (std::size_t i = 0; i < rooms.size(); ++i) {
     render::BackgroundModel& model = setup.background_models[i];

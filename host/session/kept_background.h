@@ -13,6 +13,12 @@
 
 namespace mixrig::session {
 
+/// What a session's background is drawn from, borrowed from it and from `color`, which is filled
+/// for a camera that stands still at `world_from_view`. None where the session has none.
+std::vector<render::BackgroundModel> models_of(const Session& session,
+                                               const geometry::Pose& world_from_view,
+                                               Image<Rgbx8>& color);
+
 /// Copies of a session's pictures of the room, and a setup that sees them. Not movable.
 struct KeptBackground {
   explicit KeptBackground(const Session& session);

@@ -54,8 +54,8 @@ Result<void> suggest(const Session& session, const PlanOptions& options, const p
   if (options.places == 0) return {};
   if (plan.free_m2 == 0)
     return Error{ErrorCode::kData,
-                 "plan: the background shows no free floor to suggest places on: is the floor at "
-                 "height 0 of the scene's world?"};
+                 "plan: no free floor was seen to suggest places on: the scene needs a background "
+                 "whose floor is at height 0 of its world"};
   Image<float> depth_m;
   const plan::RoomView view =
       view_of_room(points, plan.people.view, *plan.people.first_pose, depth_m);

@@ -4,22 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/base/learned_color.h"
+#include "host/session/kept_background.h"
 
 namespace mixrig::session {
 namespace {
 
 constexpr int kMostWidth_px = 160;  ///< of the room's depth: points are never sparser
-
-std::vector<render::BackgroundModel> drawn_models(const Session& session,
-                                                  const geometry::Pose& world_from_camera,
-                                                  Image<Rgbx8>& color) {
-  if (!session.setup.background_models.empty()) return session.setup.background_models;
-  if (!session.background) return {};
-  const model::StaticBackground& b = *session.background;
-  color = learned_colors(b.color, b.color_sigma);
-  return {{b.view, {b.world_from_view.value_or(world_from_camera)}, b.depth_m, {}, color}};
-}
 
 void add_points(const render::BackgroundModel& model, std::vector<plan::RoomPoint>& points) {
   const Size size = model.camera.size_px;
@@ -49,7 +39,10 @@ std::vector<plan::RoomPoint> room_points(const Session& session,
                                          const geometry::Pose& world_from_camera) {
   std::vector<plan::RoomPoint> points;
   Image<Rgbx8> color;
-  for (const render::BackgroundModel& model : drawn_models(session, world_from_camera, color))
+  const geometry::Pose& place = session.background && session.background->world_from_view
+                                    ? *session.background->world_from_view
+                                    : world_from_camera;
+  for (const render::BackgroundModel& model : models_of(session, place, color))
     add_points(model, points);
   return points;
 }

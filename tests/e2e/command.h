@@ -49,6 +49,14 @@ class CommandTest : public ::testing::Test {
     }
     return status;
   }
+  /// What the command says where it must fail.
+  std::string refusal(const std::string& words) const {
+    const std::string line =
+        std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";
+    EXPECT_NE(std::system(line.c_str()), 0) << words;
+    std::ifstream file(path("refusal"));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
   nlohmann::json report(const std::string& name) const {
     std::ifstream file(folder_ / name);
     return nlohmann::json::parse(file);

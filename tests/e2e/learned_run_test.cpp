@@ -43,14 +43,6 @@ class LearnedRun : public CommandTest {
     ASSERT_GT(number, 10);
   }
 
-  /// What the command says where it must fail.
-  std::string refusal(const std::string& words) const {
-    const std::string line =
-        std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";
-    EXPECT_NE(std::system(line.c_str()), 0) << words;
-    std::ifstream file(path("refusal"));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
   void check_another_day() const;
   void check_another_room() const;
   void check_join() const;

@@ -22,14 +22,6 @@ class RealLearn : public RealTakeTest {
     EXPECT_TRUE(read) << read.error().context;
     return read ? *read : Samples{};
   }
-  /// What the command says where it must fail.
-  std::string refusal(const std::string& words) const {
-    const std::string line =
-        std::string(MIXRIG_COMMAND) + " " + words + " >" + path("refusal") + " 2>&1";
-    EXPECT_NE(std::system(line.c_str()), 0) << words;
-    std::ifstream file(path("refusal"));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
 };
 
 /// The mean rotation, then the mean place: the path is nearly straight, places do not tell a turn.

@@ -23,15 +23,6 @@ class TrackedRun : public TrackedTake {
     const std::string tracker = "pose = \"tracker\"";
     return scene.replace(scene.find(tracker), tracker.size(), tracker + "\nsmooth_ms = 200");
   }
-
-  /// What the command says where it must fail.
-  std::string refusal(const std::string& words) const {
-    const std::string log = path("refusal");
-    const std::string line = std::string(MIXRIG_COMMAND) + " " + words + " >" + log + " 2>&1";
-    EXPECT_NE(std::system(line.c_str()), 0) << words;
-    std::ifstream file(log);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
 };
 
 TEST_F(TrackedRun, FollowsAHandHeldCamera) {
