@@ -96,7 +96,7 @@ void PeopleTracker::update(Track& track, const BodyPlace& place) const {
 
 BodyPlace PeopleTracker::place(const Track& track, std::size_t cluster,
                                const Eigen::Vector3d& eye_m) const {
-  return place_body(clusters_[cluster], eye_m, {track.person.height_m, track.half_width_m});
+  return place_body(clusters_[cluster], eye_m, {track.person.height_m, track.width});
 }
 
 /// Takes a cluster over as what was seen of a person.
@@ -107,10 +107,11 @@ void PeopleTracker::see(Track& track, int cluster, const BodyPlace& at, double t
       std::max(seen.top_m, person.height_m - kHeightFades_m_s * (time_s - track.last_seen_s));
   person.area_m2 = seen.area_m2;
   person.sight = !at.is_whole ? Sight::kPartly : seen.is_cut ? Sight::kCut : Sight::kSeen;
-  if (at.is_whole)
-    track.half_width_m =
-        at.half_width_m +
-        kWidthKept * (track.half_width_m.value_or(at.half_width_m) - at.half_width_m);
+  if (at.is_whole) {
+    const BodyWidth before = track.width.value_or(at.width);
+    track.width = {std::lerp(at.width.half_m, before.half_m, kWidthKept),
+                   std::lerp(at.width.reach_m, before.reach_m, kWidthKept)};
+  }
   track.last_seen_s = time_s;
   track.misses = 0;
   if (++track.hits >= options_.frames_to_believe) track.is_believed = true;

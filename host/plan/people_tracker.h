@@ -59,7 +59,7 @@ class PeopleTracker {
     Eigen::Vector4d state = Eigen::Vector4d::Zero();  ///< x y, and their speeds
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
     double last_seen_s = 0;
-    std::optional<double> half_width_m;  ///< of the trunk, where both sides were seen
+    std::optional<BodyWidth> width;  ///< where both sides of the trunk were seen
     int hits = 0, misses = 0;
     bool is_believed = false;
     bool may_be_hidden = false;  ///< in this frame, which does not see it
