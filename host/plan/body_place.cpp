@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace mixrig::plan {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kHeadSigma_m = 0.08;     ///< of a place from the head
 constexpr double kHiddenAlong_m = 0.3;    ///< per share of the trunk's width that is hidden
 constexpr double kUnseenSigma_m = 0.8;    ///< where no trunk is seen
 constexpr double kSitsDown = 0.75;        ///< share of the height that is left
-constexpr float kHead_m = 0.2F;           ///< height of a head
+constexpr float kHeadHigh_m = 0.2F;       ///< height of a head
 constexpr double kHead_m2 = 0.012, kLeastHead_m = 0.1, kMostHead_m = 0.3;  ///< surface, width
 constexpr double kLower_m = 0.1;  ///< a top that is so much lower than the body is not the head
 /// Sides are where the surface beyond is this share.
@@ -113,7 +114,7 @@ struct SeenBody {
         across(-along.y(), along.x()) {
     const auto from_m = static_cast<float>(kTrunkFrom * height_m);
     const auto to_m = static_cast<float>(kTrunkTo * height_m);
-    const auto head_from_m = static_cast<float>(cluster.top_m) - kHead_m;
+    const auto head_from_m = static_cast<float>(cluster.top_m) - kHeadHigh_m;
     for (const SurfacePoint& p : cluster.points) {
       const Eigen::Vector2d at = p.at_m.head<2>().cast<double>() - middle_m;
       const double u_m = across.dot(at), d_m = along.dot(at);
