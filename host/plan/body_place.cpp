@@ -12,8 +12,8 @@ namespace mixrig::plan {
 namespace {
 
 constexpr double kTrunkFrom = 0.5, kTrunkTo = 0.82;  ///< of the height: hips to shoulders
-constexpr double kHalfAxes_m2 = 0.19 * 0.13;         ///< product of the trunk's half axes
-constexpr BodyWidth kWidth{0.18, 0.2};               ///< of an average body
+/// Product of the trunk's half axes, per height and mean half width: tall bodies are deep.
+constexpr double kDeep = 0.09;
 constexpr double kLeastHalf_m = 0.12, kMostHalf_m = 0.28;
 constexpr double kTrunk_m2 = 0.04;  ///< seen, for it to tell a place
 constexpr double kAlongSigma_m = 0.03, kAcrossSigma_m = 0.03;
@@ -105,11 +105,13 @@ std::optional<double> middle_of_head_m(const Profile& head) {
 
 /// What is seen of a body of a height, in axes of the view from above.
 struct SeenBody {
+  double height_m;
   Eigen::Vector2d middle_m, along, across;  ///< across: to the left
   Profile trunk, head, all;
 
-  SeenBody(const Cluster& cluster, const Eigen::Vector3d& eye_m, double height_m)
-      : middle_m(cluster.center_m.head<2>()),
+  SeenBody(const Cluster& cluster, const Eigen::Vector3d& eye_m, double height)
+      : height_m(height),
+        middle_m(cluster.center_m.head<2>()),
         along((cluster.center_m - eye_m).head<2>().normalized()),
         across(-along.y(), along.x()) {
     const auto from_m = static_cast<float>(kTrunkFrom * height_m);
@@ -162,7 +164,7 @@ BodyWidth width_of(const Profile& trunk) {
 
 BodyPlace place_body(const Cluster& cluster, const Eigen::Vector3d& eye_m, const KnownBody& known) {
   const SeenBody seen = look_at(cluster, eye_m, known);
-  const BodyWidth expected = known.width.value_or(kWidth);
+  const BodyWidth expected = known.width.value_or(kAverageBody);
   BodyPlace place;
   place.has_trunk = seen.has_trunk();
   place.is_whole = seen.is_whole();
@@ -175,7 +177,8 @@ BodyPlace place_body(const Cluster& cluster, const Eigen::Vector3d& eye_m, const
     const double hidden = std::max(0.0, 1 - seen.width_m() / (2 * expected.reach_m));
     along_sigma_m = kAlongSigma_m + (place.is_whole ? 0 : kHiddenAlong_m * hidden);
   }
-  const double behind_m = std::numbers::pi / 4 * kHalfAxes_m2 / place.width.half_m;
+  const double behind_m =
+      std::numbers::pi / 4 * kDeep * seen.height_m * expected.half_m / place.width.half_m;
   place.on_floor_m = seen.middle_m + (part.along_m3 / part.area_m2 + behind_m) * seen.along +
                      across.at_m * seen.across;
   place.covariance =

@@ -12,9 +12,11 @@ namespace mixrig::plan {
 
 /// Of a trunk as it was seen from somewhere.
 struct BodyWidth {
-  double half_m = 0;   ///< of the trunk: the width of its middle half
+  double half_m = 0;   ///< of the trunk: the width of its middle half; known: the mean of views
   double reach_m = 0;  ///< from its middle to its sides, with arms
 };
+
+inline constexpr BodyWidth kAverageBody{0.18, 0.2};
 
 /// What earlier frames told of a body.
 struct KnownBody {
@@ -33,7 +35,8 @@ struct BodyPlace {
 
 /// The middle of the seen trunk, moved from the surface to the axis. The trunk is an upright
 /// elliptic cylinder: seen from any side, its surface is in the mean pi/4 a b / h before its axis,
-/// with the half axes a and b and the half width h that is seen. Middle and h are those of the
+/// with the half axes a and b, whose product goes with height and mean width, and the half width h
+/// that is seen. Middle and h are those of the
 /// middle half of the surface, which swinging arms at its sides hardly move. Where something nearer
 /// or the picture's border hides one side, the axis is the reach (that of earlier frames, else of
 /// an average body) from the other side; where both are hidden or no trunk is seen, it is the

@@ -17,7 +17,8 @@ constexpr double kGate_m = 0.7;
 constexpr double kFirstSpeed_m_s = 1.0;  ///< sigma of the velocity of somebody new
 constexpr double kSlowing_s = 1.0;       ///< who is hidden is expected to walk on so long
 constexpr double kHeightFades_m_s = 0.02;
-constexpr double kWidthKept = 0.9;  ///< of a frame's share in the width of the trunk
+constexpr double kReachKept = 0.9;  ///< of the reach of a trunk, from frame to frame
+constexpr int kMostWidths = 150, kFirstWidths = 10;  ///< in the mean; what an average body counts
 constexpr double kLookedAt_m[] = {0.5, 1.0, 1.4};
 constexpr double kHides_m = 0.3;
 constexpr double kBody_m = 0.25;
@@ -108,9 +109,10 @@ void PeopleTracker::see(Track& track, int cluster, const BodyPlace& at, double t
   person.area_m2 = seen.area_m2;
   person.sight = !at.is_whole ? Sight::kPartly : seen.is_cut ? Sight::kCut : Sight::kSeen;
   if (at.is_whole) {
-    const BodyWidth before = track.width.value_or(at.width);
-    track.width = {std::lerp(at.width.half_m, before.half_m, kWidthKept),
-                   std::lerp(at.width.reach_m, before.reach_m, kWidthKept)};
+    const BodyWidth before = track.width.value_or(BodyWidth{kAverageBody.half_m, at.width.reach_m});
+    track.widths = std::min(track.widths + 1, kMostWidths);
+    track.width = {before.half_m + (at.width.half_m - before.half_m) / (track.widths + kFirstWidths),
+                   std::lerp(at.width.reach_m, before.reach_m, kReachKept)};
   }
   track.last_seen_s = time_s;
   track.misses = 0;

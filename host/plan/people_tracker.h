@@ -60,6 +60,7 @@ class PeopleTracker {
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
     double last_seen_s = 0;
     std::optional<BodyWidth> width;  ///< where both sides of the trunk were seen
+    int widths = 0;                  ///< that are in its mean
     int hits = 0, misses = 0;
     bool is_believed = false;
     bool may_be_hidden = false;  ///< in this frame, which does not see it
