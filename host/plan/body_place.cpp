@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kTrunkFrom = 0.5, kTrunkTo = 0.82;  ///< of the height: hips to shoulders
 /// Product of the trunk's half axes, per height and mean half width: tall bodies are deep.
-constexpr double kDeep = 0.09;
+constexpr double kDepthShare = 0.09;
 constexpr double kLeastHalf_m = 0.12, kMostHalf_m = 0.28;
 constexpr double kTrunk_m2 = 0.04;  ///< seen, for it to tell a place
-constexpr double kAlongSigma_m = 0.03, kAcrossSigma_m = 0.03;
+constexpr double kAlongSigma_m = 0.018, kAcrossSigma_m = 0.012;
 // Of what is hidden the error is the same for many frames, which a filter takes for that many
-// witnesses: these are three times the errors.
+// witnesses: these are some three times the errors.
 constexpr double kOneSideSigma_m = 0.12;  ///< of a place from one side of the trunk
-constexpr double kHeadSigma_m = 0.08;     ///< of a place from the head
-constexpr double kHiddenAlong_m = 0.3;    ///< per share of the trunk's width that is hidden
+constexpr double kHeadSigma_m = 0.07;     ///< of a place from the head
+constexpr double kHiddenAlong_m = 0.25;   ///< per share of the trunk's width that is hidden
 constexpr double kUnseenSigma_m = 0.8;    ///< where no trunk is seen
 constexpr double kSitsDown = 0.75;        ///< share of the height that is left
 constexpr float kHeadHigh_m = 0.2F;       ///< height of a head
@@ -84,9 +84,9 @@ struct Profile {
  private:
   /// A side is a column of points; where a third of them may go on, it does.
   bool goes_on(int from, int to, float Bin::*part) const {
-    constexpr int kDeep = 2;  // bins behind the side
+    constexpr int kBehind = 2;  // bins behind the side
     float m2 = 0, hidden_m2 = 0;
-    for (int i = std::max(0, from - kDeep); i <= std::min(kBins - 1, to + kDeep); ++i)
+    for (int i = std::max(0, from - kBehind); i <= std::min(kBins - 1, to + kBehind); ++i)
       m2 += bins[static_cast<std::size_t>(i)].m2,
           hidden_m2 += bins[static_cast<std::size_t>(i)].*part;
     return hidden_m2 > m2 / 6;
@@ -178,12 +178,11 @@ BodyPlace place_body(const Cluster& cluster, const Eigen::Vector3d& eye_m, const
     along_sigma_m = kAlongSigma_m + (place.is_whole ? 0 : kHiddenAlong_m * hidden);
   }
   const double behind_m =
-      std::numbers::pi / 4 * kDeep * seen.height_m * expected.half_m / place.width.half_m;
+      std::numbers::pi / 4 * kDepthShare * seen.height_m * expected.half_m / place.width.half_m;
   place.on_floor_m = seen.middle_m + (part.along_m3 / part.area_m2 + behind_m) * seen.along +
                      across.at_m * seen.across;
-  place.covariance =
-      along_sigma_m * along_sigma_m * seen.along * seen.along.transpose() +
-      across.sigma_m * across.sigma_m * seen.across * seen.across.transpose();
+  place.covariance = along_sigma_m * along_sigma_m * seen.along * seen.along.transpose() +
+                     across.sigma_m * across.sigma_m * seen.across * seen.across.transpose();
   return place;
 }
 

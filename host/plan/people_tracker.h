@@ -35,8 +35,8 @@ struct Person {
 
 struct PeopleOptions {
   ClusterOptions clusters;
-  double acceleration_m_s2 = 1.5;  ///< sigma of a step's change of velocity within a second
-  double shape_sigma_m = 0.02;     ///< of a place, that stays for a whole step of the body
+  double acceleration_m_s2 = 1.0;  ///< sigma of a step's change of velocity within a second
+  double shape_sigma_m = 0.01;     ///< of a place, that stays for a whole step of the body
   double most_hidden_s = 1.5;      ///< then a person that is not seen has gone
   double left_s = 0.4;             ///< the same, where nothing hides it
   int frames_to_believe = 4;       ///< seen in so many of the last frames
