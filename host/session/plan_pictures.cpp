@@ -148,7 +148,7 @@ Image<Rgb8> draw_plan(const PlanDrawing& drawing) {
   PlanSheet sheet(drawing);
   draw_all(drawing, sheet.on_picture(), 2, sheet.canvas);
   draw_camera(drawing, sheet.on_picture(), sheet.canvas);
-  sheet.scale_bar("a dot each second; free floor is green, pale within the margin");
+  sheet.scale_bar("dots: seconds; green: free floor");
   return sheet.canvas.finish();
 }
 
