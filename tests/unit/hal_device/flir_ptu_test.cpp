@@ -53,6 +53,15 @@ TEST_F(FlirPtuTest, OpensBehindHalfACommandOfAnUnpluggedCable) {
   EXPECT_EQ(unit_.position(clock_.now())[0], 0) << "half a command moves nothing";
 }
 
+TEST_F(FlirPtuTest, TheEmulatedUnitStandsStillForACallerWhoseTimeIsEarlier) {
+  ASSERT_TRUE(head_->move_to({10 * kStepRad, 0}));
+  clock_.advance(5s);
+  const HostTime now = clock_.now();
+  EXPECT_EQ(unit_.position(now)[0], 10);
+  EXPECT_EQ(unit_.position(now - 3ms)[0], 10);
+  EXPECT_EQ(unit_.position(now)[0], 10);
+}
+
 TEST_F(FlirPtuTest, MovesToTheNearestStepAndArrives) {
   const PanTiltAngles target{0.3001, -0.2003};
   ASSERT_TRUE(head_->move_to(target));
