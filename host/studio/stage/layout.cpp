@@ -209,8 +209,7 @@ Volume capture_volume(const Layout& layout) {
   const Stage& stage = layout.stage;
   const Vec2 reach(kReach_m, kReach_m);
   const Vec2 way_in(stage.object.x(), stage.object.y() - stage.way_in_m);
-  const Vec2 low =
-      (stage.object - stage.path_half_m).cwiseMin(stage.spot).cwiseMin(way_in) - reach;
+  const Vec2 low = (stage.object - stage.path_half_m).cwiseMin(stage.spot).cwiseMin(way_in) - reach;
   const Vec2 high = ((stage.object + stage.path_half_m).cwiseMax(stage.spot) + reach)
                         .cwiseMin(Vec2(kDeskX_m, kShelvesY_m));
   return {{low.x(), low.y(), 0}, {high.x(), high.y(), 2.1}};
