@@ -9,6 +9,14 @@ namespace mixrig::measure {
 namespace {
 
 constexpr double kChi2_95 = 5.991;  ///< of two values
+constexpr double kNormal_975 = 1.95996;
+
+/// Quantile of chi^2 over its degrees of freedom at a quantile of the normal distribution (Wilson
+/// and Hilferty 1931).
+double chi2_per_freedom(double freedom, double normal) {
+  const double v = 2 / (9 * freedom);
+  return std::pow(1 - v + normal * std::sqrt(v), 3);
+}
 
 double distance_m(const PersonThere& a, const PersonFound& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
@@ -30,7 +38,7 @@ const PersonFound* find(std::span<const PersonFound> found, int id) {
 }  // namespace
 
 void PeopleJudge::add(std::span<const PersonThere> there, std::span<const PersonFound> found,
-                      const std::array<double, 2>& eye_m) {
+                      const std::array<double, 2>& eye_m, double time_s) {
   pair(there, found);
   count_crossings(there, eye_m);
   tracks_ += found.size();
@@ -39,6 +47,7 @@ void PeopleJudge::add(std::span<const PersonThere> there, std::span<const Person
     Known& known = people_[person.number];
     const bool visible = person.visible_m2 >= kVisible_m2;
     known.visible_frames = visible ? known.visible_frames + 1 : 0;
+    if (visible) count_occlusion(known, time_s);
     const PersonFound* track = find(found, known.id);
     const bool must = visible && known.visible_frames > kGrace;
     visible_ += must ? 1 : 0;
@@ -56,7 +65,22 @@ void PeopleJudge::add(std::span<const PersonThere> there, std::span<const Person
     const double d2 = mahalanobis2(person, *track);
     nees_ += d2;
     within_ += d2 <= kChi2_95 ? 1 : 0;
+    if (!known.sampled_s || time_s - *known.sampled_s > kIndependent_s - 1e-6)
+      known.sampled_s = time_s, ++samples_;
   }
+}
+
+/// Of somebody visible; judged as soon as somebody new would have to be found.
+void PeopleJudge::count_occlusion(Known& known, double time_s) {
+  const double since_s = time_s - known.seen_s;
+  if (known.visible_frames == 1 && since_s >= kShortest_s && since_s <= kLongest_s)
+    known.id_before = known.seen_id;
+  if (known.visible_frames == kGrace && known.id_before != 0) {
+    ++occlusions_;
+    survived_ += known.id == known.id_before ? 1 : 0;
+    known.id_before = 0;
+  }
+  known.seen_id = known.id, known.seen_s = time_s;
 }
 
 /// Pairs of the frame before first, then the nearest ones.
@@ -130,6 +154,11 @@ PeopleErrors PeopleJudge::errors() const {
   e.missed_pct = 100 * share(missed_, visible_);
   e.false_pct = 100 * share(false_, tracks_);
   e.swaps = swaps_, e.broken = broken_, e.crossings = crossings_;
+  e.occlusions = occlusions_, e.survived = survived_, e.samples = samples_;
+  if (samples_ > 0) {
+    e.nees_low = 2 * chi2_per_freedom(2.0 * samples_, -kNormal_975);
+    e.nees_high = 2 * chi2_per_freedom(2.0 * samples_, kNormal_975);
+  }
   return e;
 }
 

@@ -104,4 +104,12 @@ Image<std::uint8_t> grown(const Image<std::uint8_t>& blocked, double distance_ce
   return out;
 }
 
+double open_m2(const FloorMap& map, double margin_m) {
+  const Image<std::uint8_t> blocked = grown(not_free(map), margin_m / map.cell_m);
+  int cells = 0;
+  for (int y = 0; y < blocked.height(); ++y)
+    for (int x = 0; x < blocked.width(); ++x) cells += blocked.at(x, y) == 0 ? 1 : 0;
+  return cells * map.cell_m * map.cell_m;
+}
+
 }  // namespace mixrig::plan

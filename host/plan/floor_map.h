@@ -48,5 +48,7 @@ FloorMap map_floor(std::span<const RoomPoint> points, double cell_m = 0.05);
 Image<std::uint8_t> grown(const Image<std::uint8_t>& blocked, double distance_cells);
 /// 255 where the floor is not free or not known. Pure.
 Image<std::uint8_t> not_free(const FloorMap& map);
+/// Area of the free floor further than a margin from what is not free. Pure.
+double open_m2(const FloorMap& map, double margin_m);
 
 }  // namespace mixrig::plan

@@ -14,10 +14,12 @@ namespace {
 
 constexpr double kGate2 = 20;  ///< of the squared Mahalanobis distance, two values
 constexpr double kGate_m = 0.7;
+constexpr double kStray_m = 0.06;  ///< a frame's place may be off, and is still of the same body
 constexpr double kFirstSpeed_m_s = 1.0;  ///< sigma of the velocity of somebody new
 constexpr double kSlowing_s = 1.0;       ///< who is hidden is expected to walk on so long
 constexpr double kHeightFades_m_s = 0.02;
-constexpr double kWidthKept = 0.9;  ///< of a frame's share in the width of the trunk
+constexpr double kReachKept = 0.9;  ///< of the reach of a trunk, from frame to frame
+constexpr int kMostWidths = 150, kFirstWidths = 25;  ///< in the mean; what an average body counts
 constexpr double kLookedAt_m[] = {0.5, 1.0, 1.4};
 constexpr double kHides_m = 0.3;
 constexpr double kBody_m = 0.25;
@@ -96,7 +98,7 @@ void PeopleTracker::update(Track& track, const BodyPlace& place) const {
 
 BodyPlace PeopleTracker::place(const Track& track, std::size_t cluster,
                                const Eigen::Vector3d& eye_m) const {
-  return place_body(clusters_[cluster], eye_m, {track.person.height_m, track.half_width_m});
+  return place_body(clusters_[cluster], eye_m, {track.person.height_m, track.width});
 }
 
 /// Takes a cluster over as what was seen of a person.
@@ -107,10 +109,13 @@ void PeopleTracker::see(Track& track, int cluster, const BodyPlace& at, double t
       std::max(seen.top_m, person.height_m - kHeightFades_m_s * (time_s - track.last_seen_s));
   person.area_m2 = seen.area_m2;
   person.sight = !at.is_whole ? Sight::kPartly : seen.is_cut ? Sight::kCut : Sight::kSeen;
-  if (at.is_whole)
-    track.half_width_m =
-        at.half_width_m +
-        kWidthKept * (track.half_width_m.value_or(at.half_width_m) - at.half_width_m);
+  if (at.is_whole) {
+    const BodyWidth before = track.width.value_or(BodyWidth{kAverageBody.half_m, at.width.reach_m});
+    track.widths = std::min(track.widths + 1, kMostWidths);
+    track.width = {
+        before.half_m + (at.width.half_m - before.half_m) / (track.widths + kFirstWidths),
+        std::lerp(at.width.reach_m, before.reach_m, kReachKept)};
+  }
   track.last_seen_s = time_s;
   track.misses = 0;
   if (++track.hits >= options_.frames_to_believe) track.is_believed = true;
@@ -128,7 +133,8 @@ void PeopleTracker::match(double time_s, const Eigen::Vector3d& eye_m) {
       if ((clusters_[number].center_m.head<2>() - at_m).norm() > kGate_m) continue;
       const BodyPlace body = place(track, number, eye_m);
       const Eigen::Vector2d off = body.on_floor_m - at_m;
-      const Eigen::Matrix2d s = track.covariance.topLeftCorner<2, 2>() + body.covariance;
+      const Eigen::Matrix2d s = track.covariance.topLeftCorner<2, 2>() + body.covariance +
+                                kStray_m * kStray_m * Eigen::Matrix2d::Identity();
       const double d2 = off.dot(s.inverse() * off);
       if (d2 < kGate2) cost(t, c) = d2 + std::log(s.determinant() / kLeastDeterminant_m4);
     }
@@ -164,7 +170,8 @@ void PeopleTracker::begin(int cluster, double time_s, const Eigen::Vector3d& eye
   tracks_.push_back(track);
 }
 
-/// Whether something nearer is seen where a person at this place would be.
+/// Whether something nearer is seen where a person at this place would be. Unknown depth hides
+/// nobody: a window stays unknown when everybody has gone.
 bool PeopleTracker::may_hide(const Eigen::Vector2d& place_m, const SegmentedView& seen) {
   const geometry::Pose view_from_world = geometry::inverse(seen.world_from_view);
   for (const double height_m : kLookedAt_m) {
@@ -176,7 +183,7 @@ bool PeopleTracker::may_hide(const Eigen::Vector2d& place_m, const SegmentedView
     const Size size = seen.visible_m.size;
     if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
     const float z = seen.visible_m.at(x, y);
-    if (z == 0 || z < at.z() - kHides_m) return true;
+    if (z > 0 && z < at.z() - kHides_m) return true;
   }
   return false;
 }

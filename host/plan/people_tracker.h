@@ -35,8 +35,8 @@ struct Person {
 
 struct PeopleOptions {
   ClusterOptions clusters;
-  double acceleration_m_s2 = 1.5;  ///< sigma of a step's change of velocity within a second
-  double shape_sigma_m = 0.02;     ///< of a place, that stays for a whole step of the body
+  double acceleration_m_s2 = 1.0;  ///< sigma of a step's change of velocity within a second
+  double shape_sigma_m = 0.01;     ///< of a place, that stays for a whole step of the body
   double most_hidden_s = 1.5;      ///< then a person that is not seen has gone
   double left_s = 0.4;             ///< the same, where nothing hides it
   int frames_to_believe = 4;       ///< seen in so many of the last frames
@@ -59,7 +59,8 @@ class PeopleTracker {
     Eigen::Vector4d state = Eigen::Vector4d::Zero();  ///< x y, and their speeds
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
     double last_seen_s = 0;
-    std::optional<double> half_width_m;  ///< of the trunk, where both sides were seen
+    std::optional<BodyWidth> width;  ///< where both sides of the trunk were seen
+    int widths = 0;                  ///< that are in its mean
     int hits = 0, misses = 0;
     bool is_believed = false;
     bool may_be_hidden = false;  ///< in this frame, which does not see it

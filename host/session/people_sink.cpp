@@ -41,7 +41,8 @@ Result<void> PeopleSink::write(const output::CompositePtr& composite) {
   ++report_.frames;
   report_.most_at_once = std::max(report_.most_at_once, people.size());
   for (const plan::Person& person : people) keep(person, *composite, time_s);
-  if (composite->true_people) judge(people, *composite);
+  dwell(people, time_s);
+  if (composite->true_people) judge(people, *composite, time_s);
   if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
   return {};
 }
@@ -74,7 +75,14 @@ void PeopleSink::keep(const plan::Person& person, const output::Composite& compo
                         person.height_m, person.area_m2, plan::name(person.sight));
 }
 
-void PeopleSink::judge(std::span<const plan::Person> people, const output::Composite& composite) {
+void PeopleSink::dwell(std::span<const plan::Person> people, double time_s) {
+  const double step_s = std::min(kLongestStep_s, time_s - dwelt_s_.value_or(time_s));
+  for (const plan::Person& person : people) report_.dwell.add(person.on_floor_m, step_s);
+  dwelt_s_ = time_s;
+}
+
+void PeopleSink::judge(std::span<const plan::Person> people, const output::Composite& composite,
+                       double time_s) {
   is_judged_ = true;
   there_.clear(), found_.clear();
   for (const capture::TruePerson& p : *composite.true_people)
@@ -83,7 +91,7 @@ void PeopleSink::judge(std::span<const plan::Person> people, const output::Compo
     found_.push_back({p.id, p.on_floor_m.x(), p.on_floor_m.y(), p.covariance(0, 0),
                       p.covariance(1, 1), p.covariance(0, 1)});
   const Eigen::Vector3d& eye_m = composite.world_from_target.translation_m;
-  judge_.add(there_, found_, {eye_m.x(), eye_m.y()});
+  judge_.add(there_, found_, {eye_m.x(), eye_m.y()}, time_s);
 }
 
 Result<void> PeopleSink::finish() {
@@ -125,6 +133,11 @@ nlohmann::json to_json(const PeopleReport& report) {
                    {"swaps", e.swaps},
                    {"broken", e.broken},
                    {"crossings", e.crossings},
+                   {"occlusions", e.occlusions},
+                   {"survived", e.survived},
+                   {"nees_low", e.nees_low},
+                   {"nees_high", e.nees_high},
+                   {"samples", e.samples},
                    {"judged", e.judged}};
   return json;
 }

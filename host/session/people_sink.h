@@ -15,6 +15,7 @@
 #include "host/measure/people.h"
 #include "host/measure/quantile_sketch.h"
 #include "host/output/composite_sink.h"
+#include "host/plan/dwell_map.h"
 #include "host/plan/people_tracker.h"
 
 namespace mixrig::session {
@@ -38,6 +39,7 @@ struct PeopleReport {
   std::uint64_t frames = 0;
   std::size_t most_at_once = 0;
   std::vector<PersonPath> people;  ///< in the order of their ids
+  plan::DwellMap dwell;
   measure::QuantileSketch track_ms;
   std::optional<measure::PeopleErrors> error;  ///< where the true places are known
   std::optional<geometry::Pose> first_pose;    ///< of the camera
@@ -52,6 +54,7 @@ class PeopleSink final : public output::CompositeSink {
  public:
   static constexpr double kPathStep_m = 0.02;
   static constexpr double kAssumedRate_hz = 25;  ///< of a take that does not know its times
+  static constexpr double kLongestStep_s = 0.5;  ///< of a frame, in the time people dwell
   static constexpr const char* kTable = "people.csv";
 
   /// Writes kTable into `folder`, which must exist: a row for each person and frame. `report` is
@@ -71,13 +74,16 @@ class PeopleSink final : public output::CompositeSink {
              PeopleReport& report);
   double time_of(const capture::Capture& capture);
   void keep(const plan::Person& person, const output::Composite& composite, double time_s);
-  void judge(std::span<const plan::Person> people, const output::Composite& composite);
+  void dwell(std::span<const plan::Person> people, double time_s);
+  void judge(std::span<const plan::Person> people, const output::Composite& composite,
+             double time_s);
 
   std::filesystem::path file_;
   std::ofstream table_;
   plan::PeopleTracker tracker_;
   SystemClock clock_;
   std::optional<double> last_time_s_;  ///< of a capture, as it says
+  std::optional<double> dwelt_s_;      ///< up to this time
   double shift_s_ = 0;                 ///< for frames without a time of their own
   std::map<int, PersonPath> paths_;
   std::vector<measure::PersonThere> there_;

@@ -2,6 +2,7 @@
 #include "host/session/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -66,11 +67,27 @@ Result<void> suggest(const Session& session, const PlanOptions& options, const p
   return {};
 }
 
+/// Rows of seconds, from the corner up.
+nlohmann::json to_json(const plan::DwellGrid& grid) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int y = 0; y < grid.time_s.height(); ++y) {
+    nlohmann::json row = nlohmann::json::array();
+    for (int x = 0; x < grid.time_s.width(); ++x)
+      row.push_back(std::round(100.0 * grid.time_s.at(x, y)) / 100);
+    rows.push_back(std::move(row));
+  }
+  return {{"cell_m", grid.cell_m},
+          {"corner_m", {grid.corner_m.x(), grid.corner_m.y()}},
+          {"time_s", std::move(rows)}};
+}
+
 Result<void> write_pictures(const std::filesystem::path& folder, const PlanDrawing& drawing,
                             const PeopleReport& people) {
   MIXRIG_TRY(image_io::write_png(folder / "plan.png", draw_plan(drawing).view()));
   MIXRIG_TRY(image_io::write_png(folder / "picture.png",
                                  draw_in_picture(drawing, people.first_picture).view()));
+  MIXRIG_TRY(
+      image_io::write_png(folder / "dwell.png", draw_dwell(drawing, people.dwell.grid()).view()));
   const std::vector<scene::Polyline> lines = lines_of(people.people);
   if (lines.empty()) return {};
   return scene::write_glb_lines(lines, folder / "paths.glb");
@@ -94,10 +111,11 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
   const std::vector<plan::RoomPoint> points = room_points(session, *plan.people.first_pose);
   const plan::FloorMap map = plan::map_floor(points);
   plan.free_m2 = map.free_m2();
+  plan.open_m2 = plan::open_m2(map, options.placing.margin_m);
   MIXRIG_TRY(suggest(session, options, map, points, plan));
   MIXRIG_TRY(write_pictures(folder.path(),
                             {map, plan.people.people, plan.places, options.box,
-                             *plan.people.first_pose, plan.people.view},
+                             options.placing.margin_m, *plan.people.first_pose, plan.people.view},
                             plan.people));
   MIXRIG_TRY(write_file(folder.path() / kPlanReport, to_json(plan).dump(2) + "\n"));
   MIXRIG_TRY(folder.commit());
@@ -107,6 +125,8 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
 nlohmann::json to_json(const Plan& plan) {
   nlohmann::json json = to_json(plan.people);
   json["free_m2"] = plan.free_m2;
+  json["open_m2"] = plan.open_m2;
+  json["dwell"] = to_json(plan.people.dwell.grid());
   json["places"] = nlohmann::json::array();
   for (const plan::FreePlace& p : plan.places)
     json["places"].push_back({{"position_m", {p.at_m.x(), p.at_m.y(), 0.0}},

@@ -27,12 +27,13 @@ struct PlanOptions {
 struct Plan {
   PeopleReport people;
   double free_m2 = 0;  ///< of the floor that was seen
+  double open_m2 = 0;  ///< of it, further than the margin from what stands in the room
   std::vector<plan::FreePlace> places;
 };
 
 /// Runs the session's key and writes OUT, whole or not at all: people.csv, report.json, paths.glb
-/// (lines, where anybody walked), plan.png and picture.png. Errors: those of run(); kData where no
-/// frame has a pose, or places are wanted and no floor was seen.
+/// (lines, where anybody walked), plan.png, dwell.png and picture.png. Errors: those of run();
+/// kData where no frame has a pose, or places are wanted and no floor was seen.
 Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock& clock,
                        const ProgressFn& progress);
 nlohmann::json to_json(const Plan& plan);

@@ -41,7 +41,9 @@ void draw_path(const PersonPath& path, const OnPicture& on_picture, double width
     if (i > 0 && (place.was_seen || i % 2 == 0))
       if (const auto before = on_picture(path.places[i - 1].on_floor_m))
         canvas.line({*before, *at}, width_px, ink);
-    if (i == 0) canvas.text({at->x + 8, at->y - 8}, fmt::format("{}", path.id), 16, ink);
+    if (i == 0)
+      canvas.text({at->x + 8, at->y - 8}, fmt::format("{}: {:.2f} m", path.id, path.height_m), 16,
+                  ink);
     if (place.time_s < next_dot_s) continue;
     canvas.dot(*at, 2 * width_px, ink);
     next_dot_s = std::floor(place.time_s) + 1;
@@ -69,19 +71,20 @@ void draw_all(const PlanDrawing& drawing, const OnPicture& on_picture, double wi
     draw_place(drawing.places[i], drawing.box, static_cast<int>(i) + 1, on_picture, canvas);
 }
 
-/// Pale, so that paths stand out; free floor greenish.
-Image<Rgb8> map_picture(const plan::FloorMap& map, int cell_px) {
+/// Pale, so that paths stand out; free floor greenish, less so within the margin.
+Image<Rgb8> map_picture(const plan::FloorMap& map, double margin_m, int cell_px) {
   const Size size = map.size();
+  const Image<std::uint8_t> blocked = plan::grown(plan::not_free(map), margin_m / map.cell_m);
   Image<Rgb8> picture({size.width * cell_px, size.height * cell_px});
   for (int y = 0; y < picture.height(); ++y)
     for (int x = 0; x < picture.width(); ++x) {
       const int cx = x / cell_px, cy = size.height - 1 - y / cell_px;
       const Rgb8 c = map.color.at(cx, cy);
-      const bool free = map.top_m.at(cx, cy) == 0;
+      const int dim = blocked.at(cx, cy) == 0 ? 205 : map.top_m.at(cx, cy) == 0 ? 235 : 255;
       const auto pale = [](int value, int to) {
         return static_cast<std::uint8_t>((value + to) / 2);
       };
-      picture.at(x, y) = {pale(c.r, free ? 225 : 255), pale(c.g, 255), pale(c.b, free ? 225 : 255)};
+      picture.at(x, y) = {pale(c.r, dim), pale(c.g, 255), pale(c.b, dim)};
     }
   return picture;
 }
@@ -102,27 +105,75 @@ void draw_camera(const PlanDrawing& drawing, const OnPicture& on_picture, Canvas
   canvas.line(outline, 2, kInk);
 }
 
+/// The room from above, to draw on.
+struct PlanSheet {
+  const plan::FloorMap& map;
+  int cell_px;
+  double px_per_m, height_px;
+  Canvas canvas;
+
+  explicit PlanSheet(const PlanDrawing& drawing)
+      : map(drawing.map),
+        cell_px(cell_size_px(map)),
+        px_per_m(cell_px / map.cell_m),
+        height_px(cell_px * map.size().height),
+        canvas({cell_px * map.size().width + 2 * kPlanMargin_px,
+                cell_px * map.size().height + 2 * kPlanMargin_px},
+               kPaper) {
+    canvas.picture(kPlanMargin_px, kPlanMargin_px, map_picture(map, drawing.margin_m, cell_px));
+  }
+  Point at(const Eigen::Vector2d& at_m) const {
+    const Eigen::Vector2d p = px_per_m * (at_m - map.corner_m);
+    return {kPlanMargin_px + p.x(), kPlanMargin_px + height_px - p.y()};
+  }
+  OnPicture on_picture() const {
+    return [this](const Eigen::Vector2d& at_m) { return std::optional<Point>(at(at_m)); };
+  }
+  void scale_bar(const std::string& legend) {
+    const double base_px = kPlanMargin_px + height_px + 18;
+    canvas.line({{kPlanMargin_px, base_px}, {kPlanMargin_px + px_per_m, base_px}}, 2, kInk);
+    canvas.text({kPlanMargin_px + px_per_m + 8, base_px + 5}, "1 m; " + legend, 14, kInk);
+  }
+
+ private:
+  static int cell_size_px(const plan::FloorMap& map) {
+    const int longer = std::max({map.size().width, map.size().height, 1});
+    return std::max(1, (kPlan_px + longer - 1) / longer);
+  }
+};
+
 }  // namespace
 
 Image<Rgb8> draw_plan(const PlanDrawing& drawing) {
-  const plan::FloorMap& map = drawing.map;
-  const int longer = std::max({map.size().width, map.size().height, 1});
-  const int cell_px = std::max(1, (kPlan_px + longer - 1) / longer);
-  const Image<Rgb8> room = map_picture(map, cell_px);
-  Canvas canvas({room.width() + 2 * kPlanMargin_px, room.height() + 2 * kPlanMargin_px}, kPaper);
-  canvas.picture(kPlanMargin_px, kPlanMargin_px, room);
-  const double px_per_m = cell_px / map.cell_m;
-  const OnPicture on_picture = [&](const Eigen::Vector2d& at_m) -> std::optional<Point> {
-    const Eigen::Vector2d p = px_per_m * (at_m - map.corner_m);
-    return Point{kPlanMargin_px + p.x(), kPlanMargin_px + room.height() - p.y()};
+  PlanSheet sheet(drawing);
+  draw_all(drawing, sheet.on_picture(), 2, sheet.canvas);
+  draw_camera(drawing, sheet.on_picture(), sheet.canvas);
+  sheet.scale_bar("dots: seconds; green: free floor");
+  return sheet.canvas.finish();
+}
+
+Image<Rgb8> draw_dwell(const PlanDrawing& drawing, const plan::DwellGrid& dwell) {
+  PlanSheet sheet(drawing);
+  float longest_s = 0;
+  const auto each_cell = [&](auto&& use) {
+    for (int y = 0; y < dwell.time_s.height(); ++y)
+      for (int x = 0; x < dwell.time_s.width(); ++x) use(x, y, dwell.time_s.at(x, y));
   };
-  draw_all(drawing, on_picture, 2, canvas);
-  draw_camera(drawing, on_picture, canvas);
-  const double base_px = kPlanMargin_px + room.height() + 18.0;
-  canvas.line({{kPlanMargin_px, base_px}, {kPlanMargin_px + px_per_m, base_px}}, 2, kInk);
-  canvas.text({kPlanMargin_px + px_per_m + 8, base_px + 5},
-              "1 m; a dot each second; free floor is green", 14, kInk);
-  return canvas.finish();
+  each_cell([&](int, int, float time_s) { longest_s = std::max(longest_s, time_s); });
+  const int side_px = std::max(1, static_cast<int>(std::ceil(dwell.cell_m * sheet.px_per_m)));
+  each_cell([&](int x, int y, float time_s) {
+    if (!(time_s > 0)) return;
+    const double share = std::sqrt(time_s / longest_s);  // short times can be told from none
+    const auto fading = static_cast<std::uint8_t>(225 * (1 - share));
+    Image<Rgb8> cell({side_px, side_px});
+    for (int j = 0; j < side_px; ++j)
+      std::fill(cell.row(j), cell.row(j) + side_px, Rgb8{235, fading, fading});
+    const Point at = sheet.at(dwell.corner_m + dwell.cell_m * Eigen::Vector2d(x, y + 1));
+    sheet.canvas.picture(static_cast<int>(at.x), static_cast<int>(at.y), cell);
+  });
+  draw_camera(drawing, sheet.on_picture(), sheet.canvas);
+  sheet.scale_bar(fmt::format("red: {:.1f} s in a cell of {:.1f} m", longest_s, dwell.cell_m));
+  return sheet.canvas.finish();
 }
 
 Image<Rgb8> draw_in_picture(const PlanDrawing& drawing, ImageView<const Rgb8> picture) {

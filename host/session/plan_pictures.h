@@ -17,13 +17,17 @@ struct PlanDrawing {
   std::span<const PersonPath> people;
   std::span<const plan::FreePlace> places;  ///< suggested
   plan::Footprint box;                      ///< of the places
+  double margin_m;                          ///< between objects and what stands in the room
   geometry::Pose world_from_camera;         ///< of the first frame
   geometry::Pinhole view;
 };
 
-/// The room from above, x to the right and y up: free floor tinted, a path for each person with a
-/// dot each second, dashes where it was hidden, the camera, the suggested places.
+/// The room from above, x to the right and y up: free floor tinted, less within the margin; a path
+/// for each person, with number and height, a dot each second, dashes where it was hidden; the
+/// camera, the suggested places.
 Image<Rgb8> draw_plan(const PlanDrawing& drawing);
+/// The same room with the time that people spent in each cell, red where it is longest.
+Image<Rgb8> draw_dwell(const PlanDrawing& drawing, const plan::DwellGrid& dwell);
 /// The same paths and places in a picture of the camera, of the size of the view.
 Image<Rgb8> draw_in_picture(const PlanDrawing& drawing, ImageView<const Rgb8> picture);
 

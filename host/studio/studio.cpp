@@ -56,6 +56,8 @@ Result<void> check(const StudioOptions& o) {
                                o.size_px.width, o.size_px.height));
   if (o.people < 1 || o.people > 3)
     return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
+  if (o.scenario == Scenario::kRounds && o.people > 2)
+    return wrong("scenario rounds has at most 2 people: a third would stand in the way");
   if (o.day.crowd < 0 || o.day.crowd > 8)
     return wrong(fmt::format("the crowd must be 0 to 8 people, not {}", o.day.crowd));
   if (!(o.day.lamp_level >= 0 && o.day.lamp_level <= 2))

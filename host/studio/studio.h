@@ -22,9 +22,10 @@
 
 namespace mixrig::studio {
 
-/// What the person and the camera do. The camera stands still except in pan, sweep, handheld,
-/// pendulum and carried; in starts it is elsewhere in every frame: within 1 m of where a sweep
-/// stands, turned by up to 60 degrees from where it looks ahead.
+/// What the person and the camera do. In rounds the person enters, walks round the object two and a
+/// half times, turns and walks back (Schiller et al. 2010, figure 11). The camera stands still
+/// except in pan, sweep, handheld, pendulum and carried; in starts it is elsewhere in every frame:
+/// within 1 m of where a sweep stands, turned by up to 60 degrees from where it looks ahead.
 enum class Scenario {
   kStill,
   kWalk,
@@ -37,7 +38,8 @@ enum class Scenario {
   kEdges,
   kFar,
   kDark,
-  kStarts
+  kStarts,
+  kRounds
 };
 /// The depth camera beside the target camera.
 enum class RigPreset { kSr3000, kKinect2, kHelios2 };

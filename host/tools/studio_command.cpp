@@ -281,7 +281,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("OUT", arguments->out, "Folder of the take").required();
   command.add_option("--scenario", arguments->scenario,
                      "still walk talk pan sweep handheld pendulum carried edges far dark starts "
-                     "board");
+                     "rounds board");
   command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
   command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
   command.add_option("--tolerance", arguments->tolerance,

@@ -27,10 +27,15 @@ TEST_F(PlanRun, PeopleOfATakeAreFollowedOnTheFloor) {
   EXPECT_EQ(plan["swaps"], 0);
   EXPECT_EQ(plan["error"]["missed_pct"], 0);
   EXPECT_GT(plan["free_m2"], 2);
+  EXPECT_LT(plan["open_m2"], plan["free_m2"]);
+  double dwelt_s = 0;
+  for (const nlohmann::json& row : plan["dwell"]["time_s"])
+    for (const nlohmann::json& time_s : row) dwelt_s += time_s.get<double>();
+  EXPECT_NEAR(dwelt_s, 2 * 1.8, 0.4);  // two people for two seconds, but for the first frames
   ASSERT_FALSE(plan["places"].empty());
   EXPECT_GE(plan["places"][0]["path_m"], 0.35);
   EXPECT_EQ(report("out/report.json"), plan);
-  for (const char* file : {"people.csv", "plan.png", "picture.png", "paths.glb"})
+  for (const char* file : {"people.csv", "plan.png", "dwell.png", "picture.png", "paths.glb"})
     EXPECT_TRUE(std::filesystem::exists(path("out/" + std::string(file)))) << file;
   const std::vector<double> times = column(path("out/people.csv"), 1);
   ASSERT_FALSE(times.empty());

@@ -164,6 +164,7 @@ Layout make_layout(const StudioOptions& options) {
     stage.object = {3.55F, 2.45F};
     stage.path_half_m = {0.62F, 0.62F};
   }
+  if (scenario == Scenario::kRounds) stage.way_in_m = stage.object.y() - 0.3F;
   if (scenario == Scenario::kSweep || scenario == Scenario::kStarts) {
     layout.eye_m = {1.2, 2.1, 1.45};
     layout.look_at_m = {3.9, 2.1, 1.45};
@@ -207,7 +208,8 @@ Volume capture_volume(const Layout& layout) {
   constexpr float kDeskX_m = 4.30F, kShelvesY_m = 3.95F;
   const Stage& stage = layout.stage;
   const Vec2 reach(kReach_m, kReach_m);
-  const Vec2 low = (stage.object - stage.path_half_m).cwiseMin(stage.spot) - reach;
+  const Vec2 way_in(stage.object.x(), stage.object.y() - stage.way_in_m);
+  const Vec2 low = (stage.object - stage.path_half_m).cwiseMin(stage.spot).cwiseMin(way_in) - reach;
   const Vec2 high = ((stage.object + stage.path_half_m).cwiseMax(stage.spot) + reach)
                         .cwiseMin(Vec2(kDeskX_m, kShelvesY_m));
   return {{low.x(), low.y(), 0}, {high.x(), high.y(), 2.1}};

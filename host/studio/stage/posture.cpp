@@ -60,9 +60,33 @@ PersonMotion::PersonMotion(Scenario scenario, unsigned seed, const Stage& stage,
   // it or behind it.
   const bool behind = uniform(key + 7) < 0.5F;
   start_m_ = (behind ? 0.0 : 0.5) * arc_m_.back() - 0.8 * speed_m_s_;
+  if (scenario == Scenario::kRounds) turn_ = -1, start_m_ = 0;
 }
 
 PersonMotion::OnPath PersonMotion::on_path(double distance_m) const {
+  return scenario_ == Scenario::kRounds ? on_rounds(distance_m) : on_lap(distance_m);
+}
+
+/// In, two and a half laps, a turn on the spot, half a lap back, and out where it came in.
+PersonMotion::OnPath PersonMotion::on_rounds(double distance_m) const {
+  constexpr double kTurn_m = 1.0;  // of steps on the spot
+  const double lap = arc_m_.back(), in_m = stage_.way_in_m;
+  const double there_m = in_m + 2.5 * lap, back_m = in_m + 0.5 * lap;
+  const double gone_m = std::clamp(distance_m, 0.0, there_m + kTurn_m + back_m);
+  const auto at = [&](double m) {  // from where the path begins
+    OnPath p = on_lap(0.5 * lap + std::max(0.0, m));
+    if (m < 0) p.position += static_cast<float>(m) * facing(p.heading_rad);
+    return p;
+  };
+  if (gone_m < there_m) return at(gone_m - in_m);
+  const double turned = std::min(1.0, (gone_m - there_m) / kTurn_m);
+  const double returned_m = std::max(0.0, gone_m - there_m - kTurn_m);
+  OnPath p = at(0.5 * lap - returned_m);
+  p.heading_rad += static_cast<float>(kPi * turned);
+  return p;
+}
+
+PersonMotion::OnPath PersonMotion::on_lap(double distance_m) const {
   const double lap = arc_m_.back();
   const double s = distance_m - lap * std::floor(distance_m / lap);
   const auto after = std::upper_bound(arc_m_.begin(), arc_m_.end() - 1, s);

@@ -42,6 +42,7 @@ struct Stage {
   Eigen::Vector2f object{3.2F, 2.2F};        ///< position of the virtual object
   Eigen::Vector2f path_half_m{0.85F, 1.2F};  ///< half axes of the elliptic path around it
   Eigen::Vector2f spot{2.45F, 2.02F};        ///< position of a person that sits or stands
+  float way_in_m = 0;  ///< straight, to the point of the path that is nearest to the camera
 };
 
 /// A person's motion over the whole take. Immutable and thread-safe.
@@ -65,6 +66,8 @@ class PersonMotion {
     float heading_rad;
   };
   OnPath on_path(double distance_m) const;
+  OnPath on_lap(double distance_m) const;
+  OnPath on_rounds(double distance_m) const;
   Posture walk(double time_s) const;
   Posture stay(double time_s) const;
   void plant_feet(double walked_m, Posture& posture) const;

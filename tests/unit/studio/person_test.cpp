@@ -3,9 +3,11 @@
 #include "host/studio/stage/person.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "hal/base/angles.h"
 #include "host/studio/stage/light.h"
 
 namespace mixrig::studio {
@@ -46,6 +48,28 @@ TEST(Person, walks_at_walking_speed_around_the_object) {
   EXPECT_LT(length / 12, 1.6F);
   EXPECT_LT(before, -0.6F);
   EXPECT_GT(behind, 0.6F);
+}
+
+/// In, two and a half times round, a turn, half a lap back, out: without a jump.
+TEST(Person, makes_its_rounds_and_goes_out_where_it_came_in) {
+  Stage stage;
+  stage.way_in_m = 1.8F;
+  const PersonMotion c(Scenario::kRounds, 5, stage, kStart_s);
+  const auto from_object = [&](double t) -> Vec2 {
+    return c.at(t).pelvis.head<2>() - stage.object;
+  };
+  double angle_rad = 0, most_rad = 0;
+  for (double t = kStart_s; t < kStart_s + 30; t += 0.04) {
+    const Vec2 a = from_object(t), b = from_object(t + 0.04);
+    EXPECT_LT((b - a).norm(), 0.04 * 1.8) << t;
+    angle_rad += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+    most_rad = std::max(most_rad, std::abs(angle_rad));
+  }
+  // The straight way in turns by up to a quarter around the object.
+  EXPECT_NEAR(most_rad, 2.5 * 2 * kPi, 0.5 * kPi + 0.1);
+  EXPECT_GT(most_rad, 2.5 * 2 * kPi);
+  EXPECT_NEAR(std::abs(angle_rad), 2 * 2 * kPi, 0.1);  // of the way back half a lap is undone
+  EXPECT_LT((from_object(kStart_s + 30) - from_object(kStart_s)).norm(), 0.1F);
 }
 
 TEST(Person, keeps_a_standing_foot_in_its_place) {

@@ -167,7 +167,7 @@ TEST(Studio, wrong_options_are_one_line) {
   EXPECT_NE(Studio::create(options).error().context.find("8x8"), std::string::npos);
   EXPECT_EQ(parse_scenario("dance").error().context,
             "unknown scenario 'dance': use one of still, walk, talk, pan, sweep, handheld, "
-            "pendulum, carried, edges, far, dark, starts");
+            "pendulum, carried, edges, far, dark, starts, rounds");
   EXPECT_EQ(*parse_rig("helios2"), RigPreset::kHelios2);
 }
 
