@@ -8,6 +8,7 @@
 #include <libyuv.h>
 
 #include "hal/base/srgb.h"
+#include "host/capture/yuv.h"
 #include "host/image_io/image_io.h"
 
 namespace mixrig::capture {
@@ -15,9 +16,7 @@ namespace {
 
 using device::Frame;
 using device::PixelFormat;
-using device::SampleRange;
 using device::Transfer;
-using device::YuvMatrix;
 
 const std::uint8_t* row_of(const Frame& frame, int y) {
   return frame.bytes.data() + static_cast<std::size_t>(y) * frame.stride_bytes;
@@ -25,49 +24,6 @@ const std::uint8_t* row_of(const Frame& frame, int y) {
 
 int stride_bytes(const Image<Rgb8>& image) { return static_cast<int>(image.stride()) * 3; }
 std::uint8_t* bytes_of(Rgb8* pixels) { return reinterpret_cast<std::uint8_t*>(pixels); }
-
-/// libyuv's constants for one matrix and range; `vu` for its functions that swap U and V.
-const libyuv::YuvConstants& constants(const device::ColorEncoding& encoding, bool vu) {
-  const bool full = encoding.range == SampleRange::kFull;
-  switch (encoding.matrix) {
-    case YuvMatrix::kBt709:
-      return vu ? full ? libyuv::kYvuF709Constants : libyuv::kYvuH709Constants
-                : full ? libyuv::kYuvF709Constants : libyuv::kYuvH709Constants;
-    case YuvMatrix::kBt2020:
-      return vu ? full ? libyuv::kYvuV2020Constants : libyuv::kYvu2020Constants
-                : full ? libyuv::kYuvV2020Constants : libyuv::kYuv2020Constants;
-    default:
-      return vu ? full ? libyuv::kYvuJPEGConstants : libyuv::kYvuI601Constants
-                : full ? libyuv::kYuvJPEGConstants : libyuv::kYuvI601Constants;
-  }
-}
-
-/// libyuv converts to packed RGB through planes and four bytes a pixel; short blocks stay in the
-/// cache.
-void decode_yuyv(const Frame& frame, const device::ColorEncoding& encoding, Image<Rgb8>& out) {
-  constexpr int kBlock_px = 1024;
-  std::array<std::uint8_t, kBlock_px> y_plane;
-  std::array<std::uint8_t, kBlock_px / 2> u_plane, v_plane;
-  std::array<std::uint8_t, 4 * kBlock_px> argb;
-  const libyuv::YuvConstants& matrix = constants(encoding, false);
-  for (int y = 0; y < frame.size.height; ++y)
-    for (int x = 0; x < frame.size.width; x += kBlock_px) {
-      const int count = std::min(kBlock_px, frame.size.width - x);
-      libyuv::YUY2ToI422(row_of(frame, y) + 2 * x, 0, y_plane.data(), 0, u_plane.data(), 0,
-                         v_plane.data(), 0, count, 1);
-      libyuv::I422ToARGBMatrix(y_plane.data(), 0, u_plane.data(), 0, v_plane.data(), 0, argb.data(),
-                               0, &matrix, count, 1);
-      libyuv::ARGBToRAW(argb.data(), 0, bytes_of(out.row(y) + x), 0, count, 1);
-    }
-}
-
-/// R, G, B are B, G, R of the picture with U and V swapped.
-void decode_nv12(const Frame& frame, const device::ColorEncoding& encoding, Image<Rgb8>& out) {
-  const auto stride = static_cast<int>(frame.stride_bytes);
-  libyuv::NV21ToRGB24Matrix(row_of(frame, 0), stride, row_of(frame, frame.size.height), stride,
-                            bytes_of(out.row(0)), stride_bytes(out), &constants(encoding, true),
-                            frame.size.width, frame.size.height);
-}
 
 void decode_rgb(const Frame& frame, Image<Rgb8>& out) {
   for (int y = 0; y < frame.size.height; ++y)

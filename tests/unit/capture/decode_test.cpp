@@ -187,8 +187,9 @@ TEST(Decode, EveryMatrixAndRangeThatADriverTellsIsHonoured) {
                         Case{kBt2020, kFull, {0.2627, 0.0593, true}}}) {
     ColorDecoder decoder({.encoding = {.matrix = c.matrix, .range = c.range}});
     for (const PixelFormat format : {PixelFormat::kYuyv, PixelFormat::kNv12})
-      for (const auto& [y, u, v] : {std::array{180, 90, 170}, std::array{60, 140, 100},
-                                    std::array{128, 128, 128}, std::array{200, 100, 128}}) {
+      for (const auto& [y, u, v] :
+           {std::array{180, 90, 170}, std::array{60, 140, 100}, std::array{128, 128, 128},
+            std::array{200, 100, 128}, std::array{41, 240, 110}, std::array{200, 17, 140}}) {
         const auto Y = static_cast<std::uint8_t>(y), U = static_cast<std::uint8_t>(u),
                    V = static_cast<std::uint8_t>(v);
         const std::vector<std::uint8_t> yuyv = {Y, U, Y, V}, nv12 = {Y, Y, U, V};

@@ -81,11 +81,11 @@ TEST_F(DepthSteps, ACameraThatDoesNotTellItsUnitIsRefusedUntilRigTomlDoes) {
 
 TEST_F(DepthSteps, WhatRigTomlSaysIsInTheDepthInTheTakeAndInThePlayedTake) {
   connect({.unknown_steps = {0}});
-  config_.depth_steps = {.unit_m = 0.00025,
-                         .offset_m = -0.0125,
-                         .kind = device::DepthMeaning::kDistance,
-                         .unknown = {0, 65535},
-                         .noise = geometry::DepthNoise{0.001, 0.002, 0.003}};
+  config_.depth_steps.unit_m = 0.00025;
+  config_.depth_steps.offset_m = -0.0125;
+  config_.depth_steps.kind = device::DepthMeaning::kDistance;
+  config_.depth_steps.unknown = {0, 65535};
+  config_.depth_steps.noise = geometry::DepthNoise{0.001, 0.002, 0.003};
   const capture::Capture capture = decoded();
   expect_depth(capture.depth_m, 0.00025, -0.0125);
   const auto info = take_info(config_, devices_);
