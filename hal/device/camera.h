@@ -49,7 +49,7 @@ struct StreamRequest {
   PixelFormat format = PixelFormat::kUnknown;
   double rate_hz = 0;
   bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
-  std::string trigger_input{};    ///< the device's name of that input; empty: the driver's usual one
+  std::string trigger_input{};  ///< the device's name of that input; empty: the driver's usual one
 };
 
 enum class CameraControl {
@@ -74,9 +74,9 @@ struct CameraInfo {
   StampClock stamp_clock = StampClock::kNone;
   bool hardware_trigger = false;  ///< exposes on trigger edges
   std::vector<ControlRange> controls{};
-  ColorEncoding color{};  ///< as the device tells it
+  ColorEncoding color{};                          ///< as the device tells it
   std::uint16_t usb_vendor = 0, usb_product = 0;  ///< 0 where it is no USB device, or not known
-  int sample_bits = 8;    ///< of grey and Bayer samples, before they were scaled to 16 bit
+  int sample_bits = 8;  ///< of grey and Bayer samples, before they were scaled to 16 bit
 };
 
 /// Present state of a device.

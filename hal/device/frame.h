@@ -23,13 +23,13 @@ enum class PixelFormat {
   kNv12,   ///< plane of Y, then a half-size plane of U V
   kMjpeg,  ///< one JPEG file
   kGray8,
-  kGray16,       ///< full scale is 65535, whatever the sensor's bits
+  kGray16,      ///< full scale is 65535, whatever the sensor's bits
   kBayerRggb8,  ///< named by the first two rows
   kBayerGrbg8,
   kBayerGbrg8,
   kBayerBggr8,
-  kDepth16,       ///< 16-bit depth steps, see DepthInfo
-  kBayerRggb16,   ///< full scale is 65535, whatever the sensor's bits
+  kDepth16,      ///< 16-bit depth steps, see DepthInfo
+  kBayerRggb16,  ///< full scale is 65535, whatever the sensor's bits
   kBayerGrbg16,
   kBayerGbrg16,
   kBayerBggr16,
@@ -59,10 +59,10 @@ struct Frame {
   std::span<const std::uint8_t>
       amplitude{};  ///< ToF: 16-bit amplitudes, same size and packed; or empty
   std::span<const std::uint8_t> confidence{};  ///< of depth: the same, 16 bit; or empty
-  std::uint64_t sequence = 0;  ///< the device's counter
-  DeviceTime device_time{};    ///< the device's stamp of mid-exposure, own clock
-  HostTime received{};         ///< when the driver received it
-  Duration exposure{};         ///< 0 where unknown
+  std::uint64_t sequence = 0;                  ///< the device's counter
+  DeviceTime device_time{};                    ///< the device's stamp of mid-exposure, own clock
+  HostTime received{};                         ///< when the driver received it
+  Duration exposure{};                         ///< 0 where unknown
   std::uint32_t flags = kFrameOk;
 };
 

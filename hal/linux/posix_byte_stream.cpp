@@ -84,7 +84,8 @@ Result<Addresses> resolve(const std::string& host_and_port) {
 /// Connects a non-blocking socket.
 Result<void> connect_within(int fd, const addrinfo& address, Duration timeout,
                             const std::string& name) {
-  const std::string hint = "cannot connect to " + name + ": is it switched on, and is this its "
+  const std::string hint = "cannot connect to " + name +
+                           ": is it switched on, and is this its "
                            "port?";
   if (connect(fd, address.ai_addr, address.ai_addrlen) == 0) return {};
   if (errno != EINPROGRESS) return system_error(ErrorCode::kIo, hint, errno);

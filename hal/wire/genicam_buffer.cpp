@@ -75,10 +75,9 @@ auto* find_code(const Table& table, std::uint32_t code) {
 }
 
 std::uint16_t step_of(const std::uint8_t* bytes, const FloatDepth& floats) {
-  const std::uint32_t bits = static_cast<std::uint32_t>(bytes[0]) |
-                             static_cast<std::uint32_t>(bytes[1]) << 8 |
-                             static_cast<std::uint32_t>(bytes[2]) << 16 |
-                             static_cast<std::uint32_t>(bytes[3]) << 24;
+  const std::uint32_t bits =
+      static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8 |
+      static_cast<std::uint32_t>(bytes[2]) << 16 | static_cast<std::uint32_t>(bytes[3]) << 24;
   const auto value = std::bit_cast<float>(bits);
   if (!std::isfinite(value) || value == floats.invalid) return 0;
   const double step = (floats.scale_m * value + floats.offset_m) / kFloatDepthStep_m;
@@ -93,7 +92,8 @@ void put_u16(std::uint8_t* out, unsigned value) {
 
 void copy_words(const std::uint8_t* in, std::size_t pixel_bytes, std::size_t count,
                 std::uint8_t* out) {
-  for (std::size_t i = 0; i < count; ++i, in += pixel_bytes, out += 2) out[0] = in[0], out[1] = in[1];
+  for (std::size_t i = 0; i < count; ++i, in += pixel_bytes, out += 2)
+    out[0] = in[0], out[1] = in[1];
 }
 
 /// Samples of 8 or 16 bits as 16-bit ones; how many bytes.

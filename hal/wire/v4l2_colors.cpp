@@ -24,8 +24,13 @@ enum TransferNumber : std::uint32_t {
   kTransferNone = 5,
   kTransferDciP3 = 6
 };
-enum YcbcrNumber : std::uint32_t { kYcbcr709 = 2, kYcbcrXv709 = 4, kYcbcr2020 = 6, kYcbcr2020c = 7,
-                                   kYcbcr240m = 8 };
+enum YcbcrNumber : std::uint32_t {
+  kYcbcr709 = 2,
+  kYcbcrXv709 = 4,
+  kYcbcr2020 = 6,
+  kYcbcr2020c = 7,
+  kYcbcr240m = 8
+};
 constexpr std::uint32_t kFullRange = 1, kLimitedRange = 2;
 
 std::uint32_t default_transfer(std::uint32_t colorspace) {
@@ -93,14 +98,14 @@ struct Z16Product {
 // 0.25 mm. Those of the D400 series can be set by other programs.
 constexpr std::uint16_t kIntel = 0x8086;
 constexpr auto kZ16Products = std::to_array<Z16Product>({
-    {kIntel, 0x0AD1, 1e-3},  // D400
-    {kIntel, 0x0AD2, 1e-3},  // D410
-    {kIntel, 0x0AD3, 1e-3},  // D415
-    {kIntel, 0x0AD4, 1e-3},  // D430
-    {kIntel, 0x0B07, 1e-3},  // D435
-    {kIntel, 0x0B3A, 1e-3},  // D435i
-    {kIntel, 0x0B5C, 1e-3},  // D455
-    {kIntel, 0x0B5B, 1e-4},  // D405
+    {kIntel, 0x0AD1, 1e-3},    // D400
+    {kIntel, 0x0AD2, 1e-3},    // D410
+    {kIntel, 0x0AD3, 1e-3},    // D415
+    {kIntel, 0x0AD4, 1e-3},    // D430
+    {kIntel, 0x0B07, 1e-3},    // D435
+    {kIntel, 0x0B3A, 1e-3},    // D435i
+    {kIntel, 0x0B5C, 1e-3},    // D455
+    {kIntel, 0x0B5B, 1e-4},    // D405
     {kIntel, 0x0B64, 2.5e-4},  // L515
     {kIntel, 0x0B3D, 2.5e-4},  // L515, early
 });

@@ -169,7 +169,8 @@ Result<V4l2Layout> checked_layout(std::uint32_t code, std::uint32_t width, std::
   if (layout.format == PixelFormat::kMjpeg) {
     // No JPEG file is longer than its pixels; some drivers report gigabytes.
     const std::size_t most = layout.size.area() * 3 + kJpegHeader;
-    layout.picture_bytes = planes[0].bytes > 0 ? std::min<std::size_t>(planes[0].bytes, most) : most;
+    layout.picture_bytes =
+        planes[0].bytes > 0 ? std::min<std::size_t>(planes[0].bytes, most) : most;
     return layout;
   }
   const std::size_t row = plane_row_bytes(*known, layout.size);

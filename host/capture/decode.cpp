@@ -120,8 +120,7 @@ ColorDecoder::ColorDecoder(const ColorSettings& settings) : encoding_(settings.e
       tables_[c][i] = srgb_byte(settings, settings.gains[c],
                                 static_cast<double>(i) / (static_cast<double>(1 << kBits) - 1));
     for (std::size_t i = 0; i < 256; ++i)
-      byte_tables_[c][i] =
-          srgb_byte(settings, settings.gains[c], static_cast<double>(i) / 255);
+      byte_tables_[c][i] = srgb_byte(settings, settings.gains[c], static_cast<double>(i) / 255);
   }
 }
 
@@ -166,8 +165,7 @@ void ColorDecoder::map_bayer_row(const Frame& frame, int bytes, int red_x, int r
     else if (bytes == 1)
       out[x] = byte_tables_[color][*sample];
     else
-      out[x] =
-          tables_[color][static_cast<std::size_t>(sample[0] | sample[1] << 8) >> (16 - kBits)];
+      out[x] = tables_[color][static_cast<std::size_t>(sample[0] | sample[1] << 8) >> (16 - kBits)];
   }
 }
 

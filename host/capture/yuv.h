@@ -8,8 +8,8 @@
 
 namespace mixrig::capture {
 
-/// By matrix and range of `encoding`. Preconditions: the frame is whole, `out` has its size, rows of
-/// NV12 hold an even number of bytes. Allocates nothing.
+/// By matrix and range of `encoding`. Preconditions: the frame is whole, `out` has its size, rows
+/// of NV12 hold an even number of bytes. Allocates nothing.
 void decode_yuyv(const device::Frame& frame, const device::ColorEncoding& encoding,
                  Image<Rgb8>& out);
 void decode_nv12(const device::Frame& frame, const device::ColorEncoding& encoding,

@@ -22,8 +22,7 @@ void gaussian(ImageView<const float> depth_m, Window window, ImageView<float> ou
 /// The lower median of the known depths of the window.
 void median(ImageView<const float> depth_m, Window window, ImageView<float> out);
 /// Equations 42 and 43 with Gaussian kernels; `sigma_m` is that of f, over the depth.
-void bilateral(ImageView<const float> depth_m, Window window, double sigma_m,
-               ImageView<float> out);
+void bilateral(ImageView<const float> depth_m, Window window, double sigma_m, ImageView<float> out);
 /// Equations 44 and 45 with Gaussian kernels: f over the depth, g over the luma of the plate (0..1,
 /// of the same view). Unknown depths are filled from their window by g alone.
 void joint_bilateral(ImageView<const float> depth_m, ImageView<const float> luma, Window window,

@@ -139,7 +139,8 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
     return player->pan_tilt();
   }
   if (parts.scheme != "flir-ptu")
-    return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
+    return unknown(uri, "pan-tilt unit",
+                   "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
   if (at != std::string::npos) {
@@ -154,8 +155,7 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
   // On a network a byte takes no time, but for a serial line behind a server, whose rate is given.
   const bool network = parts.rest.starts_with("tcp:") && at == std::string::npos;
   const Duration byte_time =
-      network ? Duration(0)
-              : std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;
+      network ? Duration(0) : std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;
   MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri, byte_time));
   return std::unique_ptr<device::PanTilt>(std::move(unit));
 }

@@ -37,10 +37,10 @@ struct OpenedRig {
 /// What a depth step is, where the number comes from, and what else rig.toml changes.
 Check check_steps(const RigConfig& rig, const device::DepthCamera& camera) {
   const device::DepthInfo steps = rig.depth_steps.applied_to(camera.depth());
-  std::string value = fmt::format(
-      "{:.6g} mm a step ({}), {}", steps.metres_per_step * 1e3,
-      rig.depth_steps.unit_m ? "rig.toml" : "camera",
-      steps.meaning == device::DepthMeaning::kZ ? "along z" : "along the ray");
+  std::string value =
+      fmt::format("{:.6g} mm a step ({}), {}", steps.metres_per_step * 1e3,
+                  rig.depth_steps.unit_m ? "rig.toml" : "camera",
+                  steps.meaning == device::DepthMeaning::kZ ? "along z" : "along the ray");
   if (steps.offset_m != 0) value += fmt::format(", {:+.1f} mm", steps.offset_m * 1e3);
   if (const auto known = check_unit(rig, camera); !known)
     return {rig.depth->name, "unit", Verdict::kFail, "not known", to_line(known.error())};

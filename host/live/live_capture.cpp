@@ -147,9 +147,9 @@ capture::ColorSettings color_settings(const CameraConfig& config, const device::
   if (color.transfer) settings.encoding.gamma = color.gamma;
   settings.encoding.matrix = color.matrix.value_or(info.color.matrix);
   settings.encoding.range = color.range.value_or(info.color.range);
-  const bool yuv =
-      info.format == device::PixelFormat::kYuyv || info.format == device::PixelFormat::kNv12 ||
-      info.format == device::PixelFormat::kMjpeg;
+  const bool yuv = info.format == device::PixelFormat::kYuyv ||
+                   info.format == device::PixelFormat::kNv12 ||
+                   info.format == device::PixelFormat::kMjpeg;
   settings.limited_samples = !yuv && settings.encoding.range == device::SampleRange::kLimited;
   settings.black = color.black_level / ((1 << info.sample_bits) - 1);
   return settings;

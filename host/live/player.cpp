@@ -256,7 +256,8 @@ void Player::publish(Channel& channel, HostTime at, std::uint64_t counter) {
 
 void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const {
   if (&channel == &depth_) {
-    fill_u16(capture_.depth_m, depth_info_.offset_m, 1 / depth_info_.metres_per_step, draft.bytes());
+    fill_u16(capture_.depth_m, depth_info_.offset_m, 1 / depth_info_.metres_per_step,
+             draft.bytes());
     if (!draft.amplitude().empty() && !capture_.amplitude.empty())
       fill_u16(capture_.amplitude, 0, 1, draft.amplitude());
     return;

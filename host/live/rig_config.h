@@ -25,7 +25,7 @@ struct ColorConfig {
   double gamma = 2.2;  ///< of Transfer::kGamma
   std::optional<device::YuvMatrix> matrix;
   std::optional<device::SampleRange> range;
-  double black_level = 0;  ///< sample without light, in the camera's own steps
+  double black_level = 0;                      ///< sample without light, in the camera's own steps
   std::array<double, 3> white_gains{1, 1, 1};  ///< of red, green and blue light, each 1 or more
 };
 

@@ -13,8 +13,8 @@
 #include "host/capture/pose_source.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
-#include "host/take/fisheye_stream.h"
 #include "host/take/depth_steps.h"
+#include "host/take/fisheye_stream.h"
 #include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/picture_files.h"
@@ -51,11 +51,11 @@ struct TakeReader::State {
   std::unique_ptr<PictureStream> color, depth, amplitude;
   std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
-  std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
-  std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
-  std::vector<capture::LensSample> lens;          ///< by time, where recorded
+  std::map<int, FrameTick> ticks;                          ///< by frame number, where recorded
+  std::map<int, device::PanTiltAngles> pan_tilt;           ///< the same
+  std::vector<capture::LensSample> lens;                   ///< by time, where recorded
   std::map<int, std::vector<capture::TruePerson>> people;  ///< true ones, by frame number
-  std::map<int, capture::TrueLens> true_lens;     ///< by frame number, where known
+  std::map<int, capture::TrueLens> true_lens;              ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filters of paper C, section 2.3.3, over their kernel size on a studio take with truth: wrong
-// pixels (figure 32) and time (figure 33). usage: depth_filter_bench TAKE FRAMES
+// pixels (figure 32) and time (figure 33). usage:
+// depth_filter_bench TAKE FIRST LAST
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -38,9 +39,9 @@ struct Rig {
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) {
         const auto ray = info.tof.unproject({x, y});
-        rays.row(y)[x] = ray ? measure::Ray{static_cast<float>(ray->x()),
-                                            static_cast<float>(ray->y())}
-                             : measure::Ray{NAN, NAN};
+        rays.row(y)[x] =
+            ray ? measure::Ray{static_cast<float>(ray->x()), static_cast<float>(ray->y())}
+                : measure::Ray{NAN, NAN};
       }
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn =
         info.target_from_tof.rotation.toRotationMatrix();
@@ -101,7 +102,9 @@ struct Wrong {
         if (scene.band.at(x, y) != 0) ++band, band_wrong += bad;
       }
   }
-  double percent() const { return 100.0 * static_cast<double>(wrong) / static_cast<double>(pixels); }
+  double percent() const {
+    return 100.0 * static_cast<double>(wrong) / static_cast<double>(pixels);
+  }
   double band_percent() const {
     return 100.0 * static_cast<double>(band_wrong) / static_cast<double>(band);
   }
@@ -124,24 +127,24 @@ void run(const char* name, const std::vector<Scene>& scenes, const Filter& filte
   }
 }
 
-int bench(const std::string& take, int frames) {
+int bench(const std::string& take, int first, int last) {
   const auto source = take::open_take_source(take);
   if (!source) return std::fprintf(stderr, "%s\n", to_line(source.error()).c_str()), 2;
   const Rig rig((*source)->info());
-  std::vector<Scene> scenes(static_cast<std::size_t>(std::min(frames, (*source)->info().frames)));
+  std::vector<Scene> scenes(static_cast<std::size_t>(std::max(0, last - first + 1)));
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     capture::Capture capture;
-    const int number = static_cast<int>(i) + 1;
+    const int number = static_cast<int>(i) + first;
     if (!(*source)->read(number, capture) || !(*source)->read_truth(number, scenes[i].truth))
       return std::fprintf(stderr, "%s: frame %d has no truth\n", take.c_str(), number), 2;
     scenes[i].tof_z_m = z_of(rig, capture.depth_m);
     scenes[i].view_m = rig.warped(scenes[i].tof_z_m);
     scenes[i].luma = luma_of(rig, capture.plate);
-    scenes[i].band =
-        measure::step_band(scenes[i].truth.depth_m.view(), kWrong_m, kBandWidth_px);
+    scenes[i].band = measure::step_band(scenes[i].truth.depth_m.view(), kWrong_m, kBandWidth_px);
   }
-  std::printf("| filter | kernel | wrong %% | in the band %% | against kernel 1 %% | ms | time |\n"
-              "|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| filter | kernel | wrong %% | in the band %% | against kernel 1 %% | ms | time |\n"
+      "|---|---|---|---|---|---|---|\n");
   const auto before_warp = [&](const auto& filter) {
     return [&rig, filter](const Scene& scene, depth::Window window, double& seconds) {
       Image<float> out;
@@ -173,6 +176,6 @@ int bench(const std::string& take, int frames) {
 }  // namespace mixrig
 
 int main(int count, char** arguments) {
-  if (count != 3) return std::fprintf(stderr, "usage: depth_filter_bench TAKE FRAMES\n"), 2;
-  return mixrig::bench(arguments[1], std::atoi(arguments[2]));
+  if (count != 4) return std::fprintf(stderr, "usage: depth_filter_bench TAKE FIRST LAST\n"), 2;
+  return mixrig::bench(arguments[1], std::atoi(arguments[2]), std::atoi(arguments[3]));
 }

@@ -13,13 +13,12 @@
 MIXRIG_FUZZ_TARGET(genicam_buffer) {
   using namespace mixrig;
   using device::PixelFormat;
-  constexpr std::uint32_t kCodes[] = {device::pfnc::kMono8,       device::pfnc::kMono16,
-                                      device::pfnc::kRgb8,        device::pfnc::kBayerRg8,
-                                      device::pfnc::kYuyv,        device::pfnc::kCoord3dC16,
-                                      device::pfnc::kCoord3dAbc16, device::pfnc::kCoord3dAbcy16,
-                                      device::pfnc::kCoord3dC32f,  device::pfnc::kCoord3dAbc32f,
-                                      device::pfnc::kMono10p,      device::pfnc::kBayerRg12p,
-                                      device::pfnc::kConfidence8,  device::pfnc::kConfidence16};
+  constexpr std::uint32_t kCodes[] = {
+      device::pfnc::kMono8,         device::pfnc::kMono16,        device::pfnc::kRgb8,
+      device::pfnc::kBayerRg8,      device::pfnc::kYuyv,          device::pfnc::kCoord3dC16,
+      device::pfnc::kCoord3dAbc16,  device::pfnc::kCoord3dAbcy16, device::pfnc::kCoord3dC32f,
+      device::pfnc::kCoord3dAbc32f, device::pfnc::kMono10p,       device::pfnc::kBayerRg12p,
+      device::pfnc::kConfidence8,   device::pfnc::kConfidence16};
   if (size < 7) return 0;
   std::uint32_t code = kCodes[data[0] % std::size(kCodes)];
   if (data[0] >= 128) std::memcpy(&code, data + 1, 4);
@@ -28,8 +27,8 @@ MIXRIG_FUZZ_TARGET(genicam_buffer) {
   if (picture.empty() && bytes != 0) std::abort();
   // Exactly the picture may be written; sometimes there is less room than that.
   const PixelFormat format = device::format_of_pfnc(code);
-  const std::size_t whole = device::image_bytes(
-      format, picture, device::row_bytes(format, std::max(0, picture.width)));
+  const std::size_t whole =
+      device::image_bytes(format, picture, device::row_bytes(format, std::max(0, picture.width)));
   std::vector<std::uint8_t> out(data[1] % 4 == 0 ? whole / 2 : whole);
   const bool copied = device::copy_picture(code, picture, std::span(data, size).subspan(7), out);
   if (copied && bytes == 0) std::abort();

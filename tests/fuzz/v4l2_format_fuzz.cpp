@@ -37,11 +37,17 @@ class Numbers {
 MIXRIG_FUZZ_TARGET(v4l2_format) {
   using namespace mixrig;
   using namespace mixrig::device;
-  constexpr std::uint32_t kCodes[] = {fourcc('Y', 'U', 'Y', 'V'), fourcc('N', 'V', '1', '2'),
-                                      fourcc('M', 'J', 'P', 'G'), fourcc('Z', '1', '6', ' '),
-                                      fourcc('G', 'R', 'E', 'Y'), fourcc('N', 'M', '1', '2'),
-                                      fourcc('p', 'R', 'A', 'A'), fourcc('p', 'B', 'C', 'C'),
-                                      fourcc('Y', '1', '0', 'B'), fourcc('R', 'G', '1', '2'), 0};
+  constexpr std::uint32_t kCodes[] = {fourcc('Y', 'U', 'Y', 'V'),
+                                      fourcc('N', 'V', '1', '2'),
+                                      fourcc('M', 'J', 'P', 'G'),
+                                      fourcc('Z', '1', '6', ' '),
+                                      fourcc('G', 'R', 'E', 'Y'),
+                                      fourcc('N', 'M', '1', '2'),
+                                      fourcc('p', 'R', 'A', 'A'),
+                                      fourcc('p', 'B', 'C', 'C'),
+                                      fourcc('Y', '1', '0', 'B'),
+                                      fourcc('R', 'G', '1', '2'),
+                                      0};
   Numbers in(data, size);
   const auto code = [&] { return kCodes[in.next<std::uint8_t>() % std::size(kCodes)]; };
   const auto side = [&] { return Size{in.next<std::int32_t>(), in.next<std::int32_t>()}; };
@@ -58,9 +64,8 @@ MIXRIG_FUZZ_TARGET(v4l2_format) {
     return small ? in.next<std::uint16_t>() % 4096U : in.next<std::uint32_t>();
   };
   const V4l2Plane planes[] = {{number() % 128, number()}, {number() % 128, number()}};
-  const auto layout =
-      checked_layout(layout_code, width, height,
-                     std::span(planes).first(layout_code == kCodes[5] ? 2 : 1));
+  const auto layout = checked_layout(layout_code, width, height,
+                                     std::span(planes).first(layout_code == kCodes[5] ? 2 : 1));
   (void)encoding_of({in.next<std::uint8_t>(), in.next<std::uint8_t>(), in.next<std::uint8_t>(),
                      in.next<std::uint8_t>()});
   if (layout) {

@@ -112,8 +112,8 @@ void choose_components(ArvCamera* camera) {
 std::string choices(ArvDevice* device, const char* feature) {
   AravisFault fault;
   guint count = 0;
-  const char** names =
-      arv_device_dup_available_enumeration_feature_values_as_strings(device, feature, &count, fault);
+  const char** names = arv_device_dup_available_enumeration_feature_values_as_strings(
+      device, feature, &count, fault);
   std::string text;
   for (guint i = 0; names != nullptr && i < count; ++i)
     text += (i > 0 ? ", " : "") + std::string(names[i]);
@@ -192,13 +192,12 @@ Result<double> coordinate_unit(ArvDevice* device, const std::string& uri) {
   const std::string mode = word(device, "Scan3dOutputMode"),
                     unit = word(device, "Scan3dDistanceUnit");
   if (mode.starts_with("Disparity"))
-    return Error{ErrorCode::kUnsupported,
-                 uri + ": sends disparities (Scan3dOutputMode " + mode +
-                     "): set it to a mode that sends depth"};
+    return Error{ErrorCode::kUnsupported, uri + ": sends disparities (Scan3dOutputMode " + mode +
+                                              "): set it to a mode that sends depth"};
   if (unit.empty() || unit == "Millimeter") return 1e-3;
   if (unit == "Inch") return 0.0254;
-  return Error{ErrorCode::kUnsupported, uri + ": its Scan3dDistanceUnit is " + unit +
-                                            ": set it to Millimeter"};
+  return Error{ErrorCode::kUnsupported,
+               uri + ": its Scan3dDistanceUnit is " + unit + ": set it to Millimeter"};
 }
 
 /// The value that means no measurement; none where the camera says that it has none.

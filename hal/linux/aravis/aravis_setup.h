@@ -47,8 +47,8 @@ Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamReques
 /// camera accepts. Errors: kUnsupported, kDevice.
 Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest& request,
                                           CameraInfo& info);
-/// Sets the trigger's line, or free running at the requested rate; fills rate and trigger of `info`.
-/// Errors: kDevice.
+/// Sets the trigger's line, or free running at the requested rate; fills rate and trigger of
+/// `info`. Errors: kDevice.
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info);
 /// Model, serial number and controls.

@@ -120,16 +120,15 @@ Result<std::optional<V4l2Picture>> V4l2Node::next(Duration timeout) {
   }
   if (buffer.index >= buffers_.size())
     return Error{ErrorCode::kDevice, "v4l2:" + path_ + ": the driver returned an unknown buffer"};
-  V4l2Picture picture{
-      .index = buffer.index,
-      .sequence = buffer.sequence,
-      .stamp = HostTime(std::chrono::seconds(buffer.timestamp.tv_sec) +
-                        std::chrono::microseconds(buffer.timestamp.tv_usec)),
-      .stamp_valid =
-          (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC,
-      .stamp_is_start =
-          (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE,
-      .error = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0};
+  V4l2Picture picture{.index = buffer.index,
+                      .sequence = buffer.sequence,
+                      .stamp = HostTime(std::chrono::seconds(buffer.timestamp.tv_sec) +
+                                        std::chrono::microseconds(buffer.timestamp.tv_usec)),
+                      .stamp_valid = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) ==
+                                     V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC,
+                      .stamp_is_start = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) ==
+                                        V4L2_BUF_FLAG_TSTAMP_SRC_SOE,
+                      .error = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0};
   for (std::size_t i = 0; i < planes_; ++i) {
     const Mapping& mapping = buffers_[buffer.index][i];
     // In a multi-planar buffer the used bytes count from its start, the picture begins later.

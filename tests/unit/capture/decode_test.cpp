@@ -179,12 +179,11 @@ TEST(Decode, EveryMatrixAndRangeThatADriverTellsIsHonoured) {
   };
   using enum device::YuvMatrix;
   using enum device::SampleRange;
-  for (const Case& c : {Case{kBt601, kFull, {0.299, 0.114, true}},
-                        Case{kBt601, kLimited, {0.299, 0.114, false}},
-                        Case{kBt709, kUsual, {0.2126, 0.0722, false}},
-                        Case{kBt709, kFull, {0.2126, 0.0722, true}},
-                        Case{kBt2020, kLimited, {0.2627, 0.0593, false}},
-                        Case{kBt2020, kFull, {0.2627, 0.0593, true}}}) {
+  for (const Case& c :
+       {Case{kBt601, kFull, {0.299, 0.114, true}}, Case{kBt601, kLimited, {0.299, 0.114, false}},
+        Case{kBt709, kUsual, {0.2126, 0.0722, false}}, Case{kBt709, kFull, {0.2126, 0.0722, true}},
+        Case{kBt2020, kLimited, {0.2627, 0.0593, false}},
+        Case{kBt2020, kFull, {0.2627, 0.0593, true}}}) {
     ColorDecoder decoder({.encoding = {.matrix = c.matrix, .range = c.range}});
     for (const PixelFormat format : {PixelFormat::kYuyv, PixelFormat::kNv12})
       for (const auto& [y, u, v] :
@@ -194,12 +193,13 @@ TEST(Decode, EveryMatrixAndRangeThatADriverTellsIsHonoured) {
                    V = static_cast<std::uint8_t>(v);
         const std::vector<std::uint8_t> yuyv = {Y, U, Y, V}, nv12 = {Y, Y, U, V};
         Image<Rgb8> out;
-        ASSERT_TRUE(decoder.decode(
-            frame(format, {2, 1}, format == PixelFormat::kYuyv ? yuyv : nv12), out));
+        ASSERT_TRUE(
+            decoder.decode(frame(format, {2, 1}, format == PixelFormat::kYuyv ? yuyv : nv12), out));
         const Eigen::Vector3d exact = exact_rgb(y, u, v, c.exact);
-        EXPECT_NEAR(out.at(1, 0).r, exact[0], 2) << static_cast<int>(c.matrix) << y;
-        EXPECT_NEAR(out.at(1, 0).g, exact[1], 2) << static_cast<int>(c.matrix) << y;
-        EXPECT_NEAR(out.at(1, 0).b, exact[2], 3) << static_cast<int>(c.matrix) << y;
+        const bool own_rows = c.matrix != kBt601 && !c.exact.full;  // the others are libyuv's
+        EXPECT_NEAR(out.at(1, 0).r, exact[0], own_rows ? 1 : 2) << static_cast<int>(c.matrix) << y;
+        EXPECT_NEAR(out.at(1, 0).g, exact[1], own_rows ? 1 : 2) << static_cast<int>(c.matrix) << y;
+        EXPECT_NEAR(out.at(1, 0).b, exact[2], own_rows ? 1 : 3) << static_cast<int>(c.matrix) << y;
       }
   }
 }
@@ -220,9 +220,8 @@ TEST(Decode, TheSameLightIsTheSamePictureWhateverTheTransfer) {
       {device::Transfer::kSrgb, 1, [](double l) { return srgb(l) / 255; }},
       {device::Transfer::kLinear, 1, [](double l) { return l; }},
       {device::Transfer::kGamma, 2.2, [](double l) { return std::pow(l, 1 / 2.2); }},
-      {device::Transfer::kBt709, 1, [](double l) {
-         return l < 0.018 ? 4.5 * l : 1.099 * std::pow(l, 0.45) - 0.099;
-       }}};
+      {device::Transfer::kBt709, 1,
+       [](double l) { return l < 0.018 ? 4.5 * l : 1.099 * std::pow(l, 0.45) - 0.099; }}};
   for (const Case& c : cases) {
     ColorDecoder decoder({.encoding = {.transfer = c.transfer, .gamma = c.gamma}});
     for (const double light : {0.0, 0.02, 0.18, 0.5, 0.9, 1.0}) {
@@ -293,8 +292,7 @@ TEST(Decode, ShortFramesAndDepthAreRefused) {
         device::image_bytes(static_cast<PixelFormat>(format), {8, 8},
                             device::row_bytes(static_cast<PixelFormat>(format), 8)) /
         2);
-    EXPECT_FALSE(usual(frame(static_cast<PixelFormat>(format), {8, 8}, bytes), out))
-        << format;
+    EXPECT_FALSE(usual(frame(static_cast<PixelFormat>(format), {8, 8}, bytes), out)) << format;
   }
   const std::vector<std::uint8_t> depth(128);
   EXPECT_FALSE(usual(frame(PixelFormat::kDepth16, {8, 8}, depth), out));

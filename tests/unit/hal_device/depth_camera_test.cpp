@@ -30,8 +30,8 @@ TEST(DepthMetres, StepsAreScaledAndUnknownStaysUnknown) {
 
 TEST(DepthMetres, OffsetAndOtherUnknownValue) {
   Image<float> out;
-  ASSERT_TRUE(to_metres(frame(),
-                        {.metres_per_step = 0.00025, .offset_m = 0.5, .unknown_steps = {65535}}, out));
+  ASSERT_TRUE(to_metres(
+      frame(), {.metres_per_step = 0.00025, .offset_m = 0.5, .unknown_steps = {65535}}, out));
   EXPECT_FLOAT_EQ(out.at(0, 0), 0.5F);
   EXPECT_FLOAT_EQ(out.at(1, 0), 0.75F);
   EXPECT_EQ(out.at(1, 1), 0.0F);

@@ -53,10 +53,9 @@ std::string intrinsics() {
          number("Scan3dPrincipalPointV", "239.5");
 }
 
-const Features kPlainDepth = {
-    {{"Coord3D_C16", device::pfnc::kCoord3dC16}},
-    number("Scan3dCoordinateScale", "0.25") + number("Scan3dCoordinateOffset", "0.0") +
-        intrinsics()};
+const Features kPlainDepth = {{{"Coord3D_C16", device::pfnc::kCoord3dC16}},
+                              number("Scan3dCoordinateScale", "0.25") +
+                                  number("Scan3dCoordinateOffset", "0.0") + intrinsics()};
 
 // LUCID Helios2, by its technical manual: 0.25 mm a step, invalid points are 65535.
 const Features kHelios2 = {
@@ -105,9 +104,9 @@ std::string description(const Features& features) {
                     std::to_string(code) + "</Value></EnumEntry>\n");
   text.insert(formats, features.xml);
   static int count = 0;
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("mixrig_tof_" + std::to_string(::getpid()) + "_" + std::to_string(++count) +
-                     ".xml");
+  const auto path =
+      std::filesystem::temp_directory_path() /
+      ("mixrig_tof_" + std::to_string(::getpid()) + "_" + std::to_string(++count) + ".xml");
   std::ofstream(path) << text;
   return path;
 }
@@ -237,8 +236,8 @@ struct Seen {
 };
 Seen seen_by(const std::string& serial) {
   static SystemClock clock;
-  auto camera = device::open_aravis_depth("Aravis-Fake-" + serial,
-                                          {.size = {64, 48}, .rate_hz = 25}, clock);
+  auto camera =
+      device::open_aravis_depth("Aravis-Fake-" + serial, {.size = {64, 48}, .rate_hz = 25}, clock);
   EXPECT_TRUE(camera) << to_line(camera.error());
   if (!camera) return {};
   Seen seen{.info = (*camera)->depth()};
@@ -312,12 +311,11 @@ TEST(AravisDepth, WhatIsNoDepthOrHasNoUnitIsRefused) {
     std::string xml;
     const char* in_the_line;
   };
-  for (const Case& c :
-       {Case{"GV08", intrinsics(), "does not report Scan3dCoordinateScale"},
-        Case{"GV09", kPlainDepth.xml + choice("Scan3dOutputMode", "DisparityC"),
-             "sends disparities"},
-        Case{"GV10", kPlainDepth.xml + choice("Scan3dDistanceUnit", "Pixel"),
-             "Scan3dDistanceUnit is Pixel"}}) {
+  for (const Case& c : {Case{"GV08", intrinsics(), "does not report Scan3dCoordinateScale"},
+                        Case{"GV09", kPlainDepth.xml + choice("Scan3dOutputMode", "DisparityC"),
+                             "sends disparities"},
+                        Case{"GV10", kPlainDepth.xml + choice("Scan3dDistanceUnit", "Pixel"),
+                             "Scan3dDistanceUnit is Pixel"}}) {
     const Device device(c.serial, {kPlainDepth.formats, c.xml});
     ASSERT_TRUE(device.running());
     const auto camera = device::open_aravis_depth(std::string("Aravis-Fake-") + c.serial,

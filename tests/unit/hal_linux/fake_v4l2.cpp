@@ -48,7 +48,8 @@ FakeV4l2::~FakeV4l2() {
 }
 
 bool FakeV4l2::is(int fd) const {
-  struct stat own{}, other{};
+  struct stat own {
+  }, other{};
   return ::fstat(fd_, &own) == 0 && ::fstat(fd, &other) == 0 && own.st_ino == other.st_ino &&
          own.st_dev == other.st_dev;
 }
@@ -63,8 +64,8 @@ std::uint32_t FakeV4l2::offset(std::uint32_t buffer, std::size_t plane) const {
 
 int FakeV4l2::describe(v4l2_capability& capability) const {
   std::strcpy(reinterpret_cast<char*>(capability.card), "fake");
-  const std::uint32_t usual = V4L2_CAP_STREAMING | (multi_planar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE
-                                                                 : V4L2_CAP_VIDEO_CAPTURE);
+  const std::uint32_t usual =
+      V4L2_CAP_STREAMING | (multi_planar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE : V4L2_CAP_VIDEO_CAPTURE);
   capability.device_caps = capabilities != 0 ? capabilities : usual;
   capability.capabilities = capability.device_caps | V4L2_CAP_DEVICE_CAPS;
   return 0;

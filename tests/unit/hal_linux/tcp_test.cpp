@@ -79,8 +79,7 @@ class NetworkUnit {
 TEST(FlirPtuOverTcp, MovesAndComesBackAfterALostConnection) {
   NetworkUnit unit;
   SystemClock clock;
-  auto stream =
-      ReopeningByteStream::make([&unit] { return open_byte_stream(unit.name()); }, clock);
+  auto stream = ReopeningByteStream::make([&unit] { return open_byte_stream(unit.name()); }, clock);
   ASSERT_TRUE(stream) << to_line(stream.error());
   ASSERT_TRUE((*stream)->set_line({.baud = 9600}));
   auto opened = FlirPtu::open(*std::move(stream), clock, "flir-ptu:" + unit.name(), Duration(0));

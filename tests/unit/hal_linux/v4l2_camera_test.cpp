@@ -65,10 +65,9 @@ TEST_F(V4l2Camera, ASinglePlanarNodeTellsItsColoursAndSendsItsBytes) {
   node_.pictures = {{picture}};
   const auto camera = open();
   ASSERT_TRUE(camera);
-  EXPECT_EQ(camera->info().color,
-            (device::ColorEncoding{.matrix = device::YuvMatrix::kBt709,
-                                   .range = device::SampleRange::kFull,
-                                   .transfer = device::Transfer::kBt709}));
+  EXPECT_EQ(camera->info().color, (device::ColorEncoding{.matrix = device::YuvMatrix::kBt709,
+                                                         .range = device::SampleRange::kFull,
+                                                         .transfer = device::Transfer::kBt709}));
   const auto got = take(*camera, 1);
   EXPECT_EQ(got[0].bytes, picture);
   EXPECT_EQ(got[0].flags, device::kFrameOk);

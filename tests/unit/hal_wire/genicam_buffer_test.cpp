@@ -76,15 +76,15 @@ TEST(GenicamBuffer, PointsWithIntensityGiveDepthAndAmplitude) {
 
 // IEEE 754 by hand: 1000.0 = 447A0000, 0.0, NaN = 7FC00000, 20000.0 = 469C4000, -1.0 = BF800000.
 TEST(GenicamBuffer, FloatMillimetresBecomeStepsAndWhatIsNoDepthZero) {
-  const Bytes data = {0x00, 0x00, 0x7A, 0x44, 0, 0, 0, 0,          0, 0, 0xC0, 0x7F,
-                      0x00, 0x40, 0x9C, 0x46, 0, 0, 0x80, 0xBF};
+  const Bytes data = {0x00, 0x00, 0x7A, 0x44, 0,    0,    0, 0, 0,    0,
+                      0xC0, 0x7F, 0x00, 0x40, 0x9C, 0x46, 0, 0, 0x80, 0xBF};
   const GenicamPart part{pfnc::kCoord3dC32f, {5, 1}, data};
   Maps out({5, 1});
   ASSERT_EQ(copy_depth({&part, 1}, {5, 1}, {.scale_m = 0.001}, out.buffers()).depth, 10U);
   EXPECT_EQ(out.depth, (Bytes{0xA0, 0x0F, 0, 0, 0, 0, 0, 0, 0, 0})) << "1 m is 4000 steps";
-  ASSERT_EQ(copy_depth({&part, 1}, {5, 1}, {.offset_m = 0.5, .invalid = 1000.0F}, out.buffers())
-                .depth,
-            10U);
+  ASSERT_EQ(
+      copy_depth({&part, 1}, {5, 1}, {.offset_m = 0.5, .invalid = 1000.0F}, out.buffers()).depth,
+      10U);
   EXPECT_EQ(out.depth, (Bytes{0, 0, 0xD0, 0x07, 0, 0, 0, 0, 0xCC, 0x07}))
       << "invalid; 0.5 m; NaN; beyond 16 m; 0.499 m";
 }

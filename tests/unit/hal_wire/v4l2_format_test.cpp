@@ -131,32 +131,31 @@ TEST(CheckedLayout, EveryGreyAndBayerFormatIsReadAsItsKernelNameSays) {
     SamplePacking packing;
   };
   using enum SamplePacking;
-  for (const Raw& c :
-       {Raw{V4L2_PIX_FMT_Y10, PixelFormat::kGray16, 10, kWords},
-        Raw{V4L2_PIX_FMT_Y12, PixelFormat::kGray16, 12, kWords},
-        Raw{V4L2_PIX_FMT_Y16, PixelFormat::kGray16, 16, kNone},
-        Raw{V4L2_PIX_FMT_Y10P, PixelFormat::kGray16, 10, kMipi},
-        Raw{V4L2_PIX_FMT_Y10BPACK, PixelFormat::kGray16, 10, kBig},
-        Raw{V4L2_PIX_FMT_SRGGB10, PixelFormat::kBayerRggb16, 10, kWords},
-        Raw{V4L2_PIX_FMT_SGRBG10, PixelFormat::kBayerGrbg16, 10, kWords},
-        Raw{V4L2_PIX_FMT_SGBRG10, PixelFormat::kBayerGbrg16, 10, kWords},
-        Raw{V4L2_PIX_FMT_SBGGR10, PixelFormat::kBayerBggr16, 10, kWords},
-        Raw{V4L2_PIX_FMT_SRGGB10P, PixelFormat::kBayerRggb16, 10, kMipi},
-        Raw{V4L2_PIX_FMT_SGRBG10P, PixelFormat::kBayerGrbg16, 10, kMipi},
-        Raw{V4L2_PIX_FMT_SGBRG10P, PixelFormat::kBayerGbrg16, 10, kMipi},
-        Raw{V4L2_PIX_FMT_SBGGR10P, PixelFormat::kBayerBggr16, 10, kMipi},
-        Raw{V4L2_PIX_FMT_SRGGB12, PixelFormat::kBayerRggb16, 12, kWords},
-        Raw{V4L2_PIX_FMT_SGRBG12, PixelFormat::kBayerGrbg16, 12, kWords},
-        Raw{V4L2_PIX_FMT_SGBRG12, PixelFormat::kBayerGbrg16, 12, kWords},
-        Raw{V4L2_PIX_FMT_SBGGR12, PixelFormat::kBayerBggr16, 12, kWords},
-        Raw{V4L2_PIX_FMT_SRGGB12P, PixelFormat::kBayerRggb16, 12, kMipi},
-        Raw{V4L2_PIX_FMT_SGRBG12P, PixelFormat::kBayerGrbg16, 12, kMipi},
-        Raw{V4L2_PIX_FMT_SGBRG12P, PixelFormat::kBayerGbrg16, 12, kMipi},
-        Raw{V4L2_PIX_FMT_SBGGR12P, PixelFormat::kBayerBggr16, 12, kMipi},
-        Raw{V4L2_PIX_FMT_SRGGB16, PixelFormat::kBayerRggb16, 16, kNone},
-        Raw{V4L2_PIX_FMT_SGRBG16, PixelFormat::kBayerGrbg16, 16, kNone},
-        Raw{V4L2_PIX_FMT_SGBRG16, PixelFormat::kBayerGbrg16, 16, kNone},
-        Raw{V4L2_PIX_FMT_SBGGR16, PixelFormat::kBayerBggr16, 16, kNone}}) {
+  for (const Raw& c : {Raw{V4L2_PIX_FMT_Y10, PixelFormat::kGray16, 10, kWords},
+                       Raw{V4L2_PIX_FMT_Y12, PixelFormat::kGray16, 12, kWords},
+                       Raw{V4L2_PIX_FMT_Y16, PixelFormat::kGray16, 16, kNone},
+                       Raw{V4L2_PIX_FMT_Y10P, PixelFormat::kGray16, 10, kMipi},
+                       Raw{V4L2_PIX_FMT_Y10BPACK, PixelFormat::kGray16, 10, kBig},
+                       Raw{V4L2_PIX_FMT_SRGGB10, PixelFormat::kBayerRggb16, 10, kWords},
+                       Raw{V4L2_PIX_FMT_SGRBG10, PixelFormat::kBayerGrbg16, 10, kWords},
+                       Raw{V4L2_PIX_FMT_SGBRG10, PixelFormat::kBayerGbrg16, 10, kWords},
+                       Raw{V4L2_PIX_FMT_SBGGR10, PixelFormat::kBayerBggr16, 10, kWords},
+                       Raw{V4L2_PIX_FMT_SRGGB10P, PixelFormat::kBayerRggb16, 10, kMipi},
+                       Raw{V4L2_PIX_FMT_SGRBG10P, PixelFormat::kBayerGrbg16, 10, kMipi},
+                       Raw{V4L2_PIX_FMT_SGBRG10P, PixelFormat::kBayerGbrg16, 10, kMipi},
+                       Raw{V4L2_PIX_FMT_SBGGR10P, PixelFormat::kBayerBggr16, 10, kMipi},
+                       Raw{V4L2_PIX_FMT_SRGGB12, PixelFormat::kBayerRggb16, 12, kWords},
+                       Raw{V4L2_PIX_FMT_SGRBG12, PixelFormat::kBayerGrbg16, 12, kWords},
+                       Raw{V4L2_PIX_FMT_SGBRG12, PixelFormat::kBayerGbrg16, 12, kWords},
+                       Raw{V4L2_PIX_FMT_SBGGR12, PixelFormat::kBayerBggr16, 12, kWords},
+                       Raw{V4L2_PIX_FMT_SRGGB12P, PixelFormat::kBayerRggb16, 12, kMipi},
+                       Raw{V4L2_PIX_FMT_SGRBG12P, PixelFormat::kBayerGrbg16, 12, kMipi},
+                       Raw{V4L2_PIX_FMT_SGBRG12P, PixelFormat::kBayerGbrg16, 12, kMipi},
+                       Raw{V4L2_PIX_FMT_SBGGR12P, PixelFormat::kBayerBggr16, 12, kMipi},
+                       Raw{V4L2_PIX_FMT_SRGGB16, PixelFormat::kBayerRggb16, 16, kNone},
+                       Raw{V4L2_PIX_FMT_SGRBG16, PixelFormat::kBayerGrbg16, 16, kNone},
+                       Raw{V4L2_PIX_FMT_SGBRG16, PixelFormat::kBayerGbrg16, 16, kNone},
+                       Raw{V4L2_PIX_FMT_SBGGR16, PixelFormat::kBayerBggr16, 16, kNone}}) {
     const auto layout = checked(c.code, 16, 4, 0, 1000);
     ASSERT_TRUE(layout) << std::hex << c.code;
     EXPECT_EQ(layout->format, c.format) << std::hex << c.code;
@@ -200,7 +199,8 @@ TEST(Colors, DefaultsFollowTheKernel) {
                      .ycbcr = static_cast<std::uint32_t>(V4L2_MAP_YCBCR_ENC_DEFAULT(space)),
                      .transfer = static_cast<std::uint32_t>(V4L2_MAP_XFER_FUNC_DEFAULT(space))});
     EXPECT_EQ(left_open, said) << space;
-    const bool full = V4L2_MAP_QUANTIZATION_DEFAULT(false, space, 0) == V4L2_QUANTIZATION_FULL_RANGE;
+    const bool full =
+        V4L2_MAP_QUANTIZATION_DEFAULT(false, space, 0) == V4L2_QUANTIZATION_FULL_RANGE;
     EXPECT_EQ(left_open.range == SampleRange::kFull, full) << space;
   }
 }
