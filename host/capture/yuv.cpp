@@ -88,6 +88,17 @@ void convert_by_libyuv(const Block& block, const ColorEncoding& encoding, int co
   libyuv::ARGBToRAW(argb.data(), 0, rgb_bytes(out), 0, count, 1);
 }
 
+/// What webcams send, in one step less than through planes.
+void decode_usual_yuyv(const Frame& frame, Image<Rgb8>& out) {
+  std::array<std::uint8_t, 4 * kBlock_px> argb;
+  for (int y = 0; y < frame.size.height; ++y)
+    for (int x = 0; x < frame.size.width; x += kBlock_px) {
+      const int count = std::min(kBlock_px, frame.size.width - x);
+      libyuv::YUY2ToARGB(yuv_row(frame, y) + 2 * x, 0, argb.data(), 0, count, 1);
+      libyuv::ARGBToRAW(argb.data(), 0, rgb_bytes(out.row(y) + x), 0, count, 1);
+    }
+}
+
 /// `load(x, y, count, block)` splits pixels x to x + count of row y into planes.
 template <typename Load>
 void convert_rows(Size size, const ColorEncoding& encoding, const Load& load, Image<Rgb8>& out) {
@@ -108,6 +119,8 @@ void convert_rows(Size size, const ColorEncoding& encoding, const Load& load, Im
 }  // namespace
 
 void decode_yuyv(const Frame& frame, const ColorEncoding& encoding, Image<Rgb8>& out) {
+  if (encoding.matrix == YuvMatrix::kBt601 && encoding.range != SampleRange::kFull)
+    return decode_usual_yuyv(frame, out);
   const auto load = [&](int x, int y, int count, Block& block) {
     libyuv::YUY2ToI422(yuv_row(frame, y) + 2 * x, 0, block.y.data(), 0, block.u.data(), 0,
                        block.v.data(), 0, count, 1);
