@@ -20,12 +20,36 @@ enum class StampClock {
   kDevice,  ///< the device's own oscillator: host/sync maps it
 };
 
+/// How YUV becomes R'G'B'. JPEG files are full range BT.601, whatever this says.
+enum class YuvMatrix { kBt601, kBt709, kBt2020 };
+enum class SampleRange {
+  kUsual,    ///< YUV limited, everything else full
+  kLimited,  ///< black is 16, white 235, chroma 16 to 240, of 8 bit
+  kFull,
+};
+/// How R'G'B', grey and Bayer samples become linear light.
+enum class Transfer {
+  kSrgb,    ///< IEC 61966-2-1
+  kBt709,   ///< ITU-R BT.709, from picture to scene light
+  kLinear,  ///< samples are light, as those of most machine-vision cameras
+  kGamma,   ///< light = sample ^ gamma
+};
+/// What the samples of a camera mean. Primaries are those of sRGB.
+struct ColorEncoding {
+  YuvMatrix matrix = YuvMatrix::kBt601;
+  SampleRange range = SampleRange::kUsual;
+  Transfer transfer = Transfer::kSrgb;
+  double gamma = 2.2;  ///< of kGamma
+  bool operator==(const ColorEncoding&) const = default;
+};
+
 /// Requested stream settings; zeros and kUnknown keep the device's present ones.
 struct StreamRequest {
   Size size{};
   PixelFormat format = PixelFormat::kUnknown;
   double rate_hz = 0;
   bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
+  std::string trigger_input{};  ///< the device's name of that input; empty: the driver's usual one
 };
 
 enum class CameraControl {
@@ -50,6 +74,9 @@ struct CameraInfo {
   StampClock stamp_clock = StampClock::kNone;
   bool hardware_trigger = false;  ///< exposes on trigger edges
   std::vector<ControlRange> controls{};
+  ColorEncoding color{};                          ///< as the device tells it
+  std::uint16_t usb_vendor = 0, usb_product = 0;  ///< 0 where it is no USB device, or not known
+  int sample_bits = 8;  ///< of grey and Bayer samples, before they were scaled to 16 bit
 };
 
 /// Present state of a device.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/device/depth_camera.h"
 
-#include <cstring>
+#include <algorithm>
 #include <utility>
 
 namespace mixrig::device {
@@ -24,6 +24,11 @@ class DepthView final : public DepthCamera {
   DepthInfo depth_;
 };
 
+bool is_unknown(int step, const DepthInfo& info) {
+  return std::find(info.unknown_steps.begin(), info.unknown_steps.end(), step) !=
+         info.unknown_steps.end();
+}
+
 }  // namespace
 
 Result<void> to_metres(const Frame& frame, const DepthInfo& info, Image<float>& out) {
@@ -34,6 +39,10 @@ Result<void> to_metres(const Frame& frame, const DepthInfo& info, Image<float>& 
           frame.stride_bytes * (static_cast<std::size_t>(frame.size.height) - 1) + row)
     return Error{ErrorCode::kData, "depth frame does not hold 16-bit depth of its size: dropped"};
   if (out.size() != frame.size) out.reset(frame.size);
+  const std::span<const std::uint8_t> judged =
+      frame.confidence.empty() ? frame.amplitude : frame.confidence;
+  const bool judge = info.least_confidence > 0 && judged.size() >= 2 * frame.size.area();
+  const std::uint8_t* confidence = judged.data();
   for (int y = 0; y < frame.size.height; ++y) {
     const std::uint8_t* source =
         frame.bytes.data() + static_cast<std::size_t>(y) * frame.stride_bytes;
@@ -41,8 +50,11 @@ Result<void> to_metres(const Frame& frame, const DepthInfo& info, Image<float>& 
     for (int x = 0; x < frame.size.width; ++x) {
       const int step = source[2 * x] | source[2 * x + 1] << 8;
       const double metres = step * info.metres_per_step + info.offset_m;
-      target[x] = step == info.unknown_step || !(metres > 0) ? 0.0F : static_cast<float>(metres);
+      target[x] = is_unknown(step, info) || !(metres > 0) ? 0.0F : static_cast<float>(metres);
     }
+    if (!judge) continue;
+    for (int x = 0; x < frame.size.width; ++x, confidence += 2)
+      if ((confidence[0] | confidence[1] << 8) < info.least_confidence) target[x] = 0;
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
@@ -19,11 +20,18 @@ struct DeviceIntrinsics {
   double focal_px = 0, principal_x_px = 0, principal_y_px = 0;
 };
 
-/// metres = step * metres_per_step + offset_m, except `unknown_step`, which is no measurement.
+/// metres = step * metres_per_step + offset_m, along what `meaning` says, except for steps and
+/// pixels that are no measurement.
 struct DepthInfo {
   double metres_per_step = 0.001;
-  double offset_m = 0;
-  int unknown_step = 0;
+  bool unit_known = true;  ///< false: the device does not tell what a step is
+  double offset_m = 0;     ///< from the centre of projection to the origin of the steps
+  std::vector<int> unknown_steps = {0};  ///< no measurement; the first one is what drivers write
+  /// Pixels of a lower confidence are no measurement: of Frame::confidence where a frame has it,
+  /// else of its amplitude. 0: all are used.
+  int least_confidence = 0;
+  /// Amplitude is the light that comes back: it falls with the square of the distance.
+  bool amplitude_is_light = false;
   DepthMeaning meaning = DepthMeaning::kZ;
   std::optional<DeviceIntrinsics> intrinsics{};
 };

@@ -31,6 +31,14 @@ std::string_view name(PixelFormat format) {
       return "bayer_bggr8";
     case PixelFormat::kDepth16:
       return "depth16";
+    case PixelFormat::kBayerRggb16:
+      return "bayer_rggb16";
+    case PixelFormat::kBayerGrbg16:
+      return "bayer_grbg16";
+    case PixelFormat::kBayerGbrg16:
+      return "bayer_gbrg16";
+    case PixelFormat::kBayerBggr16:
+      return "bayer_bggr16";
   }
   return "unknown";
 }
@@ -48,6 +56,10 @@ std::size_t row_bytes(PixelFormat format, int width) {
       return 4 * ((w + 1) / 2);
     case PixelFormat::kGray16:
     case PixelFormat::kDepth16:
+    case PixelFormat::kBayerRggb16:
+    case PixelFormat::kBayerGrbg16:
+    case PixelFormat::kBayerGbrg16:
+    case PixelFormat::kBayerBggr16:
       return 2 * w;
     default:
       return w;

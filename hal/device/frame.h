@@ -23,14 +23,18 @@ enum class PixelFormat {
   kNv12,   ///< plane of Y, then a half-size plane of U V
   kMjpeg,  ///< one JPEG file
   kGray8,
-  kGray16,
+  kGray16,      ///< full scale is 65535, whatever the sensor's bits
   kBayerRggb8,  ///< named by the first two rows
   kBayerGrbg8,
   kBayerGbrg8,
   kBayerBggr8,
-  kDepth16,  ///< 16-bit depth steps, see DepthInfo
+  kDepth16,      ///< 16-bit depth steps, see DepthInfo
+  kBayerRggb16,  ///< full scale is 65535, whatever the sensor's bits
+  kBayerGrbg16,
+  kBayerGbrg16,
+  kBayerBggr16,
 };
-inline constexpr int kPixelFormats = 13;
+inline constexpr int kPixelFormats = 17;
 
 std::string_view name(PixelFormat format);
 /// Bytes of one row of `width` pixels (first plane); 0 for kMjpeg and kUnknown.
@@ -53,11 +57,12 @@ struct Frame {
   std::size_t stride_bytes = 0;
   std::span<const std::uint8_t> bytes{};  ///< the picture; for kMjpeg a whole file
   std::span<const std::uint8_t>
-      amplitude{};             ///< ToF: 16-bit amplitudes, same size and packed; or empty
-  std::uint64_t sequence = 0;  ///< the device's counter
-  DeviceTime device_time{};    ///< the device's stamp of mid-exposure, own clock
-  HostTime received{};         ///< when the driver received it
-  Duration exposure{};         ///< 0 where unknown
+      amplitude{};  ///< ToF: 16-bit amplitudes, same size and packed; or empty
+  std::span<const std::uint8_t> confidence{};  ///< of depth: the same, 16 bit; or empty
+  std::uint64_t sequence = 0;                  ///< the device's counter
+  DeviceTime device_time{};                    ///< the device's stamp of mid-exposure, own clock
+  HostTime received{};                         ///< when the driver received it
+  Duration exposure{};                         ///< 0 where unknown
   std::uint32_t flags = kFrameOk;
 };
 

@@ -13,7 +13,7 @@ namespace mixrig::device {
 /// Memory of a pool. Lives until the last frame of it is dropped.
 struct FrameSlots {
   struct Slot {
-    std::vector<std::uint8_t> bytes, amplitude;
+    std::vector<std::uint8_t> bytes, amplitude, confidence;
     Frame frame;
     /// Room for the shared_ptr's control block, so that publishing does not allocate.
     alignas(std::max_align_t) std::array<std::byte, 128> control;
@@ -61,13 +61,15 @@ struct NoDelete {
 
 }  // namespace
 
-FramePool::FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes)
+FramePool::FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes,
+                     std::size_t confidence_bytes)
     : slots_(std::make_shared<FrameSlots>()) {
   slots_->free.reserve(static_cast<std::size_t>(buffers));
   for (int i = 0; i < buffers; ++i) {
     auto slot = std::make_unique<FrameSlots::Slot>();
     slot->bytes.resize(bytes);
     slot->amplitude.resize(amplitude_bytes);
+    slot->confidence.resize(confidence_bytes);
     slots_->slots.push_back(std::move(slot));
     slots_->free.push_back(i);
   }
@@ -84,6 +86,7 @@ FramePool::Draft FramePool::take() {
   draft.frame_ = &slot.frame;
   draft.bytes_ = slot.bytes;
   draft.amplitude_ = slot.amplitude;
+  draft.confidence_ = slot.confidence;
   return draft;
 }
 
@@ -100,6 +103,7 @@ FramePool::Draft& FramePool::Draft::operator=(Draft&& other) noexcept {
   std::swap(index_, other.index_);
   std::swap(bytes_, other.bytes_);
   std::swap(amplitude_, other.amplitude_);
+  std::swap(confidence_, other.confidence_);
   return *this;
 }
 
@@ -107,10 +111,14 @@ FramePool::Draft::~Draft() {
   if (slots_ && index_ >= 0) slots_->give_back(index_);
 }
 
-FramePtr FramePool::Draft::publish(Frame frame, std::size_t used, std::size_t amplitude_used) && {
-  frame.bytes = std::span<const std::uint8_t>(bytes_).first(std::min(used, bytes_.size()));
-  frame.amplitude =
-      std::span<const std::uint8_t>(amplitude_).first(std::min(amplitude_used, amplitude_.size()));
+FramePtr FramePool::Draft::publish(Frame frame, std::size_t used, std::size_t amplitude_used,
+                                   std::size_t confidence_used) && {
+  const auto first = [](std::span<const std::uint8_t> of, std::size_t count) {
+    return of.first(std::min(count, of.size()));
+  };
+  frame.bytes = first(bytes_, used);
+  frame.amplitude = first(amplitude_, amplitude_used);
+  frame.confidence = first(confidence_, confidence_used);
   *frame_ = frame;
   const int index = std::exchange(index_, -1);
   return {frame_, NoDelete{}, SlotAllocator<std::byte>(slots_, index)};

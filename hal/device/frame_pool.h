@@ -15,8 +15,9 @@ namespace mixrig::device {
 /// also after the pool itself is gone.
 class FramePool {
  public:
-  /// `buffers` frames of at most `bytes` picture and `amplitude_bytes` amplitude each.
-  FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes = 0);
+  /// `buffers` frames of at most so many bytes of picture, amplitude and confidence each.
+  FramePool(int buffers, std::size_t bytes, std::size_t amplitude_bytes = 0,
+            std::size_t confidence_bytes = 0);
 
   /// A buffer that is being filled. Publish it, or destroy it to return the buffer.
   class Draft {
@@ -29,16 +30,18 @@ class FramePool {
     explicit operator bool() const { return frame_ != nullptr; }
     std::span<std::uint8_t> bytes() const { return bytes_; }
     std::span<std::uint8_t> amplitude() const { return amplitude_; }
-    /// Makes it immutable. `frame.bytes` and `frame.amplitude` are set to the first `used` and
-    /// `amplitude_used` bytes of this buffer; both are clipped to what it holds.
-    FramePtr publish(Frame frame, std::size_t used, std::size_t amplitude_used = 0) &&;
+    std::span<std::uint8_t> confidence() const { return confidence_; }
+    /// Makes it immutable. `frame.bytes`, `frame.amplitude` and `frame.confidence` are set to the
+    /// first so many used bytes of this buffer; they are clipped to what it holds.
+    FramePtr publish(Frame frame, std::size_t used, std::size_t amplitude_used = 0,
+                     std::size_t confidence_used = 0) &&;
 
    private:
     friend class FramePool;
     std::shared_ptr<struct FrameSlots> slots_;
     Frame* frame_ = nullptr;
     int index_ = -1;
-    std::span<std::uint8_t> bytes_, amplitude_;
+    std::span<std::uint8_t> bytes_, amplitude_, confidence_;
   };
 
   /// An empty Draft when every buffer is in use: drop the picture and count it.

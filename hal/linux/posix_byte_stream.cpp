@@ -6,6 +6,9 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -52,6 +55,48 @@ Result<bool> wait_for(int fd, short events, Duration timeout, const std::string&
   return ready > 0;
 }
 
+struct FreeAddresses {
+  void operator()(addrinfo* addresses) const { freeaddrinfo(addresses); }
+};
+using Addresses = std::unique_ptr<addrinfo, FreeAddresses>;
+
+/// HOST:PORT or [HOST]:PORT.
+Result<Addresses> resolve(const std::string& host_and_port) {
+  const auto colon = host_and_port.rfind(':');
+  std::string host = host_and_port.substr(0, colon);
+  const std::string port = colon == std::string::npos ? "" : host_and_port.substr(colon + 1);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
+  const bool digits =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
+  if (host.empty() || !digits || std::stoi(port) < 1 || std::stoi(port) > 65535)
+    return Error{ErrorCode::kUsage,
+                 "'tcp:" + host_and_port + "' is no address: give tcp:HOST:PORT"};
+  addrinfo wanted{}, *found = nullptr;
+  wanted.ai_socktype = SOCK_STREAM;
+  const int failed = getaddrinfo(host.c_str(), port.c_str(), &wanted, &found);
+  if (failed != 0)
+    return Error{ErrorCode::kNotFound,
+                 "no host '" + host + "': check its name (" + gai_strerror(failed) + ")"};
+  return Addresses(found);
+}
+
+/// Connects a non-blocking socket.
+Result<void> connect_within(int fd, const addrinfo& address, Duration timeout,
+                            const std::string& name) {
+  const std::string hint = "cannot connect to " + name +
+                           ": is it switched on, and is this its "
+                           "port?";
+  if (connect(fd, address.ai_addr, address.ai_addrlen) == 0) return {};
+  if (errno != EINPROGRESS) return system_error(ErrorCode::kIo, hint, errno);
+  MIXRIG_ASSIGN(const bool ready, wait_for(fd, POLLOUT, timeout, name));
+  if (!ready) return Error{ErrorCode::kTimeout, hint};
+  int fault = 0;
+  socklen_t size = sizeof fault;
+  getsockopt(fd, SOL_SOCKET, SO_ERROR, &fault, &size);
+  return fault == 0 ? Result<void>() : system_error(ErrorCode::kIo, hint, fault);
+}
+
 }  // namespace
 
 PosixByteStream::PosixByteStream(int fd, std::string name) : fd_(fd), name_(std::move(name)) {
@@ -85,6 +130,25 @@ Result<std::unique_ptr<ByteStream>> PosixByteStream::connect_unix(const std::str
   }
   fcntl(fd, F_SETFL, O_NONBLOCK);
   return std::unique_ptr<ByteStream>(std::move(stream));
+}
+
+Result<std::unique_ptr<ByteStream>> PosixByteStream::connect_tcp(const std::string& host_and_port) {
+  constexpr Duration kConnectTimeout = std::chrono::seconds(2);
+  MIXRIG_ASSIGN(const Addresses addresses, resolve(host_and_port));
+  Error last{ErrorCode::kNotFound, "no address of " + host_and_port};
+  for (const addrinfo* at = addresses.get(); at != nullptr; at = at->ai_next) {
+    const int fd = socket(at->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0) continue;
+    auto stream = std::make_unique<PosixByteStream>(fd, "tcp:" + host_and_port);
+    if (auto connected = connect_within(fd, *at, kConnectTimeout, host_and_port); !connected) {
+      last = std::move(connected).error();
+      continue;
+    }
+    const int on = 1;  // a question is one small packet: it must not wait for the next one
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    return std::unique_ptr<ByteStream>(std::move(stream));
+  }
+  return last;
 }
 
 Result<std::size_t> PosixByteStream::read(std::span<std::uint8_t> out, Duration timeout) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes over a file descriptor: terminals, ptys, Unix sockets.
+// Bytes over a file descriptor: terminals, ptys, sockets.
 #pragma once
 
 #include <memory>
@@ -15,6 +15,9 @@ class PosixByteStream final : public ByteStream {
   static Result<std::unique_ptr<ByteStream>> open_terminal(const std::string& path);
   /// A Unix socket. Errors: kNotFound, kIo.
   static Result<std::unique_ptr<ByteStream>> connect_unix(const std::string& path);
+  /// `host_and_port`: HOST:PORT, an IPv6 address in brackets. Errors: kUsage, kNotFound, kIo,
+  /// kTimeout where nothing answers for two seconds.
+  static Result<std::unique_ptr<ByteStream>> connect_tcp(const std::string& host_and_port);
   /// Takes over a descriptor that is open; `name` is for error lines.
   PosixByteStream(int fd, std::string name);
   ~PosixByteStream() override;

@@ -80,6 +80,8 @@ Result<void> SerialByteStream::set_line(const LineSettings& settings) {
 Result<std::unique_ptr<ByteStream>> open_byte_stream(const std::string& name) {
   constexpr std::string_view kUnix = "unix:";
   if (name.starts_with(kUnix)) return PosixByteStream::connect_unix(name.substr(kUnix.size()));
+  constexpr std::string_view kTcp = "tcp:";
+  if (name.starts_with(kTcp)) return PosixByteStream::connect_tcp(name.substr(kTcp.size()));
   std::error_code ignored;
   const std::string target = std::filesystem::canonical(name, ignored).string();
   if (target.starts_with("/dev/pts/")) return PosixByteStream::open_terminal(name);

@@ -31,7 +31,8 @@ class SerialByteStream final : public ByteStream {
   std::string name_;
 };
 
-/// Opens a stream by its name: `unix:PATH` a socket, a pty by PosixByteStream, else a serial port.
+/// Opens a stream by its name: `unix:PATH` and `tcp:HOST:PORT` a socket, a pty by PosixByteStream,
+/// else a serial port.
 Result<std::unique_ptr<ByteStream>> open_byte_stream(const std::string& name);
 
 }  // namespace mixrig::device

@@ -103,7 +103,7 @@ void TofUsbDecoder::begin(const TofPacket& packet) {
   amplitude_sum_ = amplitude_count_ = 0;
   draft_ = pool_.take();
   // Rows that do not arrive must not show an older frame.
-  const int unknown = description_.depth.unknown_step;
+  const int unknown = description_.depth.unknown_steps.front();
   auto bytes = draft_.bytes();
   for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
     bytes[i] = static_cast<std::uint8_t>(unknown & 0xFF);

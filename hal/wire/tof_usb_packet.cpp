@@ -62,7 +62,7 @@ Result<TofDescription> parse_tof_description(std::span<const std::uint8_t> bytes
   d.rate_hz = in.u32(12) / 1000.0;
   d.depth.metres_per_step = in.u32(16) * 1e-9;
   if (!(d.depth.metres_per_step > 0)) return bad("has a depth step of zero");
-  d.depth.unknown_step = in.u16(20);
+  d.depth.unknown_steps = {in.u16(20)};
   const auto fixed = [&](std::size_t o) { return static_cast<std::int32_t>(in.u32(o)) / 65536.0; };
   if (fixed(24) > 0) d.depth.intrinsics = DeviceIntrinsics{fixed(24), fixed(28), fixed(32)};
   return d;
@@ -100,7 +100,7 @@ std::array<std::uint8_t, kTofDescriptionBytes> pack_tof_description(const TofDes
   out.put(10, static_cast<std::uint64_t>(d.size.height), 2);
   out.put(12, static_cast<std::uint64_t>(std::llround(d.rate_hz * 1000)), 4);
   out.put(16, static_cast<std::uint64_t>(std::llround(d.depth.metres_per_step * 1e9)), 4);
-  out.put(20, static_cast<std::uint64_t>(d.depth.unknown_step), 2);
+  out.put(20, static_cast<std::uint64_t>(d.depth.unknown_steps.front()), 2);
   if (d.depth.intrinsics) {
     const auto fixed = [](double v) { return static_cast<std::uint64_t>(std::llround(v * 65536)); };
     out.put(24, fixed(d.depth.intrinsics->focal_px), 4);

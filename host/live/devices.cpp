@@ -5,6 +5,8 @@
 #include <charconv>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod_lines.h"
 #include "hal/linux/serial_byte_stream.h"
@@ -13,6 +15,7 @@
 #include "hal/wire/flir_ptu.h"
 #include "hal/wire/mcu_trigger.h"
 #include "hal/wire/reopening_byte_stream.h"
+#include "hal/wire/v4l2_format.h"
 
 namespace mixrig::live {
 namespace {
@@ -110,7 +113,14 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
     MIXRIG_ASSIGN(auto camera, device::V4l2Camera::open(parts.rest, depth, clock_));
-    return device::as_depth_camera(std::move(camera), {});
+    // Y16 is a picture of steps whose meaning nothing tells.
+    const device::CameraInfo& info = camera->info();
+    const auto unit_m = info.format == device::PixelFormat::kDepth16
+                            ? device::z16_metres_per_step(info.usb_vendor, info.usb_product)
+                            : std::nullopt;
+    const device::DepthInfo steps{.metres_per_step = unit_m.value_or(0.001),
+                                  .unit_known = unit_m.has_value()};
+    return device::as_depth_camera(std::move(camera), steps);
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
   if (const StreamUri view = stream_uri(parts);
@@ -129,7 +139,8 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
     return player->pan_tilt();
   }
   if (parts.scheme != "flir-ptu")
-    return unknown(uri, "pan-tilt unit", "flir-ptu:/dev/ttyUSB0, take:DIR/head or studio:head");
+    return unknown(uri, "pan-tilt unit",
+                   "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
   if (at != std::string::npos) {
@@ -141,7 +152,10 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
   }
   MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
   MIXRIG_TRY(stream->set_line({.baud = baud}));
-  const Duration byte_time = std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;
+  // On a network a byte takes no time, but for a serial line behind a server, whose rate is given.
+  const bool network = parts.rest.starts_with("tcp:") && at == std::string::npos;
+  const Duration byte_time =
+      network ? Duration(0) : std::chrono::duration_cast<Duration>(std::chrono::seconds(10)) / baud;
   MIXRIG_ASSIGN(auto unit, device::FlirPtu::open(std::move(stream), clock_, uri, byte_time));
   return std::unique_ptr<device::PanTilt>(std::move(unit));
 }
@@ -174,6 +188,14 @@ Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) 
   return set(device::CameraControl::kWhiteBalance, config.white_balance_k);
 }
 
+Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera) {
+  if (rig.depth_steps.applied_to(camera.depth()).unit_known) return {};
+  return Error{ErrorCode::kUsage,
+               fmt::format("{}: \"{}\" does not tell what a depth step is: give [depth] a unit_m "
+                           "in {} (0.001 for millimetres)",
+                           camera.info().uri, camera.info().model, rig.file.string())};
+}
+
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   Devices devices;
   if (rig.play_at) opener.play_at(*rig.play_at);
@@ -190,6 +212,7 @@ Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   }
   if (rig.depth) {
     MIXRIG_ASSIGN(devices.depth, opener.depth(rig.depth->uri, rig.depth->request));
+    MIXRIG_TRY(check_unit(rig, *devices.depth));
   }
   if (!rig.pan_tilt_uri.empty()) {
     MIXRIG_ASSIGN(devices.pan_tilt, opener.pan_tilt(rig.pan_tilt_uri));

@@ -42,7 +42,7 @@ class DeviceOpener {
   /// studio:[OPTIONS/]tof.
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
-  /// flir-ptu:PORT[@BAUD], take:DIR/head, studio:[OPTIONS/]head.
+  /// flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], take:DIR/head, studio:[OPTIONS/]head.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt(const std::string& uri);
   /// mcu:PORT, gpiod:CHIP/LINES.
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
@@ -72,6 +72,8 @@ struct Devices {
   std::unique_ptr<device::PanTilt> pan_tilt;
   std::shared_ptr<Player> player;  ///< of the recording behind cameras, if any
 };
+/// Errors: kUsage where neither the depth camera nor rig.toml tells what a step is.
+Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera);
 /// Opens and sets up all devices that rig.toml names; stops at the first error.
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener);
 /// Exposure, gain, focus and white balance as given in rig.toml. Errors: those of Camera::set.

@@ -34,6 +34,19 @@ struct OpenedRig {
   Devices devices;
 };
 
+/// What a depth step is, where the number comes from, and what else rig.toml changes.
+Check check_steps(const RigConfig& rig, const device::DepthCamera& camera) {
+  const device::DepthInfo steps = rig.depth_steps.applied_to(camera.depth());
+  std::string value =
+      fmt::format("{:.6g} mm a step ({}), {}", steps.metres_per_step * 1e3,
+                  rig.depth_steps.unit_m ? "rig.toml" : "camera",
+                  steps.meaning == device::DepthMeaning::kZ ? "along z" : "along the ray");
+  if (steps.offset_m != 0) value += fmt::format(", {:+.1f} mm", steps.offset_m * 1e3);
+  if (const auto known = check_unit(rig, camera); !known)
+    return {rig.depth->name, "unit", Verdict::kFail, "not known", to_line(known.error())};
+  return {rig.depth->name, "unit", Verdict::kPass, std::move(value), ""};
+}
+
 OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check>& checks) {
   OpenedRig out{rig, {}};
   out.config.cameras.clear();
@@ -61,6 +74,7 @@ OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check
   if (rig.depth) {
     auto depth = opener.depth(rig.depth->uri, rig.depth->request);
     if (check_open(rig.depth->name, depth, checks)) {
+      checks.push_back(check_steps(rig, **depth));
       out.config.depth = rig.depth;
       out.devices.depth = *std::move(depth);
     }

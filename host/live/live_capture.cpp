@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/capture/decode.h"
 #include "host/capture/fisheye.h"
 
 namespace mixrig::live {
@@ -40,6 +39,7 @@ take::TakeInfo info_of_devices(const Devices& devices) {
     info.view = played.view;
     info.target_from_tof = played.target_from_tof;
     info.noise = played.noise;
+    info.amplitude_is_light = played.amplitude_is_light;
     info.calibration = played.calibration;
     info.true_poses = played.true_poses;
   }
@@ -60,6 +60,14 @@ void fill_amplitude(const device::Frame& depth, Image<float>& amplitude) {
   for (int y = 0; y < depth.size.height; ++y)
     for (int x = 0; x < depth.size.width; ++x, in += 2)
       amplitude.row(y)[x] = static_cast<float>(in[0] | in[1] << 8);
+}
+
+capture::ColorDecoder decoder_of(const RigConfig& config, const Devices& devices,
+                                 std::size_t camera) {
+  if (camera >= config.cameras.size() || camera >= devices.cameras.size())
+    return capture::ColorDecoder();
+  return capture::ColorDecoder(
+      color_settings(config.cameras[camera], devices.cameras[camera]->info()));
 }
 
 Result<void> describe_fisheye(const RigConfig& config, const Devices& devices,
@@ -97,11 +105,14 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
   if (config.target_from_tof) info.camera_tables.emplace_back("target_from_tof");
   if (config.tof) info.tof = *config.tof;
   if (config.target_from_tof) info.target_from_tof = *config.target_from_tof;
-  const device::DepthInfo& depth = devices.depth->depth();
+  const device::DepthInfo depth = depth_info(config, devices);
   info.depth_kind = depth.meaning == device::DepthMeaning::kZ ? capture::DepthKind::kZ
                                                               : capture::DepthKind::kDistance;
   info.depth_unit_m = depth.metres_per_step;
-  info.depth_unknown = 0;
+  info.depth_offset_m = depth.offset_m;
+  info.depth_unknown = depth.unknown_steps.front();
+  info.noise = config.depth_steps.noise.value_or(info.noise);
+  info.amplitude_is_light = depth.amplitude_is_light;
   const TriggerLine* line = config.line_of(config.cameras.front());
   info.color.rate_hz =
       line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
@@ -125,8 +136,30 @@ double fisheye_rate_hz(const RigConfig& config, const Devices& devices) {
   return rate_hz > 0 ? rate_hz : camera.request.rate_hz;
 }
 
+device::DepthInfo depth_info(const RigConfig& config, const Devices& devices) {
+  return config.depth_steps.applied_to(devices.depth->depth());
+}
+
+capture::ColorSettings color_settings(const CameraConfig& config, const device::CameraInfo& info) {
+  const ColorConfig& color = config.color;
+  capture::ColorSettings settings{.encoding = info.color, .gains = color.white_gains};
+  settings.encoding.transfer = color.transfer.value_or(info.color.transfer);
+  if (color.transfer) settings.encoding.gamma = color.gamma;
+  settings.encoding.matrix = color.matrix.value_or(info.color.matrix);
+  settings.encoding.range = color.range.value_or(info.color.range);
+  const bool yuv = info.format == device::PixelFormat::kYuyv ||
+                   info.format == device::PixelFormat::kNv12 ||
+                   info.format == device::PixelFormat::kMjpeg;
+  settings.limited_samples = !yuv && settings.encoding.range == device::SampleRange::kLimited;
+  settings.black = color.black_level / ((1 << info.sample_bits) - 1);
+  return settings;
+}
+
 SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices)
     : devices_(devices),
+      depth_(devices.depth ? depth_info(config, devices) : device::DepthInfo()),
+      plate_(decoder_of(config, devices, 0)),
+      fisheye_decoder_(decoder_of(config, devices, fisheye_index(config))),
       fisheye_(fisheye_index(config)),
       fisheye_hold_(capture::fisheye_hold(fisheye_rate_hz(config, devices))) {}
 
@@ -137,8 +170,8 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   const sync::TimedFrame& depth = set.frames.frames[devices_.cameras.size()];
   if (!plate.frame || !depth.frame)
     return Error{ErrorCode::kData, "a frame set without colour or depth: skipped"};
-  MIXRIG_TRY(capture::decode_rgb8(*plate.frame, capture.plate));
-  MIXRIG_TRY(device::to_metres(*depth.frame, devices_.depth->depth(), capture.depth_m));
+  MIXRIG_TRY(plate_.decode(*plate.frame, capture.plate));
+  MIXRIG_TRY(device::to_metres(*depth.frame, depth_, capture.depth_m));
   fill_amplitude(*depth.frame, capture.amplitude);
   capture.tick = devices_.trigger || devices_.edges ? set.frames.tick : 0;
   capture.mid_exposure = plate.mid_exposure;
@@ -162,7 +195,7 @@ void SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {
       capture::fisheye_status(last_fisheye_ != timed.frame->sequence, capture.mid_exposure,
                               timed.mid_exposure, fisheye_hold_);
   if (status == capture::StreamStatus::kMissing ||
-      !capture::decode_rgb8(*timed.frame, capture.fisheye))
+      !fisheye_decoder_.decode(*timed.frame, capture.fisheye))
     return capture::lose_fisheye(capture);
   capture.fisheye_mid_exposure = timed.mid_exposure;
   capture.fisheye_counter = last_fisheye_.emplace(timed.frame->sequence);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/capture/capture.h"
+#include "host/capture/decode.h"
 #include "host/live/devices.h"
 #include "host/live/live_session.h"
 #include "host/take/take.h"
@@ -17,6 +18,12 @@ namespace mixrig::live {
 /// Errors: kUsage for a rig without a camera or without a depth camera, or with a fisheye whose
 /// rate is not known.
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices);
+
+/// What the steps of the depth camera mean: as the device tells it, but for what rig.toml says.
+/// Precondition: the rig has a depth camera.
+device::DepthInfo depth_info(const RigConfig& config, const Devices& devices);
+/// What the samples of a colour camera mean, likewise.
+capture::ColorSettings color_settings(const CameraConfig& config, const device::CameraInfo& info);
 
 /// Index of the further camera named kFisheye in `config.cameras`; 0 where the rig has none.
 std::size_t fisheye_index(const RigConfig& config);
@@ -39,6 +46,8 @@ class SetDecoder {
   void decode_fisheye(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
+  const device::DepthInfo depth_;  ///< default where the rig has no depth camera
+  capture::ColorDecoder plate_, fisheye_decoder_;
   const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
   const Duration fisheye_hold_;
   std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames

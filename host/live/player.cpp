@@ -19,13 +19,15 @@ void put_u16(std::uint8_t* out, long value) {
   out[1] = static_cast<std::uint8_t>(value >> 8);
 }
 
-/// Rows of 16-bit samples, packed. Values out of range become 0, which is "unknown".
-void fill_u16(const Image<float>& in, double scale, std::span<std::uint8_t> out) {
+/// Rows of 16-bit samples, packed: (value - offset) * scale. Values out of range, and 0, become 0,
+/// which is "unknown".
+void fill_u16(const Image<float>& in, double offset, double scale, std::span<std::uint8_t> out) {
   std::uint8_t* at = out.data();
   for (int y = 0; y < in.height(); ++y)
     for (int x = 0; x < in.width(); ++x, at += 2) {
-      const long value = std::lround(static_cast<double>(in.row(y)[x]) * scale);
-      put_u16(at, value < 0 || value > 65535 ? 0 : value);
+      const double from = static_cast<double>(in.row(y)[x]);
+      const long value = std::lround((from - offset) * scale);
+      put_u16(at, from <= 0 || value < 0 || value > 65535 ? 0 : value);
     }
 }
 
@@ -84,6 +86,8 @@ void Player::describe(const std::string& uri) {
   }
   const bool along_ray = info.depth_kind == capture::DepthKind::kDistance;
   depth_info_ = {.metres_per_step = info.depth_unit_m,
+                 .offset_m = info.depth_offset_m,
+                 .amplitude_is_light = info.amplitude_is_light,
                  .meaning = along_ray ? device::DepthMeaning::kDistance : device::DepthMeaning::kZ,
                  .intrinsics = device::DeviceIntrinsics{
                      info.tof.pinhole.fx_px, info.tof.pinhole.cx_px, info.tof.pinhole.cy_px}};
@@ -252,9 +256,10 @@ void Player::publish(Channel& channel, HostTime at, std::uint64_t counter) {
 
 void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const {
   if (&channel == &depth_) {
-    fill_u16(capture_.depth_m, 1 / depth_info_.metres_per_step, draft.bytes());
+    fill_u16(capture_.depth_m, depth_info_.offset_m, 1 / depth_info_.metres_per_step,
+             draft.bytes());
     if (!draft.amplitude().empty() && !capture_.amplitude.empty())
-      fill_u16(capture_.amplitude, 1, draft.amplitude());
+      fill_u16(capture_.amplitude, 0, 1, draft.amplitude());
     return;
   }
   const Image<Rgb8>& picture = &channel == &fisheye_ ? capture_.fisheye : capture_.plate;

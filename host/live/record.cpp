@@ -6,7 +6,6 @@
 
 #include <fcntl.h>
 
-#include "host/capture/decode.h"
 #include "host/image_io/image_io.h"
 #include "host/live/lens_stream.h"
 #include "host/live/live_capture.h"
@@ -43,7 +42,11 @@ class Recorder {
         lens_(std::move(lens)),
         decoder_(config, devices),
         writer_(std::move(writer)),
-        extra_(config.cameras.size()) {}
+        extra_(config.cameras.size()) {
+    for (std::size_t i = 0; i < extra_.size(); ++i)
+      extra_[i].decoder =
+          capture::ColorDecoder(color_settings(config.cameras[i], devices.cameras[i]->info()));
+  }
 
   /// Reserves disk space that finish() frees: a take on a full disk can still be finished.
   Result<void> reserve() {
@@ -95,7 +98,7 @@ class Recorder {
       const auto& timed = set.frames.frames[i];
       Extra& extra = extra_[i];
       if (!timed.frame || (extra.count > 0 && timed.frame->sequence == extra.last)) continue;
-      if (!capture::decode_rgb8(*timed.frame, extra.picture)) continue;
+      if (!extra.decoder.decode(*timed.frame, extra.picture)) continue;
       const fs::path folder = writer_.staging() / config_.cameras[i].name;
       std::error_code ignored;  // write_png reports a missing folder
       if (extra.count == 0) fs::create_directories(folder, ignored);
@@ -127,6 +130,7 @@ class Recorder {
   }
 
   struct Extra {
+    capture::ColorDecoder decoder;
     Image<Rgb8> picture;
     int count = 0;
     std::uint64_t last = 0;

@@ -36,6 +36,55 @@ std::optional<double> optional_number(const config::Table& table, const char* ke
   return table.number(key, range);
 }
 
+/// The words of rig.toml in the order of the enumerators.
+const std::vector<std::string> kTransfers = {"srgb", "bt709", "linear", "gamma"},
+                               kMatrices = {"bt601", "bt709", "bt2020"},
+                               kRanges = {"usual", "limited", "full"}, kKinds = {"z", "distance"};
+
+template <typename T>
+std::optional<T> optional_word(const config::Table& table, const char* key,
+                               const std::vector<std::string>& words) {
+  if (!table.has(key)) return std::nullopt;
+  return static_cast<T>(table.one_of(key, words, 0));
+}
+
+ColorConfig parse_color(const config::Table& table) {
+  ColorConfig color;
+  color.transfer = optional_word<device::Transfer>(table, "transfer", kTransfers);
+  color.matrix = optional_word<device::YuvMatrix>(table, "yuv", kMatrices);
+  color.range = optional_word<device::SampleRange>(table, "range", kRanges);
+  color.black_level = table.number_or("black_level", 0, {0, 65535});
+  color.gamma = table.number_or("gamma", color.gamma, {0.5, 4});
+  if ((color.transfer == device::Transfer::kGamma) != table.has("gamma"))
+    table.fail("gamma", "give it with transfer = \"gamma\", and only then");
+  if (table.has("white_gains")) {
+    const auto gains = table.numbers("white_gains", 3, 3, {1, 16});
+    std::copy(gains.begin(), gains.end(), color.white_gains.begin());
+  }
+  return color;
+}
+
+DepthConfig parse_depth(const config::Table& table) {
+  constexpr config::Range kStep{0, 65535};
+  DepthConfig depth;
+  depth.unit_m = optional_number(table, "unit_m", {1e-7, 10});
+  depth.offset_m = optional_number(table, "offset_m", {-10, 10});
+  depth.kind = optional_word<device::DepthMeaning>(table, "kind", kKinds);
+  if (table.has("unknown"))
+    for (const double step : table.numbers("unknown", 1, 4, kStep)) {
+      if (step != std::floor(step)) table.fail("unknown", "give whole steps");
+      depth.unknown.push_back(static_cast<int>(step));
+    }
+  if (table.has("noise")) {
+    const auto noise = table.numbers("noise", 3, 3, {0, 10});
+    depth.noise = {noise[0], noise[1], noise[2]};
+  }
+  if (table.has("least_confidence"))
+    depth.least_confidence = table.integer("least_confidence", kStep);
+  if (table.has("light")) depth.light = table.boolean_or("light", false);
+  return depth;
+}
+
 CameraConfig parse_camera(const config::Table& table, const std::string& fallback_name) {
   CameraConfig camera;
   camera.name = table.text_or("name", fallback_name);
@@ -49,6 +98,7 @@ CameraConfig parse_camera(const config::Table& table, const std::string& fallbac
   camera.request.rate_hz = table.number_or("rate_hz", 0, kRate);
   camera.trigger_line = table.integer_or("trigger_line", -1, {-1, 31});
   camera.request.hardware_trigger = camera.trigger_line >= 0;
+  camera.request.trigger_input = table.text_or("trigger_input", "");
   camera.delay = from_ms(table.number_or("delay_ms", 0, {-1000, 1000}));
   if (const auto exposure_ms = optional_number(table, "exposure_ms", {1e-3, 1e5}))
     camera.exposure_s = *exposure_ms * 1e-3;
@@ -120,11 +170,46 @@ Writer camera_table(const CameraConfig& camera) {
     table.set("format", device::name(camera.request.format));
   if (camera.request.rate_hz > 0) table.set("rate_hz", camera.request.rate_hz);
   if (camera.trigger_line >= 0) table.set("trigger_line", camera.trigger_line);
+  if (!camera.request.trigger_input.empty())
+    table.set("trigger_input", camera.request.trigger_input);
   if (camera.delay != Duration(0)) table.set("delay_ms", to_ms(camera.delay));
   if (camera.exposure_s) table.set("exposure_ms", *camera.exposure_s * 1e3);
   if (camera.gain) table.set("gain", *camera.gain);
   if (camera.focus) table.set("focus", *camera.focus);
   if (camera.white_balance_k) table.set("white_balance_k", *camera.white_balance_k);
+  return table;
+}
+
+template <typename T>
+void set_word(Writer& table, const char* key, const std::vector<std::string>& words,
+              const std::optional<T>& value) {
+  if (value) table.set(key, words[static_cast<std::size_t>(*value)]);
+}
+
+Writer color_camera_table(const CameraConfig& camera) {
+  const ColorConfig& color = camera.color;
+  Writer table = camera_table(camera);
+  set_word(table, "transfer", kTransfers, color.transfer);
+  if (color.transfer == device::Transfer::kGamma) table.set("gamma", color.gamma);
+  set_word(table, "yuv", kMatrices, color.matrix);
+  set_word(table, "range", kRanges, color.range);
+  if (color.black_level > 0) table.set("black_level", color.black_level);
+  if (color.white_gains != ColorConfig().white_gains)
+    table.set("white_gains", std::span<const double>(color.white_gains));
+  return table;
+}
+
+Writer depth_camera_table(const CameraConfig& camera, const DepthConfig& depth) {
+  Writer table = camera_table(camera);
+  if (depth.unit_m) table.set("unit_m", *depth.unit_m);
+  if (depth.offset_m) table.set("offset_m", *depth.offset_m);
+  set_word(table, "kind", kKinds, depth.kind);
+  if (!depth.unknown.empty()) table.set("unknown", std::span<const int>(depth.unknown));
+  if (const auto& noise = depth.noise)
+    table.set("noise",
+              std::array<double, 3>{noise->floor_m, noise->linear, noise->quadratic_per_m});
+  if (depth.least_confidence) table.set("least_confidence", *depth.least_confidence);
+  if (depth.light) table.set("light", *depth.light);
   return table;
 }
 
@@ -146,6 +231,17 @@ Writer trigger_table(const RigConfig& rig) {
 }
 
 }  // namespace
+
+device::DepthInfo DepthConfig::applied_to(device::DepthInfo told) const {
+  told.metres_per_step = unit_m.value_or(told.metres_per_step);
+  told.unit_known |= unit_m.has_value();
+  told.offset_m = offset_m.value_or(told.offset_m);
+  told.meaning = kind.value_or(told.meaning);
+  if (!unknown.empty()) told.unknown_steps = unknown;
+  told.least_confidence = least_confidence.value_or(told.least_confidence);
+  told.amplitude_is_light = light.value_or(told.amplitude_is_light);
+  return told;
+}
 
 const TriggerLine* RigConfig::line(int number) const {
   for (const TriggerLine& line : lines)
@@ -171,10 +267,14 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
         config::path_at(root, "calibration", std::filesystem::path(name).parent_path());
   parse_trigger(root.table("trigger"), rig);
   int number = 0;
-  for (const config::Table& table : root.tables("camera"))
+  for (const config::Table& table : root.tables("camera")) {
     rig.cameras.push_back(parse_camera(table, "camera" + std::to_string(++number)));
-  if (const config::Table depth = root.table("depth"); depth.present())
+    rig.cameras.back().color = parse_color(table);
+  }
+  if (const config::Table depth = root.table("depth"); depth.present()) {
     rig.depth = parse_camera(depth, "depth");
+    rig.depth_steps = parse_depth(depth);
+  }
   if (const config::Table head = root.table("pan_tilt"); head.present())
     rig.pan_tilt_uri = head.text("uri");
   parse_lens(root.table("lens"), rig);
@@ -196,8 +296,8 @@ std::string rig_text(const RigConfig& rig) {
   if (rig.play_at) root.set("play_at_s", seconds(rig.play_at->time_since_epoch()));
   if (!rig.trigger_uri.empty() || !rig.edges_uri.empty() || !rig.lines.empty())
     root.set("trigger", trigger_table(rig));
-  for (const CameraConfig& camera : rig.cameras) root.add("camera", camera_table(camera));
-  if (rig.depth) root.set("depth", camera_table(*rig.depth));
+  for (const CameraConfig& camera : rig.cameras) root.add("camera", color_camera_table(camera));
+  if (rig.depth) root.set("depth", depth_camera_table(*rig.depth, rig.depth_steps));
   if (!rig.pan_tilt_uri.empty())
     root.set("pan_tilt", std::move(Writer().set("uri", rig.pan_tilt_uri)));
   if (!rig.lens_uri.empty())

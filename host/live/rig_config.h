@@ -2,6 +2,7 @@
 // rig.toml: the devices of a rig, their triggers and the calibration of the cameras.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,11 +11,34 @@
 
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
+#include "hal/device/depth_camera.h"
 #include "hal/device/trigger.h"
 #include "host/geometry/camera_model.h"
+#include "host/geometry/depth_noise.h"
 #include "host/geometry/pose.h"
 
 namespace mixrig::live {
+
+/// What the samples of a colour camera mean; what is absent is as the device tells it.
+struct ColorConfig {
+  std::optional<device::Transfer> transfer;
+  double gamma = 2.2;  ///< of Transfer::kGamma
+  std::optional<device::YuvMatrix> matrix;
+  std::optional<device::SampleRange> range;
+  double black_level = 0;                      ///< sample without light, in the camera's own steps
+  std::array<double, 3> white_gains{1, 1, 1};  ///< of red, green and blue light, each 1 or more
+};
+
+/// What depth steps mean; what is absent is as the device tells it.
+struct DepthConfig {
+  std::optional<double> unit_m, offset_m;
+  std::optional<device::DepthMeaning> kind;
+  std::vector<int> unknown;  ///< empty: absent
+  std::optional<geometry::DepthNoise> noise;
+  std::optional<int> least_confidence;
+  std::optional<bool> light;
+  device::DepthInfo applied_to(device::DepthInfo told) const;
+};
 
 struct CameraConfig {
   std::string name, uri;
@@ -22,6 +46,7 @@ struct CameraConfig {
   int trigger_line = -1;  ///< line of the trigger that fires the camera; -1 runs free
   Duration delay{};  ///< from the tick to the stamp: trigger latency, half the exposure, transport
   std::optional<double> exposure_s, gain, focus, white_balance_k;
+  ColorConfig color;  ///< of a [[camera]]
 };
 
 struct TriggerLine {
@@ -43,6 +68,7 @@ struct RigConfig {
   std::vector<TriggerLine> lines;
   std::vector<CameraConfig> cameras;  ///< the first one is the target camera
   std::optional<CameraConfig> depth;
+  DepthConfig depth_steps;
   std::string pan_tilt_uri;
   std::string lens_uri;             ///< of the encoders of the target camera's lens, or empty
   Duration lens_delay{};            ///< from what a packet says to its arrival

@@ -130,10 +130,10 @@ Result<void> GrowingTake::State::write_frame(const capture::Capture& frame,
     return folder / stream / fmt::format("{:06d}.png", number);
   };
   MIXRIG_TRY(image_io::write_png(path("color"), frame.plate.view()));
-  to_steps(frame.depth_m, info.depth_unit_m, info.depth_unknown, steps);
+  to_steps(frame.depth_m, depth_steps(info), steps);
   MIXRIG_TRY(image_io::write_png(path("depth"), std::as_const(steps).view()));
   if (!lit) return {};
-  to_steps(frame.amplitude, 1.0, 0, steps);
+  to_steps(frame.amplitude, {}, steps);
   return image_io::write_png(path("amplitude"), std::as_const(steps).view());
 }
 

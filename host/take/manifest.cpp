@@ -39,6 +39,7 @@ std::optional<geometry::Pinhole> read_view(const Table& target, Size size) {
 void read_depth(const Table& table, TakeInfo& info) {
   info.depth = read_stream(table);
   info.depth_unit_m = table.number_or("unit_m", info.depth_unit_m, {1e-7, 10.0});
+  info.depth_offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
   info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
   info.depth_kind = static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
   if (!table.has("noise")) return;

@@ -13,6 +13,7 @@
 #include "host/capture/pose_source.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
+#include "host/take/depth_steps.h"
 #include "host/take/fisheye_stream.h"
 #include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
@@ -50,11 +51,11 @@ struct TakeReader::State {
   std::unique_ptr<PictureStream> color, depth, amplitude;
   std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
-  std::map<int, FrameTick> ticks;                 ///< by frame number, where recorded
-  std::map<int, device::PanTiltAngles> pan_tilt;  ///< the same
-  std::vector<capture::LensSample> lens;          ///< by time, where recorded
+  std::map<int, FrameTick> ticks;                          ///< by frame number, where recorded
+  std::map<int, device::PanTiltAngles> pan_tilt;           ///< the same
+  std::vector<capture::LensSample> lens;                   ///< by time, where recorded
   std::map<int, std::vector<capture::TruePerson>> people;  ///< true ones, by frame number
-  std::map<int, capture::TrueLens> true_lens;     ///< by frame number, where known
+  std::map<int, capture::TrueLens> true_lens;              ///< by frame number, where known
   std::shared_ptr<const capture::RigCameras> cameras;
   Image<std::uint16_t> steps;  ///< reused from frame to frame
 
@@ -67,7 +68,7 @@ struct TakeReader::State {
   Result<void> read_tables();
   void take_times_from_ticks();
   void describe(int number, capture::Capture& capture) const;
-  Result<void> read_steps(PictureStream& stream, int index, double unit, int unknown,
+  Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
                           Image<float>& out);
   fs::path truth_file(const char* what, int number) const;
 };
@@ -222,15 +223,11 @@ Result<void> TakeReader::State::index_lists(const TumLists& lists) {
 }
 
 /// 16-bit steps (or EXR metres) as floats; `unknown` becomes 0.
-Result<void> TakeReader::State::read_steps(PictureStream& stream, int index, double unit,
-                                           int unknown, Image<float>& out) {
+Result<void> TakeReader::State::read_steps(PictureStream& stream, int index, const Steps& meaning,
+                                           Image<float>& out) {
   if (stream.holds_float()) return stream.read(index, out);
   MIXRIG_TRY(stream.read(index, steps));
-  if (out.size() != steps.size()) out.reset(steps.size());
-  for (int y = 0; y < steps.height(); ++y)
-    std::transform(steps.row(y), steps.row(y) + steps.width(), out.row(y), [=](std::uint16_t step) {
-      return step == unknown ? 0.0F : static_cast<float>(step * unit);
-    });
+  from_steps(steps, meaning, out);
   return {};
 }
 
@@ -315,15 +312,14 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
   s.describe(number, frame);
   MIXRIG_TRY(s.color->read(index.color, frame.plate));
   MIXRIG_TRY(check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
-  MIXRIG_TRY(
-      s.read_steps(*s.depth, index.depth, info.depth_unit_m, info.depth_unknown, frame.depth_m));
+  MIXRIG_TRY(s.read_steps(*s.depth, index.depth, depth_steps(info), frame.depth_m));
   MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(), s.depth->name(index.depth), "tof"));
   if (s.fisheye)
     MIXRIG_TRY(s.fisheye->read(frame));
   else
     capture::clear_fisheye(frame);
   if (!s.amplitude) return {};
-  MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, 1.0, 0, frame.amplitude));
+  MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, {}, frame.amplitude));
   return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");
 }
 
@@ -342,7 +338,7 @@ Result<void> TakeReader::read_truth(int number, capture::Truth& truth) {
   const int file = info.color.first + s.frames[static_cast<std::size_t>(number - 1)].color;
   const auto read_scaled = [&](const char* what, double unit, Image<float>& out) -> Result<void> {
     PictureFiles stream([&](int) { return s.truth_file(what, file); });
-    MIXRIG_TRY(s.read_steps(stream, 0, unit, 0, out));
+    MIXRIG_TRY(s.read_steps(stream, 0, {.unit = unit}, out));
     return check_size(out, info.target.size_px(), stream.name(0), "target");
   };
   MIXRIG_TRY(read_scaled("depth", info.truth_depth_unit_m, truth.depth_m));

@@ -157,10 +157,10 @@ Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& in
 Result<void> TakeWriter::write(const capture::Capture& frame) {
   State& s = *state_;
   MIXRIG_TRY(s.color.write(frame.plate.view()));
-  to_steps(frame.depth_m, s.info.depth_unit_m, s.info.depth_unknown, s.steps);
+  to_steps(frame.depth_m, depth_steps(s.info), s.steps);
   MIXRIG_TRY(s.depth.write(std::as_const(s.steps).view()));
   if (!frame.amplitude.empty()) {
-    to_steps(frame.amplitude, 1.0, 0, s.steps);
+    to_steps(frame.amplitude, {}, s.steps);
     MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
   }
   MIXRIG_TRY(s.write_fisheye(frame));
@@ -182,9 +182,9 @@ Result<void> TakeWriter::write_truth(const capture::Truth& truth) {
   const std::string name = number_name(s.frames);
   if (truth.lens) s.true_lens_rows += true_lens_row(s.frames, *truth.lens);
   s.people_rows += people_rows(s.frames, truth.people);
-  to_steps(truth.depth_m, s.info.truth_depth_unit_m, 0, s.steps);
+  to_steps(truth.depth_m, {.unit = s.info.truth_depth_unit_m}, s.steps);
   MIXRIG_TRY(image_io::write_png(folder / "depth" / name, std::as_const(s.steps).view()));
-  to_steps(truth.light, 1.0 / 65535.0, 0, s.steps);
+  to_steps(truth.light, {.unit = 1.0 / 65535.0}, s.steps);
   MIXRIG_TRY(image_io::write_png(folder / "light" / name, std::as_const(s.steps).view()));
   MIXRIG_TRY(image_io::write_png(folder / "matte" / name, truth.matte.view()));
   MIXRIG_TRY(image_io::write_png(folder / "composite" / name, truth.composite.view()));

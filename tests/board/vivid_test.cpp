@@ -22,9 +22,10 @@ device::StreamRequest small(device::PixelFormat format) {
 
 TEST(Vivid, StreamsEveryFormatThatItOffers) {
   using device::PixelFormat;
-  for (const PixelFormat format : {PixelFormat::kYuyv, PixelFormat::kNv12, PixelFormat::kGray8,
-                                   PixelFormat::kGray16, PixelFormat::kRgb8, PixelFormat::kBgr8,
-                                   PixelFormat::kBayerRggb8, PixelFormat::kBayerGbrg8}) {
+  for (const PixelFormat format :
+       {PixelFormat::kYuyv, PixelFormat::kNv12, PixelFormat::kGray8, PixelFormat::kGray16,
+        PixelFormat::kRgb8, PixelFormat::kBgr8, PixelFormat::kBayerRggb8, PixelFormat::kBayerGbrg8,
+        PixelFormat::kBayerRggb16}) {
     auto camera = device::V4l2Camera::open(kNode, small(format), g_clock);
     ASSERT_TRUE(camera) << device::name(format) << ": " << to_line(camera.error());
     Frames frames;
@@ -44,6 +45,37 @@ TEST(Vivid, StreamsEveryFormatThatItOffers) {
     measured("%s: %zu frames, %.2f Hz by their stamps", std::string(device::name(format)).c_str(),
              seen.size(), 1 / mean_s);
   }
+}
+
+/// Loads the module again, single-planar (1) or multi-planar (2).
+void load_vivid(int planar) {
+  const Ran ran =
+      run("modprobe -r vivid && modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 "
+          "input_types=0 multiplanar=" +
+          std::to_string(planar) + " && udevadm settle");
+  ASSERT_EQ(ran.status, 0) << ran.text;
+}
+
+TEST(Vivid, AMultiPlanarNodeSendsOneAndTwoPlanes) {
+  using device::PixelFormat;
+  load_vivid(2);
+  for (const PixelFormat format :
+       {PixelFormat::kYuyv, PixelFormat::kNv12, PixelFormat::kGray16, PixelFormat::kBayerRggb16}) {
+    auto camera = device::V4l2Camera::open(kNode, small(format), g_clock);
+    EXPECT_TRUE(camera) << device::name(format) << ": " << to_line(camera.error());
+    if (!camera) continue;
+    Frames frames;
+    EXPECT_TRUE((*camera)->start(frames.sink()));
+    EXPECT_TRUE(frames.wait_for_more(10)) << device::name(format);
+    (*camera)->stop();
+    const std::size_t bytes =
+        device::image_bytes(format, kSize, device::row_bytes(format, kSize.width));
+    for (const auto& frame : frames.seen()) {
+      EXPECT_GE(frame.bytes, bytes) << device::name(format);
+      EXPECT_EQ(frame.flags & device::kFrameIncomplete, 0U) << device::name(format);
+    }
+  }
+  load_vivid(1);
 }
 
 TEST(Vivid, FramesThatItDropsAreCountedAsLost) {

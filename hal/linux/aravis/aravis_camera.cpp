@@ -2,10 +2,12 @@
 #include "hal/linux/aravis/aravis_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -20,6 +22,7 @@ namespace mixrig::device {
 namespace {
 
 constexpr int kLibraryBuffers = 8, kBuffers = 10;
+constexpr std::size_t kMostParts = 8;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
 constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
@@ -34,13 +37,13 @@ using Object = std::unique_ptr<T, Unref<T>>;
 
 class AravisCamera final : public Camera {
  public:
-  AravisCamera(std::string id, const StreamRequest& request, Clock& clock)
-      : id_(std::move(id)), request_(request), clock_(clock) {
+  AravisCamera(std::string id, const StreamRequest& request, bool depth, Clock& clock)
+      : id_(std::move(id)), request_(request), depth_(depth), clock_(clock) {
     info_.uri = "aravis:" + id_;
   }
   ~AravisCamera() override { stop(); }
   Result<void> open();
-  Result<DepthInfo> depth_info() { return aravis_depth_info(camera_.get(), info_.uri); }
+  const DepthInfo& depth_info() const { return described_.steps; }
 
   const CameraInfo& info() const override { return info_; }
   Result<void> start(FrameSink sink) override;
@@ -57,6 +60,7 @@ class AravisCamera final : public Camera {
   void close_stream();
   void work();
   void take(ArvBuffer* buffer);
+  DepthUsed copy(ArvBuffer* buffer, const FramePool::Draft& draft) const;
   void come_back();
   Error failed(const std::string& what, const AravisFault& fault) const {
     return fault.error(info_.uri, what);
@@ -64,6 +68,8 @@ class AravisCamera final : public Camera {
 
   std::string id_;
   StreamRequest request_;
+  const bool depth_;
+  AravisDepth described_;  ///< of a depth camera
   Clock& clock_;
   CameraInfo info_;
   std::uint32_t code_ = 0;
@@ -85,7 +91,10 @@ Result<void> AravisCamera::open() {
   MIXRIG_TRY(set_up());
   describe_aravis(camera_.get(), info_);
   info_.stamp_clock = StampClock::kDevice;
-  pool_.emplace(kBuffers, declared_bytes(code_, info_.size));
+  const std::size_t bytes =
+      image_bytes(info_.format, info_.size, row_bytes(info_.format, info_.size.width));
+  const std::size_t map_bytes = depth_ ? bytes : 0;
+  pool_.emplace(kBuffers, bytes, map_bytes, map_bytes);
   return {};
 }
 
@@ -110,7 +119,12 @@ Result<void> AravisCamera::connect() {
 
 Result<void> AravisCamera::set_up() {
   CameraInfo described = info_;
-  MIXRIG_ASSIGN(const std::uint32_t code, choose_aravis_format(camera_.get(), request_, described));
+  MIXRIG_ASSIGN(const std::uint32_t code,
+                depth_ ? choose_aravis_depth(camera_.get(), request_, described)
+                       : choose_aravis_format(camera_.get(), request_, described));
+  if (depth_) {
+    MIXRIG_ASSIGN(described_, aravis_depth_info(camera_.get(), info_.uri, code));
+  }
   MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, described));
   if (pool_ && (code != code_ || described.size != info_.size))
     return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
@@ -182,9 +196,36 @@ void AravisCamera::work() {
   }
 }
 
-void AravisCamera::take(ArvBuffer* buffer) {
+/// The picture, or the maps of a depth frame; nothing where the buffer does not hold it.
+DepthUsed AravisCamera::copy(ArvBuffer* buffer, const FramePool::Draft& draft) const {
   std::size_t bytes = 0;
-  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &bytes));
+  if (!depth_) {
+    const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &bytes));
+    return {.depth = copy_picture(code_, info_.size, {data, bytes}, draft.bytes())
+                         ? draft.bytes().size()
+                         : 0};
+  }
+  std::array<GenicamPart, kMostParts> parts;
+  std::size_t count = 0;
+  if (arv_buffer_get_payload_type(buffer) != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
+    const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &bytes));
+    parts[count++] = {code_, info_.size, {data, bytes}};
+  } else {
+    const guint there = std::min<guint>(arv_buffer_get_n_parts(buffer), kMostParts);
+    for (guint i = 0; i < there; ++i) {
+      const auto* data =
+          static_cast<const std::uint8_t*>(arv_buffer_get_part_data(buffer, i, &bytes));
+      parts[count++] = {
+          arv_buffer_get_part_pixel_format(buffer, i),
+          {arv_buffer_get_part_width(buffer, i), arv_buffer_get_part_height(buffer, i)},
+          {data, data != nullptr ? bytes : 0}};
+    }
+  }
+  return copy_depth(std::span(parts).first(count), info_.size, described_.floats,
+                    {draft.bytes(), draft.amplitude(), draft.confidence()});
+}
+
+void AravisCamera::take(ArvBuffer* buffer) {
   const std::uint64_t id = arv_buffer_get_frame_id(buffer);
   Frame frame{.format = info_.format,
               .size = info_.size,
@@ -194,8 +235,8 @@ void AravisCamera::take(ArvBuffer* buffer) {
               .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
   auto draft = pool_->take();
-  const bool whole =
-      arrived && draft && copy_picture(code_, info_.size, {data, bytes}, draft.bytes());
+  const DepthUsed used = arrived && draft ? copy(buffer, draft) : DepthUsed();
+  const bool whole = used.depth > 0;
   if (!whole) frame.flags |= kFrameIncomplete;
   {
     const std::lock_guard lock(mutex_);
@@ -209,8 +250,8 @@ void AravisCamera::take(ArvBuffer* buffer) {
     ++health_.frames;
   }
   if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
-  const std::size_t used = image_bytes(info_.format, info_.size, frame.stride_bytes);
-  sink_(std::move(draft).publish(frame, used));
+  const std::size_t bytes = draft.bytes().size();
+  sink_(std::move(draft).publish(frame, bytes, used.amplitude, used.confidence));
 }
 
 void AravisCamera::come_back() {
@@ -282,8 +323,9 @@ StreamHealth AravisCamera::health() const {
 }
 
 Result<std::unique_ptr<AravisCamera>> open_camera(const std::string& id,
-                                                  const StreamRequest& request, Clock& clock) {
-  auto camera = std::make_unique<AravisCamera>(id, request, clock);
+                                                  const StreamRequest& request, bool depth,
+                                                  Clock& clock) {
+  auto camera = std::make_unique<AravisCamera>(id, request, depth, clock);
   MIXRIG_TRY(camera->open());
   return camera;
 }
@@ -292,16 +334,14 @@ Result<std::unique_ptr<AravisCamera>> open_camera(const std::string& id,
 
 Result<std::unique_ptr<Camera>> open_aravis(const std::string& id, const StreamRequest& request,
                                             Clock& clock) {
-  MIXRIG_ASSIGN(auto camera, open_camera(id, request, clock));
+  MIXRIG_ASSIGN(auto camera, open_camera(id, request, false, clock));
   return std::unique_ptr<Camera>(std::move(camera));
 }
 
 Result<std::unique_ptr<DepthCamera>> open_aravis_depth(const std::string& id,
                                                        const StreamRequest& request, Clock& clock) {
-  StreamRequest depth_request = request;
-  if (depth_request.format == PixelFormat::kUnknown) depth_request.format = PixelFormat::kDepth16;
-  MIXRIG_ASSIGN(auto camera, open_camera(id, depth_request, clock));
-  MIXRIG_ASSIGN(const DepthInfo depth, camera->depth_info());
+  MIXRIG_ASSIGN(auto camera, open_camera(id, request, true, clock));
+  const DepthInfo depth = camera->depth_info();
   return as_depth_camera(std::move(camera), depth);
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/aravis/aravis_setup.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <arv.h>
 
@@ -28,23 +30,35 @@ std::string AravisFault::text() const {
 }
 void AravisFault::clear() { g_clear_error(&error_); }
 
-Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamRequest& request,
-                                           CameraInfo& info) {
+namespace {
+
+/// Sets the first of the formats that the camera accepts.
+bool set_first_format(ArvCamera* camera, PixelFormat format) {
   AravisFault fault;
-  arv_camera_stop_acquisition(camera, fault);  // may still run for a client that crashed
-  if (request.format != PixelFormat::kUnknown) {
-    const std::uint32_t wanted = pfnc_of_format(request.format);
-    if (wanted != 0) arv_camera_set_pixel_format(camera, wanted, fault);
-    if (wanted == 0 || fault.any())
-      return Error{ErrorCode::kUnsupported,
-                   info.uri + ": does not offer " + std::string(name(request.format))};
+  for (const std::uint32_t code : pfncs_of_format(format)) {
+    arv_camera_set_pixel_format(camera, code, fault);
+    if (!fault.any() && arv_camera_get_pixel_format(camera, fault) == code) return true;
   }
+  return false;
+}
+
+Error not_offered(const CameraInfo& info, PixelFormat format) {
+  return Error{ErrorCode::kUnsupported,
+               info.uri + ": does not offer " + std::string(name(format)) +
+                   ": see what it offers with arv-tool-0.8 values PixelFormat"};
+}
+
+/// The size and the format in force.
+Result<std::uint32_t> settle_format(ArvCamera* camera, const StreamRequest& request,
+                                    CameraInfo& info) {
+  AravisFault fault;
   if (!request.size.empty()) {
     arv_camera_set_region(camera, 0, 0, request.size.width, request.size.height, fault);
     if (fault.any()) return fault.error(info.uri, "setting the picture's size");
   }
   const std::uint32_t code = arv_camera_get_pixel_format(camera, fault);
   info.format = format_of_pfnc(code);
+  info.sample_bits = sample_bits_of_pfnc(code);
   if (info.format == PixelFormat::kUnknown)
     return Error{ErrorCode::kUnsupported,
                  info.uri + ": sends a pixel format that mixrig does not read"};
@@ -57,14 +71,89 @@ Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamReques
   return code;
 }
 
+bool available(ArvDevice* device, const char* feature) {
+  AravisFault fault;
+  return arv_device_is_feature_available(device, feature, fault) && !fault.any();
+}
+
+/// False where the camera has no such component, or does not let it be switched.
+bool set_component(ArvDevice* device, const char* component, bool on) {
+  AravisFault fault;
+  arv_device_set_string_feature_value(device, "ComponentSelector", component, fault);
+  if (fault.any()) return false;
+  arv_device_set_boolean_feature_value(device, "ComponentEnable", on, fault);
+  return !fault.any();
+}
+
+/// Range alone, or with Intensity and Confidence where buffers have several parts. Leaves Range
+/// selected.
+void choose_components(ArvCamera* camera) {
+  ArvDevice* device = arv_camera_get_device(camera);
+  if (!available(device, "ComponentSelector")) return;
+  AravisFault fault;
+  bool parts = !arv_camera_is_gv_device(camera);
+  if (!parts && arv_camera_gv_is_multipart_supported(camera, fault) && !fault.any()) {
+    arv_camera_gv_set_multipart(camera, TRUE, fault);
+    parts = !fault.any();
+  }
+  for (const auto& [component, formats] :
+       {std::pair{"Intensity", std::array{"Mono16", "Mono8"}},
+        std::pair{"Confidence", std::array{"Confidence16", "Confidence8"}}}) {
+    if (!set_component(device, component, parts) || !parts) continue;
+    for (const char* format : formats) {
+      arv_device_set_string_feature_value(device, "PixelFormat", format, fault);
+      if (!fault.any()) break;
+    }
+  }
+  (void)set_component(device, "Range", true);
+}
+
+/// "Line0, Line1": what a feature can be set to.
+std::string choices(ArvDevice* device, const char* feature) {
+  AravisFault fault;
+  guint count = 0;
+  const char** names = arv_device_dup_available_enumeration_feature_values_as_strings(
+      device, feature, &count, fault);
+  std::string text;
+  for (guint i = 0; names != nullptr && i < count; ++i)
+    text += (i > 0 ? ", " : "") + std::string(names[i]);
+  g_free(names);
+  return text;
+}
+
+}  // namespace
+
+Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamRequest& request,
+                                           CameraInfo& info) {
+  AravisFault fault;
+  arv_camera_stop_acquisition(camera, fault);  // may still run for a client that crashed
+  if (request.format != PixelFormat::kUnknown && !set_first_format(camera, request.format))
+    return not_offered(info, request.format);
+  return settle_format(camera, request, info);
+}
+
+Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest& request,
+                                          CameraInfo& info) {
+  AravisFault fault;
+  arv_camera_stop_acquisition(camera, fault);
+  choose_components(camera);
+  if (!set_first_format(camera, PixelFormat::kDepth16))
+    return not_offered(info, PixelFormat::kDepth16);
+  return settle_format(camera, request, info);
+}
+
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info) {
   AravisFault fault;
   info.hardware_trigger = request.hardware_trigger;
   if (request.hardware_trigger) {
-    arv_camera_set_trigger(camera, "Line0", fault);
-    if (fault.any()) return fault.error(info.uri, "setting the trigger to Line0");
-    return {};
+    const std::string line = request.trigger_input.empty() ? "Line0" : request.trigger_input;
+    arv_camera_set_trigger(camera, line.c_str(), fault);
+    if (!fault.any()) return {};
+    Error error = fault.error(info.uri, "setting the trigger to " + line);
+    const std::string known = choices(arv_camera_get_device(camera), "TriggerSource");
+    if (!known.empty()) error.context += ": give trigger_input one of " + known;
+    return error;
   }
   arv_camera_clear_triggers(camera, fault);
   if (request.rate_hz > 0) {
@@ -89,23 +178,70 @@ void describe_aravis(ArvCamera* camera, CameraInfo& info) {
   if (!fault.any() && high > low) info.controls.push_back({CameraControl::kGain, low, high, 0.1});
 }
 
-Result<DepthInfo> aravis_depth_info(ArvCamera* camera, const std::string& uri) {
+namespace {
+
+std::string word(ArvDevice* device, const char* feature) {
+  AravisFault fault;
+  if (!available(device, feature)) return {};
+  const char* text = arv_device_get_string_feature_value(device, feature, fault);
+  return text != nullptr && !fault.any() ? text : "";
+}
+
+/// Metres of one unit of coordinates. Errors: kUnsupported for what is no length.
+Result<double> coordinate_unit(ArvDevice* device, const std::string& uri) {
+  const std::string mode = word(device, "Scan3dOutputMode"),
+                    unit = word(device, "Scan3dDistanceUnit");
+  if (mode.starts_with("Disparity"))
+    return Error{ErrorCode::kUnsupported, uri + ": sends disparities (Scan3dOutputMode " + mode +
+                                              "): set it to a mode that sends depth"};
+  if (unit.empty() || unit == "Millimeter") return 1e-3;
+  if (unit == "Inch") return 0.0254;
+  return Error{ErrorCode::kUnsupported,
+               uri + ": its Scan3dDistanceUnit is " + unit + ": set it to Millimeter"};
+}
+
+/// The value that means no measurement; none where the camera says that it has none.
+std::optional<double> invalid_value(ArvDevice* device) {
+  AravisFault fault;
+  if (available(device, "Scan3dInvalidDataFlag") &&
+      arv_device_get_boolean_feature_value(device, "Scan3dInvalidDataFlag", fault) == FALSE &&
+      !fault.any())
+    return std::nullopt;
+  return feature(device, "Scan3dInvalidDataValue");
+}
+
+}  // namespace
+
+Result<AravisDepth> aravis_depth_info(ArvCamera* camera, const std::string& uri,
+                                      std::uint32_t code) {
   ArvDevice* device = arv_camera_get_device(camera);
   AravisFault fault;
-  if (arv_device_is_feature_available(device, "Scan3dCoordinateSelector", fault))
+  if (available(device, "Scan3dCoordinateSelector"))
     arv_device_set_string_feature_value(device, "Scan3dCoordinateSelector", "CoordinateC", fault);
-  DepthInfo depth;
+  MIXRIG_ASSIGN(const double unit_m, coordinate_unit(device, uri));
   const auto scale = feature(device, "Scan3dCoordinateScale");
   if (!scale || !(*scale > 0) || !std::isfinite(*scale))
     return Error{ErrorCode::kDevice,
                  uri + ": does not report Scan3dCoordinateScale: its depth has no unit"};
-  depth.metres_per_step = *scale * 1e-3;
-  depth.offset_m = feature(device, "Scan3dCoordinateOffset").value_or(0) * 1e-3;
-  depth.unknown_step = static_cast<int>(feature(device, "Scan3dInvalidDataValue").value_or(0));
+  const double offset_m = feature(device, "Scan3dCoordinateOffset").value_or(0) * unit_m;
+  const auto invalid = invalid_value(device);
+  AravisDepth depth;
+  if (is_float(code)) {
+    depth.steps.metres_per_step = kFloatDepthStep_m;
+    depth.floats = {.scale_m = *scale * unit_m, .offset_m = offset_m};
+    if (invalid) depth.floats.invalid = static_cast<float>(*invalid);
+  } else {
+    depth.steps.metres_per_step = *scale * unit_m;
+    depth.steps.offset_m = offset_m;
+    if (invalid && *invalid >= 0 && *invalid <= 65535)
+      depth.steps.unknown_steps = {static_cast<int>(*invalid)};
+  }
+  const std::string system = word(device, "Scan3dCoordinateSystem");
+  if (system == "Spherical") depth.steps.meaning = DepthMeaning::kDistance;
   const auto focal = feature(device, "Scan3dFocalLength");
   const auto u = feature(device, "Scan3dPrincipalPointU"),
              v = feature(device, "Scan3dPrincipalPointV");
-  if (focal && u && v && *focal > 0) depth.intrinsics = DeviceIntrinsics{*focal, *u, *v};
+  if (focal && u && v && *focal > 0) depth.steps.intrinsics = DeviceIntrinsics{*focal, *u, *v};
   return depth;
 }
 

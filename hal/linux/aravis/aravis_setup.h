@@ -8,6 +8,7 @@
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
 #include "hal/device/depth_camera.h"
+#include "hal/wire/genicam_buffer.h"
 
 typedef struct _ArvCamera ArvCamera;  // NOLINT(modernize-use-using): as libaravis declares it
 typedef struct _GError GError;        // NOLINT(modernize-use-using)
@@ -42,14 +43,24 @@ class AravisFault {
 /// Errors: kUnsupported, kDevice.
 Result<std::uint32_t> choose_aravis_format(ArvCamera* camera, const StreamRequest& request,
                                            CameraInfo& info);
-/// Sets Line0, or free running at the requested rate; fills rate and trigger of `info`.
-/// Errors: kDevice.
+/// The same for depth: switches the components on and takes the first Coord3D format that the
+/// camera accepts. Errors: kUnsupported, kDevice.
+Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest& request,
+                                          CameraInfo& info);
+/// Sets the trigger's line, or free running at the requested rate; fills rate and trigger of
+/// `info`. Errors: kDevice.
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info);
 /// Model, serial number and controls.
 void describe_aravis(ArvCamera* camera, CameraInfo& info);
-/// Scale, offset, invalid value and intrinsics (SFNC 2.7, 3D Scan Control). Errors: kDevice where
-/// the camera reports no scale.
-Result<DepthInfo> aravis_depth_info(ArvCamera* camera, const std::string& uri);
+/// What the steps of a frame mean, and how floats become steps.
+struct AravisDepth {
+  DepthInfo steps;
+  FloatDepth floats;
+};
+/// Scale, offset, invalid value and intrinsics of pictures of that format (SFNC 2.7, 3D Scan
+/// Control). Errors: kDevice where the camera reports no scale, kUnsupported for what is no depth.
+Result<AravisDepth> aravis_depth_info(ArvCamera* camera, const std::string& uri,
+                                      std::uint32_t code);
 
 }  // namespace mixrig::device

@@ -2,7 +2,6 @@
 #include "hal/linux/v4l2/v4l2_camera.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "hal/base/log.h"
@@ -89,7 +88,7 @@ void V4l2Camera::take(const V4l2Picture& picture) {
               .sequence = picture.sequence,
               .device_time = DeviceTime(picture.stamp.time_since_epoch()),
               .received = clock_.now(),
-              .flags = payload_flags(layout_, picture.bytes.size(), picture.error)};
+              .flags = payload_flags(layout_, picture.bytes, picture.error)};
   if (!picture.stamp_valid) frame.device_time = DeviceTime(frame.received.time_since_epoch());
   auto draft = pool_->take();
   {
@@ -108,8 +107,7 @@ void V4l2Camera::take(const V4l2Picture& picture) {
   }
   if (picture.stamp_is_start) frame.device_time += frame.exposure / 2;
   if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
-  const std::size_t used = std::min(picture.bytes.size(), draft.bytes().size());
-  std::memcpy(draft.bytes().data(), picture.bytes.data(), used);
+  const std::size_t used = copy_v4l2_picture(layout_, picture.bytes, draft.bytes());
   sink_(std::move(draft).publish(frame, used));
 }
 

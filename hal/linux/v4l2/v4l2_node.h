@@ -2,6 +2,7 @@
 // An open V4L2 capture node: the ioctls, nothing else. Closing releases all buffers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -18,7 +19,7 @@ namespace mixrig::device {
 
 /// One filled buffer; its bytes are valid until give_back().
 struct V4l2Picture {
-  std::span<const std::uint8_t> bytes;
+  V4l2Bytes bytes{};  ///< of each plane
   std::uint32_t index = 0, sequence = 0;
   HostTime stamp{};             ///< CLOCK_MONOTONIC as the driver stamped it
   bool stamp_valid = false;     ///< the stamp is of CLOCK_MONOTONIC
@@ -26,7 +27,8 @@ struct V4l2Picture {
   bool error = false;
 };
 
-/// For one thread.
+/// Of single-planar and multi-planar nodes; a node that is both is used as single-planar. For one
+/// thread.
 class V4l2Node {
  public:
   V4l2Node() = default;
@@ -53,7 +55,11 @@ class V4l2Node {
     void* address = nullptr;
     std::size_t bytes = 0;
   };
+  using Buffer = std::array<Mapping, kMostV4l2Planes>;
+  struct Query;
   Error failed(const char* what) const;
+  bool multi_planar() const;
+  Result<void> map_buffer(std::uint32_t index);
   std::vector<V4l2Mode> modes() const;
   void add_sizes(std::uint32_t code, std::vector<V4l2Mode>& modes) const;
   double max_rate(std::uint32_t code, Size size) const;
@@ -64,7 +70,9 @@ class V4l2Node {
 
   int fd_ = -1;
   std::string path_;
-  std::vector<Mapping> mappings_;
+  std::uint32_t type_ = 0;  ///< of its buffers
+  std::size_t planes_ = 1;
+  std::vector<Buffer> buffers_;
 };
 
 }  // namespace mixrig::device

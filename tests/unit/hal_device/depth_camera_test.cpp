@@ -21,7 +21,7 @@ Frame frame() {
 
 TEST(DepthMetres, StepsAreScaledAndUnknownStaysUnknown) {
   Image<float> out;
-  ASSERT_TRUE(to_metres(frame(), {.metres_per_step = 0.001, .unknown_step = 0}, out));
+  ASSERT_TRUE(to_metres(frame(), {.metres_per_step = 0.001, .unknown_steps = {0}}, out));
   EXPECT_EQ(out.at(0, 0), 0.0F);
   EXPECT_FLOAT_EQ(out.at(1, 0), 1.0F);
   EXPECT_FLOAT_EQ(out.at(0, 1), 4.66F);
@@ -30,17 +30,46 @@ TEST(DepthMetres, StepsAreScaledAndUnknownStaysUnknown) {
 
 TEST(DepthMetres, OffsetAndOtherUnknownValue) {
   Image<float> out;
-  ASSERT_TRUE(to_metres(frame(),
-                        {.metres_per_step = 0.00025, .offset_m = 0.5, .unknown_step = 65535}, out));
+  ASSERT_TRUE(to_metres(
+      frame(), {.metres_per_step = 0.00025, .offset_m = 0.5, .unknown_steps = {65535}}, out));
   EXPECT_FLOAT_EQ(out.at(0, 0), 0.5F);
   EXPECT_FLOAT_EQ(out.at(1, 0), 0.75F);
   EXPECT_EQ(out.at(1, 1), 0.0F);
 }
 
+TEST(DepthMetres, EveryUnknownStepIsUnknown) {
+  Image<float> out;
+  ASSERT_TRUE(to_metres(frame(), {.unknown_steps = {65535, 1000}}, out));
+  EXPECT_EQ(out.at(0, 0), 0.0F) << "step 0 is no depth either";
+  EXPECT_EQ(out.at(1, 0), 0.0F);
+  EXPECT_FLOAT_EQ(out.at(0, 1), 4.66F);
+  EXPECT_EQ(out.at(1, 1), 0.0F);
+}
+
+TEST(DepthMetres, DepthOfLessConfidenceIsUnknown) {
+  // Packed: 0, 500, 501, 65535.
+  constexpr std::array<std::uint8_t, 8> kJudged = {0, 0, 0xF4, 1, 0xF5, 1, 0xFF, 0xFF};
+  Image<float> out;
+  Frame judged = frame();
+  judged.amplitude = kJudged;
+  ASSERT_TRUE(to_metres(judged, {.least_confidence = 501}, out));
+  EXPECT_EQ(out.at(1, 0), 0.0F);
+  EXPECT_FLOAT_EQ(out.at(0, 1), 4.66F);
+  EXPECT_FLOAT_EQ(out.at(1, 1), 65.535F);
+  constexpr std::array<std::uint8_t, 8> kSure = {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0xFF, 0xFF};
+  judged.confidence = kSure;
+  ASSERT_TRUE(to_metres(judged, {.least_confidence = 501}, out));
+  EXPECT_FLOAT_EQ(out.at(1, 0), 1.0F) << "a confidence of its own goes before the amplitude";
+  EXPECT_EQ(out.at(0, 1), 0.0F);
+  judged.confidence = std::span(kSure).first(6);
+  ASSERT_TRUE(to_metres(judged, {.least_confidence = 501}, out));
+  EXPECT_FLOAT_EQ(out.at(0, 1), 4.66F) << "too short to judge by";
+}
+
 TEST(DepthMetres, NegativeDepthIsUnknown) {
   Image<float> out;
   ASSERT_TRUE(
-      to_metres(frame(), {.metres_per_step = 0.001, .offset_m = -2.0, .unknown_step = 0}, out));
+      to_metres(frame(), {.metres_per_step = 0.001, .offset_m = -2.0, .unknown_steps = {0}}, out));
   EXPECT_EQ(out.at(1, 0), 0.0F);
 }
 

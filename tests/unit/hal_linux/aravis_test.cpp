@@ -3,11 +3,14 @@
 // its own network namespace: the search for cameras broadcasts.
 #include <condition_variable>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <arv.h>
 #include <gtest/gtest.h>
@@ -29,53 +32,128 @@ struct Unref {
 };
 using FakeDevice = std::unique_ptr<ArvGvFakeCamera, Unref>;
 
-/// A file with the built-in camera description plus the features of a ToF camera.
-std::string depth_description() {
+/// What a camera description has beside the built-in one.
+struct Features {
+  std::vector<std::pair<std::string, std::uint32_t>> formats;
+  std::string xml;  ///< nodes
+};
+
+std::string number(const std::string& name, const std::string& value) {
+  return "<Float Name=\"" + name + "\"><Value>" + value + "</Value></Float>\n";
+}
+
+/// An enumeration of one entry.
+std::string choice(const std::string& name, const std::string& entry) {
+  return "<Enumeration Name=\"" + name + "\"><EnumEntry Name=\"" + entry +
+         "\"><Value>0</Value></EnumEntry><Value>0</Value></Enumeration>\n";
+}
+
+std::string intrinsics() {
+  return number("Scan3dFocalLength", "512.5") + number("Scan3dPrincipalPointU", "319.5") +
+         number("Scan3dPrincipalPointV", "239.5");
+}
+
+const Features kPlainDepth = {{{"Coord3D_C16", device::pfnc::kCoord3dC16}},
+                              number("Scan3dCoordinateScale", "0.25") +
+                                  number("Scan3dCoordinateOffset", "0.0") + intrinsics()};
+
+// LUCID Helios2, by its technical manual: 0.25 mm a step, invalid points are 65535.
+const Features kHelios2 = {
+    {{"Coord3D_C16", device::pfnc::kCoord3dC16}, {"Coord3D_ABCY16", device::pfnc::kCoord3dAbcy16}},
+    number("Scan3dCoordinateScale", "0.25") + number("Scan3dCoordinateOffset", "0.0") +
+        "<Boolean Name=\"Scan3dInvalidDataFlag\"><Value>1</Value></Boolean>\n" +
+        number("Scan3dInvalidDataValue", "65535.0") + choice("Scan3dDistanceUnit", "Millimeter") +
+        choice("Scan3dOutputMode", "CalibratedABC_Grid") +
+        choice("Scan3dCoordinateSystem", "Cartesian") +
+        choice("Scan3dCoordinateSelector", "CoordinateC") + intrinsics()};
+
+constexpr guint64 kComponentsAt = 0x8000;  // a register of each component in the camera's memory
+
+// Basler blaze, by its documentation: components that are selected and enabled, points in
+// millimetres as floats or z of 10 m in 65535 steps, invalid ones are 0.
+Features blaze(const char* format, std::uint32_t code, const char* scale) {
+  const std::string xml =
+      "<Enumeration Name=\"ComponentSelector\">"
+      "<EnumEntry Name=\"Range\"><Value>0</Value></EnumEntry>"
+      "<EnumEntry Name=\"Intensity\"><Value>1</Value></EnumEntry>"
+      "<EnumEntry Name=\"Confidence\"><Value>2</Value></EnumEntry>"
+      "<pValue>Component</pValue></Enumeration>\n"
+      "<Integer Name=\"Component\"><Value>2</Value></Integer>\n"
+      "<Boolean Name=\"ComponentEnable\"><pValue>ComponentRegister</pValue></Boolean>\n"
+      "<IntReg Name=\"ComponentRegister\"><Address>" +
+      std::to_string(kComponentsAt) +
+      "</Address><pIndex Offset=\"4\">Component</pIndex><Length>4</Length>"
+      "<AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign>"
+      "<Endianess>BigEndian</Endianess></IntReg>\n";
+  return {{{format, code}},
+          xml + number("Scan3dCoordinateScale", scale) + number("Scan3dCoordinateOffset", "0.0") +
+              number("Scan3dInvalidDataValue", "0.0") + intrinsics()};
+}
+
+/// A file with the built-in camera description plus features.
+std::string description(const Features& features) {
   const FakeDevice plain(arv_gv_fake_camera_new("127.0.0.1", "PLAIN"));
   size_t size = 0;
   const char* xml =
       arv_fake_camera_get_genicam_xml(arv_gv_fake_camera_get_fake_camera(plain.get()), &size);
   std::string text(xml, size);
   const auto formats = text.find("<Enumeration Name=\"PixelFormat\"");
-  text.insert(text.find("<EnumEntry", formats),
-              "<EnumEntry Name=\"Coord3D_C16\" "
-              "NameSpace=\"Standard\"><Value>17825976</Value></EnumEntry>\n");
-  std::string features;
-  for (const auto& [name, value] : {std::pair{"Scale", "0.25"}, std::pair{"Offset", "0.0"}})
-    features += std::string("<Float Name=\"Scan3dCoordinate") + name + "\"><Value>" + value +
-                "</Value></Float>\n";
-  for (const auto& [name, value] :
-       {std::pair{"FocalLength", "512.5"}, std::pair{"PrincipalPointU", "319.5"},
-        std::pair{"PrincipalPointV", "239.5"}})
-    features +=
-        std::string("<Float Name=\"Scan3d") + name + "\"><Value>" + value + "</Value></Float>\n";
-  text.insert(text.find("<Enumeration Name=\"PixelFormat\""), features);
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("mixrig_tof_" + std::to_string(::getpid()) + ".xml");
+  for (const auto& [name, code] : features.formats)
+    text.insert(text.find("<EnumEntry", formats),
+                "<EnumEntry Name=\"" + name + "\" NameSpace=\"Standard\"><Value>" +
+                    std::to_string(code) + "</Value></EnumEntry>\n");
+  text.insert(formats, features.xml);
+  static int count = 0;
+  const auto path =
+      std::filesystem::temp_directory_path() /
+      ("mixrig_tof_" + std::to_string(::getpid()) + "_" + std::to_string(++count) + ".xml");
   std::ofstream(path) << text;
   return path;
 }
 
+/// Pixel (x, y) has depth step 1000 + x + y, amplitude 7 (x + y) and, as a float, 250 + x + y mm;
+/// pixel (0, 0) is invalid.
 void fill_ramp(ArvBuffer* buffer, void*, guint32, guint32, ArvPixelFormat format) {
-  if (format != device::pfnc::kCoord3dC16) return;
   size_t unused = 0;  // the library sets it to 0 here: the declared geometry is used
-  auto* steps =
-      static_cast<std::uint16_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unused)));
+  auto* bytes = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unused)));
   const int width = arv_buffer_get_image_width(buffer),
             height = arv_buffer_get_image_height(buffer);
+  const auto word = [&](int value) {
+    *bytes++ = static_cast<std::uint8_t>(value);
+    *bytes++ = static_cast<std::uint8_t>(value >> 8);
+  };
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) steps[y * width + x] = static_cast<std::uint16_t>(1000 + x + y);
+    for (int x = 0; x < width; ++x) {
+      const bool invalid = x == 0 && y == 0;
+      if (format == device::pfnc::kCoord3dC16) {
+        word(1000 + x + y);
+      } else if (format == device::pfnc::kCoord3dAbcy16) {
+        word(11), word(22), word(invalid ? 65535 : 1000 + x + y), word(7 * (x + y));
+      } else if (format == device::pfnc::kCoord3dAbc32f) {
+        for (const float value : {11.0F, 22.0F, static_cast<float>(invalid ? 0 : 250 + x + y)}) {
+          std::memcpy(bytes, &value, sizeof value);
+          bytes += sizeof value;
+        }
+      }
+    }
 }
 
 class Device {
  public:
-  explicit Device(const std::string& serial) : description_(depth_description()) {
+  explicit Device(const std::string& serial, const Features& features = kPlainDepth)
+      : description_(description(features)) {
     camera_.reset(arv_gv_fake_camera_new_full("127.0.0.1", serial.c_str(), description_.c_str()));
     arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(camera_.get()), fill_ramp,
                                      nullptr);
   }
   ~Device() { std::filesystem::remove(description_); }
   bool running() const { return arv_gv_fake_camera_is_running(camera_.get()); }
+  std::uint32_t memory(guint64 address) const {
+    std::uint32_t value = 0;
+    arv_fake_camera_read_memory(arv_gv_fake_camera_get_fake_camera(camera_.get()),
+                                static_cast<guint32>(address), sizeof value, &value);
+    return value;
+  }
 
  private:
   std::string description_;
@@ -150,31 +228,115 @@ INSTANTIATE_TEST_SUITE_P(Aravis, DepthCameraContract,
                          ::testing::Values(DepthCameraMaker{"aravis", make_aravis_depth}),
                          [](const auto& maker) { return maker.param.name; });
 
-TEST(AravisDepth, ScaleAndIntrinsicsAreReadFromTheCamera) {
-  SystemClock clock;
-  const Device device("GV02");
-  ASSERT_TRUE(device.running());
+/// One whole frame of a depth camera: in metres, and its amplitude.
+struct Seen {
+  device::DepthInfo info;
+  Image<float> depth_m{};
+  std::vector<std::uint8_t> amplitude{};
+};
+Seen seen_by(const std::string& serial) {
+  static SystemClock clock;
   auto camera =
-      device::open_aravis_depth("Aravis-Fake-GV02", {.size = {64, 48}, .rate_hz = 25}, clock);
-  ASSERT_TRUE(camera) << to_line(camera.error());
-  const device::DepthInfo info = (*camera)->depth();
-  EXPECT_DOUBLE_EQ(info.metres_per_step, 0.00025);
-  ASSERT_TRUE(info.intrinsics);
-  EXPECT_DOUBLE_EQ(info.intrinsics->focal_px, 512.5);
-  Image<float> metres;
+      device::open_aravis_depth("Aravis-Fake-" + serial, {.size = {64, 48}, .rate_hz = 25}, clock);
+  EXPECT_TRUE(camera) << to_line(camera.error());
+  if (!camera) return {};
+  Seen seen{.info = (*camera)->depth()};
   Counter counter;
   std::mutex mutex;
-  ASSERT_TRUE((*camera)->start(counter.sink([&](const device::FramePtr& frame) {
+  EXPECT_TRUE((*camera)->start(counter.sink([&](const device::FramePtr& frame) {
     const std::lock_guard lock(mutex);
     if ((frame->flags & device::kFrameIncomplete) != 0) return;
-    EXPECT_TRUE(to_metres(*frame, info, metres));
+    EXPECT_TRUE(to_metres(*frame, seen.info, seen.depth_m));
+    seen.amplitude.assign(frame->amplitude.begin(), frame->amplitude.end());
   })));
   EXPECT_TRUE(counter.wait_for(5));
   (*camera)->stop();
-  ASSERT_EQ(metres.size(), (Size{64, 48}));
+  EXPECT_EQ(seen.depth_m.size(), (Size{64, 48}));
+  return seen;
+}
+
+TEST(AravisDepth, ScaleAndIntrinsicsAreReadFromTheCamera) {
+  const Device device("GV02");
+  ASSERT_TRUE(device.running());
+  const Seen seen = seen_by("GV02");
+  EXPECT_DOUBLE_EQ(seen.info.metres_per_step, 0.00025);
+  ASSERT_TRUE(seen.info.intrinsics);
+  EXPECT_DOUBLE_EQ(seen.info.intrinsics->focal_px, 512.5);
+  EXPECT_TRUE(seen.amplitude.empty());
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 64; ++x)
-      ASSERT_FLOAT_EQ(metres.at(x, y), static_cast<float>((1000 + x + y) * 0.00025));
+      ASSERT_FLOAT_EQ(seen.depth_m.at(x, y), static_cast<float>((1000 + x + y) * 0.00025));
+}
+
+TEST(AravisDepth, ACameraLikeHelios2GivesDepthAndAmplitudeInOneFrame) {
+  const Device device("GV05", kHelios2);
+  ASSERT_TRUE(device.running());
+  const Seen seen = seen_by("GV05");
+  EXPECT_DOUBLE_EQ(seen.info.metres_per_step, 0.00025);
+  EXPECT_EQ(seen.info.unknown_steps, std::vector<int>{65535});
+  EXPECT_EQ(seen.info.meaning, device::DepthMeaning::kZ);
+  EXPECT_EQ(seen.depth_m.at(0, 0), 0.0F);
+  ASSERT_EQ(seen.amplitude.size(), 2U * 64 * 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = y == 0 ? 1 : 0; x < 64; ++x) {
+      const auto at = static_cast<std::size_t>(2 * (64 * y + x));
+      ASSERT_FLOAT_EQ(seen.depth_m.at(x, y), static_cast<float>((1000 + x + y) * 0.00025));
+      ASSERT_EQ(seen.amplitude[at] | seen.amplitude[at + 1] << 8, 7 * (x + y));
+    }
+}
+
+TEST(AravisDepth, ACameraLikeBlazeIsSetToItsRangeAndReadInItsScale) {
+  const Device device("GV06", blaze("Coord3D_C16", device::pfnc::kCoord3dC16, "0.152590219"));
+  ASSERT_TRUE(device.running());
+  const Seen seen = seen_by("GV06");
+  EXPECT_NEAR(seen.info.metres_per_step, 10.0 / 65535, 1e-10);
+  EXPECT_FLOAT_EQ(seen.depth_m.at(3, 5), static_cast<float>(1008 * 0.000152590219));
+  EXPECT_NE(device.memory(kComponentsAt), 0U) << "Range is on";
+  EXPECT_EQ(device.memory(kComponentsAt + 4), 0U) << "one part a buffer: Intensity is off";
+  EXPECT_EQ(device.memory(kComponentsAt + 8), 0U);
+}
+
+TEST(AravisDepth, PointsAsFloatsBecomeSteps) {
+  const Device device("GV07", blaze("Coord3D_ABC32f", device::pfnc::kCoord3dAbc32f, "1.0"));
+  ASSERT_TRUE(device.running());
+  const Seen seen = seen_by("GV07");
+  EXPECT_EQ(seen.depth_m.at(0, 0), 0.0F);
+  for (int x = 1; x < 64; ++x) ASSERT_NEAR(seen.depth_m.at(x, 7), 0.257 + 0.001 * x, 1e-6) << x;
+}
+
+TEST(AravisDepth, WhatIsNoDepthOrHasNoUnitIsRefused) {
+  static SystemClock clock;
+  struct Case {
+    const char* serial;
+    std::string xml;
+    const char* in_the_line;
+  };
+  for (const Case& c : {Case{"GV08", intrinsics(), "does not report Scan3dCoordinateScale"},
+                        Case{"GV09", kPlainDepth.xml + choice("Scan3dOutputMode", "DisparityC"),
+                             "sends disparities"},
+                        Case{"GV10", kPlainDepth.xml + choice("Scan3dDistanceUnit", "Pixel"),
+                             "Scan3dDistanceUnit is Pixel"}}) {
+    const Device device(c.serial, {kPlainDepth.formats, c.xml});
+    ASSERT_TRUE(device.running());
+    const auto camera = device::open_aravis_depth(std::string("Aravis-Fake-") + c.serial,
+                                                  {.size = {64, 48}}, clock);
+    ASSERT_FALSE(camera) << c.serial;
+    EXPECT_NE(to_line(camera.error()).find(c.in_the_line), std::string::npos)
+        << to_line(camera.error());
+  }
+}
+
+TEST(AravisTrigger, AnInputThatTheCameraDoesNotHaveIsNamedWithThoseThatItHas) {
+  SystemClock clock;
+  const Device device("GV11");
+  device::StreamRequest request = small(device::PixelFormat::kGray8);
+  request.hardware_trigger = true;
+  request.trigger_input = "Line7";
+  const auto camera = device::open_aravis("Aravis-Fake-GV11", request, clock);
+  ASSERT_FALSE(camera);
+  EXPECT_NE(to_line(camera.error()).find("setting the trigger to Line7"), std::string::npos);
+  EXPECT_NE(to_line(camera.error()).find("give trigger_input one of "), std::string::npos)
+      << to_line(camera.error());
 }
 
 TEST(AravisOpen, AMissingCameraIsNamedInTheError) {

@@ -55,6 +55,7 @@ class PlayedTake : public ::testing::Test {
     info.color.rate_hz = info.depth.rate_hz = 25;
     info.depth_kind = capture::DepthKind::kDistance;
     info.depth_unit_m = 0.00025;
+    info.depth_offset_m = -0.0125;
     auto writer = take::TakeWriter::create(folder_ / "take", info, take::StreamFormat::kPng);
     EXPECT_TRUE(writer) << writer.error().context;
     for (int number = 1; number <= kFrames; ++number) {

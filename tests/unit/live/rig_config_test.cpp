@@ -143,6 +143,78 @@ TEST(RigConfig, TextOfAnyKindIsReadBack) {
   }
 }
 
+constexpr const char* kTold = R"(
+format = 1
+[[camera]]
+uri = "v4l2:/dev/video0"
+transfer = "gamma"
+gamma = 1.8
+yuv = "bt709"
+range = "full"
+black_level = 16
+white_gains = [1.75, 1.0, 2.5]
+[depth]
+uri = "v4l2:/dev/video2"
+unit_m = 0.00025
+offset_m = -0.0125
+kind = "distance"
+unknown = [0, 65535]
+noise = [0.001, 0.002, 0.003]
+least_confidence = 40
+light = true
+[[trigger.line]]
+line = 0
+divider = 4
+[trigger]
+uri = "mcu:x"
+)";
+
+TEST(RigConfig, WhatSamplesAndStepsMeanIsReadAndReadsBack) {
+  const auto first = parse_rig(kTold, "rig.toml");
+  ASSERT_TRUE(first) << to_line(first.error());
+  const auto rig = parse_rig(rig_text(*first), "again.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  const ColorConfig& color = rig->cameras[0].color;
+  EXPECT_EQ(color.transfer, device::Transfer::kGamma);
+  EXPECT_EQ(color.gamma, 1.8);
+  EXPECT_EQ(color.matrix, device::YuvMatrix::kBt709);
+  EXPECT_EQ(color.range, device::SampleRange::kFull);
+  EXPECT_EQ(color.black_level, 16);
+  EXPECT_EQ(color.white_gains, (std::array<double, 3>{1.75, 1, 2.5}));
+  device::DepthInfo told{.metres_per_step = 1, .unit_known = false};
+  told.intrinsics = device::DeviceIntrinsics{500, 1, 2};
+  const device::DepthInfo depth = rig->depth_steps.applied_to(told);
+  EXPECT_EQ(depth.metres_per_step, 0.00025);
+  EXPECT_TRUE(depth.unit_known);
+  EXPECT_EQ(depth.offset_m, -0.0125);
+  EXPECT_EQ(depth.meaning, device::DepthMeaning::kDistance);
+  EXPECT_EQ(depth.unknown_steps, (std::vector<int>{0, 65535}));
+  EXPECT_EQ(depth.least_confidence, 40);
+  EXPECT_TRUE(depth.amplitude_is_light);
+  EXPECT_EQ(depth.intrinsics->focal_px, 500);
+  EXPECT_EQ(rig->depth_steps.noise->quadratic_per_m, 0.003);
+}
+
+TEST(RigConfig, WhatItLeavesOutIsAsTheDeviceTellsIt) {
+  const auto rig = parse_rig("format = 1\n[depth]\nuri = \"usb:1:2\"\n", "rig.toml");
+  ASSERT_TRUE(rig);
+  const device::DepthInfo told{.metres_per_step = 0.5,
+                               .unit_known = false,
+                               .offset_m = 3,
+                               .unknown_steps = {7},
+                               .least_confidence = 9,
+                               .amplitude_is_light = true,
+                               .meaning = device::DepthMeaning::kDistance};
+  const device::DepthInfo depth = rig->depth_steps.applied_to(told);
+  EXPECT_EQ(depth.metres_per_step, 0.5);
+  EXPECT_FALSE(depth.unit_known);
+  EXPECT_EQ(depth.offset_m, 3);
+  EXPECT_EQ(depth.unknown_steps, told.unknown_steps);
+  EXPECT_EQ(depth.least_confidence, 9);
+  EXPECT_TRUE(depth.amplitude_is_light);
+  EXPECT_EQ(depth.meaning, device::DepthMeaning::kDistance);
+}
+
 TEST(RigConfig, FaultsAreReportedWithFileAndKey) {
   struct Case {
     const char* text;
@@ -163,6 +235,16 @@ TEST(RigConfig, FaultsAreReportedWithFileAndKey) {
       {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[trigger.edges]\nuri = \"gpiod:x/1\"\nline = 3",
        "no [[trigger.line]] has line = 3"},
       {"format = 1\n[[trigger.line]]\nline = 0\ndivider = 4", "uri"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\nunit_m = 0", "unit_m"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\nunit_mm = 1", "unit_mm"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\nkind = \"range\"", "kind"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\nunknown = 65536", "unknown"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\nunknown = [0.5]", "unknown"},
+      {"format = 1\n[depth]\nuri = \"usb:x\"\ntransfer = \"linear\"", "transfer"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\ntransfer = \"gamma\"", "gamma"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\ngamma = 2.2", "gamma"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nwhite_gains = [0.5, 1.0, 1.0]", "white_gains"},
+      {"format = 1\n[[camera]]\nuri = \"v4l2:x\"\nunit_m = 0.001", "unit_m"},
       {"format = 1\n[trigger]\nuri = \"mcu:x\"\n[[trigger.line]]\nline = 0\ndivider = 0",
        "divider"},
   };

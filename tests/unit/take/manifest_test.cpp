@@ -119,6 +119,7 @@ TEST(Manifest, WhatIsWrittenIsReadBack) {
   info.depth = {"depth.mkv", 1, 7, 29.97};
   info.depth_kind = capture::DepthKind::kDistance;
   info.depth_unit_m = 1.0 / 3000.0;
+  info.depth_offset_m = -0.0125;
   info.has_truth = true;
   const auto read = parse_manifest(manifest_text(info), "t/take.toml");
   ASSERT_TRUE(read) << read.error().context;
@@ -127,6 +128,7 @@ TEST(Manifest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(read->info.depth, info.depth);
   EXPECT_EQ(read->info.depth_kind, info.depth_kind);
   EXPECT_EQ(read->info.depth_unit_m, info.depth_unit_m);
+  EXPECT_EQ(read->info.depth_offset_m, info.depth_offset_m);
   EXPECT_EQ(read->info.target.lens.coefficients(), info.target.lens.coefficients());
   EXPECT_EQ(read->info.target.pinhole, info.target.pinhole);
   EXPECT_EQ(read->info.tof.pinhole, info.tof.pinhole);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A V4L2 node without a kernel: a regular file, and this program's own ioctl() in place of libc's.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <linux/videodev2.h>
+
+#include "hal/base/image.h"
+
+namespace mixrig::test {
+
+struct FakePlane {
+  std::uint32_t stride_bytes = 0, bytes = 0;
+  std::uint32_t data_offset = 0;  ///< of a multi-planar node: where the picture begins
+};
+
+/// Sends one format and size. Buffers lie in a file, which the driver under test maps; ioctl() on
+/// it is answered as Documentation/userspace-api/media/v4l of the kernel says. One at a time.
+class FakeV4l2 {
+ public:
+  FakeV4l2();
+  ~FakeV4l2();
+  FakeV4l2(const FakeV4l2&) = delete;
+  FakeV4l2& operator=(const FakeV4l2&) = delete;
+
+  const std::string& path() const { return path_; }
+  int ioctl(unsigned long request, void* argument);
+  bool is(int fd) const;
+
+  bool multi_planar = false;
+  std::uint32_t capabilities = 0;  ///< 0: as multi_planar says
+  std::uint32_t code = 0;
+  Size size{};
+  std::vector<FakePlane> planes;
+  std::uint32_t colorspace = 0, ycbcr = 0, quantization = 0, transfer = 0;
+  /// Bytes of each plane of the pictures to send.
+  std::deque<std::vector<std::vector<std::uint8_t>>> pictures;
+
+ private:
+  std::uint32_t type() const;
+  int describe(v4l2_capability& capability) const;
+  int set_format(v4l2_format& format) const;
+  int query(v4l2_buffer& buffer) const;
+  int queue(const v4l2_buffer& buffer);
+  int dequeue(v4l2_buffer& buffer);
+  std::uint32_t offset(std::uint32_t buffer, std::size_t plane) const;
+
+  std::string path_;
+  int fd_ = -1;
+  std::deque<std::uint32_t> queued_;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// The V4L2 driver against a node whose ioctl() this program answers itself.
+#include "hal/linux/v4l2/v4l2_camera.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/hal_linux/fake_v4l2.h"
+
+namespace mixrig::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
+
+struct Got {
+  Bytes bytes;
+  device::PixelFormat format{};
+  std::size_t stride_bytes = 0;
+  std::uint32_t flags = 0;
+};
+
+/// Everything that a camera sends until `count` frames came.
+std::vector<Got> take(device::V4l2Camera& camera, std::size_t count) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<Got> got;
+  const auto started = camera.start([&](const device::FramePtr& frame) {
+    const std::lock_guard lock(mutex);
+    got.push_back({{frame->bytes.begin(), frame->bytes.end()},
+                   frame->format,
+                   frame->stride_bytes,
+                   frame->flags});
+    changed.notify_all();
+  });
+  EXPECT_TRUE(started) << to_line(started.error());
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, 60s, [&] { return got.size() >= count; }));
+  lock.unlock();
+  camera.stop();
+  return got;
+}
+
+class V4l2Camera : public ::testing::Test {
+ protected:
+  std::unique_ptr<device::V4l2Camera> open() {
+    auto camera = device::V4l2Camera::open(node_.path(), {}, clock_);
+    EXPECT_TRUE(camera) << to_line(camera.error());
+    return camera ? *std::move(camera) : nullptr;
+  }
+  FakeV4l2 node_;
+  SystemClock clock_;
+};
+
+TEST_F(V4l2Camera, ASinglePlanarNodeTellsItsColoursAndSendsItsBytes) {
+  node_.code = V4L2_PIX_FMT_YUYV;
+  node_.size = {4, 2};
+  node_.planes = {{8, 16}};
+  node_.colorspace = V4L2_COLORSPACE_REC709;
+  node_.quantization = V4L2_QUANTIZATION_FULL_RANGE;
+  const Bytes picture = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+  node_.pictures = {{picture}};
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->info().color, (device::ColorEncoding{.matrix = device::YuvMatrix::kBt709,
+                                                         .range = device::SampleRange::kFull,
+                                                         .transfer = device::Transfer::kBt709}));
+  const auto got = take(*camera, 1);
+  EXPECT_EQ(got[0].bytes, picture);
+  EXPECT_EQ(got[0].flags, device::kFrameOk);
+}
+
+// NV12M: luma and chroma in buffers of their own, and a header before each.
+TEST_F(V4l2Camera, PlanesOfAMultiPlanarNodeBecomeOnePicture) {
+  node_.multi_planar = true;
+  node_.code = V4L2_PIX_FMT_NV12M;
+  node_.size = {4, 2};
+  node_.planes = {{6, 12, 64}, {4, 4, 32}};
+  node_.transfer = V4L2_XFER_FUNC_SRGB;
+  node_.ycbcr = V4L2_YCBCR_ENC_709;
+  node_.pictures = {{{1, 2, 3, 4, 0, 0, 5, 6, 7, 8, 0, 0}, {9, 10, 11, 12}},
+                    {{1, 2, 3, 4, 0, 0, 5, 6, 7, 8, 0, 0}, {9, 10, 11}}};
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->info().format, device::PixelFormat::kNv12);
+  EXPECT_EQ(camera->info().color.matrix, device::YuvMatrix::kBt709);
+  const auto got = take(*camera, 2);
+  ASSERT_EQ(got[0].bytes.size(), 18U);
+  EXPECT_EQ(got[0].stride_bytes, 6U);
+  EXPECT_EQ(Bytes(got[0].bytes.begin(), got[0].bytes.begin() + 16),
+            (Bytes{1, 2, 3, 4, 0, 0, 5, 6, 7, 8, 0, 0, 9, 10, 11, 12}));
+  EXPECT_EQ(got[0].flags, device::kFrameOk);
+  EXPECT_NE(got[1].flags & device::kFrameIncomplete, 0U) << "chroma is short";
+}
+
+// A sensor's raw picture: MIPI RAW10, linear, one plane of a multi-planar node.
+TEST_F(V4l2Camera, PackedRawOfASensorIsUnpacked) {
+  node_.multi_planar = true;
+  node_.code = V4L2_PIX_FMT_SRGGB10P;
+  node_.size = {4, 2};
+  node_.planes = {{8, 16}};
+  node_.colorspace = V4L2_COLORSPACE_RAW;
+  node_.pictures = {{{0xFF, 0x00, 0x80, 0x00, 0b01'00'00'11, 9, 9, 9,  //
+                      0x00, 0x00, 0x00, 0xFF, 0b11'00'00'00, 9, 9, 9}}};
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->info().format, device::PixelFormat::kBayerRggb16);
+  EXPECT_EQ(camera->info().sample_bits, 10);
+  EXPECT_EQ(camera->info().color.transfer, device::Transfer::kLinear);
+  const auto got = take(*camera, 1);
+  // 1023, 0, 512, 1 / 0, 0, 0, 1023, of full scale 65535.
+  EXPECT_EQ(got[0].bytes, (Bytes{0xFF, 0xFF, 0, 0, 0x20, 0x80, 0x40, 0,  //
+                                 0, 0, 0, 0, 0, 0, 0xFF, 0xFF}));
+  EXPECT_EQ(got[0].flags, device::kFrameOk);
+}
+
+TEST_F(V4l2Camera, ANodeThatDoesNotCaptureIsRefused) {
+  node_.capabilities = V4L2_CAP_STREAMING | V4L2_CAP_META_CAPTURE;
+  const auto camera = device::V4l2Camera::open(node_.path(), {}, clock_);
+  ASSERT_FALSE(camera);
+  EXPECT_NE(to_line(camera.error()).find("does not stream pictures"), std::string::npos);
+}
+
+TEST_F(V4l2Camera, MorePlanesThanTheFormatHasAreRefused) {
+  node_.multi_planar = true;
+  node_.code = V4L2_PIX_FMT_YUYV;
+  node_.size = {4, 2};
+  node_.planes = {{8, 16}, {8, 16}, {8, 16}};
+  EXPECT_FALSE(device::V4l2Camera::open(node_.path(), {}, clock_));
+}
+
+}  // namespace
+}  // namespace mixrig::test
