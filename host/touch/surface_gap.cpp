@@ -17,7 +17,7 @@ constexpr double kSystematic_m = 0.01;  ///< of key, warp and calibration
 constexpr double kNoiseBias = 1.0;      ///< sigmas by which the nearest of many is too near
 constexpr float kOwnerCell_m = 0.05F;
 constexpr int kOwnerReach = 5, kMostCells = 256;  ///< cells; a side
-constexpr float kStep_m = 0.5F;                  ///< from the axis of a body to its feet
+constexpr float kStep_m = 0.5F;                   ///< from the axis of a body to its feet
 
 }  // namespace
 
