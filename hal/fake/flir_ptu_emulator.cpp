@@ -40,6 +40,7 @@ std::array<long, 2> FlirPtuEmulator::position(HostTime now) {
 }
 
 void FlirPtuEmulator::move(HostTime now) {
+  if (now <= moved_) return;  // callers on several threads read the clock before they take turns
   const double passed_s = seconds(now - moved_);
   moved_ = now;
   if (faults.stalled) return;

@@ -32,7 +32,7 @@ class FlirPtuEmulator {
   /// Bytes for the host, in order; the caller erases what it sent.
   std::string& output() { return output_; }
 
-  /// True positions in steps (pan, tilt).
+  /// True positions in steps (pan, tilt). A time before the newest one moves nothing.
   std::array<long, 2> position(HostTime now);
   std::uint64_t commands() const { return commands_; }
   std::uint64_t limit_reports() const { return limit_reports_; }

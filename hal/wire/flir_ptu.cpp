@@ -38,10 +38,15 @@ Result<std::unique_ptr<FlirPtu>> FlirPtu::open(std::unique_ptr<ByteStream> strea
   return unit;
 }
 
-/// No echo, verbose replies, independent axes, immediate moves.
+/// No echo, verbose replies, independent axes, immediate moves. The first command is repeated where
+/// it is refused: a cable that was unplugged has left half a command in the unit, or an answer.
 Result<void> FlirPtu::set_up_protocol() {
-  for (const std::string_view text : {"ED ", "FV ", "CI ", "I "})
-    MIXRIG_TRY(command(text, kAnswer));
+  MIXRIG_ASSIGN(const PtuReply first, exchange("ED ", kAnswer));
+  if (!first.ok) {
+    stale_ = true;
+    MIXRIG_TRY(command("ED ", kAnswer));
+  }
+  for (const std::string_view text : {"FV ", "CI ", "I "}) MIXRIG_TRY(command(text, kAnswer));
   return {};
 }
 

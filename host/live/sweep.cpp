@@ -44,7 +44,11 @@ Error at_view(Error error, const SweepOptions& options, std::size_t view) {
 /// One view; false when `stop` was set.
 Result<bool> take_view(SweepRig& rig, device::PanTiltAngles target, ViewTaker& taker,
                        capture::Capture& frame, const std::atomic<bool>& stop, Clock& clock) {
-  MIXRIG_TRY(rig.move_to(target));
+  if (auto moving = rig.move_to(target); !moving) {
+    Error error = std::move(moving).error();
+    error.context = "the pan-tilt unit was not moved: " + error.context;
+    return error;
+  }
   taker.begin(target, clock.now());
   while (!taker.taken()) {
     if (stop) {

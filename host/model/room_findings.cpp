@@ -34,13 +34,22 @@ struct Saturated {
   Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
 };
 
-Saturated saturated_in(const Image<Rgb8>& plate) {
+/// Whether a plate at a shorter exposure shows what saturates at (x, y).
+bool shorter_shows(const ScanView& view, int x, int y) {
+  if (view.light.empty()) return false;
+  const RgbHalf& c = view.light.row(y)[x];
+  return float_of_half(std::max({c.r, c.g, c.b})) < view.light_limit;
+}
+
+/// The pixels of the view that are white in every exposure that it has.
+Saturated saturated_in(const ScanView& view) {
+  const Image<Rgb8>& plate = view.plate;
   Saturated found;
   double count = 0;
   for (int y = 0; y < plate.height(); ++y)
     for (int x = 0; x < plate.width(); ++x) {
       const Rgb8& c = plate.row(y)[x];
-      if (std::min({c.r, c.g, c.b}) < 254) continue;
+      if (std::min({c.r, c.g, c.b}) < 254 || shorter_shows(view, x, y)) continue;
       ++count, found.middle_px += Eigen::Vector2d(x, y);
     }
   if (count == 0) return found;
@@ -79,7 +88,7 @@ void find_in_view(const ScannedRoom& room, std::size_t i, std::vector<Finding>& 
     add(FindingKind::kUncheckedView, agreement.samples);
   else if (agreement.median_m > std::max(kDisagreeing_m, kDisagreeing * median_m))
     add(FindingKind::kDisagreeingView, 1e3 * agreement.median_m);
-  if (const Saturated lamp = saturated_in(view.plate); lamp.pct > kSaturated_pct)
+  if (const Saturated lamp = saturated_in(view); lamp.pct > kSaturated_pct)
     out.push_back(at(FindingKind::kSaturatedView, number,
                      seen_at(view, room.target, lamp.middle_px).normalized(), lamp.pct));
   if (const double pct = known_pct(view.distance_m); pct < kEmpty_pct)

@@ -17,7 +17,7 @@ enum class FindingKind : std::uint8_t {
   kTurnedView,       ///< disagreed with its neighbours, a turn mends it; value: degrees
   kDisagreeingView,  ///< disagrees, and no turn mends it; value: millimetres
   kUncheckedView,    ///< overlaps with none; value: samples
-  kSaturatedView,    ///< bright pixels, placed at their middle; value: per cent of its plate
+  kSaturatedView,    ///< white in all exposures, placed at the middle; value: per cent of its plate
   kEmptyView,        ///< little depth; value: per cent of its pixels that have any
   kUnseen,           ///< no view looks there, though views are around; value: square degrees
   kWithoutDepth,     ///< views look there and measure nothing; value: square degrees

@@ -114,8 +114,9 @@ TEST_F(Rig, APanningHeadIsFollowedAndTheObjectStays) {
     const double bar_px =
         test::bar_in_row(picture.width(), [&](int x) { return picture.at(x, 20).g; });
     if (!known[static_cast<std::size_t>(number - 1)]) {
-      if (!errors_px.empty())
+      if (!errors_px.empty()) {
         EXPECT_EQ(object_px, last_px) << "frozen where the pose is lost: " << number;
+      }
       continue;
     }
     if (!std::isfinite(object_px) || !std::isfinite(bar_px)) continue;

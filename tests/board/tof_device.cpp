@@ -88,9 +88,7 @@ void TofDevice::add_packets(device::TofKind kind, TofFault fault, HostTime now) 
     payload.clear();
     for (int y = row; y < row + rows; ++y)
       for (int x = 0; x < size.width; ++x) {
-        int value = kind == device::TofKind::kAmplitude ? kAmplitude : step_at(x, y);
-        if (kind == device::TofKind::kDistance && x == 0 && y == 0)
-          value = kTofCodeBase_steps + static_cast<int>(code_);
+        const int value = value_at(kind, x, y);
         payload.push_back(static_cast<std::uint8_t>(value));
         payload.push_back(static_cast<std::uint8_t>(value >> 8));
       }
@@ -112,6 +110,12 @@ void TofDevice::add_packets(device::TofKind kind, TofFault fault, HostTime now) 
     frame_.insert(frame_.end(), payload.begin(), payload.end());
     if (faulty && fault == TofFault::kTruncate) frame_.resize(frame_.size() - payload.size() / 2);
   }
+}
+
+int TofDevice::value_at(device::TofKind kind, int x, int y) const {
+  if (kind == device::TofKind::kAmplitude) return kAmplitude;
+  if (!shown_.empty()) return shown_[static_cast<std::size_t>(y * description_.size.width + x)];
+  return x == 0 && y == 0 ? kTofCodeBase_steps + static_cast<int>(code_) : step_at(x, y);
 }
 
 int TofDevice::transmit(int endpoint, std::span<std::uint8_t> room, HostTime now) {
@@ -136,6 +140,13 @@ std::optional<HostTime> TofDevice::next_event() {
 void TofDevice::fire(std::uint32_t number) {
   const std::lock_guard lock(mutex_);
   if (streaming_ && !free_) fired_ = number;
+}
+
+void TofDevice::show(std::vector<std::uint16_t> steps) {
+  steps.resize(description_.size.area());
+  const std::lock_guard lock(mutex_);
+  shown_ = std::move(steps);
+  description_.depth.meaning = device::DepthMeaning::kDistance;
 }
 
 void TofDevice::fail_next(TofFault fault) {

@@ -41,12 +41,16 @@ class TofDevice final : public UsbDevice {
   void fail_next(TofFault fault);
   /// For any thread: every n-th frame has this fault; 0 none.
   void fail_every(int n, TofFault fault);
-  /// Depth of all pixels but the first, in steps of a millimetre.
+  /// For any thread: frames from the next one on have these distances along the ray, in steps of a
+  /// millimetre, row by row, and no code. Call it once before the host opens the device.
+  void show(std::vector<std::uint16_t> steps);
+  /// Depth of all pixels but the first, in steps of a millimetre, before show().
   static int step_at(int x, int y) { return 500 + x + 2 * y; }
 
  private:
   bool begin_frame(HostTime now);
   void add_packets(device::TofKind kind, TofFault fault, HostTime now);
+  int value_at(device::TofKind kind, int x, int y) const;
 
   device::TofDescription description_;
   bool free_;
@@ -54,6 +58,7 @@ class TofDevice final : public UsbDevice {
   UsbDescriptors descriptors_;
   std::mutex mutex_;  ///< guards the members below
   std::vector<std::uint8_t> frame_;
+  std::vector<std::uint16_t> shown_;  ///< empty: step_at() and a code
   std::size_t sent_ = 0;
   bool streaming_ = false, halted_ = false, end_ = false;
   HostTime due_{};

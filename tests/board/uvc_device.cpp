@@ -219,6 +219,15 @@ bool UvcDevice::begin_picture(HostTime now) {
     due_ = (now - due_ > 2 * interval_ ? now : due_) + interval_;
     ++number_;
   }
+  if (shown_.empty())
+    draw_picture();
+  else
+    picture_ = shown_;
+  toggle_ = !toggle_;
+  return true;
+}
+
+void UvcDevice::draw_picture() {
   for (int y = 0; y < kCodeBlock_px; ++y)
     for (int x = 0; x < kCodeBits * kCodeBlock_px; ++x)
       picture_[static_cast<std::size_t>(y * size_.width + x) * 2] =
@@ -227,8 +236,6 @@ bool UvcDevice::begin_picture(HostTime now) {
     for (int x = 0; x < size_.width; ++x)
       picture_[static_cast<std::size_t>(y * size_.width + x) * 2] =
           columns_[static_cast<std::size_t>(x)];
-  toggle_ = !toggle_;
-  return true;
 }
 
 int UvcDevice::transmit(int endpoint, std::span<std::uint8_t> room, HostTime now) {
@@ -262,6 +269,12 @@ void UvcDevice::show(std::vector<std::uint8_t> columns) {
   columns.resize(static_cast<std::size_t>(size_.width), kBlack);
   const std::lock_guard lock(mutex_);
   columns_ = std::move(columns);
+}
+
+void UvcDevice::show_picture(std::vector<std::uint8_t> yuyv) {
+  yuyv.resize(picture_.size(), kNoColor);
+  const std::lock_guard lock(mutex_);
+  shown_ = std::move(yuyv);
 }
 
 void UvcDevice::miss_every(int n) {

@@ -37,6 +37,8 @@ class UvcDevice final : public UsbDevice {
   /// For any thread: pictures from the next one on have these luminances in each row below the
   /// code.
   void show(std::vector<std::uint8_t> columns);
+  /// For any thread: pictures from the next one on are this one (YUYV), without a code.
+  void show_picture(std::vector<std::uint8_t> yuyv);
   /// Ignores every n-th edge of the trigger line; 0: none.
   void miss_every(int n);
   /// Steps of a control as the host last set it: 1 camera terminal, 2 processing unit.
@@ -50,6 +52,7 @@ class UvcDevice final : public UsbDevice {
   int stream_control(const UsbSetup& setup, std::span<std::uint8_t> data);
   int unit_control(const UsbSetup& setup, std::span<std::uint8_t> data);
   bool begin_picture(HostTime now);
+  void draw_picture();
   bool triggered() const;
 
   Size size_;
@@ -61,6 +64,7 @@ class UvcDevice final : public UsbDevice {
   Duration interval_{};
   std::vector<std::uint8_t> picture_;
   std::vector<std::uint8_t> columns_;  ///< to show; empty: the ramp
+  std::vector<std::uint8_t> shown_;    ///< a whole picture; empty: the code and what is below it
   std::size_t sent_ = 0;
   bool streaming_ = false, toggle_ = false;
   HostTime due_{};

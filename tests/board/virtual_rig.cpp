@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <numbers>
+#include <utility>
 
 #include "tests/board/bench.h"
 
@@ -42,24 +43,39 @@ bool VirtualRig::plug_color() {
   return mapped.has_value();
 }
 
-/// The room's columns at the angle that the head has.
-std::vector<std::uint8_t> VirtualRig::room_now() {
+void VirtualRig::show_room() {
+  set_look([this](int line, device::PanTiltAngles at, HostTime) {
+    if (line != kColorLine) return;
+    std::vector<std::uint8_t> columns;
+    for (int x = 0; x < kColorSize.width; ++x)
+      columns.push_back(static_cast<std::uint8_t>(room.luminance(x, at.pan_rad)));
+    color.show(std::move(columns));
+  });
+}
+
+void VirtualRig::set_look(Look look) {
+  const std::lock_guard lock(mutex_);
+  look_ = std::move(look);
+}
+
+void VirtualRig::look(int line) {
   constexpr double kStep_rad = 185.1428 / 3600 * std::numbers::pi / 180;
-  const double pan_rad = kStep_rad * static_cast<double>(head.position(SystemClock().now())[0]);
-  std::vector<std::uint8_t> columns;
-  for (int x = 0; x < kColorSize.width; ++x)
-    columns.push_back(static_cast<std::uint8_t>(room.luminance(x, pan_rad)));
-  return columns;
+  const std::lock_guard lock(mutex_);
+  if (!look_) return;
+  const HostTime now = SystemClock().now();
+  const auto [pan, tilt] = head.position(now);
+  look_(line, {kStep_rad * static_cast<double>(pan), kStep_rad * static_cast<double>(tilt)}, now);
 }
 
 void VirtualRig::fire(int line, std::uint32_t tick) {
   if (line == kColorLine) {
     chip.pull(kEdgesLine, true);
-    if (shows_room_) color.show(room_now());
+    look(line);
     color.fire(tick);
     color_port.wake();
     chip.pull(kEdgesLine, false);
   } else if (line == kDepthLine) {
+    look(line);
     depth.fire(tick);
     depth_port.wake();
   }

@@ -4,11 +4,13 @@
 // cameras.
 #pragma once
 
-#include <atomic>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
+#include "hal/device/pan_tilt.h"
 #include "tests/board/nodes.h"
 #include "tests/board/sim_chip.h"
 #include "tests/board/tof_device.h"
@@ -41,15 +43,21 @@ struct VirtualRig {
   bool plug_color();
   bool plug_depth();
   bool plug_head();
+  /// Called before the camera of a trigger line is fired, on the trigger's thread, with the angles
+  /// that the head has: shows the camera what it sees. It delays the camera.
+  using Look = std::function<void(int line, device::PanTiltAngles at, HostTime now)>;
+  /// For any thread: from now on.
+  void set_look(Look look);
   /// From now on the colour camera sees the room at the head's angle when it is fired.
-  void show_room() { shows_room_ = true; }
+  void show_room();
   /// Writes rig.toml. Errors show as a missing file.
   void write_config(const std::string& path) const;
 
  private:
   void fire(int line, std::uint32_t tick);
-  std::vector<std::uint8_t> room_now();
-  std::atomic<bool> shows_room_ = false;
+  void look(int line);
+  std::mutex mutex_;  ///< guards look_
+  Look look_;
 };
 
 }  // namespace mixrig::board

@@ -62,14 +62,18 @@ void ChangeCells::add(const FrameSight& sight, double dt_s) {
 /// What moves by less than a step is still the same, and no thing. Noise is averaged out first: who
 /// stands sways slower than that.
 void ChangeCells::note_unrest(float off_m, double dt_s, ChangeCell& cell) {
-  const auto share_of = [dt_s](double time_s) {
-    return std::min(static_cast<float>(dt_s / time_s), 1.0F);
+  ChangeCell::Half& half = cell.halves[static_cast<std::size_t>(cell.looks % 2)];
+  const float frames = static_cast<float>(cell.looks++ / 2 + 1);
+  const auto share_of = [&](double time_s) {
+    return std::max(std::min(static_cast<float>(2 * dt_s / time_s), 1.0F), 1 / frames);
   };
-  if (cell.weight == 0) cell.smooth_m = cell.mean_m = off_m;
-  cell.smooth_m += share_of(kSway_s) * (off_m - cell.smooth_m);
-  const float share = share_of(kUnrest_s), from_mean_m = cell.smooth_m - cell.mean_m;
-  cell.mean_m += share * from_mean_m;
-  cell.variance_m2 = (1 - share) * (cell.variance_m2 + share * from_mean_m * from_mean_m);
+  half.smooth_m += share_of(kSway_s) * (off_m - half.smooth_m);
+  half.mean_m += share_of(kUnrest_s) * (half.smooth_m - half.mean_m);
+  if (cell.looks < 2) return;
+  const auto& [a, b] = cell.halves;
+  const float share = std::min(static_cast<float>(dt_s / kUnrest_s), 1.0F);
+  const float both_m2 = (a.smooth_m - a.mean_m) * (b.smooth_m - b.mean_m);
+  cell.covariance_m2 += share * (both_m2 - cell.covariance_m2);
   cell.weight += share * (1 - cell.weight);
 }
 

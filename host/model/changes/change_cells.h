@@ -3,6 +3,7 @@
 // folder.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,8 +22,15 @@ struct ChangeCell {
   float against_s = 0;               ///< in which they did not
   float streak_s = 0;                ///< of that since they last agreed
   double first_s = 0, seen_s = 0;
-  float smooth_m = 0;  ///< measured z less that of the point, averaged over a moment
-  float mean_m = 0, variance_m2 = 0, weight = 0;  ///< of smooth_m, lately; less than 1: since it is
+  /// Measured z less that of the point. Frames are dealt to two halves, whose noise is independent:
+  /// the covariance of their averages is of what moves alone.
+  struct Half {
+    float smooth_m = 0;  ///< averaged over a moment
+    float mean_m = 0;    ///< lately
+  };
+  std::array<Half, 2> halves{};
+  int looks = 0;
+  float covariance_m2 = 0, weight = 0;  ///< of the halves, lately; less than 1: since it is
   int points = 0;                                 ///< averaged in point_m
   int change = 0;  ///< number of the change that it belongs to; 0: none
   int slot = -1;   ///< where in the grid; -1: not in use

@@ -20,8 +20,8 @@ constexpr double kJoinPart = 0.75;
 constexpr int kFewestRipe = 10;
 /// Parts of one thing lie no further from each other.
 constexpr double kOneThing_m = 0.25;
-/// A depth's own noise, smoothed by the warp, moves a thing by less than this part of its sigma.
-constexpr double kNoisePart = 0.25;
+/// What noise leaves in the unrest of a thing is less than this part of a depth's sigma.
+constexpr double kNoisePart = 1.0 / 12;
 /// Numbers of cells of what appeared and of what is gone, of one thing seen from two sides.
 constexpr double kMostSizeRatio = 3;
 constexpr double kFarthestMove_m = 6;
@@ -122,9 +122,9 @@ double RoomWatch::unrest_m(const ChangeCells& evidence) {
   values_.clear();
   for (const std::size_t i : members_) {
     const ChangeCell& cell = evidence.cells()[i];
-    values_.push_back(cell.weight > 0 ? cell.variance_m2 / cell.weight : 0);
+    values_.push_back(cell.weight > 0 ? cell.covariance_m2 / cell.weight : 0);
   }
-  return std::sqrt(double{upper_median_in_place(std::span(values_))});
+  return std::sqrt(std::max(0.0, double{upper_median_in_place(std::span(values_))}));
 }
 
 bool RoomWatch::is_still(double unrest_m, const Eigen::Vector3d& center_m) const {

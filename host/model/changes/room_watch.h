@@ -22,8 +22,9 @@ struct WatchOptions {
   double appeared_s = 12;  ///< people stand still for seconds
   double color_s = 20;     ///< so do their shadows
   double lights_s = 2;
-  /// What moves by more, root mean square, or by a quarter of the sigma of a depth, is no thing.
-  double still_m = 0.002;
+  /// What moves by more, root mean square without noise, or by 1/12 of the sigma of a depth, is no
+  /// thing.
+  double still_m = 0.001;
 };
 
 /// The same with all times but that of lights in proportion to that of what appeared.

@@ -2,6 +2,7 @@
 // The driver of the ASCII protocol against the emulated unit: special cases and faults.
 #include "hal/wire/flir_ptu.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -40,6 +41,25 @@ TEST_F(FlirPtuTest, ReadsResolutionAndRangeFromTheUnit) {
   EXPECT_NEAR(head_->info().minimum.tilt_rad, -907 * kStepRad, 1e-9);
   EXPECT_NE(head_->info().version.find("v2.14"), std::string::npos);
   EXPECT_EQ(head_->health().noise_bytes, 0U) << "echo is not noise";
+}
+
+TEST_F(FlirPtuTest, OpensBehindHalfACommandOfAnUnpluggedCable) {
+  const std::array<std::uint8_t, 4> half{'P', 'P', '4', '6'};
+  unit_.receive(half, clock_.now());
+  const auto opened = FlirPtu::open(std::make_unique<fake::FlirPtuLine>(unit_, clock_), clock_,
+                                    "flir-ptu:emulated");
+  ASSERT_TRUE(opened) << to_line(opened.error());
+  clock_.advance(5s);
+  EXPECT_EQ(unit_.position(clock_.now())[0], 0) << "half a command moves nothing";
+}
+
+TEST_F(FlirPtuTest, TheEmulatedUnitStandsStillForACallerWhoseTimeIsEarlier) {
+  ASSERT_TRUE(head_->move_to({10 * kStepRad, 0}));
+  clock_.advance(5s);
+  const HostTime now = clock_.now();
+  EXPECT_EQ(unit_.position(now)[0], 10);
+  EXPECT_EQ(unit_.position(now - 3ms)[0], 10);
+  EXPECT_EQ(unit_.position(now)[0], 10);
 }
 
 TEST_F(FlirPtuTest, MovesToTheNearestStepAndArrives) {

@@ -252,7 +252,7 @@ TEST_F(Sweep, EachTimeoutHasItsName) {
   expect(ErrorCode::kTimeout, "no frames that could be paired");
   rig_.frames_lost = false;
   rig_.refuses = true;
-  expect(ErrorCode::kTimeout, "the unit does not answer");
+  expect(ErrorCode::kTimeout, "the pan-tilt unit was not moved: the unit does not answer");
   rig_.refuses = false;
   save_fails_ = true;
   expect(ErrorCode::kIo, "view 1 of 3");

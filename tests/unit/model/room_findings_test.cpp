@@ -185,5 +185,23 @@ TEST(RoomFindings, ALampAndAnEmptyViewAreNamed) {
   EXPECT_NEAR(empty->value, 25, 0.1);
 }
 
+TEST(RoomFindings, WhatAShorterExposureShowsIsNotSaturated) {
+  auto views = sound_box();
+  const std::uint16_t white = half_of_float(4), limit = half_of_float(16);
+  for (ScanView* view : {&views[23], &views[24]}) {
+    view->light.reset(view->plate.size(), {white, white, white});
+    view->light_limit = 16;
+    for (int y = 10; y < 20; ++y)
+      for (int x = 10; x < 20; ++x) view->plate.at(x, y) = {255, 255, 255};
+  }
+  for (int y = 10; y < 14; ++y)
+    for (int x = 10; x < 20; ++x) views[24].light.at(x, y) = {limit, limit, limit};
+  const auto found = faults_of(views);
+  EXPECT_EQ(find(found, FindingKind::kSaturatedView, 24), nullptr);
+  const Finding* lamp = find(found, FindingKind::kSaturatedView, 25);
+  ASSERT_NE(lamp, nullptr);
+  EXPECT_NEAR(lamp->value, 100.0 * 40 / (96 * 80), 0.01);
+}
+
 }  // namespace
 }  // namespace mixrig::model

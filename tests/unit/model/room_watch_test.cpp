@@ -374,5 +374,19 @@ TEST_F(WatchedRoom, NoiseOfAPoorCameraIsNoChange) {
   EXPECT_TRUE(watch_->changes().empty()) << told();
 }
 
+/// Sigma is 25 mm at the chair's distance and the sway is 4 mm RMS: what moves is told from noise.
+TEST_F(WatchedRoom, APoorCameraTellsAThingFromWhoSways) {
+  noise_ = {0.01, 0.005, 0.002};
+  for (int i = 0; i < 20 * kWatchRate_hz; ++i) {
+    const double t = i / kWatchRate_hz;
+    see({chair_at(-0.7, 2.4), person_at(0.6, 2.5 + 0.006 * std::sin(1.5 * t))});
+  }
+  const auto changes = watch_->changes();
+  ASSERT_EQ(changes.size(), 1U) << told();
+  EXPECT_EQ(changes[0].kind, ChangeKind::kAppeared);
+  expect_near(changes[0].center_m, {-0.7, 2.35, 0.5}, 0.1);
+  EXPECT_LT(changes[0].unrest_m, 0.001) << "noise is no unrest";
+}
+
 }  // namespace
 }  // namespace mixrig::model
