@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who walks through a box of the scene, and past another: events against the studio's true
-// surfaces, within four frames, since a picture of 160x128 loses 2 cm at the border of a body that
-// walks at 1 m/s across it (touch_study judges larger ones). A box that is kicked: the same
+// surfaces, within four frames at 160x128, where three were seen (touch_study judges larger
+// pictures). A box that is kicked: the same
 // pictures twice.
 #include <fstream>
 
