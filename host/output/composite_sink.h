@@ -28,9 +28,11 @@ struct Composite {
   std::optional<double> slip_px;        ///< of the contact points, against the true pose
   std::optional<double> slip_sigma_px;  ///< the same, predicted from the pose's covariance
   bool objects_shown = true;            ///< false: hidden, since the pose is lost
-  render::FrameOutput images;           ///< those of images.wanted are valid
-  float frame_ms = 0;                   ///< time to composite it
-  double foreground_pct = 0;            ///< share of pixels with a matte of at least half
+  /// Of the scene's objects; empty: where the scene has them.
+  std::vector<geometry::Pose> world_from_object;
+  render::FrameOutput images;  ///< those of images.wanted are valid
+  float frame_ms = 0;          ///< time to composite it
+  double foreground_pct = 0;   ///< share of pixels with a matte of at least half
 
   /// Lets go of the inputs, when the last user has dropped it; the images keep their buffers.
   void recycle() {

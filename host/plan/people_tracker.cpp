@@ -108,6 +108,7 @@ void PeopleTracker::see(Track& track, int cluster, const BodyPlace& at, double t
   person.height_m =
       std::max(seen.top_m, person.height_m - kHeightFades_m_s * (time_s - track.last_seen_s));
   person.area_m2 = seen.area_m2;
+  person.surface = seen.points;
   person.sight = !at.is_whole ? Sight::kPartly : seen.is_cut ? Sight::kCut : Sight::kSeen;
   if (at.is_whole) {
     const BodyWidth before = track.width.value_or(BodyWidth{kAverageBody.half_m, at.width.reach_m});
@@ -150,6 +151,7 @@ void PeopleTracker::match(double time_s, const Eigen::Vector3d& eye_m) {
     } else {
       ++track.misses;
       track.person.sight = Sight::kHidden, track.person.area_m2 = 0;
+      track.person.surface = {};
     }
   }
   for (std::size_t c = 0; c < used.size(); ++c)

@@ -30,7 +30,8 @@ struct Person {
   double height_m = 0;                                   ///< largest that was seen lately
   double area_m2 = 0;                                    ///< of the surface seen in this frame
   Sight sight = Sight::kSeen;
-  double since_s = 0;  ///< first seen
+  double since_s = 0;                     ///< first seen
+  std::span<const SurfacePoint> surface;  ///< seen in this frame; valid until the next one
 };
 
 struct PeopleOptions {

@@ -145,6 +145,8 @@ struct FrameInput {
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
   std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
+  /// Of the first objects of the setup, from this frame on; empty: they stay where they are.
+  std::span<const geometry::Pose> world_from_object{};
 };
 
 enum class Stage {

@@ -48,6 +48,9 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
     return Error{ErrorCode::kData, "compose: the camera pose is not finite"};
+  for (const geometry::Pose& pose : input.world_from_object)
+    if (!pose.rotation.coeffs().allFinite() || !pose.translation_m.allFinite())
+      return Error{ErrorCode::kData, "compose: the pose of an object is not finite"};
   return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 

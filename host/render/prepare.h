@@ -90,10 +90,11 @@ struct Draw {
   VirtualParams params;
 };
 
-/// All that depends on the pose. Lamps and objects stand still in the world: while the pose stays,
-/// so do virtual pixels; shadow maps stay while their size does (`lamps[i].map_size_texel`).
+/// All that depends on the pose. Lamps stand still in the world: while the pose and the objects
+/// stay, so do virtual pixels; shadow maps stay while the objects and their size do
+/// (`lamps[i].map_size_texel`).
 struct FrameParams {
-  bool pose_changed = true;  ///< or the view, since the last update(); true at first
+  bool pose_changed = true;  ///< or view or objects, since the last update(); true at first
   bool maps_changed = true;  ///< shadow maps must be drawn again
   bool room_changed = true;  ///< `room_share` was made since the last update()
   KeyPassParams key;
@@ -110,13 +111,18 @@ struct FrameParams {
 /// The background where there is one, else the capture volume.
 KeyBy key_by(const CompositorSetup& setup);
 
+/// Moves the first objects of `setup`. False where they stand there already. Pure but for `setup`.
+bool place_objects(std::span<const geometry::Pose> world_from_object, CompositorSetup& setup);
+
 /// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
 class FramePreparer {
  public:
   explicit FramePreparer(const CompositorSetup& setup);
   /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
   /// first call only, which finds out what the real room hides of the lamps.
-  void update(const geometry::Pose& world_from_target, bool view_changed = false);
+  /// With `objects_moved` the objects of the setup stand elsewhere.
+  void update(const geometry::Pose& world_from_target, bool view_changed = false,
+              bool objects_moved = false);
   const FrameParams& params() const { return params_; }
   const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
 
@@ -126,6 +132,7 @@ class FramePreparer {
     double tan_half = 0;  ///< of its field; 0: no shadow
     double near_m = 0;    ///< z of the nearest caster
   };
+  void fit_objects();
   MapFit fit_map(const Lamp& lamp, std::span<const glm::dvec3> corners_m) const;
   void fit_people_maps(const geometry::Pose& world_from_target);
   static LampParams lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,

@@ -103,18 +103,38 @@ KeyBy key_by(const CompositorSetup& setup) {
   return setup.capture_box ? KeyBy::kVolume : KeyBy::kNothing;
 }
 
-FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
-  std::size_t objects = setup.objects.size();
-  for (std::size_t i = 0; i < objects; ++i) {
-    const VirtualObject& object = setup.objects[i];
+bool place_objects(std::span<const geometry::Pose> world_from_object, CompositorSetup& setup) {
+  bool moved = false;
+  const std::size_t count = std::min(world_from_object.size(), setup.objects.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    geometry::Pose& pose = setup.objects[i].world_from_object;
+    const geometry::Pose& next = world_from_object[i];
+    if (pose.translation_m == next.translation_m &&
+        pose.rotation.coeffs() == next.rotation.coeffs())
+      continue;
+    pose = next, moved = true;
+  }
+  return moved;
+}
+
+/// Boxes of the objects, and the maps of the lamps around those that cast shadows.
+void FramePreparer::fit_objects() {
+  corners_m_.clear(), caster_corners_m_.clear(), fits_.clear();
+  for (const VirtualObject& object : setup_.objects) {
     append_corners(object, corners_m_);
     if (object.casts_shadow) append_corners(object, caster_corners_m_);
-    for (const MeshView& mesh : object.meshes)
-      params_.draws.push_back({&mesh, static_cast<int>(i), object.casts_shadow, {}});
   }
+  for (const Lamp& lamp : setup_.light.lamps) fits_.push_back(fit_map(lamp, caster_corners_m_));
+}
+
+FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
+  std::size_t objects = setup.objects.size();
+  for (std::size_t i = 0; i < objects; ++i)
+    for (const MeshView& mesh : setup.objects[i].meshes)
+      params_.draws.push_back({&mesh, static_cast<int>(i), setup.objects[i].casts_shadow, {}});
   params_.lamps.resize(setup.light.lamps.size());
   params_.lamp_from_object.assign(setup.light.lamps.size(), std::vector<glm::mat4>(objects));
-  for (const Lamp& lamp : setup.light.lamps) fits_.push_back(fit_map(lamp, caster_corners_m_));
+  fit_objects();
   if (setup.people_cast_shadows && !setup.objects.empty() && key_by(setup) != KeyBy::kNothing) {
     params_.people_lamps.resize(setup.light.lamps.size());
     people_fits_.resize(setup.light.lamps.size());
@@ -279,12 +299,18 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
                                           world_from_camera, camera_from_world);
 }
 
-void FramePreparer::update(const geometry::Pose& world_from_target, bool view_changed) {
-  params_.pose_changed = !has_pose_ || view_changed ||
+void FramePreparer::update(const geometry::Pose& world_from_target, bool view_changed,
+                           bool objects_moved) {
+  params_.pose_changed = !has_pose_ || view_changed || objects_moved ||
                          world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
                          world_from_target.translation_m != last_pose_.translation_m;
   params_.maps_changed = params_.room_changed = false;
   if (!params_.pose_changed) return;
+  if (objects_moved) {
+    fit_objects();
+    map_size_ = 0;  // they are drawn again
+    if (!people_fits_.empty() && people_around_objects(setup_)) people_fits_[0].near_m = 0;
+  }
   update_room(world_from_target);
   has_pose_ = true;
   last_pose_ = world_from_target;

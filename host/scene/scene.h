@@ -43,6 +43,12 @@ struct Bounds {
 };
 Bounds bounds(const Model& model);
 
+/// Of an object that falls, rolls and is pushed.
+struct ObjectPhysics {
+  double mass_kg = 1, bounce = 0.6, friction = 0.5, drag = 0.1;
+  bool is_ball = false;  ///< instead of the convex hulls of its parts
+};
+
 struct Object {
   std::string name;
   std::filesystem::path model_path;
@@ -50,6 +56,7 @@ struct Object {
   geometry::Pose world_from_object;
   double scale = 1.0;
   bool casts_shadow = true;
+  std::optional<ObjectPhysics> physics;  ///< none: it stands still; never of a set
 };
 
 /// A lamp: irradiance at distance d is intensity cos(receiver) [cos(emitter)] / d^2, the bracket
@@ -132,6 +139,11 @@ struct KeySettings {
   bool refine = true;         ///< the matte follows the edges of the plate; only with color
 };
 
+/// What happens between people and objects is told.
+struct EventSettings {
+  std::string udp;  ///< "HOST:PORT" that gets each event as a datagram; empty: none
+};
+
 struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
@@ -143,6 +155,8 @@ struct Scene {
   std::vector<Object> objects;
   Light light;
   KeySettings key;
+  bool follow_people = false;           ///< in a run
+  std::optional<EventSettings> events;  ///< in a run; people are followed for them
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

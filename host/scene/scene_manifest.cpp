@@ -2,6 +2,7 @@
 // Reading of scene.toml.
 #include "host/scene/scene_manifest.h"
 
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -63,6 +64,32 @@ void read_model(const Table& table, const std::filesystem::path& folder, bool lo
     table.fail("model", model.error());
 }
 
+std::optional<ObjectPhysics> read_physics(const Table& table) {
+  ObjectPhysics physics;
+  if (!table.present()) return std::nullopt;
+  physics.mass_kg = table.number("mass_kg", {0.001, 1000});
+  physics.bounce = table.number_or("bounce", physics.bounce, {0, 1});
+  physics.friction = table.number_or("friction", physics.friction, {0, 10});
+  physics.drag = table.number_or("drag", physics.drag, {0, 1});
+  physics.is_ball = table.one_of("shape", {"hull", "ball"}, 0) == 1;
+  return physics;
+}
+
+std::optional<EventSettings> read_events(const Table& table) {
+  if (!table.present()) return std::nullopt;
+  EventSettings events;
+  events.udp = table.text_or("udp", "");
+  const std::size_t colon = events.udp.rfind(':');
+  int port = 0;
+  const char* const end = events.udp.data() + events.udp.size();
+  const bool is_address = colon != std::string::npos && colon > 0 && colon < 64 &&
+                          std::from_chars(events.udp.data() + colon + 1, end, port).ptr == end &&
+                          port >= 1 && port <= 65535;
+  if (!events.udp.empty() && !is_address)
+    table.fail("udp", "is no address: give HOST:PORT, such as 127.0.0.1:7420");
+  return events;
+}
+
 Object read_object(const Table& table, std::size_t number, const std::filesystem::path& folder,
                    bool load_model) {
   Object object;
@@ -70,6 +97,7 @@ Object read_object(const Table& table, std::size_t number, const std::filesystem
   object.world_from_object = {read_rotation(table), vector(table, "position_m")};
   object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
   object.casts_shadow = table.boolean_or("casts_shadow", true);
+  object.physics = read_physics(table.table("physics"));
   read_model(table, folder, load_model, object);
   return object;
 }
@@ -187,6 +215,8 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
     scene.objects.push_back(read_object(object, scene.objects.size() + 1, folder, load_models));
   scene.light = read_light(root.table("light"));
   scene.key = read_key(root.table("key"));
+  scene.follow_people = root.table("people").boolean_or("follow", false);
+  scene.events = read_events(root.table("events"));
   MIXRIG_TRY(document.finish());
   return scene;
 }

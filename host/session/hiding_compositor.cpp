@@ -29,7 +29,10 @@ Result<void> HidingCompositor::compose(const render::FrameInput& input, bool obj
   const bool hides = has_objects_ && !objects_shown;
   if (hides && !empty_) MIXRIG_TRY(open_empty());
   used_ = hides ? empty_.get() : whole_.get();
-  return used_->compose(input, output);
+  if (!hides) return used_->compose(input, output);
+  render::FrameInput without = input;
+  without.world_from_object = {};
+  return used_->compose(without, output);
 }
 
 }  // namespace mixrig::session

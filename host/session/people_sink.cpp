@@ -8,19 +8,28 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/session/touch_stage.h"
+
 namespace mixrig::session {
 
-Result<std::unique_ptr<PeopleSink>> PeopleSink::create(const std::filesystem::path& folder,
-                                                       const plan::PeopleOptions& options,
-                                                       PeopleReport& report) {
+Result<std::unique_ptr<PeopleSink>> PeopleSink::create(
+    const std::optional<std::filesystem::path>& folder, const plan::PeopleOptions& options,
+    PeopleReport& report) {
   std::unique_ptr<PeopleSink> sink(new PeopleSink(folder, options, report));
   if (!sink->table_) return Error{ErrorCode::kIo, "cannot write " + sink->file_.string()};
   return sink;
 }
 
-PeopleSink::PeopleSink(const std::filesystem::path& folder, const plan::PeopleOptions& options,
-                       PeopleReport& report)
-    : file_(folder / kTable), table_(file_), tracker_(options), report_(report) {
+PeopleSink::~PeopleSink() = default;
+
+void PeopleSink::watch_touch(std::unique_ptr<TouchStage> touch) { touch_ = std::move(touch); }
+
+PeopleSink::PeopleSink(const std::optional<std::filesystem::path>& folder,
+                       const plan::PeopleOptions& options, PeopleReport& report)
+    : tracker_(options), report_(report) {
+  if (!folder) return;
+  file_ = *folder / kTable;
+  table_.open(file_);
   table_ << "frame,time_s,id,x_m,y_m,sigma_x_m,sigma_y_m,speed_m_s,height_m,area_m2,sight\n";
 }
 
@@ -31,7 +40,7 @@ Result<void> PeopleSink::write(const output::CompositePtr& composite) {
     report_.view = composite->view;
     report_.first_picture = composite->images.color;
   }
-  const double time_s = time_of(*composite->capture);
+  const double time_s = times_.next(composite->capture->time_s);
   const HostTime begin = clock_.now();
   const std::span<const plan::Person> people =
       tracker_.add({composite->images.segmented_depth_m, composite->view,
@@ -42,15 +51,10 @@ Result<void> PeopleSink::write(const output::CompositePtr& composite) {
   report_.most_at_once = std::max(report_.most_at_once, people.size());
   for (const plan::Person& person : people) keep(person, *composite, time_s);
   dwell(people, time_s);
+  if (touch_) MIXRIG_TRY(touch_->see(*composite, people, time_s));
   if (composite->true_people) judge(people, *composite, time_s);
   if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
   return {};
-}
-
-double PeopleSink::time_of(const capture::Capture& capture) {
-  if (last_time_s_ && capture.time_s <= *last_time_s_) shift_s_ += 1 / kAssumedRate_hz;
-  last_time_s_ = capture.time_s;
-  return capture.time_s + shift_s_;
 }
 
 void PeopleSink::keep(const plan::Person& person, const output::Composite& composite,
@@ -65,9 +69,11 @@ void PeopleSink::keep(const plan::Person& person, const output::Composite& compo
   const double step_m =
       path.places.empty() ? 0 : (person.on_floor_m - path.places.back().on_floor_m).norm();
   if (path.places.empty() || step_m >= kPathStep_m) {
+    if (!report_.keeps_places) path.places.clear();
     path.places.push_back({time_s, person.on_floor_m, seen});
     path.length_m += step_m;
   }
+  if (file_.empty()) return;
   table_ << fmt::format("{},{:.4f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f},{}\n",
                         composite.capture->number, time_s, person.id, person.on_floor_m.x(),
                         person.on_floor_m.y(), std::sqrt(person.covariance(0, 0)),
@@ -95,7 +101,8 @@ void PeopleSink::judge(std::span<const plan::Person> people, const output::Compo
 }
 
 Result<void> PeopleSink::finish() {
-  table_.close();
+  if (touch_) MIXRIG_TRY(touch_->finish());
+  if (!file_.empty()) table_.close();
   if (!table_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
   for (auto& [id, path] : paths_) report_.people.push_back(std::move(path));
   if (is_judged_) report_.error = judge_.errors();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,8 +18,11 @@
 #include "host/output/composite_sink.h"
 #include "host/plan/dwell_map.h"
 #include "host/plan/people_tracker.h"
+#include "host/session/frame_times.h"
 
 namespace mixrig::session {
+
+class TouchStage;
 
 /// A place of a path, at least kPathStep_m from the one before.
 struct PathPlace {
@@ -36,6 +40,7 @@ struct PersonPath {
 };
 
 struct PeopleReport {
+  bool keeps_places = false;  ///< of the paths: wanted; memory grows with them
   std::uint64_t frames = 0;
   std::size_t most_at_once = 0;
   std::vector<PersonPath> people;  ///< in the order of their ids
@@ -53,15 +58,18 @@ nlohmann::json to_json(const PeopleReport& report);
 class PeopleSink final : public output::CompositeSink {
  public:
   static constexpr double kPathStep_m = 0.02;
-  static constexpr double kAssumedRate_hz = 25;  ///< of a take that does not know its times
   static constexpr double kLongestStep_s = 0.5;  ///< of a frame, in the time people dwell
   static constexpr const char* kTable = "people.csv";
 
-  /// Writes kTable into `folder`, which must exist: a row for each person and frame. `report` is
-  /// complete after finish(), and must outlive the sink. Errors: kIo.
-  static Result<std::unique_ptr<PeopleSink>> create(const std::filesystem::path& folder,
-                                                    const plan::PeopleOptions& options,
-                                                    PeopleReport& report);
+  /// Writes kTable into `folder`, which must exist: a row for each person and frame; without a
+  /// folder nothing. `report` is complete after finish(), and must outlive the sink. Errors: kIo.
+  static Result<std::unique_ptr<PeopleSink>> create(
+      const std::optional<std::filesystem::path>& folder, const plan::PeopleOptions& options,
+      PeopleReport& report);
+  /// What they touch is watched too.
+  void watch_touch(std::unique_ptr<TouchStage> touch);
+  ~PeopleSink() override;
+
   std::string_view name() const override { return "people"; }
   render::OutputMask wanted(int) const override {
     return render::kSegmentedDepth | render::kMixedDepth | render::kColor;
@@ -70,9 +78,8 @@ class PeopleSink final : public output::CompositeSink {
   Result<void> finish() override;
 
  private:
-  PeopleSink(const std::filesystem::path& folder, const plan::PeopleOptions& options,
+  PeopleSink(const std::optional<std::filesystem::path>& folder, const plan::PeopleOptions& options,
              PeopleReport& report);
-  double time_of(const capture::Capture& capture);
   void keep(const plan::Person& person, const output::Composite& composite, double time_s);
   void dwell(std::span<const plan::Person> people, double time_s);
   void judge(std::span<const plan::Person> people, const output::Composite& composite,
@@ -82,9 +89,9 @@ class PeopleSink final : public output::CompositeSink {
   std::ofstream table_;
   plan::PeopleTracker tracker_;
   SystemClock clock_;
-  std::optional<double> last_time_s_;  ///< of a capture, as it says
+  FrameTimes times_;
   std::optional<double> dwelt_s_;      ///< up to this time
-  double shift_s_ = 0;                 ///< for frames without a time of their own
+  std::unique_ptr<TouchStage> touch_;  ///< may be null
   std::map<int, PersonPath> paths_;
   std::vector<measure::PersonThere> there_;
   std::vector<measure::PersonFound> found_;

@@ -13,6 +13,7 @@
 #include "host/scene/glb_lines.h"
 #include "host/session/plan_pictures.h"
 #include "host/session/plan_room.h"
+#include "host/session/touch_stage.h"
 
 namespace mixrig::session {
 namespace {
@@ -99,11 +100,17 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
                        const ProgressFn& progress) {
   MIXRIG_ASSIGN(PartialPath folder, make_partial_folder(options.out, kPlanReport));
   Plan plan;
+  plan.people.keeps_places = true;
   MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder.path(), options.people, plan.people));
+  if (!session.scene.objects.empty()) {
+    MIXRIG_ASSIGN(auto touch,
+                  TouchStage::create(session, folder.path(), nullptr, plan.events.emplace()));
+    sink->watch_touch(std::move(touch));
+  }
   RunOptions run_options;
   run_options.frames = options.frames, run_options.stop = options.stop;
   run_options.judge = false, run_options.true_people = true;
-  run_options.watch_room = false;
+  run_options.watch_room = run_options.follow_people = false;
   run_options.sinks.push_back(std::move(sink));
   MIXRIG_TRY(run(session, std::move(run_options), clock, progress));
   if (!plan.people.first_pose)
@@ -124,6 +131,7 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
 
 nlohmann::json to_json(const Plan& plan) {
   nlohmann::json json = to_json(plan.people);
+  if (plan.events) json["events"] = to_json(*plan.events);
   json["free_m2"] = plan.free_m2;
   json["open_m2"] = plan.open_m2;
   json["dwell"] = to_json(plan.people.dwell.grid());

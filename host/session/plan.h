@@ -11,6 +11,7 @@
 #include "host/session/people_sink.h"
 #include "host/session/run.h"
 #include "host/session/session.h"
+#include "host/session/touch_stage.h"
 
 namespace mixrig::session {
 
@@ -26,14 +27,16 @@ struct PlanOptions {
 
 struct Plan {
   PeopleReport people;
-  double free_m2 = 0;  ///< of the floor that was seen
+  std::optional<TouchReport> events;  ///< where the scene has objects
+  double free_m2 = 0;                 ///< of the floor that was seen
   double open_m2 = 0;  ///< of it, further than the margin from what stands in the room
   std::vector<plan::FreePlace> places;
 };
 
-/// Runs the session's key and writes OUT, whole or not at all: people.csv, report.json, paths.glb
-/// (lines, where anybody walked), plan.png, dwell.png and picture.png. Errors: those of run();
-/// kData where no frame has a pose, or places are wanted and no floor was seen.
+/// Runs the session's key and writes OUT, whole or not at all: people.csv, events.jsonl,
+/// report.json, paths.glb (lines, where anybody walked), plan.png, dwell.png and picture.png.
+/// Errors: those of run(); kData where no frame has a pose, or places are wanted and no floor was
+/// seen.
 Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock& clock,
                        const ProgressFn& progress);
 nlohmann::json to_json(const Plan& plan);

@@ -20,8 +20,11 @@
 #include "host/session/frame_lens.h"
 #include "host/session/hiding_compositor.h"
 #include "host/session/judge.h"
+#include "host/session/object_motion.h"
+#include "host/session/people_sink.h"
 #include "host/session/room_keeper.h"
 #include "host/session/slip.h"
+#include "host/session/touch_stage.h"
 
 namespace mixrig::session {
 namespace {
@@ -99,6 +102,8 @@ class Runner {
   }
   Result<std::optional<capture::CaptureItem>> next_item();
   Result<void> open_sinks(FrameRange range);
+  Result<void> open_people();
+  void move_objects(output::Composite& composite);
   Result<void> prepare_frame_poses();
   Result<void> open_baselines();
   render::OutputMask wanted_by_sinks(int number) const;
@@ -129,7 +134,10 @@ class Runner {
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
   Sinks sinks_;
-  output::SinkThread* sheet_ = nullptr;  ///< one of sinks_; none without an output folder
+  std::unique_ptr<ObjectMotion> motion_;  ///< null: no object has physics
+  FrameTimes times_;
+  output::SinkThread* people_ = nullptr;  ///< one of sinks_, where people are followed
+  output::SinkThread* sheet_ = nullptr;   ///< one of sinks_; none without an output folder
   bool sheet_has_rows_ = false;
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
@@ -214,7 +222,38 @@ Result<void> Runner::open_sinks(FrameRange range) {
     sheet_ = sinks_.back().get();
   }
   for (auto& sink : options_.sinks) add(std::move(sink));
+  return open_people();
+}
+
+/// In a thread of their own, as other sinks.
+Result<void> Runner::open_people() {
+  const scene::Scene& scene = session_.scene;
+  motion_ = ObjectMotion::create(session_);
+  if (!options_.follow_people.value_or(scene.follow_people || scene.events || motion_)) {
+    motion_.reset();
+    return {};
+  }
+  std::optional<std::filesystem::path> folder;
+  if (folder_) folder = folder_->path();
+  MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder, {}, report_.people.emplace()));
+  if (scene.events || motion_) {
+    MIXRIG_ASSIGN(auto touch,
+                  TouchStage::create(session_, folder, motion_.get(), report_.events.emplace()));
+    sink->watch_touch(std::move(touch));
+  }
+  sinks_.push_back(std::make_unique<output::SinkThread>(
+      std::move(sink), live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate()));
+  people_ = sinks_.back().get();
   return {};
+}
+
+void Runner::move_objects(output::Composite& composite) {
+  composite.world_from_object.clear();
+  if (!motion_) return;
+  if (people_ != nullptr && !live()) people_->wait_until_idle();
+  const auto poses =
+      motion_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
+  composite.world_from_object.assign(poses.begin(), poses.end());
 }
 
 /// Images that a frame's sinks require; always the matte, for the share of foreground.
@@ -266,6 +305,7 @@ Result<bool> Runner::frame() {
   if (options_.true_people && item->truth) composite.true_people = item->truth->people;
   composite.view = frame_view(session_.setup, *composite.capture);
   set_pose(composite);
+  move_objects(composite);
   watch_slip(composite, judges() ? item->truth.get() : nullptr);
   lens_->add(*composite.capture, composite.world_from_target);
   watch_camera(composite.world_from_target);
@@ -338,9 +378,10 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
   images.wanted = wanted;
-  return compositor_->compose({composite.capture->plate, composite.capture->depth_m,
-                               composite.world_from_target, frame_lens(*composite.capture)},
-                              composite.objects_shown, images);
+  return compositor_->compose(
+      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target,
+       frame_lens(*composite.capture), composite.world_from_object},
+      composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
@@ -370,6 +411,7 @@ Result<void> Runner::add_last_to_sheet() {
   composite->world_from_target = last_->world_from_target;
   composite->view = last_->view;
   composite->objects_shown = last_->objects_shown;
+  composite->world_from_object = last_->world_from_object;
   MIXRIG_TRY(compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sheet_->push(std::move(composite));
 }

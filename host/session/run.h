@@ -25,10 +25,12 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
   bool true_people = false;                 ///< sinks get their places, where the source has them
-  bool baselines = false;                   ///< judge plain composites beside it
+  /// Whether they are followed, and what they touch is told; absent: as the scene says.
+  std::optional<bool> follow_people;
+  bool baselines = false;  ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
-  ChangeOptions changes;                    ///< which of them become background
+  ChangeOptions changes;                           ///< which of them become background
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
@@ -38,6 +40,8 @@ struct RunOptions {
 /// Captures are read and decoded in a thread of their own, each sink writes in its own; this thread
 /// composites. Only compose() is timed; frames whose inspection images are needed are composited a
 /// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
+/// Objects with physics move before each frame, by what was seen of people up to the frame before;
+/// a recording waits for that, so that the same take gives the same pictures.
 /// Memory does not grow with the number of frames. The room is watched in a thread of its own
 /// (ChangeSink); the background that changes were accepted into is written at the end, if there is
 /// one.

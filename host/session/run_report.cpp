@@ -254,6 +254,8 @@ nlohmann::json to_json(const RunReport& report) {
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
   if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
+  if (report.people) out["people"] = to_json(*report.people);
+  if (report.events) out["events"] = to_json(*report.events);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(
@@ -296,6 +298,12 @@ std::string to_table(const RunReport& report) {
   out += pose_line(report.pose);
   if (report.lens) out += lens_line(*report.lens);
   if (report.room_changes) out += to_lines(*report.room_changes);
+  if (report.people)
+    out += fmt::format("  people: {}, at most {} at once\n", report.people->people.size(),
+                       report.people->most_at_once);
+  if (report.events)
+    out += fmt::format("  events: {} enter, {} hit, {} leave\n", report.events->counts[0],
+                       report.events->counts[3], report.events->counts[2]);
   out += sink_lines(report.sinks);
   return report.error ? out + error_table(report) : out;
 }

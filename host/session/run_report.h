@@ -18,9 +18,11 @@
 #include "host/render/compositor.h"
 #include "host/session/baselines.h"
 #include "host/session/frame_lens.h"
+#include "host/session/people_sink.h"
 #include "host/session/pose_errors.h"
 #include "host/session/room_changes_report.h"
 #include "host/session/slip.h"
+#include "host/session/touch_stage.h"
 
 namespace mixrig::session {
 
@@ -52,6 +54,8 @@ struct RunReport {
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;                              ///< peak
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
+  std::optional<PeopleReport> people;             ///< where they were followed
+  std::optional<TouchReport> events;              ///< where touching was watched
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };

@@ -57,7 +57,7 @@ class CpuCompositor final : public Compositor {
   std::string renderer() const override;
 
  private:
-  void follow_lens(const std::optional<FrameLens>& lens, const geometry::Pose& world_from_target);
+  void follow(const FrameInput& input);
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
@@ -136,7 +136,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   const NeededPasses needed = needed_passes(output.wanted, setup_);
   // The key writes the matte, wanted or not.
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
-  follow_lens(input.lens, input.world_from_target);
+  follow(input);
   watch.lap(Stage::kUpload);
   draw_background(watch);
   const glm::vec3 gain = meter_.gain(input.plate);
@@ -172,15 +172,15 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
 }
 
 /// What depends on the lens is made again where it has moved, and only there.
-void CpuCompositor::follow_lens(const std::optional<FrameLens>& lens,
-                                const geometry::Pose& world_from_target) {
-  const bool moved = lens_.follow(lens, setup_, tables_);
+void CpuCompositor::follow(const FrameInput& input) {
+  const bool moved = lens_.follow(input.lens, setup_, tables_);
   if (moved) {
     plate_scratch_.see_through(crew_, setup_.target, setup_.view);
     meter_.see_through(setup_);
     if (moving_background_) moving_background_->see_through(setup_);
   }
-  preparer_.update(lens_.world_from_pupil(world_from_target), moved);
+  preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
+                   place_objects(input.world_from_object, setup_));
 }
 
 Result<void> CpuCompositor::collect(FrameOutput& output) {

@@ -54,7 +54,7 @@ class GlesCompositor final : public Compositor {
   };
 
   Result<void> draw(const FrameInput& input, Frame& frame);
-  void follow_lens(const std::optional<FrameLens>& lens, const geometry::Pose& world_from_target);
+  void follow(const FrameInput& input);
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
@@ -186,7 +186,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   StageTimer& timer = *frame.timer;
   {
     const StageScope stage(timer, Stage::kUpload, true);
-    follow_lens(input.lens, input.world_from_target);
+    follow(input);
     if (!background_pass_) gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
@@ -219,10 +219,9 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
 }
 
 /// What depends on the lens is made again where it has moved, and only there.
-void GlesCompositor::follow_lens(const std::optional<FrameLens>& lens,
-                                 const geometry::Pose& world_from_target) {
+void GlesCompositor::follow(const FrameInput& input) {
   constexpr int kRows = 16;
-  const bool moved = lens_.follow(lens, setup_, tables_);
+  const bool moved = lens_.follow(input.lens, setup_, tables_);
   if (moved) {
     crew_->rows(plate_px_.height(), kRows, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) plate_row(setup_.target, setup_.view, y, plate_px_.row(y));
@@ -235,7 +234,8 @@ void GlesCompositor::follow_lens(const std::optional<FrameLens>& lens,
     if (has_objects()) light_.set_view(tables_);
     if (people_shadow_) people_shadow_->set_view(tables_);
   }
-  preparer_.update(lens_.world_from_pupil(world_from_target), moved);
+  preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
+                   place_objects(input.world_from_object, setup_));
 }
 
 /// Only where the camera moves; while the pose stays, so does the background.

@@ -20,6 +20,7 @@ set(PACKAGES
   "meshoptimizer\\.h:meshoptimizer"
   "gst/:PkgConfig::GSTREAMER"
   "cairo:PkgConfig::CAIRO"
+  "Bullet|LinearMath/:PkgConfig::BULLET"
   "ceres/|glog/:Ceres"
   "Eigen/:Eigen3|mixrig::"
   "nlohmann/:nlohmann_json|mixrig::report|mixrig::session"

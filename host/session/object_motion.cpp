@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/object_motion.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/session/plan_room.h"
+#include "host/session/touch_stage.h"
+
+namespace mixrig::session {
+
+std::unique_ptr<ObjectMotion> ObjectMotion::create(const Session& session) {
+  const auto& objects = session.scene.objects;
+  const bool any =
+      std::any_of(objects.begin(), objects.end(), [](const auto& o) { return o.physics; });
+  return std::unique_ptr<ObjectMotion>(any ? new ObjectMotion(session) : nullptr);
+}
+
+ObjectMotion::ObjectMotion(const Session& session) : session_(session) {
+  const std::vector<touch::Shape> shapes = shapes_of(session.scene);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const scene::Object& object = session.scene.objects[i];
+    touch::Body body;
+    if (object.physics)
+      body = {object.physics->mass_kg, object.physics->bounce, object.physics->friction,
+              object.physics->drag, object.physics->is_ball};
+    const bool solid = !shapes[i].parts.empty();
+    number_.push_back(
+        solid ? physics_.add(shapes[i], object.world_from_object, object.physics ? &body : nullptr)
+              : -1);
+    moves_.push_back(solid && object.physics);
+    poses_.push_back(object.world_from_object);
+  }
+}
+
+std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
+                                                      const geometry::Pose& world_from_camera) {
+  if (!std::exchange(has_room_, true))
+    physics_.set_room(plan::map_floor(room_points(session_, world_from_camera)));
+  bool has_now = false;
+  {
+    const std::lock_guard lock(mutex_);
+    has_now = std::exchange(has_next_, false);
+    if (has_now) std::swap(now_, next_);
+  }
+  if (has_now) physics_.set_pushers(now_);
+  physics_.advance(time_s);
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    if (number_[i] >= 0)
+      poses_[i] = physics_.world_from_object()[static_cast<std::size_t>(number_[i])];
+  return poses_;
+}
+
+void ObjectMotion::push(std::span<const Eigen::Vector3f> surface_m, const Eigen::Vector3d& eye_m,
+                        double time_s) {
+  const auto pushers = finder_.find(surface_m, eye_m, time_s);
+  const std::lock_guard lock(mutex_);
+  next_.assign(pushers.begin(), pushers.end());
+  has_next_ = true;
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/touch_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "host/session/object_motion.h"
+#include "host/session/plan_room.h"
+
+namespace mixrig::session {
+namespace {
+
+double in_ten_thousandths(double value) { return std::round(1e4 * value) / 1e4; }
+
+std::uint64_t& count_of(TouchReport& report, touch::EventKind kind) {
+  return report.counts[static_cast<std::size_t>(kind)];
+}
+
+std::vector<bool> give_way(const scene::Scene& scene, const ObjectMotion* motion) {
+  std::vector<bool> out;
+  for (const scene::Object& object : scene.objects)
+    out.push_back(motion != nullptr && object.physics);
+  return out;
+}
+
+}  // namespace
+
+std::vector<touch::Shape> shapes_of(const scene::Scene& scene) {
+  std::vector<touch::Shape> shapes;
+  for (const scene::Object& object : scene.objects) {
+    std::vector<touch::Triangles> meshes;
+    for (const scene::Mesh& mesh : object.model.meshes)
+      meshes.push_back({mesh.positions_m, mesh.indices});
+    shapes.push_back(touch::make_shape(meshes, object.scale));
+  }
+  return shapes;
+}
+
+Result<std::unique_ptr<TouchStage>> TouchStage::create(
+    const Session& session, const std::optional<std::filesystem::path>& folder,
+    ObjectMotion* motion, TouchReport& report) {
+  std::unique_ptr<TouchStage> stage(new TouchStage(session, motion, report));
+  if (folder) {
+    stage->file_ = *folder / kFile;
+    stage->lines_.open(stage->file_);
+    if (!stage->lines_) return Error{ErrorCode::kIo, "cannot write " + stage->file_.string()};
+  }
+  const auto& events = session.scene.events;
+  if (!events || events->udp.empty()) return stage;
+  auto sender = stream::DatagramSender::open(events->udp);
+  if (!sender)
+    return Error{sender.error().code,
+                 session.scene.path.string() + ": events.udp: " + sender.error().context};
+  stage->sender_ = *std::move(sender);
+  return stage;
+}
+
+TouchStage::TouchStage(const Session& session, ObjectMotion* motion, TouchReport& report)
+    : session_(session),
+      motion_(motion),
+      report_(report),
+      watch_(shapes_of(session.scene), {}, give_way(session.scene, motion)) {}
+
+Result<void> TouchStage::see(const output::Composite& composite,
+                             std::span<const plan::Person> people, double time_s) {
+  if (!std::exchange(has_room_, true))
+    watch_.set_room(room_points(session_, composite.world_from_target));
+  frame_ = composite.capture->number, time_s_ = time_s;
+  poses_ = composite.world_from_object;
+  if (poses_.empty())
+    for (const scene::Object& object : session_.scene.objects)
+      poses_.push_back(object.world_from_object);
+  if (!composite.objects_shown) poses_.clear();
+  const HostTime begin = clock_.now();
+  const auto events = watch_.add({{composite.images.segmented_depth_m, composite.view,
+                                   composite.world_from_target, composite.images.mixed_depth_m},
+                                  people,
+                                  poses_,
+                                  session_.setup.noise,
+                                  time_s});
+  if (motion_ != nullptr) push(people, composite.world_from_target.translation_m, time_s);
+  report_.touch_ms.add(milliseconds(clock_.now() - begin));
+  return tell(events);
+}
+
+/// The surface of people around the objects that move.
+void TouchStage::push(std::span<const plan::Person> people, const Eigen::Vector3d& eye_m,
+                      double time_s) {
+  near_m_.clear();
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    if (!motion_->moves(i) || watch_.shapes()[i].parts.empty()) continue;
+    const Eigen::AlignedBox3f& box = watch_.shapes()[i].box_m;
+    const Eigen::Vector3f middle = (poses_[i] * box.center().cast<double>()).cast<float>();
+    const float reach_m =
+        0.5F * box.sizes().norm() + static_cast<float>(touch::PusherFinder::kReach_m);
+    for (const plan::Person& person : people)
+      for (const plan::SurfacePoint& p : person.surface)
+        if ((p.at_m - middle).squaredNorm() < reach_m * reach_m) near_m_.push_back(p.at_m);
+  }
+  motion_->push(near_m_, eye_m, time_s);
+}
+
+std::string TouchStage::line(const touch::Event& event) const {
+  const auto& objects = session_.scene.objects;
+  nlohmann::ordered_json json{{"event", touch::name(event.kind)},
+                              {"time_s", in_ten_thousandths(event.time_s)},
+                              {"frame", frame_},
+                              {"object", objects[static_cast<std::size_t>(event.object)].name},
+                              {"with", touch::name(event.against)}};
+  if (event.against == touch::Against::kPerson) json["person"] = event.other;
+  if (event.against == touch::Against::kObject)
+    json["other"] = objects[static_cast<std::size_t>(event.other)].name;
+  json["at_m"] = {in_ten_thousandths(event.at_m.x()), in_ten_thousandths(event.at_m.y()),
+                  in_ten_thousandths(event.at_m.z())};
+  json["depth_m"] = in_ten_thousandths(event.depth_m);
+  json["sigma_m"] = in_ten_thousandths(event.sigma_m);
+  json["by"] = touch::name(event.evidence);
+  if (event.kind == touch::EventKind::kEnter || event.kind == touch::EventKind::kHit)
+    json["speed_m_s"] = in_ten_thousandths(event.speed_m_s);
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+Result<void> TouchStage::tell(std::span<const touch::Event> events) {
+  for (const touch::Event& event : events) {
+    ++count_of(report_, event.kind);
+    if (file_.empty() && !sender_) continue;
+    const std::string text = line(event);
+    if (!file_.empty()) lines_ << text << '\n' << std::flush;
+    if (sender_) sender_->send(text);
+  }
+  if (!file_.empty() && !lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  return {};
+}
+
+Result<void> TouchStage::finish() {
+  MIXRIG_TRY(tell(watch_.finish(time_s_)));
+  if (sender_) report_.sent = sender_->sent(), report_.unsent = sender_->dropped();
+  if (file_.empty()) return {};
+  lines_.close();
+  if (!lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
+  return {};
+}
+
+nlohmann::json to_json(const TouchReport& report) {
+  nlohmann::json json;
+  for (const touch::EventKind kind : {touch::EventKind::kEnter, touch::EventKind::kStay,
+                                      touch::EventKind::kLeave, touch::EventKind::kHit})
+    json[std::string(touch::name(kind))] = report.counts[static_cast<std::size_t>(kind)];
+  json["datagrams"] = {{"sent", report.sent}, {"dropped", report.unsent}};
+  json["touch_ms"] = {{"p50", report.touch_ms.quantile(0.5)},
+                      {"p95", report.touch_ms.quantile(0.95)},
+                      {"max", report.touch_ms.max()}};
+  return json;
+}
+
+}  // namespace mixrig::session
