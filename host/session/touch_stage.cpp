@@ -19,6 +19,13 @@ std::uint64_t& count_of(TouchReport& report, touch::EventKind kind) {
   return report.counts[static_cast<std::size_t>(kind)];
 }
 
+std::vector<bool> give_way(const scene::Scene& scene, const ObjectMotion* motion) {
+  std::vector<bool> out;
+  for (const scene::Object& object : scene.objects)
+    out.push_back(motion != nullptr && object.physics);
+  return out;
+}
+
 }  // namespace
 
 std::vector<touch::Shape> shapes_of(const scene::Scene& scene) {
@@ -52,7 +59,10 @@ Result<std::unique_ptr<TouchStage>> TouchStage::create(
 }
 
 TouchStage::TouchStage(const Session& session, ObjectMotion* motion, TouchReport& report)
-    : session_(session), motion_(motion), report_(report), watch_(shapes_of(session.scene)) {}
+    : session_(session),
+      motion_(motion),
+      report_(report),
+      watch_(shapes_of(session.scene), {}, give_way(session.scene, motion)) {}
 
 Result<void> TouchStage::see(const output::Composite& composite,
                              std::span<const plan::Person> people, double time_s) {

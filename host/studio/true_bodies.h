@@ -20,7 +20,7 @@ struct BoxDistance {
 
 class TrueBodies {
  public:
-  static constexpr float kSpacing_m = 0.012F;  ///< of the points in which surfaces are sampled
+  static constexpr float kSpacing_m = 0.02F;  ///< of the points in which surfaces are sampled
 
   /// Valid options of a take, not of a sweep.
   explicit TrueBodies(const StudioOptions& options);

@@ -87,18 +87,19 @@ void Contact::add(const std::optional<Gap>& gap, bool is_hidden, double time_s,
 }
 
 /// One frame alone may be an error of the key; the event has the time of the first.
-void Contact::wait_to_enter(const std::optional<Gap>& gap, bool touching, double time_s,
+void Contact::wait_to_enter(const std::optional<Gap>& gap, bool counts, double time_s,
                             const ContactOptions& options, std::vector<Event>& out) {
-  if (!touching) {
-    touching_frames_ = 0;
+  if (!gap || gap->m > std::max(0.0, -options.least_m)) {
+    touching_frames_ = 0, counted_ = false;
     return;
   }
+  counted_ |= counts;
   if (++touching_frames_ == 1) {
     first_ = event(EventKind::kEnter, crossing_s(), *gap);
     first_.speed_m_s = closing_m_s();
   }
-  if (touching_frames_ < options.frames_to_enter) return;
-  in_ = true, touching_frames_ = 0;
+  if (touching_frames_ < options.frames_to_enter || !counted_) return;
+  in_ = true, touching_frames_ = 0, counted_ = false;
   last_ = *gap, deepest_m_ = std::max(first_.depth_m, -gap->m), told_s_ = time_s;
   apart_since_s_.reset();
   out.push_back(first_);
@@ -113,7 +114,7 @@ void Contact::end(double time_s, std::vector<Event>& out) {
     left.depth_m = deepest_m_;
     out.push_back(left);
   }
-  in_ = false, touching_frames_ = 0, known_ = 0;
+  in_ = false, touching_frames_ = 0, counted_ = false, known_ = 0;
 }
 
 }  // namespace mixrig::touch

@@ -47,13 +47,13 @@ struct Event {
 };
 
 struct ContactOptions {
-  double least_m = 0.005;  ///< penetration that counts
-  double sure_sigmas = 1;  ///< and in standard deviations
-  int frames_to_enter = 2;
-  double leave_m = 0.02;  ///< gap that counts as apart, beside sure_sigmas
-  double leave_s = 0.12;  ///< for which things are apart
-  double stay_s = 0.5;    ///< from one kStay to the next
-  double hit_m_s = 0.5;   ///< least speed of a kHit
+  double least_m = 0.005;   ///< penetration that counts; negative: being so near does
+  double sure_sigmas = 1;   ///< and in standard deviations
+  int frames_to_enter = 2;  ///< in a row in which they overlap, one of them by what counts
+  double leave_m = 0.02;    ///< gap that counts as apart, beside sure_sigmas
+  double leave_s = 0.12;    ///< for which things are apart
+  double stay_s = 0.5;      ///< from one kStay to the next
+  double hit_m_s = 0.5;     ///< least speed of a kHit
 };
 
 /// One pair. Allocates nothing beyond what `out` needs.
@@ -80,7 +80,7 @@ class Contact {
   void note(double time_s, double gap_m);
   double crossing_s() const;
   double closing_m_s() const;
-  void wait_to_enter(const std::optional<Gap>& gap, bool touching, double time_s,
+  void wait_to_enter(const std::optional<Gap>& gap, bool counts, double time_s,
                      const ContactOptions& options, std::vector<Event>& out);
   Event event(EventKind kind, double time_s, const Gap& gap) const;
 
@@ -88,6 +88,7 @@ class Contact {
   int object_, other_;
   bool in_ = false;
   int touching_frames_ = 0;
+  bool counted_ = false;        ///< one of these frames did
   Event first_;                 ///< while it is not believed
   std::array<Past, 6> past_{};  ///< the newest first
   std::size_t known_ = 0;       ///< of past_

@@ -8,14 +8,16 @@ namespace mixrig::touch {
 namespace {
 
 constexpr int kMostSamples = 40000;      ///< pixels of a window that are looked at, about
-constexpr float kEvidence_m2 = 0.0012F;  ///< surface that is no single error
+constexpr float kEvidence_m2 = 0.0008F;  ///< surface that is no single error
+constexpr float kPatch_m = 0.12F;
+constexpr int kMostPatches = 16;  ///< a side
 constexpr int kLeastPoints = 6;
 constexpr float kSameSurface_m = 0.03F, kSameSurfaceSigmas = 4;
 constexpr double kSystematic_m = 0.01;  ///< of key, warp and calibration
 constexpr double kNoiseBias = 1.0;      ///< sigmas by which the nearest of many is too near
 constexpr float kOwnerCell_m = 0.05F;
-constexpr int kOwnerReach = 2, kMostCells = 256;  ///< cells; a side
-constexpr float kArm_m = 0.9F;                    ///< from the axis of a body
+constexpr int kOwnerReach = 5, kMostCells = 256;  ///< cells; a side
+constexpr float kStep_m = 0.5F;                  ///< from the axis of a body to its feet
 
 }  // namespace
 
@@ -85,7 +87,7 @@ int SurfaceGaps::owner(const Eigen::Vector3f& at_m, const Moment& moment) const 
         if (who >= 0) return who;
       }
   int nearest = -1;
-  float least_m = kArm_m;
+  float least_m = kStep_m;
   for (std::size_t i = 0; i < moment.people.size(); ++i) {
     if (moment.people[i].surface.empty()) continue;
     const float away_m = (moment.people[i].on_floor_m.cast<float>() - at_m.head<2>()).norm();
@@ -130,36 +132,47 @@ void SurfaceGaps::collect(const Shape& shape, const geometry::Pose& world_from_o
       const Eigen::Vector3f at = world_at + world_turn * p;
       const int who = owner(at, moment);
       if (who < 0) continue;
-      Near& near = near_[static_cast<std::size_t>(who)];
-      const int bin = std::clamp(static_cast<int>((d - kDeepest_m) / kBin_m), 0, kBins - 1);
-      Bin& into = near.bins[static_cast<std::size_t>(bin)];
-      const float area = area_at_1_m * z[x] * z[x];
-      into.area_m2 += area, into.sum_m += area * at;
-      into.facing += area * std::abs(normal.dot(turn * ray)) / ray.norm();
-      ++near.points;
+      const Eigen::Vector3f cell = (p - shape.box_m.min()).array() + kNear_m;
+      const Eigen::Vector3i patch = (cell / patch_m_)
+                                        .cast<int>()
+                                        .cwiseMax(0)
+                                        .cwiseMin(patch_cells_ - Eigen::Vector3i::Ones());
+      samples_.push_back(
+          {at, area_at_1_m * z[x] * z[x], d, std::abs(normal.dot(turn * ray)) / ray.norm(),
+           (patch.z() * patch_cells_.y() + patch.y()) * patch_cells_.x() + patch.x(), who});
     }
   }
 }
 
-/// Of the nearest kEvidence_m2, without what noise takes off the nearest of many values.
-std::optional<Gap> SurfaceGaps::gap(const Near& near, double depth_sigma_m) const {
-  if (near.points < kLeastPoints) return std::nullopt;
-  float area_m2 = 0, facing = 0;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (int i = 0; i < kBins; ++i) {
-    const Bin& bin = near.bins[static_cast<std::size_t>(i)];
-    const float before_m2 = area_m2;
-    area_m2 += bin.area_m2, sum += bin.sum_m, facing += bin.facing;
-    if (area_m2 < kEvidence_m2) continue;
-    const float share = bin.area_m2 > 0 ? (kEvidence_m2 - before_m2) / bin.area_m2 : 0;
-    const double noise_m = depth_sigma_m * facing / area_m2;
-    Gap out;
-    out.m = kDeepest_m + kBin_m * (static_cast<float>(i) + share) + kNoiseBias * noise_m;
-    out.sigma_m = std::hypot(kSystematic_m, noise_m);
-    out.at_m = (sum / area_m2).cast<double>();
-    return out;
+/// By depth, in bins.
+void SurfaceGaps::order() {
+  const auto bin = [](const Sample& s) {
+    return static_cast<std::size_t>(
+        std::clamp(static_cast<int>((s.distance_m - kDeepest_m) / kBin_m), 0, kBins - 1));
+  };
+  first_.fill(0);
+  for (const Sample& s : samples_) ++first_[bin(s) + 1];
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  ordered_.resize(samples_.size());
+  for (const Sample& s : samples_) ordered_[static_cast<std::size_t>(first_[bin(s)]++)] = s;
+}
+
+/// For each person the first patch, from the deepest sample on, that holds enough; without what
+/// noise takes off the nearest of many values.
+void SurfaceGaps::find_patches(double depth_sigma_m) {
+  const int of_one = patch_cells_.prod();
+  patches_.assign(static_cast<std::size_t>(of_one) * gaps_.size(), {});
+  for (const Sample& s : ordered_) {
+    std::optional<Gap>& gap = gaps_[static_cast<std::size_t>(s.who)];
+    if (gap) continue;
+    Patch& patch = patches_[static_cast<std::size_t>(s.who * of_one + s.patch)];
+    patch.area_m2 += s.area_m2, patch.facing += s.area_m2 * s.facing;
+    patch.sum_m += s.area_m2 * s.at_m;
+    if (++patch.points < kLeastPoints || patch.area_m2 < kEvidence_m2) continue;
+    const double noise_m = depth_sigma_m * patch.facing / patch.area_m2;
+    gap = Gap{s.distance_m + kNoiseBias * noise_m, std::hypot(kSystematic_m, noise_m),
+              (patch.sum_m / patch.area_m2).cast<double>(), Evidence::kSurface};
   }
-  return std::nullopt;
 }
 
 std::span<const std::optional<Gap>> SurfaceGaps::measure(const Shape& shape,
@@ -171,12 +184,16 @@ std::span<const std::optional<Gap>> SurfaceGaps::measure(const Shape& shape,
       geometry::inverse(moment.seen.world_from_view) * world_from_object;
   const auto looked_at = window(shape, view_from_object, moment.seen);
   if (!looked_at) return gaps_;
-  near_.assign(moment.people.size(), Near{});
+  const Eigen::Vector3f around = shape.box_m.sizes().array() + 2 * kNear_m;
+  patch_m_ = std::max(kPatch_m, around.maxCoeff() / kMostPatches);
+  patch_cells_ = (around / patch_m_).array().ceil().cast<int>().max(1);
+  samples_.clear();
   own(shape, world_from_object, moment);
   collect(shape, world_from_object, moment, *looked_at);
   const Eigen::Vector3d middle = view_from_object * shape.box_m.center().cast<double>();
   const double depth_sigma_m = moment.noise.sigma_m(std::max(0.0, middle.z()));
-  for (std::size_t i = 0; i < gaps_.size(); ++i) gaps_[i] = gap(near_[i], depth_sigma_m);
+  order();
+  find_patches(depth_sigma_m);
   return gaps_;
 }
 

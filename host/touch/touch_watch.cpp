@@ -18,10 +18,18 @@ bool is_touching(const std::optional<Gap>& gap) { return gap && gap->m < -gap->s
 
 }  // namespace
 
-TouchWatch::TouchWatch(std::vector<Shape> shapes, const ContactOptions& options)
-    : shapes_(std::move(shapes)), options_(options), still_(options) {
+TouchWatch::TouchWatch(std::vector<Shape> shapes, const ContactOptions& options,
+                       std::vector<bool> gives_way)
+    : shapes_(std::move(shapes)),
+      options_(options),
+      still_(options),
+      yields_(options),
+      gives_way_(std::move(gives_way)) {
   still_.frames_to_enter = 1;
   still_.leave_s = 0;
+  yields_.least_m = -kYields_m, yields_.sure_sigmas = 0;
+  yields_.leave_m = 2 * kYields_m;
+  gives_way_.resize(shapes_.size());
 }
 
 Contact& TouchWatch::contact(Against against, int object, int other) {
@@ -63,7 +71,8 @@ void TouchWatch::watch_people(int object, const Moment& moment) {
     });
     if (!gap && !known) continue;
     contact(Against::kPerson, object, person.id)
-        .add(gap, person.sight == plan::Sight::kHidden, moment.time_s, options_, events_);
+        .add(gap, person.sight == plan::Sight::kHidden, moment.time_s,
+             gives_way_[number] ? yields_ : options_, events_);
   }
 }
 

@@ -21,7 +21,12 @@ class TouchWatch {
  public:
   static constexpr double kProxySigmas = 2;
 
-  explicit TouchWatch(std::vector<Shape> shapes, const ContactOptions& options = {});
+  static constexpr double kYields_m = 0.03;
+
+  /// An object that gives way is pushed off before it is entered: being kYields_m near touches it.
+  /// `gives_way`: as many as shapes, or none.
+  explicit TouchWatch(std::vector<Shape> shapes, const ContactOptions& options = {},
+                      std::vector<bool> gives_way = {});
   const std::vector<Shape>& shapes() const { return shapes_; }
   /// The points of the empty room; before the first frame.
   void set_room(std::vector<plan::RoomPoint> room) { room_ = std::move(room); }
@@ -40,7 +45,8 @@ class TouchWatch {
   void end_of_gone(const Moment& moment);
 
   std::vector<Shape> shapes_;
-  ContactOptions options_, still_;  ///< still_: of things that are measured once
+  ContactOptions options_, still_, yields_;  ///< still_: of things that are measured once
+  std::vector<bool> gives_way_;
   std::vector<plan::RoomPoint> room_;
   SurfaceGaps surface_;
   std::vector<Contact> contacts_;

@@ -188,6 +188,39 @@ TEST(Scene, ASetReplacesTheBackground) {
   EXPECT_EQ(with_picture->set->picture.size(), (Size{4, 3}));
 }
 
+TEST(Scene, EventsAndPhysics) {
+  const std::string ball = "[[object]]\nposition_m = [0.0, 0.0, 0.0]\nmodel = \"b.glb\"\n";
+  const auto scene =
+      parse_scene(ball +
+                      "physics = { mass_kg = 0.4, bounce = 0.5, shape = \"ball\" }\n"
+                      "[people]\nfollow = true\n[events]\nudp = \"127.0.0.1:7420\"\n",
+                  "s/scene.toml", false);
+  ASSERT_TRUE(scene) << scene.error().context;
+  EXPECT_TRUE(scene->follow_people);
+  EXPECT_EQ(scene->events->udp, "127.0.0.1:7420");
+  EXPECT_EQ(scene->objects[0].physics->mass_kg, 0.4);
+  EXPECT_TRUE(scene->objects[0].physics->is_ball);
+  const auto plain = parse_scene(ball + "[events]\n", "s/scene.toml", false);
+  ASSERT_TRUE(plain) << plain.error().context;
+  EXPECT_FALSE(plain->follow_people);
+  EXPECT_FALSE(plain->objects[0].physics);
+  EXPECT_TRUE(plain->events->udp.empty());
+  for (const auto& [text, says] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"physics = {}\n", "scene.toml:4: key \"object.physics"},
+           {"physics = { mass_kg = -1.0 }\n", "scene.toml:4: key \"object.physics.mass_kg"},
+           {"physics = { mass_kg = 1.0, bounce = 2.0 }\n", "object.physics.bounce"},
+           {"physics = { mass_kg = 1.0, form = \"ball\" }\n", "form"},
+           {"[events]\nudp = \"127.0.0.1\"\n", "scene.toml:5: key \"events.udp\""},
+           {"[events]\nudp = \"a:0\"\n", "give HOST:PORT"},
+           {"[events]\nudp = \"a:77777\"\n", "give HOST:PORT"},
+           {"[events]\nudp = \"a:7b\"\n", "give HOST:PORT"}}) {
+    const auto wrong = parse_scene(ball + text, "s/scene.toml", false);
+    ASSERT_FALSE(wrong) << text;
+    EXPECT_NE(wrong.error().context.find(says), std::string::npos) << wrong.error().context;
+    EXPECT_EQ(wrong.error().context.find('\n'), std::string::npos);
+  }
+}
+
 TEST(Scene, WallsMayBeOpen) {
   const auto open = parse_scene("[background]\nlearn = [1, 5]\nwalls = \"open\"\n", "s", false);
   ASSERT_TRUE(open) << open.error().context;

@@ -44,8 +44,15 @@ TEST_F(ContactTest, SlowContactIsNoHit) {
   EXPECT_EQ(count(EventKind::kHit), 0);
 }
 
+TEST_F(ContactTest, OneSureFrameBesideOneThatOverlapsIsEnough) {
+  see(0.05), see(-0.004), see(-0.03);
+  ASSERT_EQ(count(EventKind::kEnter), 1);
+  EXPECT_NEAR(events_[0].time_s, kStep_s * 0.05 / 0.054, 1e-6);
+}
+
 TEST_F(ContactTest, OneFrameAndWhatIsUnsureAreNoContact) {
-  for (int i = 0; i < 20; ++i) see(i == 10 ? -0.2 : 0.1), see(-0.009);
+  for (int i = 0; i < 20; ++i) see(0.1), see(i == 10 ? -0.2 : -0.009), see(0.1);
+  for (int i = 0; i < 20; ++i) see(-0.009);
   EXPECT_TRUE(events_.empty());
 }
 
