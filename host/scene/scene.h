@@ -144,6 +144,15 @@ struct EventSettings {
   std::string udp;  ///< "HOST:PORT" that gets each event as a datagram; empty: none
 };
 
+/// A program that gets the pose and lens of each picture.
+struct PoseOut {
+  enum class Protocol : std::uint8_t { kFreeD, kOpenTrackJson, kOpenTrackCbor };
+  Protocol protocol = Protocol::kFreeD;
+  std::string udp;              ///< "HOST:PORT"
+  int camera = 1;               ///< FreeD: 0 to 255; OpenTrackIO's source: 1 to 200
+  double sensor_width_mm = 36;  ///< that focal length and sensor of OpenTrackIO are told for
+};
+
 struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
@@ -157,6 +166,7 @@ struct Scene {
   KeySettings key;
   bool follow_people = false;           ///< in a run
   std::optional<EventSettings> events;  ///< in a run; people are followed for them
+  std::vector<PoseOut> pose_outs;       ///< in a run
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

@@ -75,19 +75,35 @@ std::optional<ObjectPhysics> read_physics(const Table& table) {
   return physics;
 }
 
+/// "HOST:PORT", or empty where it is not given.
+std::string read_udp(const Table& table, const char* key) {
+  const std::string udp = table.text_or(key, "");
+  const std::size_t colon = udp.rfind(':');
+  int port = 0;
+  const char* const end = udp.data() + udp.size();
+  const bool is_address = colon != std::string::npos && colon > 0 && colon < 64 &&
+                          std::from_chars(udp.data() + colon + 1, end, port).ptr == end &&
+                          port >= 1 && port <= 65535;
+  if (!udp.empty() && !is_address)
+    table.fail(key, "is no address: give HOST:PORT, such as 127.0.0.1:7420");
+  return udp;
+}
+
 std::optional<EventSettings> read_events(const Table& table) {
   if (!table.present()) return std::nullopt;
-  EventSettings events;
-  events.udp = table.text_or("udp", "");
-  const std::size_t colon = events.udp.rfind(':');
-  int port = 0;
-  const char* const end = events.udp.data() + events.udp.size();
-  const bool is_address = colon != std::string::npos && colon > 0 && colon < 64 &&
-                          std::from_chars(events.udp.data() + colon + 1, end, port).ptr == end &&
-                          port >= 1 && port <= 65535;
-  if (!events.udp.empty() && !is_address)
-    table.fail("udp", "is no address: give HOST:PORT, such as 127.0.0.1:7420");
-  return events;
+  return EventSettings{read_udp(table, "udp")};
+}
+
+PoseOut read_pose_out(const Table& table) {
+  PoseOut out;
+  const int protocol = table.one_of("protocol", {"freed", "opentrackio", "opentrackio-cbor"}, 0);
+  out.protocol = static_cast<PoseOut::Protocol>(protocol);
+  out.udp = read_udp(table, "udp");
+  if (out.udp.empty()) table.fail("udp", "is missing: give HOST:PORT of the receiver");
+  const Range cameras = protocol == 0 ? Range{0, 255} : Range{1, 200};
+  out.camera = table.integer_or("camera", out.camera, cameras);
+  out.sensor_width_mm = table.number_or("sensor_width_mm", out.sensor_width_mm, {0.1, 1000});
+  return out;
 }
 
 Object read_object(const Table& table, std::size_t number, const std::filesystem::path& folder,
@@ -217,6 +233,8 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   scene.key = read_key(root.table("key"));
   scene.follow_people = root.table("people").boolean_or("follow", false);
   scene.events = read_events(root.table("events"));
+  for (const Table& table : root.tables("pose_out"))
+    scene.pose_outs.push_back(read_pose_out(table));
   MIXRIG_TRY(document.finish());
   return scene;
 }

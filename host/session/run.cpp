@@ -22,6 +22,7 @@
 #include "host/session/judge.h"
 #include "host/session/object_motion.h"
 #include "host/session/people_sink.h"
+#include "host/session/pose_sink.h"
 #include "host/session/room_keeper.h"
 #include "host/session/slip.h"
 #include "host/session/touch_stage.h"
@@ -222,6 +223,13 @@ Result<void> Runner::open_sinks(FrameRange range) {
     sheet_ = sinks_.back().get();
   }
   for (auto& sink : options_.sinks) add(std::move(sink));
+  if (options_.send_poses && !session_.scene.pose_outs.empty()) {
+    const Duration since_1970 = std::chrono::system_clock::now().time_since_epoch();
+    const auto host_now = live() ? std::optional(clock_.now()) : std::nullopt;
+    MIXRIG_ASSIGN(auto poses, PoseSink::create(session_.scene.pose_outs, since_1970.count(),
+                                               host_now, report_.pose_outs));
+    add(std::move(poses));
+  }
   return open_people();
 }
 

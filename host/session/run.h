@@ -27,7 +27,8 @@ struct RunOptions {
   bool true_people = false;                 ///< sinks get their places, where the source has them
   /// Whether they are followed, and what they touch is told; absent: as the scene says.
   std::optional<bool> follow_people;
-  bool baselines = false;  ///< judge plain composites beside it
+  bool send_poses = false;  ///< to the programs that the scene names
+  bool baselines = false;   ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
   ChangeOptions changes;                           ///< which of them become background

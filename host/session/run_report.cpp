@@ -256,6 +256,7 @@ nlohmann::json to_json(const RunReport& report) {
   if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
   if (report.people) out["people"] = to_json(*report.people);
   if (report.events) out["events"] = to_json(*report.events);
+  if (!report.pose_outs.empty()) out["pose_out"] = to_json(report.pose_outs);
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(

@@ -20,6 +20,7 @@
 #include "host/session/frame_lens.h"
 #include "host/session/people_sink.h"
 #include "host/session/pose_errors.h"
+#include "host/session/pose_sink.h"
 #include "host/session/room_changes_report.h"
 #include "host/session/slip.h"
 #include "host/session/touch_stage.h"
@@ -56,6 +57,7 @@ struct RunReport {
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<PeopleReport> people;             ///< where they were followed
   std::optional<TouchReport> events;              ///< where touching was watched
+  std::vector<PoseOutReport> pose_outs;           ///< in the order of the scene
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };

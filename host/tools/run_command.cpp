@@ -32,6 +32,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
                                                        : output::OutputFormat::kPng;
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
+  options.send_poses = true;
   options.baselines = arguments.baselines;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));

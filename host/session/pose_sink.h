@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sends the pose and lens of each composited picture to other programs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/output/composite_sink.h"
+#include "host/scene/scene.h"
+#include "host/stream/datagram_sender.h"
+#include "host/stream/opentrackio.h"
+
+namespace mixrig::session {
+
+/// What was sent to one receiver.
+struct PoseOutReport {
+  std::string protocol, udp;
+  std::uint64_t frames = 0, lost_frames = 0;  ///< with a pose, and without
+  std::uint64_t datagrams = 0, dropped = 0;   ///< that the system took, and did not take
+};
+nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
+
+/// Time and lens are those of the plate's mid-exposure and of the composite, whose picture has no
+/// distortion. A frame without a pose is a sample without transforms (OpenTrackIO), or none
+/// (FreeD).
+class PoseSink final : public output::CompositeSink {
+ public:
+  /// `now_ns`: of 1970, at `host_now`; without `host_now` at the first frame, of a recording.
+  /// `reports` is complete after finish(), and must outlive the sink. Errors: kUsage, kDevice.
+  static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
+                                                  std::int64_t now_ns,
+                                                  std::optional<HostTime> host_now,
+                                                  std::vector<PoseOutReport>& reports);
+  std::string_view name() const override { return "poses"; }
+  render::OutputMask wanted(int) const override { return render::kMatte; }
+  Result<void> write(const output::CompositePtr& composite) override;
+  Result<void> finish() override;
+
+ private:
+  struct Receiver {
+    scene::PoseOut out;
+    stream::DatagramSender sender;
+    stream::Uuid source{};
+    std::uint64_t samples = 0;
+    std::int64_t sensor_sent_ns = 0;
+  };
+  PoseSink(std::int64_t now_ns, std::optional<HostTime> host_now,
+           std::vector<PoseOutReport>& reports)
+      : now_ns_(now_ns), host_now_(host_now), reports_(reports) {}
+  void send_freed(const output::Composite& composite, Receiver& to);
+  void send_opentrack(const output::Composite& composite, Receiver& to);
+
+  std::int64_t now_ns_;  ///< of 1970, at host_now_
+  std::optional<HostTime> host_now_;
+  std::vector<Receiver> receivers_;
+  std::vector<PoseOutReport>& reports_;
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses of composites as other programs get them, over sockets of this machine.
+#include "host/session/pose_sink.h"
+
+#include <cmath>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "host/stream/freed_receiver.h"
+
+namespace mixrig::session {
+namespace {
+
+using Protocol = scene::PoseOut::Protocol;
+using nlohmann::json;
+
+constexpr std::int64_t kNow_ns = 1'750'000'000'000'000'000;  ///< of 1970, at host time 5 s
+constexpr HostTime kHostNow{std::chrono::seconds(5)};
+
+/// A UDP socket that hears what is sent to it.
+class Listener {
+ public:
+  Listener() {
+    sockaddr_in own{};
+    own.sin_family = AF_INET, own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof own;
+    EXPECT_EQ(::bind(fd_, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
+    EXPECT_EQ(::getsockname(fd_, reinterpret_cast<sockaddr*>(&own), &size), 0);
+    address_ = "127.0.0.1:" + std::to_string(ntohs(own.sin_port));
+  }
+  ~Listener() { ::close(fd_); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  const std::string& address() const { return address_; }
+  /// The next datagram; empty where there is none.
+  std::vector<std::byte> next() {
+    std::vector<std::byte> bytes(65536);
+    const ssize_t size = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return bytes;
+  }
+
+ private:
+  int fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  std::string address_;
+};
+
+/// A camera at (1, 2, 1.5) m that looks 30 degrees to the right of +y, a fifth of a second ago.
+std::shared_ptr<output::Composite> frame() {
+  auto capture = std::make_shared<capture::Capture>();
+  capture->mid_exposure = kHostNow - std::chrono::milliseconds(200);
+  capture->encoders = geometry::LensEncoders{4012, 70000};
+  auto composite = std::make_shared<output::Composite>();
+  composite->capture = capture;
+  composite->world_from_target =
+      geometry::look_at({1, 2, 1.5}, {1 + 0.5, 2 + std::sqrt(0.75), 1.5}, Eigen::Vector3d::UnitZ());
+  composite->view = {{640, 480}, 500, 400, 329.5, 239.5};
+  return composite;
+}
+
+json sample_in(const std::vector<std::byte>& datagram) {
+  if (datagram.size() < 16) return {};
+  const auto* const begin = reinterpret_cast<const char*>(datagram.data());
+  return json::parse(begin + 16, begin + datagram.size());
+}
+
+class PoseSinkTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<PoseSink> sink_of(std::vector<scene::PoseOut> outs) {
+    auto sink = PoseSink::create(outs, kNow_ns, kHostNow, reports_);
+    EXPECT_TRUE(sink) << sink.error().context;
+    return sink ? *std::move(sink) : nullptr;
+  }
+  Listener listener_;
+  std::vector<PoseOutReport> reports_;
+};
+
+TEST_F(PoseSinkTest, FreeDHasItsSignsAndTheEncoders) {
+  const auto sink = sink_of({{Protocol::kFreeD, listener_.address(), 7}});
+  ASSERT_TRUE(sink->write(frame()));
+  const auto packet = stream::parse_freed(listener_.next());
+  ASSERT_TRUE(packet) << packet.error().context;
+  EXPECT_EQ(packet->camera, 7);
+  EXPECT_NEAR(packet->pan_rad, M_PI / 6, 1e-6) << "to the right";
+  EXPECT_NEAR(packet->tilt_rad, 0, 1e-6);
+  EXPECT_NEAR((packet->position_m - Eigen::Vector3d(1, 2, 1.5)).norm(), 0, 2e-5);
+  EXPECT_EQ(packet->zoom, 4012U);
+  EXPECT_EQ(packet->focus, 70000U);
+}
+
+TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
+  const auto sink = sink_of({{Protocol::kOpenTrackJson, listener_.address(), 2, 32}});
+  ASSERT_TRUE(sink->write(frame()));
+  const json sample = sample_in(listener_.next());
+  EXPECT_EQ(sample["sourceNumber"], 2);
+  EXPECT_EQ(sample["timing"]["sampleTimestamp"]["seconds"], 1'749'999'999);
+  EXPECT_EQ(sample["timing"]["sampleTimestamp"]["nanoseconds"], 800'000'000);
+  EXPECT_NEAR(sample["transforms"][0]["rotation"]["pan"].get<double>(), -30, 1e-6) << "to the left";
+  // 500 px of 640 are 25 of 32 mm; the principal point is 10 px to the right of the middle.
+  EXPECT_NEAR(sample["lens"]["pinholeFocalLength"].get<double>(), 25, 1e-9);
+  EXPECT_NEAR(sample["lens"]["projectionOffset"]["x"].get<double>(), 0.5, 1e-9);
+  EXPECT_NEAR(sample["lens"]["projectionOffset"]["y"].get<double>(), 0, 1e-9);
+  // 400 px of 480: 25 mm of 30 mm.
+  EXPECT_NEAR(sample["static"]["camera"]["activeSensorPhysicalDimensions"]["height"].get<double>(),
+              30, 1e-9);
+  ASSERT_TRUE(sink->write(frame()));
+  const json second = sample_in(listener_.next());
+  EXPECT_FALSE(second.contains("static")) << "sent every two seconds";
+  EXPECT_NE(second["sampleId"], sample["sampleId"]);
+  EXPECT_EQ(second["sourceId"], sample["sourceId"]);
+}
+
+TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
+  Listener other;
+  const auto sink = sink_of(
+      {{Protocol::kFreeD, listener_.address()}, {Protocol::kOpenTrackJson, other.address()}});
+  auto lost = frame();
+  lost->pose = capture::CameraPose::lost(capture::PoseLoss::kGap);
+  ASSERT_TRUE(sink->write(lost));
+  EXPECT_TRUE(listener_.next().empty());
+  const json sample = sample_in(other.next());
+  EXPECT_EQ(sample["tracker"]["status"], "lost: gap");
+  EXPECT_FALSE(sample.contains("transforms"));
+  ASSERT_TRUE(sink->finish());
+  EXPECT_EQ(reports_[0].lost_frames, 1U);
+  EXPECT_EQ(reports_[0].datagrams, 0U);
+  EXPECT_EQ(reports_[1].datagrams, 1U);
+}
+
+TEST_F(PoseSinkTest, ReceiversThatAreNotThereDoNotMatter) {
+  std::string gone;
+  { gone = Listener().address(); }
+  const auto sink = sink_of({{Protocol::kFreeD, gone}});
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(sink->write(frame()));
+  ASSERT_TRUE(sink->finish());
+  EXPECT_GT(reports_[0].dropped, 0U);
+}
+
+TEST_F(PoseSinkTest, AnAddressThatIsNoneIsRefused) {
+  EXPECT_FALSE(PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kNow_ns, kHostNow, reports_));
+}
+
+}  // namespace
+}  // namespace mixrig::session
