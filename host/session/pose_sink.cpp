@@ -59,10 +59,10 @@ void set_lens(const geometry::Pinhole& view, double width_mm, stream::OpenTrackS
 }  // namespace
 
 Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::PoseOut>& outs,
-                                                   std::int64_t now_ns,
-                                                   std::optional<HostTime> host_now,
+                                                   std::int64_t epoch_ns,
+                                                   std::optional<HostTime> begin,
                                                    std::vector<PoseOutReport>& reports) {
-  std::unique_ptr<PoseSink> sink(new PoseSink(now_ns, host_now, reports));
+  std::unique_ptr<PoseSink> sink(new PoseSink(epoch_ns, begin, reports));
   for (const scene::PoseOut& out : outs) {
     MIXRIG_ASSIGN(auto sender, stream::DatagramSender::open(out.udp));
     sink->receivers_.push_back({out, std::move(sender), random_uuid()});
@@ -72,7 +72,8 @@ Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::Pose
 }
 
 Result<void> PoseSink::write(const output::CompositePtr& composite) {
-  if (!host_now_) host_now_ = composite->capture->mid_exposure;
+  if (begin_) epoch_ns_ += (*begin_ - composite->capture->mid_exposure).count();
+  begin_.reset();
   for (std::size_t i = 0; i < receivers_.size(); ++i) {
     Receiver& to = receivers_[i];
     ++(composite->pose.ok() ? reports_[i].frames : reports_[i].lost_frames);
@@ -102,8 +103,8 @@ void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) 
   sample.sample_id = random_uuid(), sample.source_id = to.source;
   sample.source = to.out.camera;
   sample.number = to.samples;
-  const Duration since = composite.capture->mid_exposure - *host_now_;
-  sample.time_ns = std::max<std::int64_t>(0, now_ns_ + since.count());
+  const Duration exposed = composite.capture->mid_exposure.time_since_epoch();
+  sample.time_ns = std::max<std::int64_t>(0, epoch_ns_ + exposed.count());
   sample.status =
       composite.pose.ok() ? "ok" : "lost: " + std::string(capture::name(composite.pose.loss));
   if (composite.pose.ok()) {

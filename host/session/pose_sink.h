@@ -29,11 +29,12 @@ nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
 /// (FreeD).
 class PoseSink final : public output::CompositeSink {
  public:
-  /// `now_ns`: of 1970, at `host_now`; without `host_now` at the first frame, of a recording.
-  /// `reports` is complete after finish(), and must outlive the sink. Errors: kUsage, kDevice.
+  /// `epoch_ns`: of 1970, at host time 0. `begin`: of a recording, whose first frame gets this host
+  /// time. `reports` is complete after finish(), and must outlive the sink. Errors: kUsage,
+  /// kDevice.
   static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
-                                                  std::int64_t now_ns,
-                                                  std::optional<HostTime> host_now,
+                                                  std::int64_t epoch_ns,
+                                                  std::optional<HostTime> begin,
                                                   std::vector<PoseOutReport>& reports);
   std::string_view name() const override { return "poses"; }
   render::OutputMask wanted(int) const override { return render::kMatte; }
@@ -48,14 +49,14 @@ class PoseSink final : public output::CompositeSink {
     std::uint64_t samples = 0;
     std::int64_t sensor_sent_ns = 0;
   };
-  PoseSink(std::int64_t now_ns, std::optional<HostTime> host_now,
+  PoseSink(std::int64_t epoch_ns, std::optional<HostTime> begin,
            std::vector<PoseOutReport>& reports)
-      : now_ns_(now_ns), host_now_(host_now), reports_(reports) {}
+      : epoch_ns_(epoch_ns), begin_(begin), reports_(reports) {}
   void send_freed(const output::Composite& composite, Receiver& to);
   void send_opentrack(const output::Composite& composite, Receiver& to);
 
-  std::int64_t now_ns_;  ///< of 1970, at host_now_
-  std::optional<HostTime> host_now_;
+  std::int64_t epoch_ns_;          ///< of 1970, at time 0 of the captures
+  std::optional<HostTime> begin_;  ///< of a recording, until its first frame
   std::vector<Receiver> receivers_;
   std::vector<PoseOutReport>& reports_;
 };

@@ -223,11 +223,10 @@ Result<void> Runner::open_sinks(FrameRange range) {
     sheet_ = sinks_.back().get();
   }
   for (auto& sink : options_.sinks) add(std::move(sink));
-  if (options_.send_poses && !session_.scene.pose_outs.empty()) {
-    const Duration since_1970 = std::chrono::system_clock::now().time_since_epoch();
-    const auto host_now = live() ? std::optional(clock_.now()) : std::nullopt;
-    MIXRIG_ASSIGN(auto poses, PoseSink::create(session_.scene.pose_outs, since_1970.count(),
-                                               host_now, report_.pose_outs));
+  if (options_.epoch_ns && !session_.scene.pose_outs.empty()) {
+    const auto begin = live() ? std::nullopt : std::optional(clock_.now());
+    MIXRIG_ASSIGN(auto poses, PoseSink::create(session_.scene.pose_outs, *options_.epoch_ns, begin,
+                                               report_.pose_outs));
     add(std::move(poses));
   }
   return open_people();

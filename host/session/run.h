@@ -27,8 +27,9 @@ struct RunOptions {
   bool true_people = false;                 ///< sinks get their places, where the source has them
   /// Whether they are followed, and what they touch is told; absent: as the scene says.
   std::optional<bool> follow_people;
-  bool send_poses = false;  ///< to the programs that the scene names
-  bool baselines = false;   ///< judge plain composites beside it
+  /// Of 1970, at host time 0: poses are sent to the programs that the scene names.
+  std::optional<std::int64_t> epoch_ns;
+  bool baselines = false;  ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
   ChangeOptions changes;                           ///< which of them become background

@@ -32,7 +32,6 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
                                                        : output::OutputFormat::kPng;
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
-  options.send_poses = true;
   options.baselines = arguments.baselines;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
@@ -48,6 +47,8 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   const StopOnSignal signals;
   const CountSignals accept_requests;
   SystemClock clock;
+  options.epoch_ns = Duration(std::chrono::system_clock::now().time_since_epoch()).count() -
+                     clock.now().time_since_epoch().count();
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));

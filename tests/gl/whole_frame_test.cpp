@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -106,6 +107,30 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   frame.world_from_target.rotation =
       Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY()) * frame.world_from_target.rotation;
   expect_agreement(pair, frame);
+}
+
+/// In the frame in which it moves and after it: virtual pixels, shadow maps and what they fall on.
+TEST(WholeFrame, draws_a_moved_object_as_one_that_stood_there) {
+  RoomSetup room(RoomSetup::Options{}), there(RoomSetup::Options{});
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  expect_agreement(pair, frame);
+  const Image<Rgb8> before = pair.cpu_frame.color;
+  std::vector<geometry::Pose> poses;
+  for (const render::VirtualObject& object : room.setup.objects)
+    poses.push_back(object.world_from_object);
+  ASSERT_FALSE(poses.empty());
+  poses[0].translation_m += Eigen::Vector3d(0.12, 0, 0.08);
+  frame.world_from_object = poses;
+  there.setup.objects[0].world_from_object = poses[0];
+  Pair still = make_pair(there);
+  expect_agreement(still, there.frame());
+  for (int i = 0; i < 2; ++i) {
+    expect_agreement(pair, frame);
+    EXPECT_LT(psnr_db(pair.cpu_frame.color, before), 40) << "it has moved";
+    EXPECT_GE(psnr_db(pair.cpu_frame.color, still.cpu_frame.color), 60);
+    EXPECT_GE(psnr_db(pair.gles_frame.color, still.gles_frame.color), 60);
+  }
 }
 
 /// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.

@@ -19,8 +19,7 @@ namespace {
 using Protocol = scene::PoseOut::Protocol;
 using nlohmann::json;
 
-constexpr std::int64_t kNow_ns = 1'750'000'000'000'000'000;  ///< of 1970, at host time 5 s
-constexpr HostTime kHostNow{std::chrono::seconds(5)};
+constexpr std::int64_t kEpoch_ns = 1'750'000'000'000'000'000;
 
 /// A UDP socket that hears what is sent to it.
 class Listener {
@@ -51,10 +50,10 @@ class Listener {
   std::string address_;
 };
 
-/// A camera at (1, 2, 1.5) m that looks 30 degrees to the right of +y, a fifth of a second ago.
+/// A camera at (1, 2, 1.5) m that looks 30 degrees to the right of +y, at 4.8 s.
 std::shared_ptr<output::Composite> frame() {
   auto capture = std::make_shared<capture::Capture>();
-  capture->mid_exposure = kHostNow - std::chrono::milliseconds(200);
+  capture->mid_exposure = HostTime(std::chrono::milliseconds(4800));
   capture->encoders = geometry::LensEncoders{4012, 70000};
   auto composite = std::make_shared<output::Composite>();
   composite->capture = capture;
@@ -73,7 +72,7 @@ json sample_in(const std::vector<std::byte>& datagram) {
 class PoseSinkTest : public ::testing::Test {
  protected:
   std::unique_ptr<PoseSink> sink_of(std::vector<scene::PoseOut> outs) {
-    auto sink = PoseSink::create(outs, kNow_ns, kHostNow, reports_);
+    auto sink = PoseSink::create(outs, kEpoch_ns, std::nullopt, reports_);
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
@@ -99,7 +98,7 @@ TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   ASSERT_TRUE(sink->write(frame()));
   const json sample = sample_in(listener_.next());
   EXPECT_EQ(sample["sourceNumber"], 2);
-  EXPECT_EQ(sample["timing"]["sampleTimestamp"]["seconds"], 1'749'999'999);
+  EXPECT_EQ(sample["timing"]["sampleTimestamp"]["seconds"], 1'750'000'004);
   EXPECT_EQ(sample["timing"]["sampleTimestamp"]["nanoseconds"], 800'000'000);
   EXPECT_NEAR(sample["transforms"][0]["rotation"]["pan"].get<double>(), -30, 1e-6) << "to the left";
   // 500 px of 640 are 25 of 32 mm; the principal point is 10 px to the right of the middle.
@@ -114,6 +113,22 @@ TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   EXPECT_FALSE(second.contains("static")) << "sent every two seconds";
   EXPECT_NE(second["sampleId"], sample["sampleId"]);
   EXPECT_EQ(second["sourceId"], sample["sourceId"]);
+}
+
+TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
+  const auto sink = PoseSink::create({{Protocol::kOpenTrackJson, listener_.address()}}, kEpoch_ns,
+                                     HostTime(std::chrono::seconds(100)), reports_);
+  ASSERT_TRUE(sink) << sink.error().context;
+  for (const int frame_ms : {0, 40}) {
+    const auto composite = frame();
+    auto capture = std::make_shared<capture::Capture>(*composite->capture);
+    capture->mid_exposure += std::chrono::milliseconds(frame_ms);
+    composite->capture = capture;
+    ASSERT_TRUE((*sink)->write(composite));
+    const json time = sample_in(listener_.next())["timing"]["sampleTimestamp"];
+    EXPECT_EQ(time["seconds"], 1'750'000'100);
+    EXPECT_EQ(time["nanoseconds"], frame_ms * 1'000'000);
+  }
 }
 
 TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
@@ -143,7 +158,8 @@ TEST_F(PoseSinkTest, ReceiversThatAreNotThereDoNotMatter) {
 }
 
 TEST_F(PoseSinkTest, AnAddressThatIsNoneIsRefused) {
-  EXPECT_FALSE(PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kNow_ns, kHostNow, reports_));
+  EXPECT_FALSE(
+      PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kEpoch_ns, std::nullopt, reports_));
 }
 
 }  // namespace
