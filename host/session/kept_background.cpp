@@ -16,7 +16,6 @@ KeptBackground::KeptBackground(const KeptBackground& from)
   see();
 }
 
-/// The order of session.cpp: rooms, then the view.
 std::vector<render::BackgroundModel> models_of(const Session& session,
                                                const geometry::Pose& world_from_view,
                                                Image<Rgbx8>& color) {
@@ -27,6 +26,7 @@ std::vector<render::BackgroundModel> models_of(const Session& session,
   return {{b.view, {world_from_view}, b.depth_m, b.depth_sigma_m, color}};
 }
 
+/// The order of session.cpp: rooms, then the view.
 void KeptBackground::see() {
   for (std::size_t i = 0; i < rooms.size(); ++i) {
     render::BackgroundModel& model = setup.background_models[i];

@@ -64,8 +64,9 @@ Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::Pose
                                                    std::vector<PoseOutReport>& reports) {
   std::unique_ptr<PoseSink> sink(new PoseSink(epoch_ns, begin, reports));
   for (const scene::PoseOut& out : outs) {
-    MIXRIG_ASSIGN(auto sender, stream::DatagramSender::open(out.udp));
-    sink->receivers_.push_back({out, std::move(sender), random_uuid()});
+    auto sender = stream::DatagramSender::open(out.udp);
+    if (!sender) return Error{sender.error().code, "pose_out.udp: " + sender.error().context};
+    sink->receivers_.push_back({out, *std::move(sender), random_uuid()});
     reports.push_back({std::string(protocol_name(out.protocol)), out.udp});
   }
   return sink;

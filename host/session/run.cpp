@@ -225,9 +225,11 @@ Result<void> Runner::open_sinks(FrameRange range) {
   for (auto& sink : options_.sinks) add(std::move(sink));
   if (options_.epoch_ns && !session_.scene.pose_outs.empty()) {
     const auto begin = live() ? std::nullopt : std::optional(clock_.now());
-    MIXRIG_ASSIGN(auto poses, PoseSink::create(session_.scene.pose_outs, *options_.epoch_ns, begin,
-                                               report_.pose_outs));
-    add(std::move(poses));
+    auto poses =
+        PoseSink::create(session_.scene.pose_outs, *options_.epoch_ns, begin, report_.pose_outs);
+    if (!poses)
+      return Error{poses.error().code, session_.scene.path.string() + ": " + poses.error().context};
+    add(*std::move(poses));
   }
   return open_people();
 }

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who walks through a box of the scene, and past another: events against the studio's true
 // surfaces, within four frames at 160x128, where three were seen (touch_study judges larger
-// pictures). A box that is kicked: the same
-// pictures twice.
+// pictures). A box that is kicked: the same pictures twice.
 #include <fstream>
-
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "host/image_io/image_io.h"
 #include "host/scene/glb_writer.h"
 #include "host/studio/true_bodies.h"
 #include "tests/e2e/command.h"
+#include "tests/support/udp_listener.h"
 
 namespace mixrig::test {
 namespace {
@@ -130,15 +125,9 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
            std::to_string(box.translation_m.x()) + ", " + std::to_string(box.translation_m.y()) +
            ", " + std::to_string(kBottom_m) + "]\n";
   };
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof own;
-  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
-  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &size), 0);
-  write_scene(object("struck", struck) + object("passed", passed) +
-              "\n[events]\nudp = \"127.0.0.1:" + std::to_string(ntohs(own.sin_port)) + "\"\n");
+  UdpListener listener;
+  write_scene(object("struck", struck) + object("passed", passed) + "\n[events]\nudp = \"" +
+              listener.address() + "\"\n");
   ASSERT_EQ(run("out"), 0);
 
   const auto all = events("out/events.jsonl");
@@ -169,13 +158,11 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(run_report["events"]["datagrams"]["sent"], all.size());
   EXPECT_EQ(run_report["people"]["people"].size(), 1U);
   EXPECT_TRUE(std::filesystem::exists(path("out/people.csv")));
-  std::string text(2000, '\0');
   for (const auto& e : all) {
-    const ssize_t got = ::recv(socket, text.data(), text.size(), MSG_DONTWAIT);
-    ASSERT_GT(got, 0);
-    EXPECT_EQ(nlohmann::json::parse(text.substr(0, static_cast<std::size_t>(got))), e);
+    const std::string text = listener.next();
+    ASSERT_FALSE(text.empty());
+    EXPECT_EQ(nlohmann::json::parse(text), e);
   }
-  ::close(socket);
   // The plan of the same scene tells the same of people.
   ASSERT_EQ(mixrig("plan " + path("take/touch.toml") + " --source take:" + path("take") + " " +
                    path("plan")),

@@ -4,14 +4,11 @@
 
 #include <cmath>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <nlohmann/json.hpp>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include "host/stream/freed_receiver.h"
+#include "host/stream/freed.h"
+#include "tests/support/udp_listener.h"
 
 namespace mixrig::session {
 namespace {
@@ -20,35 +17,6 @@ using Protocol = scene::PoseOut::Protocol;
 using nlohmann::json;
 
 constexpr std::int64_t kEpoch_ns = 1'750'000'000'000'000'000;
-
-/// A UDP socket that hears what is sent to it.
-class Listener {
- public:
-  Listener() {
-    sockaddr_in own{};
-    own.sin_family = AF_INET, own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof own;
-    EXPECT_EQ(::bind(fd_, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
-    EXPECT_EQ(::getsockname(fd_, reinterpret_cast<sockaddr*>(&own), &size), 0);
-    address_ = "127.0.0.1:" + std::to_string(ntohs(own.sin_port));
-  }
-  ~Listener() { ::close(fd_); }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-
-  const std::string& address() const { return address_; }
-  /// The next datagram; empty where there is none.
-  std::vector<std::byte> next() {
-    std::vector<std::byte> bytes(65536);
-    const ssize_t size = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-    bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return bytes;
-  }
-
- private:
-  int fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  std::string address_;
-};
 
 /// A camera at (1, 2, 1.5) m that looks 30 degrees to the right of +y, at 4.8 s.
 std::shared_ptr<output::Composite> frame() {
@@ -63,10 +31,8 @@ std::shared_ptr<output::Composite> frame() {
   return composite;
 }
 
-json sample_in(const std::vector<std::byte>& datagram) {
-  if (datagram.size() < 16) return {};
-  const auto* const begin = reinterpret_cast<const char*>(datagram.data());
-  return json::parse(begin + 16, begin + datagram.size());
+json sample_in(const std::string& datagram) {
+  return datagram.size() < 16 ? json() : json::parse(datagram.substr(16));
 }
 
 class PoseSinkTest : public ::testing::Test {
@@ -76,14 +42,15 @@ class PoseSinkTest : public ::testing::Test {
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
-  Listener listener_;
+  test::UdpListener listener_;
   std::vector<PoseOutReport> reports_;
 };
 
 TEST_F(PoseSinkTest, FreeDHasItsSignsAndTheEncoders) {
   const auto sink = sink_of({{Protocol::kFreeD, listener_.address(), 7}});
   ASSERT_TRUE(sink->write(frame()));
-  const auto packet = stream::parse_freed(listener_.next());
+  const std::string datagram = listener_.next();
+  const auto packet = stream::parse_freed(std::as_bytes(std::span(datagram)));
   ASSERT_TRUE(packet) << packet.error().context;
   EXPECT_EQ(packet->camera, 7);
   EXPECT_NEAR(packet->pan_rad, M_PI / 6, 1e-6) << "to the right";
@@ -132,7 +99,7 @@ TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
 }
 
 TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
-  Listener other;
+  test::UdpListener other;
   const auto sink = sink_of(
       {{Protocol::kFreeD, listener_.address()}, {Protocol::kOpenTrackJson, other.address()}});
   auto lost = frame();
@@ -150,7 +117,7 @@ TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
 
 TEST_F(PoseSinkTest, ReceiversThatAreNotThereDoNotMatter) {
   std::string gone;
-  { gone = Listener().address(); }
+  { gone = test::UdpListener().address(); }
   const auto sink = sink_of({{Protocol::kFreeD, gone}});
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(sink->write(frame()));
   ASSERT_TRUE(sink->finish());
@@ -158,8 +125,12 @@ TEST_F(PoseSinkTest, ReceiversThatAreNotThereDoNotMatter) {
 }
 
 TEST_F(PoseSinkTest, AnAddressThatIsNoneIsRefused) {
-  EXPECT_FALSE(
-      PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kEpoch_ns, std::nullopt, reports_));
+  const auto sink =
+      PoseSink::create({{Protocol::kFreeD, "nowhere:1"}}, kEpoch_ns, std::nullopt, reports_);
+  ASSERT_FALSE(sink);
+  EXPECT_EQ(sink.error().code, ErrorCode::kUsage);
+  EXPECT_TRUE(sink.error().context.starts_with("pose_out.udp: \"nowhere:1\" is no address"))
+      << sink.error().context;
 }
 
 }  // namespace

@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/stream/datagram_sender.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
+
+#include "tests/support/udp_listener.h"
 
 namespace mixrig::stream {
 namespace {
 
 TEST(DatagramSender, SendsEachTextAsADatagram) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof own;
-  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
-  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &size), 0);
-  auto sender = DatagramSender::open("localhost:" + std::to_string(ntohs(own.sin_port)));
+  test::UdpListener listener;
+  auto sender = DatagramSender::open("localhost:" + std::to_string(listener.port()));
   ASSERT_TRUE(sender) << sender.error().context;
   sender->send("one"), sender->send("two");
-  char text[16];
-  ASSERT_EQ(::recv(socket, text, sizeof text, MSG_DONTWAIT), 3);
-  EXPECT_EQ(std::string(text, 3), "one");
-  ASSERT_EQ(::recv(socket, text, sizeof text, MSG_DONTWAIT), 3);
-  EXPECT_EQ(std::string(text, 3), "two");
+  EXPECT_EQ(listener.next(), "one");
+  EXPECT_EQ(listener.next(), "two");
   EXPECT_EQ(sender->sent(), 2U);
-  ::close(socket);
 }
 
 TEST(DatagramSender, WhatIsNotTakenIsCounted) {
