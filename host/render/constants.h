@@ -65,7 +65,9 @@ inline constexpr int kBandBlocks = 1;
 /// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
 /// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.
 inline constexpr int kFillReachPx = 24;
-inline constexpr float kFillShadow = 1.25F, kFillSlackPx = 3, kFillRatio = 1.06F;
+inline constexpr float kFillShadow = 1.25F;
+inline constexpr float kFillSlackPx = 3;
+inline constexpr float kFillRatio = 1.06F;
 /// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
 inline constexpr float kNoLimitW = 1e30F;
 

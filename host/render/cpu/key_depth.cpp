@@ -21,7 +21,7 @@ struct DepthFill {
   const Image<std::uint8_t>& state;
   const Image<float>& view_w;
   Size size;
-  glm::vec2 shadow_px_m;  ///< |focal length times baseline|, x and y
+  glm::vec2 parallax_px_m;
 
   Beside beside(int x, int y, int dx, int dy) const {
     Beside out;
@@ -35,10 +35,10 @@ struct DepthFill {
   }
 
   /// Of the two sides of a pixel in one direction.
-  static Beside of(const Beside& a, const Beside& b, float shadow_px_m) {
+  static Beside of(const Beside& a, const Beside& b, float parallax_px_m) {
     const Beside& near = a.px <= b.px ? a : b;
     if (!a.known() || !b.known()) return near;
-    const float hidden_px = kFillShadow * shadow_px_m * std::abs(a.w - b.w);
+    const float hidden_px = kFillShadow * parallax_px_m * std::abs(a.w - b.w);
     const bool may_be_hidden = static_cast<float>(a.px + b.px - 1) <= hidden_px + kFillSlackPx;
     const bool differ = std::max(a.w, b.w) > kFillRatio * std::min(a.w, b.w);
     if (may_be_hidden && differ) return {near.px, std::min(a.w, b.w)};
@@ -46,8 +46,8 @@ struct DepthFill {
   }
 
   float w_at(int x, int y, float otherwise) const {
-    const Beside row = of(beside(x, y, -1, 0), beside(x, y, 1, 0), shadow_px_m.x);
-    const Beside column = of(beside(x, y, 0, -1), beside(x, y, 0, 1), shadow_px_m.y);
+    const Beside row = of(beside(x, y, -1, 0), beside(x, y, 1, 0), parallax_px_m.x);
+    const Beside column = of(beside(x, y, 0, -1), beside(x, y, 0, 1), parallax_px_m.y);
     const Beside& near = row.px <= column.px ? row : column;
     return near.known() ? near.w : otherwise;
   }
@@ -57,9 +57,7 @@ struct DepthFill {
 
 void fill_depth(const KeyInput& input, const KeyScratch& scratch, int bx, int by,
                 const Image<std::uint8_t>& matte, Image<float>& view_w) {
-  const glm::vec2 baseline_m = glm::vec2(input.tables.warp.camera_from_tof[3]);
-  const DepthFill fill{scratch.state, view_w, matte.size(),
-                       glm::abs(baseline_m * input.tables.warp.view.focal_px)};
+  const DepthFill fill{scratch.state, view_w, matte.size(), parallax_px_m(input.tables.warp)};
   const float otherwise = scratch.at(bx, by).near_w;
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
     for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
