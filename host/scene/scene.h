@@ -141,7 +141,9 @@ struct KeySettings {
 
 /// What happens between people and objects is told.
 struct EventSettings {
-  std::string udp;  ///< "HOST:PORT" that gets each event as a datagram; empty: none
+  std::string udp;      ///< "HOST:PORT" that gets each event as JSON; empty: none
+  std::string osc;      ///< "HOST:PORT" that gets each event as an OSC message; empty: none
+  bool people = false;  ///< both get the places of people in each frame too
 };
 
 /// A program that gets the pose and lens of each picture.

@@ -91,7 +91,11 @@ std::string read_udp(const Table& table, const char* key) {
 
 std::optional<EventSettings> read_events(const Table& table) {
   if (!table.present()) return std::nullopt;
-  return EventSettings{read_udp(table, "udp")};
+  EventSettings events{read_udp(table, "udp"), read_udp(table, "osc"),
+                       table.boolean_or("people", false)};
+  if (events.people && events.udp.empty() && events.osc.empty())
+    table.fail("people", "has no receiver: give udp or osc too");
+  return events;
 }
 
 PoseOut read_pose_out(const Table& table) {

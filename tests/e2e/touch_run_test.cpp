@@ -125,9 +125,9 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
            std::to_string(box.translation_m.x()) + ", " + std::to_string(box.translation_m.y()) +
            ", " + std::to_string(kBottom_m) + "]\n";
   };
-  UdpListener listener;
+  UdpListener listener, osc_listener;
   write_scene(object("struck", struck) + object("passed", passed) + "\n[events]\nudp = \"" +
-              listener.address() + "\"\n");
+              listener.address() + "\"\nosc = \"" + osc_listener.address() + "\"\n");
   ASSERT_EQ(run("out"), 0);
 
   const auto all = events("out/events.jsonl");
@@ -158,10 +158,15 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(run_report["events"]["datagrams"]["sent"], all.size());
   EXPECT_EQ(run_report["people"]["people"].size(), 1U);
   EXPECT_TRUE(std::filesystem::exists(path("out/people.csv")));
+  EXPECT_EQ(run_report["events"]["osc"]["sent"], all.size());
   for (const auto& e : all) {
-    const std::string text = listener.next();
+    const std::string text = listener.next(), osc = osc_listener.next();
     ASSERT_FALSE(text.empty());
     EXPECT_EQ(nlohmann::json::parse(text), e);
+    const std::string address =
+        "/mixrig/touch/" + e["object"].get<std::string>() + "/" + e["event"].get<std::string>();
+    EXPECT_TRUE(osc.starts_with(address + '\0')) << osc;
+    EXPECT_NE(osc.find(",sisfffffff"), std::string::npos);
   }
   // The plan of the same scene tells the same of people.
   ASSERT_EQ(mixrig("plan " + path("take/touch.toml") + " --source take:" + path("take") + " " +
