@@ -46,7 +46,8 @@ Bounds bounds(const Model& model);
 /// Of an object that falls, rolls and is pushed.
 struct ObjectPhysics {
   double mass_kg = 1, bounce = 0.6, friction = 0.5, drag = 0.1;
-  bool is_ball = false;  ///< instead of the convex hulls of its parts
+  bool is_ball = false;                   ///< instead of the convex hulls of its parts
+  Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< at first, world
 };
 
 struct Object {

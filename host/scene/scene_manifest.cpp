@@ -72,6 +72,10 @@ std::optional<ObjectPhysics> read_physics(const Table& table) {
   physics.friction = table.number_or("friction", physics.friction, {0, 10});
   physics.drag = table.number_or("drag", physics.drag, {0, 1});
   physics.is_ball = table.one_of("shape", {"hull", "ball"}, 0) == 1;
+  if (table.has("velocity_m_s")) {
+    const auto v = table.numbers("velocity_m_s", 3, 3, {-12, 12});
+    physics.velocity_m_s = {v[0], v[1], v[2]};
+  }
   return physics;
 }
 

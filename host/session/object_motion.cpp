@@ -30,6 +30,7 @@ ObjectMotion::ObjectMotion(const Session& session) : session_(session) {
         solid ? physics_.add(shapes[i], object.world_from_object, object.physics ? &body : nullptr)
               : -1);
     moves_.push_back(solid && object.physics);
+    if (moves_.back()) physics_.set_velocity(number_.back(), object.physics->velocity_m_s);
     poses_.push_back(object.world_from_object);
   }
 }

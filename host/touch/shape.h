@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,9 +18,27 @@ struct Plane {
   float offset_m = 0;
 };
 
+/// Planes in groups of like normals, so that few of them are looked at: exact, about the middle of
+/// the part's box.
+struct PlaneGroups {
+  static constexpr int kSize = 16, kMost = 32;  ///< planes of a group, groups
+  struct Group {
+    Eigen::Array<float, kSize, 1> x, y, z, offset_m;
+  };
+  /// Of each group: no plane of it is farther from p than x p.x + y p.y + z p.z - offset_m +
+  /// spread |p|.
+  Eigen::Array<float, kMost, 1> x, y, z, offset_m, spread;
+  std::vector<Group> groups;
+  std::vector<Plane> planes;  ///< in this order; the first of a group fills its end
+
+  /// The plane that is least behind p, and by how much.
+  std::pair<float, int> farthest(const Eigen::Vector3f& p) const;
+};
+
 struct Convex {
   std::vector<Eigen::Vector3f> corners_m;
   std::vector<Plane> planes;
+  PlaneGroups groups;  ///< of the same planes where they are many; else empty
   Eigen::AlignedBox3f box_m;
 
   /// Inside minus the distance to the surface. Outside at most the distance, and equal to it before

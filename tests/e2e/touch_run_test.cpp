@@ -18,7 +18,7 @@ constexpr double kBottom_m = 0.95;  ///< trunks touch it; hands swing below
 constexpr int kFrames = 75, kFirst = 26;
 
 /// A box around the origin, bottom at 0.
-scene::Model box_model(const Eigen::Vector3f& half_m) {
+scene::Model box_model(const Eigen::Vector3f& half_m, Rgb8 color = {200, 60, 30}) {
   scene::Model model;
   scene::Mesh mesh;
   for (int axis = 0; axis < 3; ++axis)
@@ -36,7 +36,7 @@ scene::Model box_model(const Eigen::Vector3f& half_m) {
       for (const std::uint32_t i : {0U, 1U, 3U, 0U, 3U, 2U}) mesh.indices.push_back(first + i);
     }
   mesh.texture = 0;
-  model.textures.emplace_back(Size{4, 4}, Rgb8{200, 60, 30});
+  model.textures.emplace_back(Size{4, 4}, color);
   model.meshes.push_back(std::move(mesh));
   return model;
 }
@@ -175,7 +175,29 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(events("plan/events.jsonl"), all);
 }
 
-TEST_F(TouchRun, AKickedBallMovesTheSameWayTwice) {
+/// Thrown at the far wall; the floor, the wall and gravity are known.
+void expect_true_bounces(const std::vector<nlohmann::json>& events, const Eigen::Vector3d& from_m,
+                         double speed_m_s, double radius_m) {
+  constexpr double kRoomX_m = 5.263, kGravity_m_s2 = 9.81;
+  const double begin_s = (kFirst - 1) / studio::kFrameRate_hz;
+  const auto first = [&](const char* part) {
+    for (const auto& e : events)
+      if (e["event"] == "hit" && e["object"] == "thrown" && e.value("part", "") == part) return e;
+    ADD_FAILURE() << "no hit of the " << part;
+    return nlohmann::json{{"time_s", 0}, {"speed_m_s", 0}, {"at_m", {0, 0, 0}}};
+  };
+  const auto floor = first("floor"), wall = first("wall");
+  const double fall_s = std::sqrt(2 * (from_m.z() - radius_m) / kGravity_m_s2);
+  EXPECT_NEAR(floor["time_s"].get<double>(), begin_s + fall_s, 0.01) << floor;
+  EXPECT_NEAR(floor["speed_m_s"].get<double>(), kGravity_m_s2 * fall_s, 0.05) << floor;
+  EXPECT_NEAR(floor["at_m"][2].get<double>(), 0, 0.005) << floor;
+  const double way_s = (kRoomX_m - radius_m - from_m.x()) / speed_m_s;
+  EXPECT_NEAR(wall["time_s"].get<double>(), begin_s + way_s, 0.02) << wall;
+  EXPECT_NEAR(wall["speed_m_s"].get<double>(), speed_m_s, 0.05) << wall;
+  EXPECT_NEAR(wall["at_m"][0].get<double>(), kRoomX_m, 0.02) << wall;
+}
+
+TEST_F(TouchRun, BallsMoveTheSameWayTwiceAndBounceWhereTheRoomIs) {
   const studio::TrueBodies bodies(walk());
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   const auto surface = bodies.surfaces(50)[0];
@@ -183,12 +205,15 @@ TEST_F(TouchRun, AKickedBallMovesTheSameWayTwice) {
   sum /= static_cast<float>(surface.size());
   ASSERT_TRUE(
       scene::write_glb(box_model({0.15F, 0.15F, 0.15F}), "box", path("take/models/ball.glb")));
+  ASSERT_TRUE(scene::write_glb(box_model({0.15F, 0.15F, 0.15F}, {30, 60, 200}), "thrown",
+                               path("take/models/thrown.glb")));
   write_scene("\n[[object]]\nname = \"ball\"\nmodel = \"models/ball.glb\"\nposition_m = [" +
               std::to_string(sum.x()) + ", " + std::to_string(sum.y()) +
               ", 0.0]\nphysics = { mass_kg = 0.4, bounce = 0.5 }\n");
   ASSERT_EQ(run("a"), 0);
   ASSERT_EQ(run("b"), 0);
   EXPECT_EQ(events("a/events.jsonl"), events("b/events.jsonl"));
+  expect_true_bounces(events("a/events.jsonl"), {4.0, 3.2, 1.0}, 3.0, 0.15);
   Image<Rgb8> first, last, again;
   const auto read = [&](const char* file, Image<Rgb8>& picture) {
     return image_io::read_rgb8(path(file), picture).has_value();
