@@ -111,41 +111,35 @@ float thickness_m(const Convex& part) {
   return least;
 }
 
-/// Each group is a plane and those whose normals are nearest to its own. Precondition: at most
-/// kSize * kMost planes.
-PlaneGroups groups_of(std::vector<Plane> planes, const Eigen::Vector3f& middle_m) {
-  constexpr std::size_t kSize = PlaneGroups::kSize;
-  for (Plane& plane : planes) plane.offset_m -= plane.normal.dot(middle_m);
-  PlaneGroups out;
-  out.x.setZero(), out.y.setZero(), out.z.setZero(), out.spread.setZero();
-  out.offset_m.setConstant(std::numeric_limits<float>::max());
-  for (std::size_t first = 0; first < planes.size(); first += kSize) {
-    const auto begin = planes.begin() + static_cast<std::ptrdiff_t>(first);
-    const Eigen::Vector3f like = begin->normal;
-    std::stable_sort(begin, planes.end(), [&](const Plane& a, const Plane& b) {
-      return a.normal.dot(like) > b.normal.dot(like);
-    });
-    const std::size_t count = std::min(kSize, planes.size() - first);
-    PlaneGroups::Group group;
-    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-    float least_m = std::numeric_limits<float>::max(), spread = 0;
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const Plane& plane = planes[first + (i < count ? i : 0)];
-      const auto lane = static_cast<Eigen::Index>(i);
-      group.x[lane] = plane.normal.x(), group.y[lane] = plane.normal.y();
-      group.z[lane] = plane.normal.z(), group.offset_m[lane] = plane.offset_m;
-      out.planes.push_back(plane);
-      mean += plane.normal / static_cast<float>(kSize);
-      least_m = std::min(least_m, plane.offset_m);
-    }
-    for (std::size_t i = 0; i < count; ++i)
-      spread = std::max(spread, (planes[first + i].normal - mean).norm());
-    const auto number = static_cast<Eigen::Index>(out.groups.size());
-    out.x[number] = mean.x(), out.y[number] = mean.y(), out.z[number] = mean.z();
-    out.offset_m[number] = least_m, out.spread[number] = spread;
-    out.groups.push_back(group);
+/// What a plane is farther from a point than another one changes within a cell by the difference of
+/// their normals times the way from the middle.
+PlaneGrid grid_of(const Convex& part) {
+  constexpr float kRounding_m = 1e-5F;
+  constexpr int kCells = PlaneGrid::kCells;
+  const Eigen::Vector3f size = part.box_m.sizes().array() + 2 * kNear_m;
+  const Eigen::Vector3f cell = size / static_cast<float>(kCells);
+  PlaneGrid grid{part.box_m.min().array() - kNear_m, cell.cwiseInverse(), {}, {}};
+  std::vector<float> distances(part.planes.size());
+  for (int i = 0; i < kCells * kCells * kCells; ++i) {
+    const Eigen::Vector3f at(static_cast<float>(i % kCells),
+                             static_cast<float>(i / kCells % kCells),
+                             static_cast<float>(i / (kCells * kCells)));
+    const Eigen::Vector3f middle =
+        grid.corner_m + cell.cwiseProduct(at + Eigen::Vector3f::Constant(0.5F));
+    for (std::size_t k = 0; k < distances.size(); ++k)
+      distances[k] = part.planes[k].normal.dot(middle) - part.planes[k].offset_m;
+    const auto most = std::max_element(distances.begin(), distances.end());
+    const Eigen::Vector3f& normal =
+        part.planes[static_cast<std::size_t>(most - distances.begin())].normal;
+    grid.first.push_back(static_cast<std::uint32_t>(grid.planes.size()));
+    for (std::size_t k = 0; k < distances.size(); ++k)
+      if (distances[k] + 0.5F * cell.norm() * (part.planes[k].normal - normal).norm() +
+              kRounding_m >=
+          *most)
+        grid.planes.push_back(static_cast<std::uint16_t>(k));
   }
-  return out;
+  grid.first.push_back(static_cast<std::uint32_t>(grid.planes.size()));
+  return grid;
 }
 
 Convex hull(const Points& all) {
@@ -180,9 +174,8 @@ Convex hull(const Points& all) {
     add_plane({normal, normal.dot(middle)}, part.planes);
   }
   if (thickness_m(part) < kLeastThickness_m) return flat_part(points);
-  if (part.planes.size() > PlaneGroups::kSize &&
-      part.planes.size() <= std::size_t{PlaneGroups::kSize} * PlaneGroups::kMost)
-    part.groups = groups_of(part.planes, part.box_m.center());
+  constexpr std::size_t kMany = 24;
+  if (part.planes.size() > kMany) part.grid = grid_of(part);
   return part;
 }
 
@@ -204,38 +197,25 @@ std::vector<Points> parts_of(const Triangles& mesh, float scale) {
 
 }  // namespace
 
-std::pair<float, int> PlaneGroups::farthest(const Eigen::Vector3f& p) const {
-  using Distances = Eigen::Array<float, kSize, 1>;
-  const auto distances = [&](int number) -> Distances {
-    const Group& g = groups[static_cast<std::size_t>(number)];
-    return g.x * p.x() + g.y * p.y() + g.z * p.z() - g.offset_m;
-  };
-  constexpr float kRounding_m = 1e-6F;
-  const Eigen::Array<float, kMost, 1> most_of =
-      x * p.x() + y * p.y() + z * p.z() - offset_m + spread * (p.norm() + kRounding_m);
-  int best = 0;
-  most_of.maxCoeff(&best);
-  float most = distances(best).maxCoeff();
-  for (int i = 0; i < static_cast<int>(groups.size()); ++i) {
-    if (most_of[i] + kRounding_m < most) continue;
-    const float m = distances(i).maxCoeff();
-    if (m > most) most = m, best = i;
-  }
-  int lane = 0;
-  distances(best).maxCoeff(&lane);
-  return {most, best * kSize + lane};
+std::span<const std::uint16_t> PlaneGrid::near(const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f at = (p - corner_m).cwiseProduct(cells_per_m);
+  if (first.empty() || !(at.minCoeff() >= 0 && at.maxCoeff() < static_cast<float>(kCells)))
+    return {};
+  const auto cell = static_cast<std::size_t>(
+      (static_cast<int>(at.z()) * kCells + static_cast<int>(at.y())) * kCells +
+      static_cast<int>(at.x()));
+  return {planes.data() + first[cell], planes.data() + first[cell + 1]};
 }
 
 float Convex::distance_m(const Eigen::Vector3f& p, Eigen::Vector3f& normal) const {
-  if (!groups.groups.empty()) {
-    const auto [most, number] = groups.farthest(p - box_m.center());
-    normal = groups.planes[static_cast<std::size_t>(number)].normal;
-    return most;
-  }
   float most = -std::numeric_limits<float>::max();
-  for (const Plane& plane : planes)
+  const auto look_at = [&](const Plane& plane) {
     if (const float d = plane.normal.dot(p) - plane.offset_m; d > most)
       most = d, normal = plane.normal;
+  };
+  const auto few = grid.near(p);
+  for (const std::uint16_t number : few) look_at(planes[number]);
+  if (few.empty()) std::for_each(planes.begin(), planes.end(), look_at);
   return most;
 }
 

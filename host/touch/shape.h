@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,33 +11,30 @@
 
 namespace mixrig::touch {
 
+/// Farther from an object nothing is looked at.
+inline constexpr float kNear_m = 0.25F;
+
 /// Points p with normal . p <= offset_m are on its inner side; the normal has length 1.
 struct Plane {
   Eigen::Vector3f normal;
   float offset_m = 0;
 };
 
-/// Planes in groups of like normals, so that few of them are looked at: exact, about the middle of
-/// the part's box.
-struct PlaneGroups {
-  static constexpr int kSize = 16, kMost = 32;  ///< planes of a group, groups
-  struct Group {
-    Eigen::Array<float, kSize, 1> x, y, z, offset_m;
-  };
-  /// Of each group: no plane of it is farther from p than x p.x + y p.y + z p.z - offset_m +
-  /// spread |p|.
-  Eigen::Array<float, kMost, 1> x, y, z, offset_m, spread;
-  std::vector<Group> groups;
-  std::vector<Plane> planes;  ///< in this order; the first of a group fills its end
+/// Cells around a part, each with the planes that a point in it may be farthest from. Exact.
+struct PlaneGrid {
+  static constexpr int kCells = 20;  ///< a side
+  Eigen::Vector3f corner_m = Eigen::Vector3f::Zero(), cells_per_m = Eigen::Vector3f::Zero();
+  std::vector<std::uint32_t> first;  ///< of each cell in `planes`, and the end; empty: no grid
+  std::vector<std::uint16_t> planes;
 
-  /// The plane that is least behind p, and by how much.
-  std::pair<float, int> farthest(const Eigen::Vector3f& p) const;
+  /// Those for a point; none where it is farther than kNear_m from the box.
+  std::span<const std::uint16_t> near(const Eigen::Vector3f& p) const;
 };
 
 struct Convex {
   std::vector<Eigen::Vector3f> corners_m;
   std::vector<Plane> planes;
-  PlaneGroups groups;  ///< of the same planes where they are many; else empty
+  PlaneGrid grid;  ///< where there are many planes
   Eigen::AlignedBox3f box_m;
 
   /// Inside minus the distance to the surface. Outside at most the distance, and equal to it before
@@ -54,9 +50,6 @@ struct Shape {
   /// The least of the parts.
   float distance_m(const Eigen::Vector3f& p, Eigen::Vector3f& normal) const;
 };
-
-/// Farther from an object nothing is looked at.
-inline constexpr float kNear_m = 0.25F;
 
 struct Triangles {
   std::span<const Eigen::Vector3f> positions_m;

@@ -219,7 +219,7 @@ TEST(Scene, EventsAndPhysics) {
            {"physics = { mass_kg = 1.0, form = \"ball\" }\n", "form"},
            {"[events]\nudp = \"127.0.0.1\"\n", "scene.toml:5: key \"events.udp\""},
            {"[events]\nosc = \"53000\"\n", "scene.toml:5: key \"events.osc\""},
-           {"[events]\npeople = true\n", "scene.toml:5: key \"events.people\" has no receiver"},
+           {"[events]\npeople = true\n", "scene.toml:5: key \"events.people\": has no receiver"},
            {"[events]\nudp = \"a:0\"\n", "give HOST:PORT"},
            {"[events]\nudp = \"a:77777\"\n", "give HOST:PORT"},
            {"[events]\nudp = \"a:7b\"\n", "give HOST:PORT"}}) {
