@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who walks through a box of the scene, and past another: events against the studio's true
 // surfaces, within four frames at 160x128, where three were seen (touch_study judges larger
-// pictures). A box that is kicked: the same pictures twice.
+// pictures). A box that is kicked: the same pictures twice. Balls
+// bounce where the room is.
 #include <fstream>
 
 #include "host/image_io/image_io.h"
@@ -175,26 +176,18 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(events("plan/events.jsonl"), all);
 }
 
-/// Thrown at the far wall; the floor, the wall and gravity are known.
-void expect_true_bounces(const std::vector<nlohmann::json>& events, const Eigen::Vector3d& from_m,
-                         double speed_m_s, double radius_m) {
-  constexpr double kRoomX_m = 5.263, kGravity_m_s2 = 9.81;
-  const double begin_s = (kFirst - 1) / studio::kFrameRate_hz;
-  const auto first = [&](const char* part) {
-    for (const auto& e : events)
-      if (e["event"] == "hit" && e["object"] == "thrown" && e.value("part", "") == part) return e;
-    ADD_FAILURE() << "no hit of the " << part;
-    return nlohmann::json{{"time_s", 0}, {"speed_m_s", 0}, {"at_m", {0, 0, 0}}};
-  };
-  const auto floor = first("floor"), wall = first("wall");
-  const double fall_s = std::sqrt(2 * (from_m.z() - radius_m) / kGravity_m_s2);
-  EXPECT_NEAR(floor["time_s"].get<double>(), begin_s + fall_s, 0.01) << floor;
-  EXPECT_NEAR(floor["speed_m_s"].get<double>(), kGravity_m_s2 * fall_s, 0.05) << floor;
-  EXPECT_NEAR(floor["at_m"][2].get<double>(), 0, 0.005) << floor;
-  const double way_s = (kRoomX_m - radius_m - from_m.x()) / speed_m_s;
-  EXPECT_NEAR(wall["time_s"].get<double>(), begin_s + way_s, 0.02) << wall;
-  EXPECT_NEAR(wall["speed_m_s"].get<double>(), speed_m_s, 0.05) << wall;
-  EXPECT_NEAR(wall["at_m"][0].get<double>(), kRoomX_m, 0.02) << wall;
+/// Of the first hit of an object on a part of the room.
+void expect_hit(const std::vector<nlohmann::json>& events, const char* object, const char* part,
+                double after_s, double speed_m_s, int axis, double at_m) {
+  for (const auto& e : events) {
+    if (e["event"] != "hit" || e["object"] != object || e.value("part", "") != part) continue;
+    EXPECT_NEAR(e["time_s"].get<double>(), (kFirst - 1) / studio::kFrameRate_hz + after_s, 0.01)
+        << e;
+    EXPECT_NEAR(e["speed_m_s"].get<double>(), speed_m_s, 0.05) << e;
+    EXPECT_NEAR(e["at_m"][static_cast<std::size_t>(axis)].get<double>(), at_m, 0.02) << e;
+    return;
+  }
+  ADD_FAILURE() << object << " does not hit the " << part;
 }
 
 TEST_F(TouchRun, BallsMoveTheSameWayTwiceAndBounceWhereTheRoomIs) {
@@ -209,11 +202,21 @@ TEST_F(TouchRun, BallsMoveTheSameWayTwiceAndBounceWhereTheRoomIs) {
                                path("take/models/thrown.glb")));
   write_scene("\n[[object]]\nname = \"ball\"\nmodel = \"models/ball.glb\"\nposition_m = [" +
               std::to_string(sum.x()) + ", " + std::to_string(sum.y()) +
-              ", 0.0]\nphysics = { mass_kg = 0.4, bounce = 0.5 }\n");
+              ", 0.0]\nphysics = { mass_kg = 0.4, bounce = 0.5 }\n"
+              "[[object]]\nname = \"thrown\"\nmodel = \"models/thrown.glb\"\n"
+              "position_m = [4.0, 3.2, 1.45]\nphysics = { mass_kg = 0.4, friction = 0.0, drag = "
+              "0.0, shape = \"ball\", velocity_m_s = [5.0, 0.0, 0.0] }\n"
+              "[[object]]\nname = \"dropped\"\nmodel = \"models/thrown.glb\"\n"
+              "position_m = [3.2, 2.15, 0.85]\nphysics = { mass_kg = 0.4, drag = 0.0, shape = "
+              "\"ball\" }\n");
   ASSERT_EQ(run("a"), 0);
   ASSERT_EQ(run("b"), 0);
   EXPECT_EQ(events("a/events.jsonl"), events("b/events.jsonl"));
-  expect_true_bounces(events("a/events.jsonl"), {4.0, 3.2, 1.0}, 3.0, 0.15);
+  constexpr double kRadius_m = 0.15, kRoomX_m = 5.263, kGravity_m_s2 = 9.81;
+  expect_hit(events("a/events.jsonl"), "thrown", "wall", (kRoomX_m - kRadius_m - 4.0) / 5, 5, 0,
+             kRoomX_m);
+  const double fall_s = std::sqrt(2 * 0.85 / kGravity_m_s2);
+  expect_hit(events("a/events.jsonl"), "dropped", "floor", fall_s, kGravity_m_s2 * fall_s, 2, 0);
   Image<Rgb8> first, last, again;
   const auto read = [&](const char* file, Image<Rgb8>& picture) {
     return image_io::read_rgb8(path(file), picture).has_value();
