@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadows of a body by formula, whose front alone is seen, for lamps all around it.
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "host/render/cpu/people_shadow.h"
@@ -108,9 +107,8 @@ Shares shares_of_shadow(double azimuth_rad) {
 TEST(PeopleShadowSide, MostOfTheShadowIsFoundWhereverTheLampStands) {
   for (const int degrees : {0, 45, 90, 135, 180}) {
     const Shares shares = shares_of_shadow(degrees * 0.017453);
-    std::printf("azimuth %3d: found %.3f, wrong %.3f\n", degrees, shares.found, shares.wrong);
-    EXPECT_GT(shares.found, 0.8) << degrees;
-    EXPECT_LT(shares.wrong, 0.4) << degrees;
+    EXPECT_GT(shares.found, 0.9) << degrees;
+    EXPECT_LT(shares.wrong, 0.25) << degrees;
   }
 }
 
