@@ -84,6 +84,15 @@ Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& rec
   return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
 }
 
+/// One device for its colour and its depth camera.
+Result<std::shared_ptr<device::OpenNi2Device>> DeviceOpener::open_openni2(const std::string& uri) {
+  for (const auto& [name, device] : openni2_)
+    if (name == uri) return device;
+  MIXRIG_ASSIGN(auto device, device::open_openni2(uri, clock_));
+  openni2_.emplace_back(uri, device);
+  return device;
+}
+
 Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
                                                              const device::StreamRequest& request) {
   const Uri parts = split(uri);
@@ -92,6 +101,10 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return std::unique_ptr<device::Camera>(std::move(camera));
   }
   if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
+  if (parts.scheme == "openni2") {
+    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
+    return device::openni2_color(std::move(shared), request);
+  }
   if (const StreamUri view = stream_uri(parts);
       is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
@@ -102,7 +115,8 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, aravis:ID, take:DIR/color, take:DIR/fisheye or studio:target");
+                 "v4l2:/dev/videoN, aravis:ID, openni2:URI, take:DIR/color, take:DIR/fisheye or "
+                 "studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
@@ -123,13 +137,18 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     return device::as_depth_camera(std::move(camera), steps);
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
+  if (parts.scheme == "openni2") {
+    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
+    return device::openni2_depth(std::move(shared), request);
+  }
   if (const StreamUri view = stream_uri(parts);
       is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth();
   }
   return unknown(uri, "depth camera",
-                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
+                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, openni2:URI, take:DIR/depth or "
+                 "studio:tof");
 }
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {

@@ -48,6 +48,11 @@ void find_cameras(const DiscoverOptions& options, DeviceOpener& opener, RigConfi
     for (const std::string& id : device::list_aravis())
       if (const auto camera = opener.camera("aravis:" + id, {}))
         add("aravis:" + id, (*camera)->info(), rig);
+  for (const std::string& id : device::list_openni2()) {
+    const std::string uri = "openni2:" + id;
+    if (const auto camera = opener.camera(uri, {})) add(uri, (*camera)->info(), rig);
+    if (const auto depth = opener.depth(uri, {})) add(uri, (*depth)->info(), rig);
+  }
   if (const auto tof = opener.depth(kTofUsb, {})) add(kTofUsb, (*tof)->info(), rig);
 }
 
