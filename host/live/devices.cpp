@@ -9,6 +9,7 @@
 
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod_lines.h"
+#include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2/v4l2_camera.h"

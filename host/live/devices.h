@@ -13,9 +13,12 @@
 #include "hal/device/pan_tilt.h"
 #include "hal/device/trigger.h"
 #include "hal/device/trigger_input.h"
-#include "hal/linux/openni2/openni2_camera.h"
 #include "host/live/player.h"
 #include "host/live/rig_config.h"
+
+namespace mixrig::device {
+class OpenNi2Device;
+}
 
 namespace mixrig::live {
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hal/linux/aravis/aravis_camera.h"
+#include "hal/linux/openni2/openni2_camera.h"
 #include "host/live/devices.h"
 
 namespace mixrig::live {

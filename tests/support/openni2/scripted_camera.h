@@ -43,11 +43,12 @@ class ScriptedModule {
 };
 
 /// Depth and colour of the camera, as the library's recorder writes them to a file. The recorder
-/// begins in its own time: frames of zeros are shown until it does, so a recording begins with one
-/// or some of them, and may have one more of one stream.
+/// begins in its own time: the given picture is shown until it does, so a recording begins with one
+/// or some of it, and may have one more of one stream.
 class ScriptedRecording {
  public:
-  ScriptedRecording(const std::string& file, ScriptedModule& module) {
+  ScriptedRecording(const std::string& file, ScriptedModule& module,
+                    const std::vector<std::uint16_t>& depth, const std::vector<std::uint8_t>& rgb) {
     EXPECT_EQ(oniInitialize(ONI_API_VERSION), ONI_STATUS_OK);
     EXPECT_EQ(oniDeviceOpen("scripted", &device_), ONI_STATUS_OK);
     EXPECT_EQ(oniCreateRecorder(file.c_str(), &recorder_), ONI_STATUS_OK);
@@ -59,16 +60,12 @@ class ScriptedRecording {
     }
     EXPECT_EQ(oniRecorderStart(recorder_), ONI_STATUS_OK);
     for (OniStreamHandle stream : streams_) EXPECT_EQ(oniStreamStart(stream), ONI_STATUS_OK);
-    const auto pixels = static_cast<std::size_t>(module.camera().width) *
-                        static_cast<std::size_t>(module.camera().height);
-    const std::vector<std::uint16_t> depth(pixels);
-    const std::vector<std::uint8_t> rgb(3 * pixels);
-    EXPECT_TRUE(comes_true([&, n = 0]() mutable {
-      module.expose(++n, depth, rgb);
-      frames_ = n;
+    const auto least = rgb.size();
+    EXPECT_TRUE(comes_true([&] {
+      module.expose(next(), depth, rgb);
       std::error_code none;
       const auto bytes = std::filesystem::file_size(file, none);
-      return !none && bytes > 3 * pixels;
+      return !none && bytes > least;
     }));
   }
   /// The frame that is shown next.

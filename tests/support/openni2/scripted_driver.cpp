@@ -15,10 +15,9 @@
 namespace {
 
 constexpr int kRate_hz = 30;
-constexpr std::uint64_t kPeriod_us = 33333;
 
 std::recursive_mutex mutex;
-ScriptedCamera camera{64, 48, 1000, 1.0F};
+ScriptedCamera camera{64, 48, 1000, 1.0F, 64, 48, 33333};
 int registration = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
 bool plugged = true;
 
@@ -91,20 +90,21 @@ class ScriptedStream final : public oni::driver::StreamBase {
   void emit(int number, const std::uint8_t* picture) {
     OniFrame* frame = getServices().acquireFrame();
     if (frame == nullptr) return;
-    const int pixel = stride() / camera.width;
+    const int pixel = stride() / width();
     frame->frameIndex = number;
-    frame->timestamp = static_cast<std::uint64_t>(number) * kPeriod_us;
+    frame->timestamp =
+        static_cast<std::uint64_t>(number) * static_cast<std::uint64_t>(camera.period_us);
     frame->videoMode = mode();
     frame->sensorType = sensor_;
-    frame->width = camera.width;
-    frame->height = camera.height;
+    frame->width = width();
+    frame->height = height();
     frame->stride = stride();
-    frame->dataSize = stride() * camera.height;
+    frame->dataSize = stride() * height();
     frame->croppingEnabled = FALSE;
     auto* out = static_cast<std::uint8_t*>(frame->data);
-    for (int y = 0; y < camera.height; ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        const int from = mirrored_ != FALSE ? camera.width - 1 - x : x;
+    for (int y = 0; y < height(); ++y)
+      for (int x = 0; x < width(); ++x) {
+        const int from = mirrored_ != FALSE ? width() - 1 - x : x;
         std::memcpy(out + y * stride() + x * pixel, picture + y * stride() + from * pixel,
                     static_cast<std::size_t>(pixel));
       }
@@ -114,11 +114,12 @@ class ScriptedStream final : public oni::driver::StreamBase {
   bool is_depth() const { return sensor_ == ONI_SENSOR_DEPTH; }
 
  private:
+  int width() const { return is_depth() ? camera.width : camera.color_width; }
+  int height() const { return is_depth() ? camera.height : camera.color_height; }
   OniVideoMode mode() const {
-    return {is_depth() ? depth_format() : ONI_PIXEL_FORMAT_RGB888, camera.width, camera.height,
-            kRate_hz};
+    return {is_depth() ? depth_format() : ONI_PIXEL_FORMAT_RGB888, width(), height(), kRate_hz};
   }
-  int stride() const { return camera.width * (is_depth() ? 2 : 3); }
+  int stride() const { return width() * (is_depth() ? 2 : 3); }
 
   OniSensorType sensor_;
   OniBool mirrored_ = TRUE;
@@ -128,7 +129,7 @@ class ScriptedStream final : public oni::driver::StreamBase {
 class ScriptedDevice final : public oni::driver::DeviceBase {
  public:
   ScriptedDevice()
-      : modes_{{ONI_PIXEL_FORMAT_RGB888, camera.width, camera.height, kRate_hz},
+      : modes_{{ONI_PIXEL_FORMAT_RGB888, camera.color_width, camera.color_height, kRate_hz},
                {depth_format(), camera.width, camera.height, kRate_hz}},
         sensors_{{ONI_SENSOR_COLOR, 1, &modes_[0]}, {ONI_SENSOR_DEPTH, 1, &modes_[1]}} {}
   OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {

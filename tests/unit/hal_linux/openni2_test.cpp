@@ -37,8 +37,9 @@ std::vector<std::uint8_t> color_of(int n) {
   return rgb;
 }
 
-ScriptedModule make_module(ScriptedCamera camera = {kWidth, kHeight, 1000, 1.0F}) {
-  return ScriptedModule(MIXRIG_OPENNI2_MODULE, camera);
+ScriptedModule make_module(int unit_um = 1000, float fov_rad = 1.0F) {
+  return ScriptedModule(MIXRIG_OPENNI2_MODULE,
+                        {kWidth, kHeight, unit_um, fov_rad, kWidth, kHeight, 33333});
 }
 
 /// Frames of one camera as they came.
@@ -79,7 +80,8 @@ std::vector<std::uint16_t> words(const std::vector<std::uint8_t>& bytes) {
 /// A recording of `count` frames from frame 1 on, in the folder.
 std::string record(ScriptedModule& module, const TemporaryFolder& folder, int count) {
   const std::string file = folder.path() / "take.oni";
-  ScriptedRecording recording(file, module);
+  ScriptedRecording recording(file, module, std::vector<std::uint16_t>(kWidth * kHeight),
+                              std::vector<std::uint8_t>(3 * kWidth * kHeight));
   for (int n = 1; n <= count; ++n) module.expose(recording.next(), depth_of(n), color_of(n));
   return file;
 }
@@ -208,8 +210,7 @@ TEST(OpenNi2Recording, IsPlayedAgainFromItsFirstFrameWhenItIsStartedAgain) {
 }
 
 TEST(OpenNi2Depth, UnitAndIntrinsicsAreThoseOfTheLibrarysOwnConversion) {
-  const ScriptedCamera described{kWidth, kHeight, 100, 1.02F};
-  ScriptedModule module = make_module(described);
+  ScriptedModule module = make_module(100, 1.02F);
   SystemClock clock;
   auto shared = device::open_openni2("scripted", clock);
   ASSERT_TRUE(shared) << to_line(shared.error());
@@ -237,7 +238,7 @@ TEST(OpenNi2Depth, UnitAndIntrinsicsAreThoseOfTheLibrarysOwnConversion) {
 }
 
 TEST(OpenNi2Depth, WithoutAFieldOfViewThereAreNoIntrinsics) {
-  (void)make_module({kWidth, kHeight, 1000, 0.0F});
+  (void)make_module(1000, 0.0F);
   SystemClock clock;
   auto shared = device::open_openni2("scripted", clock);
   ASSERT_TRUE(shared);
