@@ -7,14 +7,17 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod_lines.h"
 #include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
+#include "hal/linux/v4l2/realsense_unit.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/wire/flir_ptu.h"
 #include "hal/wire/mcu_trigger.h"
+#include "hal/wire/realsense_table.h"
 #include "hal/wire/reopening_byte_stream.h"
 #include "hal/wire/v4l2_format.h"
 
@@ -133,8 +136,14 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     const auto unit_m = info.format == device::PixelFormat::kDepth16
                             ? device::z16_metres_per_step(info.usb_vendor, info.usb_product)
                             : std::nullopt;
-    const device::DepthInfo steps{.metres_per_step = unit_m.value_or(0.001),
-                                  .unit_known = unit_m.has_value()};
+    device::DepthInfo steps{.metres_per_step = unit_m.value_or(0.001),
+                            .unit_known = unit_m.has_value()};
+    if (device::is_realsense_d400(info.usb_vendor, info.usb_product)) {
+      if (const auto factory = device::realsense_intrinsics(parts.rest, info.size))
+        steps.intrinsics = *factory;
+      else
+        log_warning("rig", to_line(factory.error()) + ": run mixrig calibrate");
+    }
     return device::as_depth_camera(std::move(camera), steps);
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
