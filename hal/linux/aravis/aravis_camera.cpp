@@ -26,6 +26,7 @@ constexpr std::size_t kMostParts = 8;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
 constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
+constexpr double kMostExposure_us = 1e8;
 constexpr Duration kAravisLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
@@ -61,6 +62,7 @@ class AravisCamera final : public Camera {
   void work();
   void take(ArvBuffer* buffer);
   DepthUsed copy(ArvBuffer* buffer, const FramePool::Draft& draft) const;
+  void read_chunks(ArvBuffer* buffer, Frame& frame) const;
   void come_back();
   Error failed(const std::string& what, const AravisFault& fault) const {
     return fault.error(info_.uri, what);
@@ -75,6 +77,8 @@ class AravisCamera final : public Camera {
   std::uint32_t code_ = 0;
   Object<ArvCamera> camera_;
   Object<ArvStream> stream_;
+  AravisChunks chunks_;
+  Object<ArvChunkParser> parser_;  ///< of chunks_; for the driver's thread
   std::optional<FramePool> pool_;
   FrameSink sink_;
   std::thread thread_;
@@ -128,6 +132,8 @@ Result<void> AravisCamera::set_up() {
   MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, described));
   if (pool_ && (code != code_ || described.size != info_.size))
     return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+  chunks_ = choose_aravis_chunks(camera_.get());
+  parser_.reset(chunks_.any() ? arv_camera_create_chunk_parser(camera_.get()) : nullptr);
   for (const auto& [control, value] : settings_) MIXRIG_TRY(apply(control, value));
   code_ = code;
   if (!pool_) info_ = described;  // callers hold references to it: not changed after open()
@@ -225,15 +231,44 @@ DepthUsed AravisCamera::copy(ArvBuffer* buffer, const FramePool::Draft& draft) c
                     {draft.bytes(), draft.amplitude(), draft.confidence()});
 }
 
+/// Stamp, exposure and counter as the camera appended them. Its stamp is that of the start of the
+/// exposure (SFNC 2.7), the frame's is of its middle.
+void AravisCamera::read_chunks(ArvBuffer* buffer, Frame& frame) const {
+  if (!parser_ || !arv_buffer_has_chunks(buffer)) return;
+  AravisFault fault;
+  const auto ticks = chunks_.timestamp ? arv_chunk_parser_get_integer_value(parser_.get(), buffer,
+                                                                            "ChunkTimestamp", fault)
+                                       : 0;
+  if (!chunks_.timestamp || fault.any()) return;
+  if (chunks_.exposure) {
+    const double us =
+        arv_chunk_parser_get_float_value(parser_.get(), buffer, "ChunkExposureTime", fault);
+    if (!fault.any() && us > 0 && us < kMostExposure_us)
+      frame.exposure = Duration(static_cast<std::int64_t>(us * 1e3));
+  }
+  // Whole nanoseconds a tick, as PTP's, stay exact.
+  const auto whole = static_cast<std::uint64_t>(ticks) & kMostTime_ns;
+  const std::uint64_t ns =
+      chunks_.ns_per_tick == 1
+          ? whole
+          : static_cast<std::uint64_t>(static_cast<long double>(whole) * chunks_.ns_per_tick) &
+                kMostTime_ns;
+  frame.device_time = DeviceTime(Duration(ns) + frame.exposure / 2);
+  if (!chunks_.frame_id) return;
+  const auto id = arv_chunk_parser_get_integer_value(parser_.get(), buffer, "ChunkFrameID", fault);
+  if (!fault.any()) frame.sequence = static_cast<std::uint64_t>(id);
+}
+
 void AravisCamera::take(ArvBuffer* buffer) {
-  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
   Frame frame{.format = info_.format,
               .size = info_.size,
               .stride_bytes = row_bytes(info_.format, info_.size.width),
-              .sequence = id,
+              .sequence = arv_buffer_get_frame_id(buffer),
               .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostTime_ns)),
               .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  if (arrived) read_chunks(buffer, frame);
+  const std::uint64_t id = frame.sequence;
   auto draft = pool_->take();
   const DepthUsed used = arrived && draft ? copy(buffer, draft) : DepthUsed();
   const bool whole = used.depth > 0;
