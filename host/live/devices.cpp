@@ -16,6 +16,7 @@
 #include "hal/linux/v4l2/realsense_unit.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/wire/flir_ptu.h"
+#include "hal/wire/flir_ptu_baud.h"
 #include "hal/wire/mcu_trigger.h"
 #include "hal/wire/realsense_table.h"
 #include "hal/wire/reopening_byte_stream.h"
@@ -172,14 +173,20 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
                    "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
-  if (at != std::string::npos) {
+  const bool find = at != std::string::npos && parts.rest.substr(at + 1) == "find";
+  if (at != std::string::npos && !find) {
     const char* end = parts.rest.data() + parts.rest.size();
     const auto [stop, fault] = std::from_chars(parts.rest.data() + at + 1, end, baud);
     if (fault != std::errc() || stop != end || baud < 300 || baud > 4'000'000)
       return Error{ErrorCode::kUsage,
-                   uri + ": the baud rate after @ is not valid: give 300 to 4000000"};
+                   uri + ": the baud rate after @ is not valid: give 300 to 4000000, or find"};
   }
   MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
+  if (find) {
+    auto found = device::find_ptu_baud(*stream, clock_);
+    if (!found) return Error{found.error().code, uri + ": " + found.error().context};
+    baud = *found;
+  }
   MIXRIG_TRY(stream->set_line({.baud = baud}));
   // On a network a byte takes no time, but for a serial line behind a server, whose rate is given.
   const bool network = parts.rest.starts_with("tcp:") && at == std::string::npos;
