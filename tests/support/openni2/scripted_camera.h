@@ -2,9 +2,11 @@
 // The scripted OpenNI2 camera of a test, and recordings of it by the library's own recorder.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <OniCAPI.h>
@@ -60,13 +62,16 @@ class ScriptedRecording {
     }
     EXPECT_EQ(oniRecorderStart(recorder_), ONI_STATUS_OK);
     for (OniStreamHandle stream : streams_) EXPECT_EQ(oniStreamStart(stream), ONI_STATUS_OK);
-    const auto least = rgb.size();
-    EXPECT_TRUE(comes_true([&] {
+    // Two seconds of frames at most: what the recorder has not written yet waits in memory.
+    bool begun = false;
+    for (int i = 0; i < 200 && !begun; ++i) {
       module.expose(next(), depth, rgb);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
       std::error_code none;
       const auto bytes = std::filesystem::file_size(file, none);
-      return !none && bytes > least;
-    }));
+      begun = !none && bytes > rgb.size();
+    }
+    EXPECT_TRUE(begun) << "the recorder does not begin";
   }
   /// The frame that is shown next.
   int next() { return ++frames_; }

@@ -104,7 +104,9 @@ Both open_both(const std::string& uri, Clock& clock) {
   if (!shared) return {};
   auto color = device::openni2_color(*shared, {});
   auto depth = device::openni2_depth(*shared, {});
-  EXPECT_TRUE(color && depth);
+  EXPECT_TRUE(color) << to_line(color.error());
+  EXPECT_TRUE(depth) << to_line(depth.error());
+  if (!color || !depth) return {};
   return {*std::move(color), *std::move(depth)};
 }
 
