@@ -15,6 +15,7 @@
 
 #include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/linux/aravis/aravis_chunks.h"
 #include "hal/linux/aravis/aravis_setup.h"
 #include "hal/wire/genicam_buffer.h"
 
@@ -25,8 +26,6 @@ constexpr int kLibraryBuffers = 8, kBuffers = 10;
 constexpr std::size_t kMostParts = 8;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
-constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
-constexpr double kMostExposure_us = 1e8;
 constexpr Duration kAravisLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
@@ -62,7 +61,6 @@ class AravisCamera final : public Camera {
   void work();
   void take(ArvBuffer* buffer);
   DepthUsed copy(ArvBuffer* buffer, const FramePool::Draft& draft) const;
-  void read_chunks(ArvBuffer* buffer, Frame& frame) const;
   void come_back();
   Error failed(const std::string& what, const AravisFault& fault) const {
     return fault.error(info_.uri, what);
@@ -231,43 +229,16 @@ DepthUsed AravisCamera::copy(ArvBuffer* buffer, const FramePool::Draft& draft) c
                     {draft.bytes(), draft.amplitude(), draft.confidence()});
 }
 
-/// Stamp, exposure and counter as the camera appended them. Its stamp is that of the start of the
-/// exposure (SFNC 2.7), the frame's is of its middle.
-void AravisCamera::read_chunks(ArvBuffer* buffer, Frame& frame) const {
-  if (!parser_ || !arv_buffer_has_chunks(buffer)) return;
-  AravisFault fault;
-  const auto ticks = chunks_.timestamp ? arv_chunk_parser_get_integer_value(parser_.get(), buffer,
-                                                                            "ChunkTimestamp", fault)
-                                       : 0;
-  if (!chunks_.timestamp || fault.any()) return;
-  if (chunks_.exposure) {
-    const double us =
-        arv_chunk_parser_get_float_value(parser_.get(), buffer, "ChunkExposureTime", fault);
-    if (!fault.any() && us > 0 && us < kMostExposure_us)
-      frame.exposure = Duration(static_cast<std::int64_t>(us * 1e3));
-  }
-  // Whole nanoseconds a tick, as PTP's, stay exact.
-  const auto whole = static_cast<std::uint64_t>(ticks) & kMostTime_ns;
-  const std::uint64_t ns =
-      chunks_.ns_per_tick == 1
-          ? whole
-          : static_cast<std::uint64_t>(static_cast<long double>(whole) * chunks_.ns_per_tick) &
-                kMostTime_ns;
-  frame.device_time = DeviceTime(Duration(ns) + frame.exposure / 2);
-  if (!chunks_.frame_id) return;
-  const auto id = arv_chunk_parser_get_integer_value(parser_.get(), buffer, "ChunkFrameID", fault);
-  if (!fault.any()) frame.sequence = static_cast<std::uint64_t>(id);
-}
-
 void AravisCamera::take(ArvBuffer* buffer) {
-  Frame frame{.format = info_.format,
-              .size = info_.size,
-              .stride_bytes = row_bytes(info_.format, info_.size.width),
-              .sequence = arv_buffer_get_frame_id(buffer),
-              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostTime_ns)),
-              .received = clock_.now()};
+  Frame frame{
+      .format = info_.format,
+      .size = info_.size,
+      .stride_bytes = row_bytes(info_.format, info_.size.width),
+      .sequence = arv_buffer_get_frame_id(buffer),
+      .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostAravisTime_ns)),
+      .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
-  if (arrived) read_chunks(buffer, frame);
+  if (arrived && parser_) read_aravis_chunks(parser_.get(), buffer, chunks_, frame);
   const std::uint64_t id = frame.sequence;
   auto draft = pool_->take();
   const DepthUsed used = arrived && draft ? copy(buffer, draft) : DepthUsed();

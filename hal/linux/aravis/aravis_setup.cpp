@@ -166,15 +166,6 @@ Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& reque
 
 namespace {
 
-/// False where the camera has no such chunk, or does not let it be switched.
-bool enable_chunk(ArvDevice* device, const char* chunk) {
-  AravisFault fault;
-  arv_device_set_string_feature_value(device, "ChunkSelector", chunk, fault);
-  if (fault.any()) return false;
-  arv_device_set_boolean_feature_value(device, "ChunkEnable", TRUE, fault);
-  return !fault.any();
-}
-
 /// "off", or the state of the first set of names that the camera has; empty where it has none.
 std::string ptp_state(ArvDevice* device) {
   struct Names {
@@ -195,27 +186,6 @@ std::string ptp_state(ArvDevice* device) {
 }
 
 }  // namespace
-
-AravisChunks choose_aravis_chunks(ArvCamera* camera) {
-  ArvDevice* device = arv_camera_get_device(camera);
-  AravisFault fault;
-  AravisChunks chunks;
-  if (!available(device, "ChunkModeActive") || !available(device, "ChunkSelector")) return chunks;
-  arv_device_set_boolean_feature_value(device, "ChunkModeActive", TRUE, fault);
-  if (!fault.any() && enable_chunk(device, "Timestamp")) {
-    chunks = {.timestamp = true,
-              .exposure = enable_chunk(device, "ExposureTime"),
-              .frame_id = enable_chunk(device, "FrameID")};
-    if (ARV_IS_GV_DEVICE(device))
-      if (const guint64 ticks_hz =
-              arv_gv_device_get_timestamp_tick_frequency(ARV_GV_DEVICE(device), fault);
-          !fault.any() && ticks_hz > 0)
-        chunks.ns_per_tick = 1e9 / static_cast<double>(ticks_hz);
-    return chunks;
-  }
-  arv_device_set_boolean_feature_value(device, "ChunkModeActive", FALSE, fault);
-  return chunks;
-}
 
 void describe_aravis(ArvCamera* camera, CameraInfo& info) {
   AravisFault fault;

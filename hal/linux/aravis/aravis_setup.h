@@ -51,15 +51,6 @@ Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest
 /// `info`. Errors: kDevice.
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info);
-/// What a camera appends to each picture (SFNC 2.7, Chunk Data Control).
-struct AravisChunks {
-  bool timestamp = false, exposure = false, frame_id = false;
-  double ns_per_tick = 1;  ///< of its timestamps
-  bool any() const { return timestamp || exposure || frame_id; }
-};
-/// Switches those chunks on that the camera has, the others as they are; off where it has no
-/// timestamp, as the picture's header then tells as much.
-AravisChunks choose_aravis_chunks(ArvCamera* camera);
 /// Model, serial number, controls and PTP.
 void describe_aravis(ArvCamera* camera, CameraInfo& info);
 /// What the steps of a frame mean, and how floats become steps.
