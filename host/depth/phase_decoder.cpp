@@ -10,12 +10,18 @@ namespace {
 
 constexpr int kColumns = device::kKinect2Depth.width;
 constexpr float kAmplitudePerLight = 4;    ///< counts up to 16320 become 16 bits
-constexpr float kLeastLightSigmas = 4;     ///< of darker pixels a phase says little
-constexpr float kMostMisfit = 30;          ///< chi^2 of four degrees of freedom: 5e-6 by chance
-constexpr float kLeastMargin = 9;          ///< of chi^2 to the second best wraps
-constexpr float kContrastTolerance = 0.04F;  ///< relative: what lenses and walls do to contrasts
+constexpr float kLeastLightSigmas = 2.5;     ///< of darker pixels a phase says little
+constexpr float kMostMisfit = 8;           ///< chi^2 of four degrees of freedom: 0.09 by chance
+constexpr float kLeastMargin = 6;          ///< of chi^2 to the second best wraps
+/// Light that bounces between surfaces adds to the phasor of each frequency up to such a share of
+/// it: phases (in radians) and relative contrasts may differ so much. Of what is left of the fit,
+/// not of its weights.
+constexpr float kBounced = 0.08F;
 constexpr float kAgreeSigmas = 3, kAgreeShare = 0.006F;
-constexpr int kLeastNeighbours = 3;  ///< a convex corner of a surface has so many
+/// Neighbours of 8 that agree: a pixel on the straight edge of a surface has five good ones. Where
+/// most agree, contradicted or not, they see one surface by bounced light, up to a misfit so many
+/// times as large.
+constexpr float kLeastNeighbours = 4, kMostNeighbours = 6, kMostBounced = 4;
 
 using Row = std::array<float, kColumns>;
 
@@ -121,7 +127,7 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
   }
   // Light as all three tell it, each by its variance; then variances of the distances.
   float *light = light_.row(y), *variance = variance_m2_.row(y);
-  std::array<Row, 3> weight;
+  std::array<Row, 3> weight, judge;
   Row contrast_misfit, noise;
   for (std::size_t x = 0; x < kColumns; ++x) {
     const float l0 = phase[0].light[x], l1 = phase[1].light[x], l2 = phase[2].light[x];
@@ -130,7 +136,7 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
                 w2 = 1 / (sigma_scale_[2] * sigma_scale_[2]);
     const float mean = (w0 * l0 + w1 * l1 + w2 * l2) / (w0 + w1 + w2);
     const float m = read_variance_ + variance_per_light_ * mean;
-    const float own = m * (2.0F / 3), tolerance = kContrastTolerance * mean * kContrastTolerance * mean;
+    const float own = m * (2.0F / 3), tolerance = kBounced * mean * kBounced * mean;
     float sum = 0, deviation = 0;
     const std::array<float, 3> l{l0, l1, l2};
     for (std::size_t f = 0; f < 3; ++f) {
@@ -139,6 +145,8 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
       constexpr float kPerTurn2 = 1 / (4 * std::numbers::pi_v<float> * std::numbers::pi_v<float>);
       const float turns2 = kPerTurn2 * v / (l[f] * l[f] + 0.01F) + floor_variance_turns_;
       weight[f][x] = 1 / (range_m_[f] * range_m_[f] * turns2);
+      judge[f][x] =
+          1 / (range_m_[f] * range_m_[f] * (turns2 + kPerTurn2 * kBounced * kBounced));
       sum += weight[f][x];
     }
     light[x] = mean;
@@ -154,10 +162,9 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
       const float e1 = phase[1].distance_m[x] - d0, e2 = phase[2].distance_m[x] - d0;
       const float r1 = e1 - range_m_[1] * std::floor(e1 / range_m_[1] + 0.5F);
       const float r2 = e2 - range_m_[2] * std::floor(e2 / range_m_[2] + 0.5F);
-      const float w0 = weight[0][x], w1 = weight[1][x], w2 = weight[2][x];
-      const float shift = (w1 * r1 + w2 * r2) * variance[x];
-      const float misfit = w0 * shift * shift + w1 * (r1 - shift) * (r1 - shift) +
-                           w2 * (r2 - shift) * (r2 - shift);
+      const float shift = (weight[1][x] * r1 + weight[2][x] * r2) * variance[x];
+      const float misfit = judge[0][x] * shift * shift + judge[1][x] * (r1 - shift) * (r1 - shift) +
+                           judge[2][x] * (r2 - shift) * (r2 - shift);
       const bool better = misfit < best.misfit[x];
       best.second[x] = better ? best.misfit[x] : std::min(best.second[x], misfit);
       best.way_m[x] = better ? d0 + shift : best.way_m[x];
@@ -182,13 +189,13 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
 
 /// Neighbours that agree, and the distance from the centre of projection.
 void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
-  Row sum, weights, agree;
+  Row sum, weights, agree, beside;
   const float *way = way_m_.row(y), *variance = variance_m2_.row(y);
   const PixelState* own = state_.row(y);
   for (std::size_t x = 0; x < kColumns; ++x) {
     weights[x] = 1 / variance[x];
     sum[x] = 0;  // of differences to the pixel's own value, for few digits are lost then
-    agree[x] = 0;
+    agree[x] = beside[x] = 0;
   }
   for (int v = std::max(0, y - 1); v <= std::min(size_.height - 1, y + 1); ++v)
     for (int u = -1; u <= 1; ++u) {
@@ -199,12 +206,13 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
         const float difference = near[x + u] - way[x];
         const float tolerance = kAgreeSigmas * std::sqrt(variance[x] + near_variance[x + u]) +
                                 kAgreeShare * way[x];
-        const bool agrees =
-            near_state[x + u] == PixelState::kGood && std::abs(difference) < tolerance;
+        const bool within = std::abs(difference) < tolerance;
+        const bool agrees = near_state[x + u] == PixelState::kGood && within;
         const float w = agrees ? 1 / near_variance[x + u] : 0.0F;
         sum[x] += w * difference;
         weights[x] += w;
         agree[x] += agrees ? 1.0F : 0.0F;
+        beside[x] += within ? 1.0F : 0.0F;
       }
     }
   float *distance = out.distance_m.row(y), *sigma = out.sigma_m.row(y),
@@ -213,8 +221,13 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
   const float *light = light_.row(y), *along = light_along_m_.row(y), *misfit = misfit_.row(y),
               *margin = margin_.row(y);
   for (std::size_t x = 0; x < kColumns; ++x) {
-    const bool alone = agree[x] < kLeastNeighbours;
-    const PixelState is = own[x] == PixelState::kGood && alone ? PixelState::kMixed : own[x];
+    const bool surface = beside[x] >= kMostNeighbours && misfit[x] < kMostBounced * kMostMisfit &&
+                         margin[x] > kLeastMargin;
+    const PixelState good_if = surface || (own[x] == PixelState::kGood && agree[x] >= kLeastNeighbours)
+                                   ? PixelState::kGood
+                                   : PixelState::kMixed;
+    const bool decided = own[x] == PixelState::kGood || own[x] == PixelState::kMixed;
+    const PixelState is = decided ? good_if : own[x];
     const bool measured = is == PixelState::kGood || is == PixelState::kMixed;
     const float mean = way[x] + (smoothing_ ? sum[x] / weights[x] : 0);
     const float path = 2 * mean;  // from the light to the surface and back
@@ -223,7 +236,7 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
     sigma[x] = measured ? std::sqrt(smoothing_ ? 1 / weights[x] : variance[x]) : 0.0F;
     amplitude[x] = std::min(65535.0F, kAmplitudePerLight * light[x]);
     // Above a half by how far it is from every limit, below by how far beyond the worst.
-    const float worst = std::max(misfit[x] / kMostMisfit, kLeastMargin / (margin[x] + 1e-6F));
+    const float worst = std::max(misfit[x] / (kMostBounced * kMostMisfit), kLeastMargin / (margin[x] + 1e-6F));
     const float good = 1 - 0.5F * std::min(worst, 1.0F), bad = 0.49F / std::max(worst, 1.0F);
     confidence[x] = is == PixelState::kGood ? good : is == PixelState::kMixed ? bad : 0.0F;
     state[x] = is;
