@@ -26,10 +26,11 @@ constexpr Duration kKinectSilence = std::chrono::seconds(1);
 constexpr std::uint8_t kCommandOut = 0x02, kCommandIn = 0x81, kColorIn = 0x83, kInfraredIn = 0x84;
 constexpr int kInfraredInterface = 1, kStatusTries = 50;
 constexpr std::uint32_t kMostPage = 0x1C0000;
-constexpr std::array<StreamPipe, 2> kPipes{
-    StreamPipe{kInfraredIn, true, 60, 8, 0x8400}, StreamPipe{kColorIn, false, 20, 1, 0x4000}};
+constexpr std::array<StreamPipe, 2> kPipes{StreamPipe{kInfraredIn, true, 60, 8, 0x8400},
+                                           StreamPipe{kColorIn, false, 20, 1, 0x4000}};
 // USB 3.1: SET_ISOCH_DELAY of 40 ns; SET_FEATURE U1 and U2; FUNCTION_SUSPEND of interface 0.
-constexpr UsbRequest kIsochronousDelay{0, 49, 40, 0}, kEnableU1{0, 3, 48, 0}, kEnableU2{0, 3, 49, 0};
+constexpr UsbRequest kIsochronousDelay{0, 49, 40, 0}, kEnableU1{0, 3, 48, 0},
+    kEnableU2{0, 3, 49, 0};
 constexpr UsbRequest kVideoOn{1, 3, 0, 0}, kVideoOff{1, 3, 0, 0x0300};
 
 Kinect2Request page(Kinect2Page number, std::uint32_t most, std::uint32_t least) {
@@ -107,8 +108,8 @@ class Kinect2 {
   std::optional<std::uint64_t> ticks_;
   std::thread thread_;
   std::atomic<bool> stop_ = false;
-  std::mutex control_;         ///< start and stop of the two cameras
-  mutable std::mutex mutex_;   ///< guards what the cameras share with the thread
+  std::mutex control_;        ///< start and stop of the two cameras
+  mutable std::mutex mutex_;  ///< guards what the cameras share with the thread
   KinectStream depth_, color_;
   DepthHealth depth_health_;
   std::uint64_t returns_ = 0, stalls_ = 0;
@@ -119,9 +120,9 @@ Result<std::vector<std::uint8_t>> Kinect2::ask(const Kinect2Request& request) {
   const std::uint32_t sequence = sequence_++;
   MIXRIG_TRY(usb_->write(kCommandOut, pack_kinect2_request(request, sequence)));
   const auto failed = [&](const char* what) {
-    return Error{ErrorCode::kDevice,
-                 uri_ + ": command " + std::to_string(static_cast<int>(request.command)) + " " +
-                     what + ": plug the camera in again"};
+    return Error{ErrorCode::kDevice, uri_ + ": command " +
+                                         std::to_string(static_cast<int>(request.command)) + " " +
+                                         what + ": plug the camera in again"};
   };
   std::vector<std::uint8_t> answer;
   if (request.most_answer > 0) {

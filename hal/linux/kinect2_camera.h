@@ -25,8 +25,8 @@ class RawDepthDecoder {
   virtual void decode(std::span<const std::uint8_t> pictures, std::span<std::uint8_t> steps,
                       std::span<std::uint8_t> amplitude, std::span<std::uint8_t> confidence) = 0;
 };
-using MakeRawDepthDecoder = std::function<std::unique_ptr<RawDepthDecoder>(
-    const Kinect2Infrared&, const Kinect2Offsets&)>;
+using MakeRawDepthDecoder =
+    std::function<std::unique_ptr<RawDepthDecoder>(const Kinect2Infrared&, const Kinect2Offsets&)>;
 
 /// The device behind the two cameras. One thread serves both streams while either runs; a camera
 /// that is started or stopped while the other runs does not disturb it. After it was unplugged the

@@ -94,7 +94,8 @@ Result<void> LibusbKinect2::find() {
         (d.idProduct != kKinect2Products[0] && d.idProduct != kKinect2Products[1]))
       continue;
     const std::string serial = serial_of(list[i]);
-    there += " " + (serial.empty() ? std::string("(no right to open it: install udev rules)") : serial);
+    there +=
+        " " + (serial.empty() ? std::string("(no right to open it: install udev rules)") : serial);
     if (serial_.empty() || serial == serial_) fitting.push_back(list[i]);
   }
   int code = LIBUSB_ERROR_NOT_FOUND;
@@ -103,10 +104,10 @@ Result<void> LibusbKinect2::find() {
   if (fitting.size() > 1)
     return Error{ErrorCode::kUsage, name_ + ": several are connected, give one's serial:" + there};
   if (fitting.empty())
-    return Error{ErrorCode::kNotFound,
-                 name_ + ": not connected; there is:" + (there.empty() ? " none, check power "
-                                                                         "supply and USB 3 port"
-                                                                       : there)};
+    return Error{ErrorCode::kNotFound, name_ + ": not connected; there is:" +
+                                           (there.empty() ? " none, check power "
+                                                            "supply and USB 3 port"
+                                                          : there)};
   return code == 0 ? Result<void>() : Result<void>(failed("opening it", code));
 }
 
@@ -175,8 +176,8 @@ Result<void> LibusbKinect2::allocate(std::span<const StreamPipe> pipes) {
       if (transfer == nullptr) return failed("allocating transfers", LIBUSB_ERROR_NO_MEM);
       const std::size_t length = pipe.packet_bytes * static_cast<std::size_t>(pipe.packets);
       if (pipe.isochronous) {
-        libusb_fill_iso_transfer(transfer, nullptr, pipe.endpoint, memory,
-                                 static_cast<int>(length), pipe.packets, on_transfer, this, 0);
+        libusb_fill_iso_transfer(transfer, nullptr, pipe.endpoint, memory, static_cast<int>(length),
+                                 pipe.packets, on_transfer, this, 0);
         libusb_set_iso_packet_lengths(transfer, static_cast<unsigned>(pipe.packet_bytes));
       } else {
         libusb_fill_bulk_transfer(transfer, nullptr, pipe.endpoint, memory,

@@ -10,7 +10,8 @@
 namespace mixrig::device {
 
 /// A closed device. `serial` empty: the only Kinect v2 that is connected.
-/// Errors: kIo when libusb does not start. Those of open(): kNotFound; the line lists what is there.
+/// Errors: kIo when libusb does not start. Those of open(): kNotFound; the line lists what is
+/// there.
 Result<std::unique_ptr<UsbStreams>> make_libusb_kinect2(const std::string& serial);
 
 }  // namespace mixrig::device

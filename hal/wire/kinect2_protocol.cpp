@@ -91,7 +91,9 @@ Result<Kinect2Infrared> parse_kinect2_infrared(std::span<const std::uint8_t> byt
   if (bytes.size() < kInfraredBytes) return bad_answer("of infrared parameters is too short");
   const auto number = [&](std::size_t i) { return f32(bytes, 4 * i); };
   // Numbers: fx fy ? cx cy k1 k2 p1 p2 k3. Its pixel centres are at halves, its picture mirrored.
-  Kinect2Infrared lens{number(0), number(1), kKinect2Depth.width - 0.5 - number(3),
+  Kinect2Infrared lens{number(0),
+                       number(1),
+                       kKinect2Depth.width - 0.5 - number(3),
                        number(4) - 0.5,
                        {number(5), number(6), number(7), -number(8), number(9)}};
   bool possible = lens.fx_px > 100 && lens.fx_px < 2000 && lens.fy_px > 100 && lens.fy_px < 2000 &&
@@ -162,7 +164,8 @@ bool ends_kinect2_color(std::span<const std::uint8_t> bytes) {
 std::optional<Kinect2ColorPacket> parse_kinect2_color_packet(std::span<const std::uint8_t> bytes) {
   if (!ends_kinect2_color(bytes) || u32(bytes, 4) != kColorHeader) return std::nullopt;
   const auto footer = bytes.last(kColorFooterBytes);
-  auto jpeg = bytes.subspan(kColorHeaderBytes, bytes.size() - kColorHeaderBytes - kColorFooterBytes);
+  auto jpeg =
+      bytes.subspan(kColorHeaderBytes, bytes.size() - kColorHeaderBytes - kColorFooterBytes);
   const std::uint32_t filler = u32(footer, 8);
   if (u32(footer, 36) != bytes.size() || u32(footer, 4) != u32(bytes, 0) || filler > jpeg.size())
     return std::nullopt;

@@ -44,8 +44,8 @@ void Kinect2DepthStream::end_picture(std::span<const std::uint8_t> bytes,
   if (!footer) return skip_picture();
   if (got_ != 0 && footer->frame != number_) give(sink);
   if (got_ == 0) number_ = footer->frame, ticks_ = footer->ticks;
-  const auto at = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(footer->picture) *
-                                              kKinect2PictureBytes);
+  const auto at =
+      static_cast<std::ptrdiff_t>(static_cast<std::size_t>(footer->picture) * kKinect2PictureBytes);
   std::copy_n(pending_.begin(), kKinect2PictureBytes, frame_.begin() + at);
   got_ |= 1U << footer->picture;
   if (got_ == (1U << kKinect2Pictures) - 1) give(sink);

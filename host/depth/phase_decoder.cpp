@@ -9,10 +9,10 @@ namespace mixrig::depth {
 namespace {
 
 constexpr int kColumns = device::kKinect2Depth.width;
-constexpr float kAmplitudePerLight = 4;    ///< counts up to 16320 become 16 bits
-constexpr float kLeastLightSigmas = 2.5;     ///< of darker pixels a phase says little
-constexpr float kMostMisfit = 8;           ///< chi^2 of four degrees of freedom: 0.09 by chance
-constexpr float kLeastMargin = 6;          ///< of chi^2 to the second best wraps
+constexpr float kAmplitudePerLight = 4;   ///< counts up to 16320 become 16 bits
+constexpr float kLeastLightSigmas = 2.5;  ///< of darker pixels a phase says little
+constexpr float kMostMisfit = 8;          ///< chi^2 of four degrees of freedom: 0.09 by chance
+constexpr float kLeastMargin = 6;         ///< of chi^2 to the second best wraps
 /// Light that bounces between surfaces adds to the phasor of each frequency up to such a share of
 /// it: phases (in radians) and relative contrasts may differ so much. Of what is left of the fit,
 /// not of its weights.
@@ -42,25 +42,25 @@ inline float turns_of(float y, float x) {
   return y < 0 ? -t : t;
 }
 
-/// One frequency of a row: distance modulo its range, amplitude over contrast.
-struct Phase {
-  Row distance_m, light;
-};
-
-/// Least chi^2 over the wraps of the first frequency.
-struct Best {
-  Row misfit, second, way_m;
-};
-
 }  // namespace
+
+/// What is known of a row between the steps; arrays of frequencies first.
+struct PhaseDecoder::PhaseRow {
+  std::array<Row, 3> distance_m;  ///< modulo its range
+  std::array<Row, 3> light;       ///< amplitude over contrast
+  std::array<Row, 3> weight;      ///< one over the variance of the distance
+  std::array<Row, 3> judge;       ///< the same, with what bounced light does
+  Row contrast_misfit, noise;
+  std::array<std::int16_t, kColumns> most;  ///< of the nine samples
+};
 
 PhaseCamera kinect2_phase_camera(const device::Kinect2Infrared& infrared,
                                  const device::Kinect2Offsets& offsets) {
   PhaseCamera camera;
   const auto& [k1, k2, p1, p2, k3] = infrared.distortion;
-  camera.lens = {{device::kKinect2Depth, infrared.fx_px, infrared.fy_px, infrared.cx_px,
-                  infrared.cy_px},
-                 geometry::Lens({k1, k2, p1, p2, k3, 0, 0, 0})};
+  camera.lens = {
+      {device::kKinect2Depth, infrared.fx_px, infrared.fy_px, infrared.cx_px, infrared.cy_px},
+      geometry::Lens({k1, k2, p1, p2, k3, 0, 0, 0})};
   constexpr double kTurns = device::kKinect2OffsetStep_rad / (2 * std::numbers::pi);
   for (std::size_t f = 0; f < 3; ++f) {
     camera.offset_turns[f].reset(device::kKinect2Depth);
@@ -103,85 +103,105 @@ PhaseDecoder::PhaseDecoder(const PhaseCamera& camera)
   state_.reset(size_);
 }
 
-void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
+void PhaseDecoder::measure_phases(std::span<const std::uint8_t> pictures, int y,
+                                  PhaseRow& row) const {
   std::array<std::array<std::int16_t, kColumns>, 9> samples;
   for (std::size_t k = 0; k < samples.size(); ++k)
     device::unpack_kinect2_row(
         pictures.subspan(k * device::kKinect2PictureBytes, device::kKinect2PictureBytes), y,
         samples[k].data());
-  std::array<Phase, 3> phase;
-  std::array<std::int16_t, kColumns> most;
-  most.fill(0);
+  row.most.fill(0);
   for (std::size_t f = 0; f < 3; ++f) {
     const auto &s0 = samples[3 * f], &s1 = samples[3 * f + 1], &s2 = samples[3 * f + 2];
     const float* offset = offset_turns_[f].row(y);
     const float range = range_m_[f], scale = scale_[f];
     for (std::size_t x = 0; x < kColumns; ++x) {
-      most[x] = std::max(std::max(most[x], s0[x]), std::max(s1[x], s2[x]));
+      row.most[x] = std::max(std::max(row.most[x], s0[x]), std::max(s1[x], s2[x]));
       const float a = s0[x] - 0.5F * static_cast<float>(s1[x] + s2[x]);
       const float b = 0.8660254F * static_cast<float>(s2[x] - s1[x]);
       const float turns = turns_of(b, a) + offset[x];
-      phase[f].distance_m[x] = range * (turns - std::floor(turns));
-      phase[f].light[x] = scale * std::sqrt(a * a + b * b);
+      row.distance_m[f][x] = range * (turns - std::floor(turns));
+      row.light[f][x] = scale * std::sqrt(a * a + b * b);
     }
   }
-  // Light as all three tell it, each by its variance; then variances of the distances.
-  float *light = light_.row(y), *variance = variance_m2_.row(y);
-  std::array<Row, 3> weight, judge;
-  Row contrast_misfit, noise;
+}
+
+/// Light as all three tell it, each by its variance; then variances of the distances.
+void PhaseDecoder::weigh(int y, PhaseRow& row) {
+  Row light, variance;  // on the stack, where the compiler sees that nothing else points to them
+  std::array<float, 3> share;
+  for (std::size_t f = 0; f < 3; ++f) share[f] = 1 / (sigma_scale_[f] * sigma_scale_[f]);
+  const std::array<float, 3> range = range_m_;
+  const float shares = share[0] + share[1] + share[2];
+  const float read = read_variance_, per_light = variance_per_light_, floor = floor_variance_turns_;
+  constexpr float kPerTurn2 = 1 / (4 * std::numbers::pi_v<float> * std::numbers::pi_v<float>);
   for (std::size_t x = 0; x < kColumns; ++x) {
-    const float l0 = phase[0].light[x], l1 = phase[1].light[x], l2 = phase[2].light[x];
-    const float w0 = 1 / (sigma_scale_[0] * sigma_scale_[0]),
-                w1 = 1 / (sigma_scale_[1] * sigma_scale_[1]),
-                w2 = 1 / (sigma_scale_[2] * sigma_scale_[2]);
-    const float mean = (w0 * l0 + w1 * l1 + w2 * l2) / (w0 + w1 + w2);
-    const float m = read_variance_ + variance_per_light_ * mean;
-    const float own = m * (2.0F / 3), tolerance = kBounced * mean * kBounced * mean;
+    const float mean =
+        (share[0] * row.light[0][x] + share[1] * row.light[1][x] + share[2] * row.light[2][x]) /
+        shares;
+    const float own = (2.0F / 3) * (read + per_light * mean);
+    const float bounced = kBounced * mean;
     float sum = 0, deviation = 0;
-    const std::array<float, 3> l{l0, l1, l2};
     for (std::size_t f = 0; f < 3; ++f) {
-      const float v = own * sigma_scale_[f] * sigma_scale_[f];
-      deviation += (l[f] - mean) * (l[f] - mean) / (v + tolerance);
-      constexpr float kPerTurn2 = 1 / (4 * std::numbers::pi_v<float> * std::numbers::pi_v<float>);
-      const float turns2 = kPerTurn2 * v / (l[f] * l[f] + 0.01F) + floor_variance_turns_;
-      weight[f][x] = 1 / (range_m_[f] * range_m_[f] * turns2);
-      judge[f][x] =
-          1 / (range_m_[f] * range_m_[f] * (turns2 + kPerTurn2 * kBounced * kBounced));
-      sum += weight[f][x];
+      const float l = row.light[f][x], v = own / share[f], range2 = range[f] * range[f];
+      deviation += (l - mean) * (l - mean) / (v + bounced * bounced);
+      const float turns2 = kPerTurn2 * v / (l * l + 0.01F) + floor;
+      row.weight[f][x] = 1 / (range2 * turns2);
+      row.judge[f][x] = 1 / (range2 * (turns2 + kPerTurn2 * kBounced * kBounced));
+      sum += row.weight[f][x];
     }
     light[x] = mean;
-    noise[x] = std::sqrt(own);
+    row.noise[x] = std::sqrt(own);
     variance[x] = 1 / sum;
-    contrast_misfit[x] = deviation;
+    row.contrast_misfit[x] = deviation;
   }
-  Best best;
-  best.misfit.fill(1e30F), best.second.fill(1e30F), best.way_m.fill(0);
+  std::copy(light.begin(), light.end(), light_.row(y));
+  std::copy(variance.begin(), variance.end(), variance_m2_.row(y));
+}
+
+/// The least chi^2 over the wraps of the first frequency, and the second.
+void PhaseDecoder::unwrap(int y, PhaseRow& row) {
+  Row way, misfit, second, variance;
+  std::copy_n(variance_m2_.row(y), kColumns, variance.begin());
+  way.fill(0), misfit.fill(1e30F), second.fill(1e30F);
+  const std::array<float, 3> range = range_m_;
   for (int n = 0; n < wraps_; ++n)
     for (std::size_t x = 0; x < kColumns; ++x) {
-      const float d0 = phase[0].distance_m[x] + range_m_[0] * static_cast<float>(n);
-      const float e1 = phase[1].distance_m[x] - d0, e2 = phase[2].distance_m[x] - d0;
-      const float r1 = e1 - range_m_[1] * std::floor(e1 / range_m_[1] + 0.5F);
-      const float r2 = e2 - range_m_[2] * std::floor(e2 / range_m_[2] + 0.5F);
-      const float shift = (weight[1][x] * r1 + weight[2][x] * r2) * variance[x];
-      const float misfit = judge[0][x] * shift * shift + judge[1][x] * (r1 - shift) * (r1 - shift) +
-                           judge[2][x] * (r2 - shift) * (r2 - shift);
-      const bool better = misfit < best.misfit[x];
-      best.second[x] = better ? best.misfit[x] : std::min(best.second[x], misfit);
-      best.way_m[x] = better ? d0 + shift : best.way_m[x];
-      best.misfit[x] = better ? misfit : best.misfit[x];
+      const float d0 = row.distance_m[0][x] + range[0] * static_cast<float>(n);
+      const float e1 = row.distance_m[1][x] - d0, e2 = row.distance_m[2][x] - d0;
+      const float r1 = e1 - range[1] * std::floor(e1 / range[1] + 0.5F);
+      const float r2 = e2 - range[2] * std::floor(e2 / range[2] + 0.5F);
+      const float shift = (row.weight[1][x] * r1 + row.weight[2][x] * r2) * variance[x];
+      const float left = row.judge[0][x] * shift * shift +
+                         row.judge[1][x] * (r1 - shift) * (r1 - shift) +
+                         row.judge[2][x] * (r2 - shift) * (r2 - shift);
+      const bool better = left < misfit[x];
+      second[x] = better ? misfit[x] : std::min(second[x], left);
+      way[x] = better ? d0 + shift : way[x];
+      misfit[x] = better ? left : misfit[x];
     }
-  float *way = way_m_.row(y), *misfit = misfit_.row(y), *margin = margin_.row(y);
+  std::copy(way.begin(), way.end(), way_m_.row(y));
+  std::copy(misfit.begin(), misfit.end(), misfit_.row(y));
+  std::copy(second.begin(), second.end(), margin_.row(y));
+}
+
+void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
+  PhaseRow row;
+  measure_phases(pictures, y, row);
+  weigh(y, row);
+  unwrap(y, row);
+  const float *way = way_m_.row(y), *light = light_.row(y);
+  float *misfit = misfit_.row(y), *margin = margin_.row(y);
   PixelState* state = state_.row(y);
   for (std::size_t x = 0; x < kColumns; ++x) {
-    way[x] = best.way_m[x];
-    misfit[x] = best.misfit[x] + contrast_misfit[x];
-    margin[x] = best.second[x] - best.misfit[x];
-    const bool dark = light[x] < kLeastLightSigmas * noise[x];
+    margin[x] -= misfit[x];
+    misfit[x] += row.contrast_misfit[x];
+    const bool dark = light[x] < kLeastLightSigmas * row.noise[x];
     const bool contradicted = misfit[x] > kMostMisfit || margin[x] < kLeastMargin || way[x] <= 0;
     const PixelState seen = dark           ? PixelState::kDark
                             : contradicted ? PixelState::kMixed
                                            : PixelState::kGood;
-    state[x] = most[x] == device::kKinect2Saturated ? PixelState::kSaturated : seen;
+    state[x] = row.most[x] == device::kKinect2Saturated ? PixelState::kSaturated : seen;
   }
   // The device leaves out its first and last column.
   state[0] = state[kColumns - 1] = PixelState::kDark;
@@ -204,8 +224,8 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
       const PixelState* near_state = state_.row(v);
       for (int x = 1; x < kColumns - 1; ++x) {
         const float difference = near[x + u] - way[x];
-        const float tolerance = kAgreeSigmas * std::sqrt(variance[x] + near_variance[x + u]) +
-                                kAgreeShare * way[x];
+        const float tolerance =
+            kAgreeSigmas * std::sqrt(variance[x] + near_variance[x + u]) + kAgreeShare * way[x];
         const bool within = std::abs(difference) < tolerance;
         const bool agrees = near_state[x + u] == PixelState::kGood && within;
         const float w = agrees ? 1 / near_variance[x + u] : 0.0F;
@@ -223,9 +243,10 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
   for (std::size_t x = 0; x < kColumns; ++x) {
     const bool surface = beside[x] >= kMostNeighbours && misfit[x] < kMostBounced * kMostMisfit &&
                          margin[x] > kLeastMargin;
-    const PixelState good_if = surface || (own[x] == PixelState::kGood && agree[x] >= kLeastNeighbours)
-                                   ? PixelState::kGood
-                                   : PixelState::kMixed;
+    const PixelState good_if =
+        surface || (own[x] == PixelState::kGood && agree[x] >= kLeastNeighbours)
+            ? PixelState::kGood
+            : PixelState::kMixed;
     const bool decided = own[x] == PixelState::kGood || own[x] == PixelState::kMixed;
     const PixelState is = decided ? good_if : own[x];
     const bool measured = is == PixelState::kGood || is == PixelState::kMixed;
@@ -236,7 +257,8 @@ void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
     sigma[x] = measured ? std::sqrt(smoothing_ ? 1 / weights[x] : variance[x]) : 0.0F;
     amplitude[x] = std::min(65535.0F, kAmplitudePerLight * light[x]);
     // Above a half by how far it is from every limit, below by how far beyond the worst.
-    const float worst = std::max(misfit[x] / (kMostBounced * kMostMisfit), kLeastMargin / (margin[x] + 1e-6F));
+    const float worst =
+        std::max(misfit[x] / (kMostBounced * kMostMisfit), kLeastMargin / (margin[x] + 1e-6F));
     const float good = 1 - 0.5F * std::min(worst, 1.0F), bad = 0.49F / std::max(worst, 1.0F);
     confidence[x] = is == PixelState::kGood ? good : is == PixelState::kMixed ? bad : 0.0F;
     state[x] = is;

@@ -18,11 +18,11 @@ struct PhaseCamera {
   std::array<Image<float>, 3> offset_turns;  ///< of each pixel's phase
   std::array<double, 3> range_m{};           ///< unambiguous range of each frequency
   std::array<double, 3> contrast{};          ///< amplitude per light at each frequency
-  double light_x_m = 0;          ///< the light source is so far right of the centre of projection
-  double read_variance = 0;      ///< of a sample, counts^2, without light
+  double light_x_m = 0;           ///< the light source is so far right of the centre of projection
+  double read_variance = 0;       ///< of a sample, counts^2, without light
   double variance_per_light = 0;  ///< of a sample, counts^2 per count of light
-  double phase_floor_turns = 0;  ///< sigma of a phase that no light makes better
-  double longest_m = 0;          ///< half of the longest way that is looked for
+  double phase_floor_turns = 0;   ///< sigma of a phase that no light makes better
+  double longest_m = 0;           ///< half of the longest way that is looked for
 };
 
 /// Ranges of 1.875, 9.375 and 1.25 m, relative contrasts and 45 mm to the light source follow from
@@ -71,6 +71,10 @@ class PhaseDecoder {
   void set_smoothing(bool on) { smoothing_ = on; }
 
  private:
+  struct PhaseRow;
+  void measure_phases(std::span<const std::uint8_t> pictures, int y, PhaseRow& row) const;
+  void weigh(int y, PhaseRow& row);
+  void unwrap(int y, PhaseRow& row);
   void decode_row(std::span<const std::uint8_t> pictures, int y);
   void judge_row(int y, PhaseDepth& out) const;
 

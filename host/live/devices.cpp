@@ -119,7 +119,8 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, aravis:ID, kinect2:SERIAL/color, take:DIR/color, take:DIR/fisheye or studio:target");
+                 "v4l2:/dev/videoN, aravis:ID, kinect2:SERIAL/color, take:DIR/color, "
+                 "take:DIR/fisheye or studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
@@ -149,8 +150,9 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth();
   }
-  return unknown(uri, "depth camera",
-                 "usb:VVVV:PPPP, kinect2:SERIAL, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
+  return unknown(
+      uri, "depth camera",
+      "usb:VVVV:PPPP, kinect2:SERIAL, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
 }
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {

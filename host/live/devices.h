@@ -38,8 +38,8 @@ class DeviceOpener {
   explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {})
       : clock_(clock), recordings_(std::move(recordings)) {}
 
-  /// v4l2:PATH, aravis:ID, kinect2:SERIAL/color, take:DIR/color, take:DIR/fisheye, studio:[OPTIONS/]target,
-  /// studio:OPTIONS/fisheye.
+  /// v4l2:PATH, aravis:ID, kinect2:SERIAL/color, take:DIR/color, take:DIR/fisheye,
+  /// studio:[OPTIONS/]target, studio:OPTIONS/fisheye.
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
   /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), usb:VVVV:PPPP, kinect2:SERIAL, take:DIR/depth,

@@ -25,8 +25,7 @@ class Kinect2Decoder final : public device::RawDepthDecoder {
     info_.amplitude_is_light = true;
     info_.least_confidence = static_cast<int>(65535 * depth::kLeastConfidence);
     const geometry::Pinhole& p = camera.lens.pinhole;
-    info_.intrinsics =
-        device::DeviceIntrinsics{0.5 * (p.fx_px + p.fy_px), p.cx_px, p.cy_px};
+    info_.intrinsics = device::DeviceIntrinsics{0.5 * (p.fx_px + p.fy_px), p.cx_px, p.cy_px};
   }
   const device::DepthInfo& depth() const override { return info_; }
   void decode(std::span<const std::uint8_t> pictures, std::span<std::uint8_t> steps,

@@ -83,13 +83,13 @@ struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
   RigPreset rig = RigPreset::kKinect2;
   unsigned seed = 1;
-  int frames = 60;              ///< length of the take, 2..100000
-  Size size_px{1280, 1024};     ///< target camera, 32..4096 a side
-  int threads = 0;              ///< 0: one per core
-  double tolerance = 0;         ///< of lenses and mounting by seed, 0..2: 0 as the preset says
-  bool raw_depth = false;       ///< leave the ToF camera's systematic error in
-  bool raw = false;  ///< kinect2: frames have the sensor's raw pictures in place of depth
-  bool fisheye = false;         ///< the take has the fisheye's pictures
+  int frames = 60;           ///< length of the take, 2..100000
+  Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
+  int threads = 0;           ///< 0: one per core
+  double tolerance = 0;      ///< of lenses and mounting by seed, 0..2: 0 as the preset says
+  bool raw_depth = false;    ///< leave the ToF camera's systematic error in
+  bool raw = false;          ///< kinect2: frames have the sensor's raw pictures in place of depth
+  bool fisheye = false;      ///< the take has the fisheye's pictures
   Size fisheye_px{1280, 1024};  ///< of them, 64..4096 a side; the same field
   double zoom = 1;  ///< the target camera's lens zooms in to this focal length, 1..8 times that at
                     ///< rest; 1: it stands still. Not in scenario sweep

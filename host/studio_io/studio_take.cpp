@@ -150,8 +150,7 @@ Result<void> write_raw(const studio::StudioInfo& info, const studio::Frame& fram
   std::error_code failed;
   std::filesystem::create_directories(raw, failed);
   if (!failed) std::filesystem::create_directories(truth, failed);
-  if (failed)
-    return system_error(ErrorCode::kIo, "cannot create " + raw.string(), failed.value());
+  if (failed) return system_error(ErrorCode::kIo, "cannot create " + raw.string(), failed.value());
   if (frame.number == 1) {
     MIXRIG_TRY(write_file(raw / "phase_offsets.bin", text(info.raw->phase_offsets)));
     MIXRIG_TRY(write_file(raw / "infrared.bin", text(info.raw->infrared)));

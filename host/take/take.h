@@ -75,8 +75,8 @@ class TakeWriter {
   ~TakeWriter();
 
   /// Of a take with raw_depth neither depth nor amplitude: the caller puts raw/%06d.bin and its
-  /// tables into staging(). The fisheye's picture only where its stamp is later than the last. What the lens's encoders
-  /// say likewise.
+  /// tables into staging(). The fisheye's picture only where its stamp is later than the last. What
+  /// the lens's encoders say likewise.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
   /// Folder to put further files in (scene.toml, models) before finish().

@@ -3,8 +3,8 @@
 // and missing pixels, CPU time of one thread. usage:
 // phase_bench SCENARIO SEED FIRST LAST [plain|judged] [FOLDER]
 // With FOLDER the frames are left there for another decoder: p0.bin, infrared.bin (as the device
-// sends them), N.raw (ten pictures without footers); where FOLDER/N.z is there (512x424 floats,
-// millimetres along z, mirrored as the device's, 0 unknown) it is judged too.
+// sends them), N.raw (ten pictures without footers), N.png; where FOLDER/N.z is there (512x424
+// floats, millimetres along z, mirrored as the device's, 0 unknown) it is judged too.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,10 +14,12 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hal/wire/kinect2_streams.h"
 #include "host/depth/phase_decoder.h"
+#include "host/image_io/image_io.h"
 #include "host/studio/studio.h"
 
 namespace mixrig {
@@ -124,6 +126,31 @@ std::optional<Image<float>> other(const std::filesystem::path& file,
   return distance;
 }
 
+/// Distance, error and state side by side.
+Image<Rgb8> picture_of(const depth::PhaseDepth& out, const True& truth) {
+  const Size size = out.distance_m.size();
+  Image<Rgb8> picture({3 * size.width, size.height});
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::clamp(255 * v, 0.0F, 255.0F));
+  };
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const auto state = out.state.at(x, y);
+      const float d = out.distance_m.at(x, y), e = (d - truth.distance_m.at(x, y)) / 0.05F;
+      const bool good = state == depth::PixelState::kGood;
+      const std::uint8_t grey = byte(good ? d / 6 : 0), left = byte(1 - std::abs(e));
+      picture.at(x, y) = {grey, grey, grey};
+      picture.at(size.width + x, y) = !good   ? Rgb8{0, 0, 0}
+                                      : e > 0 ? Rgb8{255, left, left}
+                                              : Rgb8{left, left, 255};
+      picture.at(2 * size.width + x, y) = good                                 ? Rgb8{160, 160, 160}
+                                          : state == depth::PixelState::kMixed ? Rgb8{255, 210, 0}
+                                          : state == depth::PixelState::kSaturated ? Rgb8{255, 0, 0}
+                                                                                   : Rgb8{0, 0, 0};
+    }
+  return picture;
+}
+
 int bench(int count, char** arguments) {
   studio::StudioOptions options;
   const auto scenario = studio::parse_scenario(arguments[1]);
@@ -134,8 +161,7 @@ int bench(int count, char** arguments) {
   options.frames = std::max(2, last);
   options.size_px = {64, 64};
   options.raw = true;
-  if (count > 5 && std::string(arguments[5]) == "judged")
-    options.realism = studio::Realism::all();
+  if (count > 5 && std::string(arguments[5]) == "judged") options.realism = studio::Realism::all();
   const std::filesystem::path folder = count > 6 ? arguments[6] : "";
   auto studio = studio::Studio::create(options);
   if (!studio) return std::fprintf(stderr, "%s\n", to_line(studio.error()).c_str()), 2;
@@ -154,6 +180,7 @@ int bench(int count, char** arguments) {
   double seconds = 0;
   depth::PhaseDepth out;
   studio::Frame frame;
+  Image<Rgb8> picture;
   for (int number = first; number <= last; ++number) {
     studio->render(number, frame);
     const True truth = truth_of(frame.tof_true_m);
@@ -165,6 +192,10 @@ int bench(int count, char** arguments) {
       const double begin = cpu_s();
       for (int i = 0; i < kRepeats; ++i) decoder.decode(pictures, out);
       if (smoothing) seconds += (cpu_s() - begin) / kRepeats;
+      if (smoothing && !folder.empty() &&
+          !image_io::write_png(folder / (std::to_string(number) + ".png"),
+                               std::as_const(picture = picture_of(out, truth)).view()))
+        return std::fprintf(stderr, "%s: cannot write\n", folder.c_str()), 1;
       if (smoothing) with_mixed.add(out.distance_m, &out.sigma_m, truth);
       for (int y = 0; y < out.state.height(); ++y)
         for (int x = 0; x < out.state.width(); ++x) {
@@ -178,7 +209,8 @@ int bench(int count, char** arguments) {
   }
   const double ms = 1e3 * seconds / (last - first + 1);
   std::printf(
-      "| decoder | pixels | count | mean abs error, mm | bias, mm | rms, mm | wrong %% | missing %% "
+      "| decoder | pixels | count | mean abs error, mm | bias, mm | rms, mm | wrong %% | missing "
+      "%% "
       "| (error / sigma)^2 | CPU ms |\n|---|---|---|---|---|---|---|---|---|---|\n");
   good.print("mixrig", ms);
   single.print("mixrig, single pixels", 0);

@@ -144,8 +144,8 @@ RawTables RawPictures::tables() const {
   };
   // The device's picture is mirrored, and a pixel's centre is at half a pixel.
   const auto& [k1, k2, p1, p2, k3] = o.distortion;
-  for (const double v : {o.fx_px, o.fy_px, 0.0, kWide - 0.5 - o.cx_px, o.cy_px + 0.5, k1, k2, p1,
-                         -p2, k3})
+  for (const double v :
+       {o.fx_px, o.fy_px, 0.0, kWide - 0.5 - o.cx_px, o.cy_px + 0.5, k1, k2, p1, -p2, k3})
     put(v);
   for (int i = 0; i < 13; ++i) put(0);
   return tables;

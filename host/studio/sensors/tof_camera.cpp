@@ -57,8 +57,8 @@ TofCamera::SubRay TofCamera::cast(const TraceScene& scene, const Materials& mate
   float distance = hit.t * length;
   if (sensor_.light_x_m != 0)
     distance = 0.5F * (distance + (rays_.position + hit.t * direction - light_at_).norm());
-  return {distance, materials.infrared(hit.material, visible),
-          -hit.normal.dot(direction) / length, hit.normal};
+  return {distance, materials.infrared(hit.material, visible), -hit.normal.dot(direction) / length,
+          hit.normal};
 }
 
 TofCamera::SubRay TofCamera::by_mirror(const TraceScene& scene, const Materials& materials,
@@ -265,8 +265,8 @@ void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
         const TofValue value = read_taps(
-            sensor_, taps_[pixel], hash_key(seed_, static_cast<std::uint64_t>(shot.number), pixel), raw_,
-            normal_, warm_m + pixel_offset_m(sensor_, seed_, pixel, normal_));
+            sensor_, taps_[pixel], hash_key(seed_, static_cast<std::uint64_t>(shot.number), pixel),
+            raw_, normal_, warm_m + pixel_offset_m(sensor_, seed_, pixel, normal_));
         distance_m.at(x, y) = value.distance_m;
         amplitude.at(x, y) = std::round(counts_per_e * value.amplitude_e);
       }

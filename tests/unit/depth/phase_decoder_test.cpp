@@ -57,8 +57,9 @@ TEST(PhaseDecoder, FindsDistancesOverTheWholeRange) {
   const std::array<double, 9> ways_m{0.4, 0.9, 1.3, 2.0, 3.1, 3.9, 5.6, 7.4, 9.2};
   Scene scene;
   for (std::size_t i = 0; i < ways_m.size(); ++i)
-    scene.fill(40 * static_cast<int>(i) + 20, 40 * static_cast<int>(i) + 40,
-               [&](int, int) { return std::vector{Surface{ways_m[i], 1500}}; });
+    scene.fill(40 * static_cast<int>(i) + 20, 40 * static_cast<int>(i) + 40, [&](int, int) {
+      return std::vector{Surface{ways_m[i], 1500}};
+    });
   scene.decode();
   for (std::size_t i = 0; i < ways_m.size(); ++i)
     for (int y = 102; y < 110; ++y)
@@ -66,7 +67,8 @@ TEST(PhaseDecoder, FindsDistancesOverTheWholeRange) {
         ASSERT_EQ(scene.out.state.at(x, y), PixelState::kGood) << ways_m[i];
         // The light source is 45 mm left of the lens: |P| + |P - source| is twice the way.
         const double u = (x - 255.5) / 365, v = (y - 211.5) / 365, s = std::hypot(1, u, v);
-        const double r = static_cast<double>(scene.out.distance_m.at(x, y)), to_source = std::hypot(r * u / s + 0.045, r * v / s, r / s);
+        const double r = static_cast<double>(scene.out.distance_m.at(x, y)),
+                     to_source = std::hypot(r * u / s + 0.045, r * v / s, r / s);
         ASSERT_NEAR(0.5 * (r + to_source), ways_m[i], 0.002) << x << " " << y;
         ASSERT_NEAR(scene.out.amplitude.at(x, y), 4 * 1500, 60);
         ASSERT_GT(scene.out.confidence.at(x, y), kLeastConfidence);
@@ -111,7 +113,8 @@ TEST(PhaseDecoder, SmoothingMixesNoSurfaces) {
   Scene scene;
   scene.fill(20, 80, [](int x, int) { return std::vector{Surface{x < 50 ? 2.5 : 2.7, 900}}; });
   scene.decode();
-  const float at_wall = scene.out.distance_m.at(40, 105), at_step = scene.out.distance_m.at(49, 105);
+  const float at_wall = scene.out.distance_m.at(40, 105),
+              at_step = scene.out.distance_m.at(49, 105);
   EXPECT_NEAR(at_wall, at_step, 0.003);
 }
 

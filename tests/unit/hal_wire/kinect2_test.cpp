@@ -20,9 +20,10 @@ void put_u32(Bytes& bytes, std::uint32_t v) {
 void put_f32(Bytes& bytes, float v) { put_u32(bytes, std::bit_cast<std::uint32_t>(v)); }
 
 TEST(Kinect2Command, HasHeaderAndParameters) {
-  const Kinect2Request request{
-      .command = Kinect2Command::kPage, .parameters = {2}, .parameter_count = 1,
-      .most_answer = 0x1C0000};
+  const Kinect2Request request{.command = Kinect2Command::kPage,
+                               .parameters = {2},
+                               .parameter_count = 1,
+                               .most_answer = 0x1C0000};
   Bytes expected;
   for (const std::uint32_t v : {0x06022009U, 7U, 0x1C0000U, 0x22U, 0U, 2U}) put_u32(expected, v);
   EXPECT_EQ(pack_kinect2_request(request, 7), expected);
@@ -39,7 +40,8 @@ TEST(Kinect2Answers, CompletionIsKnownByItsMagic) {
 
 TEST(Kinect2Answers, SerialFirmwareAndStatus) {
   Bytes serial;
-  for (const char c : std::string("0123457A")) serial.push_back(static_cast<std::uint8_t>(c)), serial.push_back(0);
+  for (const char c : std::string("0123457A"))
+    serial.push_back(static_cast<std::uint8_t>(c)), serial.push_back(0);
   serial.resize(0x80);
   EXPECT_EQ(parse_kinect2_serial(serial).value(), "0123457A");
   EXPECT_FALSE(parse_kinect2_serial(Bytes(4)));

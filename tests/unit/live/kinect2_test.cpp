@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Kinect v2 driver, with its decoder, on an emulated device that replays packets: depth and
 // colour, then one fault at a time.
-#include "hal/linux/kinect2_camera.h"
-
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_kinect2.h"
+#include "hal/linux/kinect2_camera.h"
 #include "host/live/devices.h"
 #include "host/live/kinect2_depth.h"
 #include "tests/support/kinect2_pictures.h"
@@ -81,8 +80,8 @@ Bytes color_frame(std::uint32_t number) {
 class Kinect2Camera : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto opened = device::open_kinect2(device_.pipes(), "kinect2:test", clock_,
-                                       live::make_kinect2_decoder);
+    auto opened =
+        device::open_kinect2(device_.pipes(), "kinect2:test", clock_, live::make_kinect2_decoder);
     ASSERT_TRUE(opened) << to_line(opened.error());
     depth_ = device::kinect2_depth_camera(*opened);
     color_ = device::kinect2_color_camera(*std::move(opened));
@@ -128,7 +127,9 @@ TEST_F(Kinect2Camera, DeliversDistancesAmplitudeAndConfidence) {
   EXPECT_NEAR(distance_m.at(255, 110), kWall_m, 0.003);
   EXPECT_EQ(distance_m.at(100, 110), 0);
   ASSERT_EQ(frame->amplitude.size(), 2U * 512 * 424);
-  EXPECT_NEAR(frame->amplitude[2 * (110 * 512 + 255)] + 256 * frame->amplitude[2 * (110 * 512 + 255) + 1], 6000, 200);
+  EXPECT_NEAR(
+      frame->amplitude[2 * (110 * 512 + 255)] + 256 * frame->amplitude[2 * (110 * 512 + 255) + 1],
+      6000, 200);
   ASSERT_EQ(frame->confidence.size(), 2U * 512 * 424);
   EXPECT_GT(depth_->depth_health().mean_amplitude, 0);
 }
@@ -221,8 +222,8 @@ TEST(Kinect2Open, AnswersThatAreNotValidAreRefused) {
   auto wrong = answers();
   wrong.phase_offsets.resize(1000);
   device::EmulatedKinect2 device(wrong);
-  auto opened = device::open_kinect2(device.pipes(), "kinect2:test", clock,
-                                     live::make_kinect2_decoder);
+  auto opened =
+      device::open_kinect2(device.pipes(), "kinect2:test", clock, live::make_kinect2_decoder);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kDevice);
   device::EmulatedKinect2 silent(answers());
