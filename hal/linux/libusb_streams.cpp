@@ -7,6 +7,8 @@
 
 #include <libusb.h>
 
+#include "hal/linux/libusb_transfers.h"
+
 namespace mixrig::device {
 namespace {
 
@@ -37,24 +39,21 @@ class LibusbKinect2 final : public UsbStreams {
   Result<void> find();
   std::string serial_of(libusb_device* device);
   static void LIBUSB_CALL on_transfer(libusb_transfer* transfer);
-  void take(libusb_transfer* transfer);
   void give(libusb_transfer* transfer);
   Error failed(const std::string& what, int code) const;
 
   std::string serial_, name_;
   libusb_context* context_ = nullptr;
   libusb_device_handle* handle_ = nullptr;
-  std::vector<libusb_transfer*> transfers_;
+  LibusbTransfers transfers_;
   std::vector<std::uint8_t> memory_;
-  int in_flight_ = 0;
-  bool cancelling_ = false;
-  BulkState state_ = BulkState::kFlowing;
   const StreamSink* sink_ = nullptr;  ///< set while pump() runs
 };
 
 LibusbKinect2::~LibusbKinect2() {
   close();
-  for (libusb_transfer* transfer : transfers_) libusb_free_transfer(transfer);
+  for (libusb_transfer* transfer : std::exchange(transfers_.all(), {}))
+    libusb_free_transfer(transfer);
   if (context_ != nullptr) libusb_exit(context_);
 }
 
@@ -164,7 +163,7 @@ Result<std::size_t> LibusbKinect2::read(std::uint8_t endpoint, std::span<std::ui
 }
 
 Result<void> LibusbKinect2::allocate(std::span<const StreamPipe> pipes) {
-  if (!transfers_.empty()) return {};
+  if (!transfers_.all().empty()) return {};
   std::size_t bytes = 0;
   for (const StreamPipe& pipe : pipes)
     bytes += pipe.packet_bytes * static_cast<std::size_t>(pipe.packets * pipe.transfers);
@@ -183,7 +182,7 @@ Result<void> LibusbKinect2::allocate(std::span<const StreamPipe> pipes) {
         libusb_fill_bulk_transfer(transfer, nullptr, pipe.endpoint, memory,
                                   static_cast<int>(length), on_transfer, this, 0);
       }
-      transfers_.push_back(transfer);
+      transfers_.all().push_back(transfer);
       memory += length;
     }
   return {};
@@ -192,43 +191,31 @@ Result<void> LibusbKinect2::allocate(std::span<const StreamPipe> pipes) {
 Result<void> LibusbKinect2::submit(std::span<const StreamPipe> pipes) {
   if (handle_ == nullptr) return failed("submitting a transfer", LIBUSB_ERROR_NO_DEVICE);
   MIXRIG_TRY(allocate(pipes));
-  state_ = BulkState::kFlowing;
-  cancelling_ = false;
-  for (libusb_transfer* transfer : transfers_) {
+  transfers_.begin();
+  for (libusb_transfer* transfer : transfers_.all()) {
     transfer->dev_handle = handle_;
-    if (const int code = libusb_submit_transfer(transfer); code != 0) {
+    if (const int code = transfers_.submit(transfer); code != 0) {
       cancel();
       return failed("submitting a transfer (usbfs_memory_mb of the kernel must be 64 or more)",
                     code);
     }
-    ++in_flight_;
   }
   return {};
 }
 
-void LibusbKinect2::cancel() {
-  cancelling_ = true;
-  if (in_flight_ > 0)
-    for (libusb_transfer* transfer : transfers_) (void)libusb_cancel_transfer(transfer);
-  timeval wait{0, 100000};
-  for (int i = 0; in_flight_ > 0 && i < 50; ++i)
-    (void)libusb_handle_events_timeout(context_, &wait);
-}
+void LibusbKinect2::cancel() { transfers_.cancel(context_); }
 
 BulkState LibusbKinect2::pump(Duration timeout, const StreamSink& sink) {
   sink_ = &sink;
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(timeout).count();
-  timeval wait{us / 1000000, us % 1000000};
-  (void)libusb_handle_events_timeout(context_, &wait);
+  const BulkState state = transfers_.pump(context_, timeout);
   sink_ = nullptr;
-  return state_;
+  return state;
 }
 
 /// Runs inside libusb_handle_events, on the thread that pumps.
 void LIBUSB_CALL LibusbKinect2::on_transfer(libusb_transfer* transfer) {
   auto& self = *static_cast<LibusbKinect2*>(transfer->user_data);
-  --self.in_flight_;
-  if (!self.cancelling_) self.take(transfer);
+  self.transfers_.returned(transfer, [&self](libusb_transfer* t) { self.give(t); });
 }
 
 void LibusbKinect2::give(libusb_transfer* transfer) {
@@ -246,27 +233,6 @@ void LibusbKinect2::give(libusb_transfer* transfer) {
     (*sink_)({transfer->endpoint, {at, good ? std::size_t{packet.actual_length} : 0}, good});
     at += packet.length;
   }
-}
-
-void LibusbKinect2::take(libusb_transfer* transfer) {
-  switch (transfer->status) {
-    case LIBUSB_TRANSFER_COMPLETED:
-    case LIBUSB_TRANSFER_TIMED_OUT:
-      break;
-    case LIBUSB_TRANSFER_STALL:
-    case LIBUSB_TRANSFER_OVERFLOW:
-    case LIBUSB_TRANSFER_ERROR:
-      if (state_ == BulkState::kFlowing) state_ = BulkState::kStalled;
-      return;
-    default:
-      state_ = BulkState::kGone;
-      return;
-  }
-  give(transfer);
-  if (libusb_submit_transfer(transfer) == 0)
-    ++in_flight_;
-  else
-    state_ = BulkState::kGone;
 }
 
 }  // namespace
