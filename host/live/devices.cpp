@@ -10,6 +10,8 @@
 #include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod_lines.h"
+#include "hal/linux/kinect2_camera.h"
+#include "hal/linux/libusb_streams.h"
 #include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
@@ -21,6 +23,7 @@
 #include "hal/wire/realsense_table.h"
 #include "hal/wire/reopening_byte_stream.h"
 #include "hal/wire/v4l2_format.h"
+#include "host/live/kinect2_depth.h"
 
 namespace mixrig::live {
 namespace {
@@ -98,6 +101,16 @@ Result<std::shared_ptr<device::OpenNi2Device>> DeviceOpener::open_openni2(const 
   return device;
 }
 
+Result<std::shared_ptr<device::Kinect2>> DeviceOpener::open_kinect(const std::string& serial) {
+  for (const auto& [name, kinect] : kinects_)
+    if (name == serial) return kinect;
+  MIXRIG_ASSIGN(auto usb, device::make_libusb_kinect2(serial));
+  MIXRIG_ASSIGN(auto kinect, device::open_kinect2(std::move(usb), "kinect2:" + serial, clock_,
+                                                  make_kinect2_decoder));
+  kinects_.emplace_back(serial, kinect);
+  return kinect;
+}
+
 Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
                                                              const device::StreamRequest& request) {
   const Uri parts = split(uri);
@@ -110,6 +123,10 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
     return device::openni2_color(std::move(shared), request);
   }
+  if (const StreamUri view = stream_uri(parts); parts.scheme == "kinect2" && view.name == "color") {
+    MIXRIG_ASSIGN(auto kinect, open_kinect(view.recording.substr(parts.scheme.size() + 1)));
+    return device::kinect2_color_camera(std::move(kinect));
+  }
   if (const StreamUri view = stream_uri(parts);
       is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
@@ -120,14 +137,18 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, aravis:ID, openni2:URI, take:DIR/color, take:DIR/fisheye or "
-                 "studio:target");
+                 "v4l2:/dev/videoN, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color, "
+                 "take:DIR/fisheye or studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     const std::string& uri, const device::StreamRequest& request) {
   const Uri parts = split(uri);
   if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock_);
+  if (parts.scheme == "kinect2") {
+    MIXRIG_ASSIGN(auto kinect, open_kinect(parts.rest));
+    return device::kinect2_depth_camera(std::move(kinect));
+  }
   if (parts.scheme == "v4l2") {
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
@@ -158,8 +179,8 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     return player->depth();
   }
   return unknown(uri, "depth camera",
-                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, openni2:URI, take:DIR/depth or "
-                 "studio:tof");
+                 "usb:VVVV:PPPP, kinect2:SERIAL, v4l2:/dev/videoN, aravis:ID, openni2:URI, "
+                 "take:DIR/depth or studio:tof");
 }
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {

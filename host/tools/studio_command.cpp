@@ -39,7 +39,7 @@ struct StudioArguments {
   std::string eye, look_at, object;
   std::optional<double> pan_deg;
   double zoom = 1;
-  bool fisheye = false;
+  bool fisheye = false, raw = false;
   std::string fisheye_size = "640x512";
   studio::Day day;
 };
@@ -129,6 +129,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.zoom = arguments.zoom;
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
+  options.raw = arguments.raw;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
   if (arguments.pan_deg) options.pan_rad = 0.5 * *arguments.pan_deg * kDeg;
   if (options.scenario == studio::Scenario::kSweep) {
@@ -304,6 +305,8 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
+  command.add_flag("--raw", arguments->raw,
+                   "Rig kinect2: the sensor's raw pictures in place of depth; run decodes them");
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
   command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
   command.add_option("--object", arguments->object, "X,Y of the virtual object on the floor");
