@@ -19,6 +19,7 @@ namespace {
 using calibration::CollectState;
 using calibration::ViewCollector;
 
+constexpr int kFisheyeFrames = 50;  ///< in which its first picture must come
 constexpr int kSearchFrames = 250;  ///< without the board, before a line says so
 
 /// The board that the last picture seems to show, as --board takes it, or empty.
@@ -43,6 +44,12 @@ std::string words_of(CollectState state, const ViewCollector& collector) {
       return "kept, move on";
   }
   return "";
+}
+
+bool waits_for_fisheye(const capture::SourceInfo& info, const capture::Capture& capture,
+                       int number) {
+  return info.fisheye_rate_hz > 0 && info.fisheye_px.empty() && capture.fisheye.empty() &&
+         number <= kFisheyeFrames;
 }
 
 void warn_early(const ViewCollector& collector, const calibration::BoardSpec& board) {
@@ -133,6 +140,7 @@ Result<nlohmann::json> collect_views(capture::CaptureSource& source,
       break;
     }
     if (!collector) {
+      if (waits_for_fisheye(source.info(), capture, number)) continue;
       MIXRIG_ASSIGN(collector, ViewCollector::create(arguments.out, source.info(), capture,
                                                      arguments.settings));
     }

@@ -16,7 +16,7 @@ using calibration::ViewRole;
 using report::Canvas;
 
 constexpr Rgb8 kPaper{255, 255, 255}, kInk{30, 30, 30}, kFrame{200, 200, 200},
-    kCorner{31, 119, 180}, kOutline{150, 190, 215}, kLacking{255, 226, 205}, kOpen{200, 80, 20};
+    kCorner{31, 119, 180}, kLacking{255, 226, 205}, kOpen{200, 80, 20};
 constexpr double kPanel_px = 400, kTop_px = 44, kGap_px = 24, kLine_px = 17;
 constexpr int kCells = 3;
 
@@ -54,10 +54,7 @@ void draw_boards(Canvas& canvas, const CameraPanel& panel, const calibration::Co
   for (const calibration::SeenBoards& seen : coverage.views()) {
     if (!seen[camera]) continue;
     ++shown;
-    std::vector<report::Point> points;
-    for (const Eigen::Vector2d& px : seen[camera]->px) points.push_back(panel.at(px));
-    canvas.line({points.front(), points.back()}, 1, kOutline);
-    for (const report::Point& point : points) canvas.dot(point, 1.4, kCorner);
+    for (const Eigen::Vector2d& px : seen[camera]->px) canvas.dot(panel.at(px), 1.4, kCorner);
   }
   const double right = panel.left_px + kPanel_px, bottom = kTop_px + panel.height_px;
   canvas.line({{panel.left_px, kTop_px},

@@ -80,7 +80,8 @@ Result<ViewCollector> ViewCollector::create(const std::filesystem::path& folder,
   ViewFolderInfo files;
   files.name = info.name, files.board = settings.board;
   files.target_px = first.plate.size(), files.tof_px = first.depth_m.size();
-  if (info.fisheye_rate_hz > 0) files.fisheye_px = info.fisheye_px;
+  if (info.fisheye_rate_hz > 0)
+    files.fisheye_px = first.fisheye.empty() ? info.fisheye_px : first.fisheye.size();
   files.amplitude = !first.amplitude.empty();
   files.depth_unit_m =
       info.depth_unit_m > 0 ? std::min(info.depth_unit_m, kFinestUnit_m) : kFinestUnit_m;

@@ -46,7 +46,8 @@ struct CollectCounts {
 /// One thread. Nothing is written but into the folder's temporary name until finish().
 class ViewCollector {
  public:
-  /// `first` is a capture of the source, which tells what cameras there are. Errors: kUsage for a
+  /// `first` is a capture of the source, which tells what cameras there are; a fisheye whose size
+  /// neither it nor `info` tells is left out. Errors: kUsage for a
   /// board that views.toml cannot hold or a folder that holds something else; kData for captures
   /// without depth; kIo.
   static Result<ViewCollector> create(const std::filesystem::path& folder,

@@ -32,6 +32,7 @@ constexpr int kLightSide = 9;               ///< samples of the light on the boa
 constexpr double kBoardExposure_s = 0.008;  ///< of the colour cameras
 constexpr int kBlurSlices = 4;
 constexpr double kSharp_m = 2e-4;  ///< a board that moves less within an exposure is not blurred
+constexpr double kFar_m = 2e-3;
 
 Error wrong(const std::string& what) { return {ErrorCode::kUsage, "studio: " + what}; }
 
@@ -215,10 +216,17 @@ struct BoardStudio::State {
                   int number, int salt, BehindBoard<Vec3>& behind, Image<Rgb8>& picture);
   /// `poses` at the four taps, or one for all.
   void draw_tof(Poses poses, BoardView& view);
-  /// A board that moves is blurred by more than its samples show; the outline of one that may move
-  /// tells nothing.
+  /// The outline of a board that may move tells nothing; one that moves far within an exposure is
+  /// blurred by more than its samples show.
   SampleSteps steps_of(Poses poses) const {
-    return {coarse_border ? 9 : 1, poses.size() > 1 ? 9 : 1};
+    const bool far = moved_m(poses.front(), poses.back()) > kFar_m;
+    return {coarse_border ? 9 : 1, far ? 9 : 1};
+  }
+  /// Most that a corner of the board moves between two poses.
+  double moved_m(const geometry::Pose& from, const geometry::Pose& to) const {
+    const Eigen::Vector3d corner(info.options.board.width_m(), info.options.board.height_m(), 0);
+    return std::max((to.translation_m - from.translation_m).norm(),
+                    (to * corner - from * corner).norm());
   }
   std::vector<geometry::Pose> poses_about(double time_s, double exposure_s, int slices) const;
   BoardPlace place_before(const HeadMotion& head) const;
@@ -407,11 +415,7 @@ std::vector<geometry::Pose> BoardStudio::State::poses_about(double time_s, doubl
     const double at_s = time_s + exposure_s * ((i + 0.5) / slices - 0.5);
     poses.push_back(hand_pose(info, std::max(at_s, 0.0)));
   }
-  const Eigen::Vector3d corner(info.options.board.width_m(), info.options.board.height_m(), 0);
-  double moved_m = 0;
-  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0), corner})
-    moved_m = std::max(moved_m, (poses.back() * p - poses.front() * p).norm());
-  if (moved_m < kSharp_m) poses.assign(1, hand_pose(info, time_s));
+  if (moved_m(poses.front(), poses.back()) < kSharp_m) poses.assign(1, hand_pose(info, time_s));
   return poses;
 }
 

@@ -183,9 +183,22 @@ TEST(Angles, are_read_whole_or_refused_with_the_line) {
   const auto good = parse_angles("view,pan_deg,tilt_deg\n1,10,-5\n2,0.0514,0\n", "ptu.csv", 2);
   ASSERT_TRUE(good);
   EXPECT_NEAR((*good)[0].pan_rad, 10 * M_PI / 180, 1e-12);
-  for (const char* text : {"head\n1,10\n2,0,0\n", "head\n2,1,1\n", "head\n1,nan,0\n2,0,0\n",
-                           "head\n1,0,0\n", "", "head\n1,1e9,0\n2,0,0\n"})
+  const std::string head = "view,pan_deg,tilt_deg\n";
+  for (const std::string& text :
+       {head + "1,10\n2,0,0\n", head + "2,1,1\n", head + "1,nan,0\n2,0,0\n", head + "1,0,0\n",
+        std::string(), head + "1,1e9,0\n2,0,0\n"})
     EXPECT_FALSE(parse_angles(text, "ptu.csv", 2)) << text;
+}
+
+TEST(Angles, in_radians_or_without_a_unit_are_refused_by_their_header) {
+  const std::string rows = "1,0.17,-0.08\n2,0.01,0\n";
+  for (const char* head : {"view,pan_deg,tilt_deg\n", "view,Pan [deg],Tilt [deg]\n"})
+    EXPECT_TRUE(parse_angles(head + rows, "ptu.csv", 2)) << head;
+  for (const char* head : {"view,pan_rad,tilt_rad\n", "view,pan,tilt\n", "view,pan_deg,tilt\n"}) {
+    const auto angles = parse_angles(head + rows, "ptu.csv", 2);
+    ASSERT_FALSE(angles) << head;
+    EXPECT_NE(angles.error().context.find("ptu.csv:1: the header names"), std::string::npos);
+  }
 }
 
 }  // namespace
