@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/calibration/rig/depth_fit.h"
+#include "host/calibration/rig/depth_terms.h"
 #include "host/calibration/rig/rig_start.h"
 #include "host/estimation/verdict.h"
 #include "host/studio/board/board_pattern.h"
@@ -95,6 +96,27 @@ TEST(BoardTexture, derivatives_are_those_of_its_value) {
       }
     }
   }
+}
+
+TEST(DepthTerms, a_depth_along_the_axis_becomes_one_along_the_ray) {
+  const auto print = print_of(set_of(false));
+  ASSERT_TRUE(print);
+  RigModel model;
+  model.square_m = 0.07;
+  model.cameras.resize(1);
+  model.cameras[0].camera_from_target = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0.05, 0, 0}};
+  model.target_from_board = {{Eigen::Quaterniond::Identity(), {0.2, -0.3, 1.1}}};
+  const Scene scene = make_scene(model, *print, 0, 0);
+  const Eigen::Vector3d point(0.4, 0.1, 0);
+  const Eigen::Vector3d in_camera =
+      model.cameras[0].camera_from_target * (model.target_from_board[0] * point);
+  ViewPictures seen;
+  seen.depth_is_z = true;
+  EXPECT_NEAR(along_ray(scene, seen, in_camera.z(), point), in_camera.norm(), 1e-12);
+  EXPECT_GT(in_camera.norm(), 1.1 * in_camera.z());
+  seen.depth_is_z = false;
+  EXPECT_EQ(along_ray(scene, seen, 1.5, point), 1.5);
 }
 
 TEST(SplineBasis, sums_to_one_and_meets_its_knots) {
