@@ -13,6 +13,8 @@ namespace {
 using capture::Capture;
 
 constexpr int kFisheyeFrames = 4;  ///< in place of CollectSettings::frames, of a slower camera
+constexpr std::size_t kSmall_px = 512 * 424;
+constexpr int kThoroughEvery = 5;
 constexpr double kFinestUnit_m = 0.00025;  ///< of depth: 16.38 m in 16 bits
 constexpr double kMuchBlur = 2, kMoreBlur_px = 0.3;
 constexpr double kDepthChances = 3;
@@ -102,8 +104,12 @@ Result<ViewCollector> ViewCollector::create(const std::filesystem::path& folder,
 Result<std::optional<std::pair<ViewRole, BoardView>>> ViewCollector::find(const Capture& capture) {
   using Found = std::optional<std::pair<ViewRole, BoardView>>;
   gray_ = gray_of(capture.plate);
-  MIXRIG_ASSIGN(auto in_target,
-                detect_board(gray_, settings_.board, Refinement::kModel, Search::kQuick));
+  // A thorough search of a large picture without a board takes long: where the last frame had none,
+  // every fifth frame is searched so.
+  const bool small = gray_.size().area() <= kSmall_px;
+  const bool thorough = small || !frames_.empty() || counts_.frames % kThoroughEvery == 0;
+  MIXRIG_ASSIGN(auto in_target, detect_board(gray_, settings_.board, Refinement::kModel,
+                                             thorough ? Search::kThorough : Search::kQuick));
   if (in_target) {
     ++counts_.in_target;
     return Found(std::pair(ViewRole::kTarget, *std::move(in_target)));
@@ -239,6 +245,12 @@ Error ViewCollector::why_none(const std::string& shows) const {
                             ? ": check its kind, inner corners and light; a checkerboard must be "
                               "seen whole"
                             : ", but one shows " + shows + ": give --board " + shows)};
+  if (counts_.still == 0 && counts_.least_motion_px == 0)
+    return {
+        ErrorCode::kData,
+        fmt::format("the board was seen in {} of {} frames, but not in {} in a row, a quarter of "
+                    "a second or more: hold it longer, whole in the picture and nearer",
+                    counts_.in_target + counts_.in_fisheye, counts_.frames, settings_.frames)};
   if (counts_.still == 0)
     return {
         ErrorCode::kData,
