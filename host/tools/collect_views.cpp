@@ -87,7 +87,7 @@ Result<nlohmann::json> finish_views(ViewCollector& collector, const CollectArgum
   const int views = collector.folder().views();
   if (views == 0 && error != nullptr) return *error;
   if (views == 0) {
-    const bool unseen = counts.in_target + counts.in_fisheye == 0;
+    const bool unseen = counts.still == 0;  // parts of another board are found here and there
     return collector.why_none(unseen ? shown_instead(collector, arguments.settings.board) : "");
   }
   MIXRIG_TRY(image_io::write_png(collector.folder().staging() / "coverage.png",

@@ -256,9 +256,10 @@ Error ViewCollector::why_none(const std::string& shows) const {
         ErrorCode::kData,
         fmt::format("the board was seen in {} of {} frames and never at rest: it moved by {:.2f} "
                     "px at the least, {:.2f} px count as rest: lean it on something, or allow "
-                    "more with --rest",
+                    "more with --rest{}",
                     counts_.in_target + counts_.in_fisheye, counts_.frames, counts_.least_motion_px,
-                    settings_.rest_px)};
+                    settings_.rest_px,
+                    shows.empty() ? "" : ", or is it " + shows + "? (the last picture)")};
   return {
       ErrorCode::kData,
       fmt::format("the board was at rest in the target picture, but the depth camera saw it move "
