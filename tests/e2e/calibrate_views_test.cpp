@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A board in the hands of a person, through mixrig calibrate views and then calibrate rig, against
-// the truth; a board before a unit that turns, through calibrate views --turn and calibrate ptu;
-// and what is refused.
+// A board in the hands of a person, through mixrig calibrate views; a board before a unit that
+// turns, through calibrate views --turn and calibrate ptu; and what is refused.
 #include <cmath>
 #include <filesystem>
 
@@ -16,7 +15,7 @@ constexpr const char* kBoard = " --board checkerboard:9x6:70mm";
 
 class CalibrateViews : public RefusingCommandTest {};
 
-TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRigWithNothingInBetween) {
+TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario board --hand --rig kinect2 --seed 21 --views 8 --size 320x256"
                    " --fisheye-size 640x512 --rest 0.4 --tremor 0.05 --tolerance 1"),
@@ -35,22 +34,6 @@ TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRigWithNothingInBetween) {
   EXPECT_GE(views.at("shared").get<int>(), 5) << views.dump(1);
   EXPECT_LE(views.at("views").get<int>(), 8) << "a view is kept once";
   EXPECT_TRUE(std::filesystem::exists(path("views/coverage.png")));
-  ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --out " + path("c.toml") + " --json " +
-                   path("r.json")),
-            0);
-  const json found = report("r.json").at("cameras"), truth = report("take/truth/truth.json");
-  const double f = found.at("target").at("parameters").at(0);
-  const double true_f = truth.at("target").at("fx");
-  std::printf("%d views, target f %.4f %%\n", views.at("views").get<int>(),
-              100 * std::abs(f / true_f - 1));
-  EXPECT_NEAR(f / true_f, 1, 5e-4);
-  for (const char* name : {"tof", "fisheye"}) {
-    const json& pose = truth.at(std::string("target_from_") + name);
-    const double mm = off_mm(found.at(name), pose), deg = off_deg(found.at(name), pose);
-    std::printf("%s %.3f mm %.4f deg\n", name, mm, deg);
-    EXPECT_LT(mm, 0.5) << name;
-    EXPECT_LT(deg, 0.05) << name;
-  }
 }
 
 TEST_F(CalibrateViews, OfATurningUnitCalibrateItAndRadiansAreRefused) {
