@@ -76,7 +76,10 @@ struct CameraInfo {
   std::vector<ControlRange> controls{};
   ColorEncoding color{};                          ///< as the device tells it
   std::uint16_t usb_vendor = 0, usb_product = 0;  ///< 0 where it is no USB device, or not known
-  int sample_bits = 8;  ///< of grey and Bayer samples, before they were scaled to 16 bit
+  std::string
+      ptp{};  ///< PTP of the camera's clock, when it was opened: "off" or its state; empty: none
+  bool mirrored = false;  ///< its pictures show left on the right
+  int sample_bits = 8;    ///< of grey and Bayer samples, before they were scaled to 16 bit
 };
 
 /// Present state of a device.

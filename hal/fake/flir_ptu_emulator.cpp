@@ -171,19 +171,29 @@ Result<std::size_t> FlirPtuLine::read(std::span<std::uint8_t> out, Duration time
     clock_.sleep_until(clock_.now() + timeout);
     return std::size_t{0};
   }
-  // A byte takes a millisecond at 9600 baud, start and stop bit included.
-  clock_.sleep_until(clock_.now() + std::chrono::microseconds(1042) * static_cast<long>(count));
+  clock_.sleep_until(clock_.now() + time_of(count));
   std::copy_n(waiting.begin(), count, out.begin());
+  if (!understood()) std::fill_n(out.begin(), count, std::uint8_t{0xFF});
   waiting.erase(0, count);
   return count;
 }
 
 Result<void> FlirPtuLine::write(std::span<const std::uint8_t> bytes) {
   if (unplugged) return Error{ErrorCode::kDevice, "emulated line: unplugged"};
-  clock_.sleep_until(clock_.now() +
-                     std::chrono::microseconds(1042) * static_cast<long>(bytes.size()));
-  unit_.receive(bytes, clock_.now());
+  clock_.sleep_until(clock_.now() + time_of(bytes.size()));
+  constexpr std::uint8_t kWrongBits[] = {0xF8};
+  unit_.receive(understood() ? bytes : std::span<const std::uint8_t>(kWrongBits), clock_.now());
   return {};
+}
+
+Result<void> FlirPtuLine::set_line(const device::LineSettings& settings) {
+  baud = settings.baud;
+  return {};
+}
+
+/// Start and stop bit included.
+Duration FlirPtuLine::time_of(std::size_t bytes) const {
+  return std::chrono::nanoseconds(10'000'000'000 / baud) * static_cast<long>(bytes);
 }
 
 }  // namespace mixrig::fake

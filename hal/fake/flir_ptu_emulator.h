@@ -69,10 +69,16 @@ class FlirPtuLine final : public device::ByteStream {
   FlirPtuLine(FlirPtuEmulator& unit, Clock& clock) : unit_(unit), clock_(clock) {}
   Result<std::size_t> read(std::span<std::uint8_t> out, Duration timeout) override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
+  Result<void> set_line(const device::LineSettings& settings) override;
   bool unplugged = false;
+  int baud = 9600;                ///< a byte takes ten bits
+  int unit_baud = 0;              ///< of the unit, which takes nothing right at another; 0: any
   std::size_t longest_read = 64;  ///< bytes that one read returns at most
 
  private:
+  Duration time_of(std::size_t bytes) const;
+  bool understood() const { return unit_baud == 0 || unit_baud == baud; }
+
   FlirPtuEmulator& unit_;
   Clock& clock_;
 };

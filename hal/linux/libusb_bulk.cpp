@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/libusb_bulk.h"
 
-#include <array>
 #include <utility>
 #include <vector>
 
 #include <libusb.h>
+
+#include "hal/linux/libusb_transfers.h"
 
 namespace mixrig::device {
 namespace {
@@ -36,7 +37,7 @@ class LibusbBulk final : public UsbBulk {
 
  private:
   static void LIBUSB_CALL on_transfer(libusb_transfer* transfer);
-  void take(libusb_transfer* transfer);
+  void give(libusb_transfer* transfer);
   Result<void> find_pipe();
   void find_pipe(const libusb_interface_descriptor& setting);
   Error failed(const std::string& what, int code) const;
@@ -47,17 +48,15 @@ class LibusbBulk final : public UsbBulk {
   libusb_device_handle* handle_ = nullptr;
   int interface_ = -1;
   std::uint8_t pipe_ = 0;
-  std::array<libusb_transfer*, kTransfers> transfers_{};
+  LibusbTransfers transfers_;
   std::vector<std::uint8_t> memory_;
-  int in_flight_ = 0;
-  bool cancelling_ = false;
-  BulkState state_ = BulkState::kFlowing;
   const BulkSink* sink_ = nullptr;  ///< set while pump() runs
 };
 
 LibusbBulk::~LibusbBulk() {
   close();
-  for (libusb_transfer* transfer : transfers_) libusb_free_transfer(transfer);
+  for (libusb_transfer* transfer : std::exchange(transfers_.all(), {}))
+    libusb_free_transfer(transfer);
   if (context_ != nullptr) libusb_exit(context_);
 }
 
@@ -69,9 +68,10 @@ Error LibusbBulk::failed(const std::string& what, int code) const {
 
 Result<void> LibusbBulk::init() {
   if (const int code = libusb_init(&context_); code != 0) return failed("starting libusb", code);
-  for (auto& transfer : transfers_) {
-    transfer = libusb_alloc_transfer(0);
+  for (int i = 0; i < kTransfers; ++i) {
+    libusb_transfer* transfer = libusb_alloc_transfer(0);
     if (transfer == nullptr) return failed("allocating transfers", LIBUSB_ERROR_NO_MEM);
+    transfers_.all().push_back(transfer);
   }
   return {};
 }
@@ -139,68 +139,38 @@ Result<std::size_t> LibusbBulk::request(std::uint8_t request, std::uint16_t valu
 Result<void> LibusbBulk::submit() {
   if (handle_ == nullptr) return failed("submitting a transfer", LIBUSB_ERROR_NO_DEVICE);
   (void)libusb_clear_halt(handle_, pipe_);
-  state_ = BulkState::kFlowing;
-  cancelling_ = false;
+  transfers_.begin();
   std::uint8_t* memory = memory_.data();
-  for (libusb_transfer* transfer : transfers_) {
+  for (libusb_transfer* transfer : transfers_.all()) {
     libusb_fill_bulk_transfer(transfer, handle_, pipe_, memory, kTransferBytes, on_transfer, this,
                               0);
     memory += kTransferBytes;
-    if (const int code = libusb_submit_transfer(transfer); code != 0) {
+    if (const int code = transfers_.submit(transfer); code != 0) {
       cancel();
       return failed("submitting a transfer", code);
     }
-    ++in_flight_;
   }
   return {};
 }
 
-/// Waits until libusb has returned every transfer: their memory belongs to this object.
-void LibusbBulk::cancel() {
-  cancelling_ = true;
-  if (in_flight_ > 0)
-    for (libusb_transfer* transfer : transfers_) (void)libusb_cancel_transfer(transfer);
-  timeval wait{0, 100000};
-  for (int i = 0; in_flight_ > 0 && i < 50; ++i)
-    (void)libusb_handle_events_timeout(context_, &wait);
-}
+void LibusbBulk::cancel() { transfers_.cancel(context_); }
 
 BulkState LibusbBulk::pump(Duration timeout, const BulkSink& sink) {
   sink_ = &sink;
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(timeout).count();
-  timeval wait{us / 1000000, us % 1000000};
-  (void)libusb_handle_events_timeout(context_, &wait);
+  const BulkState state = transfers_.pump(context_, timeout);
   sink_ = nullptr;
-  return state_;
+  return state;
 }
 
 /// Runs inside libusb_handle_events, on the thread that pumps.
 void LIBUSB_CALL LibusbBulk::on_transfer(libusb_transfer* transfer) {
   auto& self = *static_cast<LibusbBulk*>(transfer->user_data);
-  --self.in_flight_;
-  if (!self.cancelling_) self.take(transfer);
+  self.transfers_.returned(transfer, [&self](libusb_transfer* t) { self.give(t); });
 }
 
-void LibusbBulk::take(libusb_transfer* transfer) {
-  switch (transfer->status) {
-    case LIBUSB_TRANSFER_COMPLETED:
-    case LIBUSB_TRANSFER_TIMED_OUT:
-      break;
-    case LIBUSB_TRANSFER_STALL:
-    case LIBUSB_TRANSFER_OVERFLOW:
-    case LIBUSB_TRANSFER_ERROR:
-      if (state_ == BulkState::kFlowing) state_ = BulkState::kStalled;
-      return;
-    default:
-      state_ = BulkState::kGone;
-      return;
-  }
+void LibusbBulk::give(libusb_transfer* transfer) {
   if (sink_ != nullptr)
     (*sink_)({transfer->buffer, static_cast<std::size_t>(transfer->actual_length)});
-  if (libusb_submit_transfer(transfer) == 0)
-    ++in_flight_;
-  else
-    state_ = BulkState::kGone;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ constexpr Duration kAnswer = std::chrono::seconds(1);
 // The unit computes and stores changes of acceleration and of limits before it answers.
 constexpr Duration kSlowAnswer = std::chrono::seconds(10);
 constexpr Duration kPtuQuiet = std::chrono::milliseconds(60);
+constexpr Duration kLeastSamplePeriod = std::chrono::milliseconds(2);
 constexpr int kPtuTries = 4;    // of an exchange without an answer
 constexpr int kQueryTries = 8;  // of a query until its answer is valid
 constexpr double kRadPerArcsecond = std::numbers::pi / (180.0 * 3600.0);
@@ -93,6 +94,8 @@ Result<void> FlirPtu::set_motion(PanTiltMotion motion) {
 
 Result<PanTiltSample> FlirPtu::sample() {
   PanTiltSample sample;
+  clock_.sleep_until(sampled_at_ + kLeastSamplePeriod);
+  sampled_at_ = clock_.now();
   MIXRIG_ASSIGN(const double pan, query("PP ", PtuAxis::kPan));
   sample.pan_at = heard_at_;
   MIXRIG_ASSIGN(const double tilt, query("TP ", PtuAxis::kTilt));

@@ -8,11 +8,15 @@
 
 #include <Eigen/LU>
 
+#include "hal/base/order_statistics.h"
+
 namespace mixrig::calibration {
 namespace {
 
 constexpr double kMostRepeatability_rad = 0.02;
 constexpr int kChainParameters = 16;
+constexpr double kMostTurns =
+    15;  ///< of pictures for each turn of the unit; 57 where it is radians
 
 SeenCorners only(const SeenCorners& corners, std::size_t camera) {
   SeenCorners out;
@@ -47,6 +51,21 @@ Poses measure(const RigData& data, RigModel& model, double& sigma_px, Crew& crew
     poses.chain.push_back({angles.pan_rad, angles.tilt_rad, *refined[view], information.inverse()});
   }
   return poses;
+}
+
+/// How far the pictures turn for each unit of angle that the encoders say: the median over views of
+/// the turn against the first one; 0 where they do not turn.
+double picture_turns_per_angle(const Poses& poses) {
+  constexpr double kLeastTurn_rad = 0.02;
+  std::vector<double> ratios;
+  for (const estimation::PanTiltView& view : poses.chain) {
+    const estimation::PanTiltView& first = poses.chain.front();
+    const double turned =
+        view.camera_from_target.rotation.angularDistance(first.camera_from_target.rotation);
+    const double said = std::hypot(view.pan_rad - first.pan_rad, view.tilt_rad - first.tilt_rad);
+    if (turned > kLeastTurn_rad && said > 0) ratios.push_back(turned / said);
+  }
+  return upper_median(std::move(ratios));
 }
 
 double chi2(const estimation::Estimate<estimation::PanTiltCalibration>& found) {
@@ -133,6 +152,11 @@ Result<PtuReport> calibrate_ptu(const ViewSet& set, const PtuOptions& options,
   MIXRIG_ASSIGN(RigModel model, model_with(data, options, report, crew));
   double sigma_px = 0;
   const Poses poses = measure(data, model, sigma_px, crew);
+  if (picture_turns_per_angle(poses) > kMostTurns)
+    return Error{ErrorCode::kData,
+                 set.folder.string() +
+                     ": the pictures turn far more than the angles say: they are "
+                     "radians, where degrees are wanted: multiply them by 57.29578"};
   report.repeatability_rad = find_repeatability(poses);
   const auto found = estimation::calibrate_pan_tilt(poses.chain, report.repeatability_rad);
   if (!found.usable())

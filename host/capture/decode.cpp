@@ -109,7 +109,8 @@ void interpolate_row(const std::uint8_t* above, const std::uint8_t* here, const 
 
 }  // namespace
 
-ColorDecoder::ColorDecoder(const ColorSettings& settings) : encoding_(settings.encoding) {
+ColorDecoder::ColorDecoder(const ColorSettings& settings)
+    : encoding_(settings.encoding), mirrored_(settings.mirrored) {
   const std::array<double, 3> none{1, 1, 1};
   if (encoding_.transfer == Transfer::kSrgb && settings.black <= 0 && settings.gains == none &&
       !settings.limited_samples)
@@ -190,6 +191,8 @@ Result<void> ColorDecoder::decode(const Frame& frame, Image<Rgb8>& out) {
     MIXRIG_TRY(
         image_io::decode_rgb8(frame.bytes.data(), frame.bytes.size(), "camera picture", out));
     if (!plain()) map_rgb(out);
+    for (int y = 0; mirrored_ && y < out.height(); ++y)
+      std::reverse(out.row(y), out.row(y) + out.width());
     return {};
   }
   // Chroma of NV12 comes in pairs of bytes.

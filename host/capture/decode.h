@@ -31,6 +31,7 @@ struct ColorSettings {
   double black = 0;                      ///< sample without light, of full scale 1; below 1
   std::array<double, 3> gains{1, 1, 1};  ///< of linear red, green and blue light
   bool limited_samples = false;          ///< samples that are not YUV have the limited range
+  bool mirrored = false;                 ///< JPEG pictures show left on the right
 };
 
 /// Makes 8-bit sRGB of the pictures of one camera: light = gain * linear((sample - black) /
@@ -57,6 +58,7 @@ class ColorDecoder {
   bool plain() const { return tables_.empty(); }
 
   device::ColorEncoding encoding_;
+  bool mirrored_;
   std::vector<Table> tables_;  ///< of red, green, blue; empty: samples are sRGB already
   std::array<std::array<std::uint8_t, 256>, 3> byte_tables_{};  ///< the same, of 8-bit samples
   std::vector<std::uint8_t> rows_;                              ///< of Bayer samples

@@ -7,15 +7,23 @@
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod_lines.h"
+#include "hal/linux/kinect2_camera.h"
+#include "hal/linux/libusb_streams.h"
+#include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
+#include "hal/linux/v4l2/realsense_unit.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/wire/flir_ptu.h"
+#include "hal/wire/flir_ptu_baud.h"
 #include "hal/wire/mcu_trigger.h"
+#include "hal/wire/realsense_table.h"
 #include "hal/wire/reopening_byte_stream.h"
 #include "hal/wire/v4l2_format.h"
+#include "host/live/kinect2_depth.h"
 
 namespace mixrig::live {
 namespace {
@@ -84,6 +92,25 @@ Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& rec
   return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
 }
 
+/// One device for its colour and its depth camera.
+Result<std::shared_ptr<device::OpenNi2Device>> DeviceOpener::open_openni2(const std::string& uri) {
+  for (const auto& [name, device] : openni2_)
+    if (name == uri) return device;
+  MIXRIG_ASSIGN(auto device, device::open_openni2(uri, clock_));
+  openni2_.emplace_back(uri, device);
+  return device;
+}
+
+Result<std::shared_ptr<device::Kinect2>> DeviceOpener::open_kinect(const std::string& serial) {
+  for (const auto& [name, kinect] : kinects_)
+    if (name == serial) return kinect;
+  MIXRIG_ASSIGN(auto usb, device::make_libusb_kinect2(serial));
+  MIXRIG_ASSIGN(auto kinect, device::open_kinect2(std::move(usb), "kinect2:" + serial, clock_,
+                                                  make_kinect2_decoder));
+  kinects_.emplace_back(serial, kinect);
+  return kinect;
+}
+
 Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
                                                              const device::StreamRequest& request) {
   const Uri parts = split(uri);
@@ -92,6 +119,14 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return std::unique_ptr<device::Camera>(std::move(camera));
   }
   if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
+  if (parts.scheme == "openni2") {
+    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
+    return device::openni2_color(std::move(shared), request);
+  }
+  if (const StreamUri view = stream_uri(parts); parts.scheme == "kinect2" && view.name == "color") {
+    MIXRIG_ASSIGN(auto kinect, open_kinect(view.recording.substr(parts.scheme.size() + 1)));
+    return device::kinect2_color_camera(std::move(kinect));
+  }
   if (const StreamUri view = stream_uri(parts);
       is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
@@ -102,13 +137,18 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, aravis:ID, take:DIR/color, take:DIR/fisheye or studio:target");
+                 "v4l2:/dev/videoN, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color, "
+                 "take:DIR/fisheye or studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     const std::string& uri, const device::StreamRequest& request) {
   const Uri parts = split(uri);
   if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock_);
+  if (parts.scheme == "kinect2") {
+    MIXRIG_ASSIGN(auto kinect, open_kinect(parts.rest));
+    return device::kinect2_depth_camera(std::move(kinect));
+  }
   if (parts.scheme == "v4l2") {
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
@@ -118,18 +158,29 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     const auto unit_m = info.format == device::PixelFormat::kDepth16
                             ? device::z16_metres_per_step(info.usb_vendor, info.usb_product)
                             : std::nullopt;
-    const device::DepthInfo steps{.metres_per_step = unit_m.value_or(0.001),
-                                  .unit_known = unit_m.has_value()};
+    device::DepthInfo steps{.metres_per_step = unit_m.value_or(0.001),
+                            .unit_known = unit_m.has_value()};
+    if (device::is_realsense_d400(info.usb_vendor, info.usb_product)) {
+      if (const auto factory = device::realsense_intrinsics(parts.rest, info.size))
+        steps.intrinsics = *factory;
+      else
+        log_warning("rig", to_line(factory.error()) + ": run mixrig calibrate");
+    }
     return device::as_depth_camera(std::move(camera), steps);
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
+  if (parts.scheme == "openni2") {
+    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
+    return device::openni2_depth(std::move(shared), request);
+  }
   if (const StreamUri view = stream_uri(parts);
       is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth();
   }
   return unknown(uri, "depth camera",
-                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, take:DIR/depth or studio:tof");
+                 "usb:VVVV:PPPP, kinect2:SERIAL, v4l2:/dev/videoN, aravis:ID, openni2:URI, "
+                 "take:DIR/depth or studio:tof");
 }
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {
@@ -143,14 +194,20 @@ Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::strin
                    "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
-  if (at != std::string::npos) {
+  const bool find = at != std::string::npos && parts.rest.substr(at + 1) == "find";
+  if (at != std::string::npos && !find) {
     const char* end = parts.rest.data() + parts.rest.size();
     const auto [stop, fault] = std::from_chars(parts.rest.data() + at + 1, end, baud);
     if (fault != std::errc() || stop != end || baud < 300 || baud > 4'000'000)
       return Error{ErrorCode::kUsage,
-                   uri + ": the baud rate after @ is not valid: give 300 to 4000000"};
+                   uri + ": the baud rate after @ is not valid: give 300 to 4000000, or find"};
   }
   MIXRIG_ASSIGN(auto stream, open_line(parts.rest.substr(0, at), clock_));
+  if (find) {
+    auto found = device::find_ptu_baud(*stream, clock_);
+    if (!found) return Error{found.error().code, uri + ": " + found.error().context};
+    baud = *found;
+  }
   MIXRIG_TRY(stream->set_line({.baud = baud}));
   // On a network a byte takes no time, but for a serial line behind a server, whose rate is given.
   const bool network = parts.rest.starts_with("tcp:") && at == std::string::npos;

@@ -16,6 +16,11 @@
 #include "host/live/player.h"
 #include "host/live/rig_config.h"
 
+namespace mixrig::device {
+class Kinect2;
+class OpenNi2Device;
+}  // namespace mixrig::device
+
 namespace mixrig::live {
 
 /// A recording that replaces cameras: its source, or the error of opening it.
@@ -34,11 +39,12 @@ class DeviceOpener {
   explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {})
       : clock_(clock), recordings_(std::move(recordings)) {}
 
-  /// v4l2:PATH, aravis:ID, take:DIR/color, take:DIR/fisheye, studio:[OPTIONS/]target,
-  /// studio:OPTIONS/fisheye.
+  /// v4l2:PATH, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color, take:DIR/fisheye,
+  /// studio:[OPTIONS/]target, studio:OPTIONS/fisheye.
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
-  /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), usb:VVVV:PPPP, take:DIR/depth,
+  /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), openni2:URI, usb:VVVV:PPPP, kinect2:SERIAL,
+  /// take:DIR/depth,
   /// studio:[OPTIONS/]tof.
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
@@ -56,11 +62,16 @@ class DeviceOpener {
 
  private:
   Result<std::shared_ptr<Player>> open_player(const std::string& recording);
+  Result<std::shared_ptr<device::OpenNi2Device>> open_openni2(const std::string& uri);
+  /// The same device for its two cameras.
+  Result<std::shared_ptr<device::Kinect2>> open_kinect(const std::string& serial);
 
   Clock& clock_;
   std::vector<Recording> recordings_;
   std::optional<HostTime> play_at_;
   std::vector<std::pair<std::string, std::shared_ptr<Player>>> players_;
+  std::vector<std::pair<std::string, std::shared_ptr<device::OpenNi2Device>>> openni2_;
+  std::vector<std::pair<std::string, std::shared_ptr<device::Kinect2>>> kinects_;
 };
 
 /// All devices of a rig; those that it does not have are null.

@@ -47,6 +47,14 @@ Check check_steps(const RigConfig& rig, const device::DepthCamera& camera) {
   return {rig.depth->name, "unit", Verdict::kPass, std::move(value), ""};
 }
 
+/// What keeps a camera's clock, where it can be PTP.
+void add_ptp(const std::string& name, const device::CameraInfo& info, std::vector<Check>& checks) {
+  if (info.ptp.empty()) return;
+  const bool settled = info.ptp == "off" || info.ptp == "Slave" || info.ptp == "Master";
+  checks.push_back({name, "ptp", settled ? Verdict::kPass : Verdict::kWarn, info.ptp,
+                    settled ? "" : "wait until the camera follows a PTP master, or turn PTP off"});
+}
+
 OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check>& checks) {
   OpenedRig out{rig, {}};
   out.config.cameras.clear();
@@ -68,12 +76,14 @@ OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check
       if (auto applied = apply_controls(config, **camera); !applied)
         camera = std::move(applied).error();
     if (!check_open(config.name, camera, checks)) continue;
+    add_ptp(config.name, (*camera)->info(), checks);
     out.config.cameras.push_back(config);
     out.devices.cameras.push_back(*std::move(camera));
   }
   if (rig.depth) {
     auto depth = opener.depth(rig.depth->uri, rig.depth->request);
     if (check_open(rig.depth->name, depth, checks)) {
+      add_ptp(rig.depth->name, (*depth)->info(), checks);
       checks.push_back(check_steps(rig, **depth));
       out.config.depth = rig.depth;
       out.devices.depth = *std::move(depth);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hal/linux/aravis/aravis_camera.h"
+#include "hal/linux/openni2/openni2_camera.h"
 #include "host/live/devices.h"
 
 namespace mixrig::live {
@@ -48,6 +49,11 @@ void find_cameras(const DiscoverOptions& options, DeviceOpener& opener, RigConfi
     for (const std::string& id : device::list_aravis())
       if (const auto camera = opener.camera("aravis:" + id, {}))
         add("aravis:" + id, (*camera)->info(), rig);
+  for (const std::string& id : device::list_openni2()) {
+    const std::string uri = "openni2:" + id;
+    if (const auto camera = opener.camera(uri, {})) add(uri, (*camera)->info(), rig);
+    if (const auto depth = opener.depth(uri, {})) add(uri, (*depth)->info(), rig);
+  }
   if (const auto tof = opener.depth(kTofUsb, {})) add(kTofUsb, (*tof)->info(), rig);
 }
 

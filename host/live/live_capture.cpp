@@ -151,6 +151,7 @@ capture::ColorSettings color_settings(const CameraConfig& config, const device::
                    info.format == device::PixelFormat::kNv12 ||
                    info.format == device::PixelFormat::kMjpeg;
   settings.limited_samples = !yuv && settings.encoding.range == device::SampleRange::kLimited;
+  settings.mirrored = info.mirrored;
   settings.black = color.black_level / ((1 << info.sample_bits) - 1);
   return settings;
 }

@@ -46,7 +46,8 @@ Bounds bounds(const Model& model);
 /// Of an object that falls, rolls and is pushed.
 struct ObjectPhysics {
   double mass_kg = 1, bounce = 0.6, friction = 0.5, drag = 0.1;
-  bool is_ball = false;  ///< instead of the convex hulls of its parts
+  bool is_ball = false;                   ///< instead of the convex hulls of its parts
+  Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< at first, world
 };
 
 struct Object {
@@ -141,7 +142,9 @@ struct KeySettings {
 
 /// What happens between people and objects is told.
 struct EventSettings {
-  std::string udp;  ///< "HOST:PORT" that gets each event as a datagram; empty: none
+  std::string udp;      ///< "HOST:PORT" that gets each event as JSON; empty: none
+  std::string osc;      ///< "HOST:PORT" that gets each event as an OSC message; empty: none
+  bool people = false;  ///< both get the places of people in each frame too
 };
 
 /// A program that gets the pose and lens of each picture.

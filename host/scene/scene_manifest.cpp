@@ -72,6 +72,10 @@ std::optional<ObjectPhysics> read_physics(const Table& table) {
   physics.friction = table.number_or("friction", physics.friction, {0, 10});
   physics.drag = table.number_or("drag", physics.drag, {0, 1});
   physics.is_ball = table.one_of("shape", {"hull", "ball"}, 0) == 1;
+  if (table.has("velocity_m_s")) {
+    const auto v = table.numbers("velocity_m_s", 3, 3, {-12, 12});
+    physics.velocity_m_s = {v[0], v[1], v[2]};
+  }
   return physics;
 }
 
@@ -91,7 +95,11 @@ std::string read_udp(const Table& table, const char* key) {
 
 std::optional<EventSettings> read_events(const Table& table) {
   if (!table.present()) return std::nullopt;
-  return EventSettings{read_udp(table, "udp")};
+  EventSettings events{read_udp(table, "udp"), read_udp(table, "osc"),
+                       table.boolean_or("people", false)};
+  if (events.people && events.udp.empty() && events.osc.empty())
+    table.fail("people", "has no receiver: give udp or osc too");
+  return events;
 }
 
 PoseOut read_pose_out(const Table& table) {

@@ -6,6 +6,7 @@
 
 #include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"
+#include "host/session/explain_people.h"
 #include "host/session/frame_lens.h"
 #include "host/session/run.h"
 
@@ -227,6 +228,7 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   }
   out.passes = passes_of(session.setup, tables, preparer.params());
   add_times(report, out.passes);
+  for (PassLine& line : people_passes(session, report)) out.passes.push_back(std::move(line));
   out.shadow_maps = maps_of(session, preparer.params());
   out.buffers = buffers_of(session, tables, preparer.params());
   return out;

@@ -25,18 +25,23 @@ ObjectMotion::ObjectMotion(const Session& session) : session_(session) {
       body = {object.physics->mass_kg, object.physics->bounce, object.physics->friction,
               object.physics->drag, object.physics->is_ball};
     const bool solid = !shapes[i].parts.empty();
+    if (solid) object_.push_back(static_cast<int>(i));
     number_.push_back(
         solid ? physics_.add(shapes[i], object.world_from_object, object.physics ? &body : nullptr)
               : -1);
     moves_.push_back(solid && object.physics);
+    if (moves_.back()) physics_.set_velocity(number_.back(), object.physics->velocity_m_s);
     poses_.push_back(object.world_from_object);
   }
 }
 
 std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
                                                       const geometry::Pose& world_from_camera) {
-  if (!std::exchange(has_room_, true))
-    physics_.set_room(plan::map_floor(room_points(session_, world_from_camera)));
+  if (!std::exchange(has_room_, true)) {
+    const std::vector<plan::RoomPoint> points = room_points(session_, world_from_camera);
+    const plan::FloorMap map = plan::map_floor(points);
+    physics_.set_room(map, touch::find_sides(points, map));
+  }
   bool has_now = false;
   {
     const std::lock_guard lock(mutex_);
@@ -48,7 +53,30 @@ std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
   for (std::size_t i = 0; i < poses_.size(); ++i)
     if (number_[i] >= 0)
       poses_[i] = physics_.world_from_object()[static_cast<std::size_t>(number_[i])];
+  keep_hits();
   return poses_;
+}
+
+/// With the numbers of the scene's objects.
+void ObjectMotion::keep_hits() {
+  const auto hits = physics_.hits();
+  if (hits.empty()) return;
+  const std::lock_guard lock(mutex_);
+  for (touch::Event hit : hits) {
+    hit.object = object_[static_cast<std::size_t>(hit.object)];
+    if (hit.against == touch::Against::kObject)
+      hit.other = object_[static_cast<std::size_t>(hit.other)];
+    if (hits_.size() < kMostHits) hits_.push_back(hit);
+  }
+}
+
+void ObjectMotion::take_hits(double time_s, std::vector<touch::Event>& out) {
+  out.clear();
+  const std::lock_guard lock(mutex_);
+  const auto later = std::stable_partition(hits_.begin(), hits_.end(),
+                                           [&](const auto& hit) { return hit.time_s <= time_s; });
+  out.assign(hits_.begin(), later);
+  hits_.erase(hits_.begin(), later);
 }
 
 void ObjectMotion::push(std::span<const Eigen::Vector3f> surface_m, const Eigen::Vector3d& eye_m,

@@ -102,7 +102,7 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
   Plan plan;
   plan.people.keeps_places = true;
   MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder.path(), options.people, plan.people));
-  if (!session.scene.objects.empty()) {
+  if (!session.scene.objects.empty() || session.scene.events) {
     MIXRIG_ASSIGN(auto touch,
                   TouchStage::create(session, folder.path(), nullptr, plan.events.emplace()));
     sink->watch_touch(std::move(touch));

@@ -260,8 +260,10 @@ void Runner::move_objects(output::Composite& composite) {
   composite.world_from_object.clear();
   if (!motion_) return;
   if (people_ != nullptr && !live()) people_->wait_until_idle();
+  const HostTime begin = clock_.now();
   const auto poses =
       motion_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
+  report_.physics_ms.add(milliseconds(clock_.now() - begin));
   composite.world_from_object.assign(poses.begin(), poses.end());
 }
 

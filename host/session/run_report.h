@@ -57,6 +57,7 @@ struct RunReport {
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<PeopleReport> people;             ///< where they were followed
   std::optional<TouchReport> events;              ///< where touching was watched
+  measure::QuantileSketch physics_ms;             ///< of a frame, in the compositing thread
   std::vector<PoseOutReport> pose_outs;           ///< in the order of the scene
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted

@@ -2,7 +2,6 @@
 #include "host/session/touch_stage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -12,8 +11,6 @@
 
 namespace mixrig::session {
 namespace {
-
-double in_ten_thousandths(double value) { return std::round(1e4 * value) / 1e4; }
 
 std::uint64_t& count_of(TouchReport& report, touch::EventKind kind) {
   return report.counts[static_cast<std::size_t>(kind)];
@@ -48,13 +45,7 @@ Result<std::unique_ptr<TouchStage>> TouchStage::create(
     stage->lines_.open(stage->file_);
     if (!stage->lines_) return Error{ErrorCode::kIo, "cannot write " + stage->file_.string()};
   }
-  const auto& events = session.scene.events;
-  if (!events || events->udp.empty()) return stage;
-  auto sender = stream::DatagramSender::open(events->udp);
-  if (!sender)
-    return Error{sender.error().code,
-                 session.scene.path.string() + ": events.udp: " + sender.error().context};
-  stage->sender_ = *std::move(sender);
+  MIXRIG_ASSIGN(stage->out_, EventOut::open(session.scene));
   return stage;
 }
 
@@ -81,8 +72,13 @@ Result<void> TouchStage::see(const output::Composite& composite,
                                   poses_,
                                   session_.setup.noise,
                                   time_s});
-  if (motion_ != nullptr) push(people, composite.world_from_target.translation_m, time_s);
+  if (motion_ != nullptr) {
+    push(people, composite.world_from_target.translation_m, time_s);
+    motion_->take_hits(time_s, hits_);
+  }
   report_.touch_ms.add(milliseconds(clock_.now() - begin));
+  out_->tell(people, frame_, time_s);
+  MIXRIG_TRY(tell(hits_));
   return tell(events);
 }
 
@@ -103,33 +99,12 @@ void TouchStage::push(std::span<const plan::Person> people, const Eigen::Vector3
   motion_->push(near_m_, eye_m, time_s);
 }
 
-std::string TouchStage::line(const touch::Event& event) const {
-  const auto& objects = session_.scene.objects;
-  nlohmann::ordered_json json{{"event", touch::name(event.kind)},
-                              {"time_s", in_ten_thousandths(event.time_s)},
-                              {"frame", frame_},
-                              {"object", objects[static_cast<std::size_t>(event.object)].name},
-                              {"with", touch::name(event.against)}};
-  if (event.against == touch::Against::kPerson) json["person"] = event.other;
-  if (event.against == touch::Against::kObject)
-    json["other"] = objects[static_cast<std::size_t>(event.other)].name;
-  json["at_m"] = {in_ten_thousandths(event.at_m.x()), in_ten_thousandths(event.at_m.y()),
-                  in_ten_thousandths(event.at_m.z())};
-  json["depth_m"] = in_ten_thousandths(event.depth_m);
-  json["sigma_m"] = in_ten_thousandths(event.sigma_m);
-  json["by"] = touch::name(event.evidence);
-  if (event.kind == touch::EventKind::kEnter || event.kind == touch::EventKind::kHit)
-    json["speed_m_s"] = in_ten_thousandths(event.speed_m_s);
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 Result<void> TouchStage::tell(std::span<const touch::Event> events) {
   for (const touch::Event& event : events) {
     ++count_of(report_, event.kind);
-    if (file_.empty() && !sender_) continue;
-    const std::string text = line(event);
+    const std::string text = event_json(event, session_.scene, frame_);
     if (!file_.empty()) lines_ << text << '\n' << std::flush;
-    if (sender_) sender_->send(text);
+    out_->tell(event, text);
   }
   if (!file_.empty() && !lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
   return {};
@@ -137,7 +112,7 @@ Result<void> TouchStage::tell(std::span<const touch::Event> events) {
 
 Result<void> TouchStage::finish() {
   MIXRIG_TRY(tell(watch_.finish(time_s_)));
-  if (sender_) report_.sent = sender_->sent(), report_.unsent = sender_->dropped();
+  report_.json = out_->json_counts(), report_.osc = out_->osc_counts();
   if (file_.empty()) return {};
   lines_.close();
   if (!lines_) return Error{ErrorCode::kIo, "cannot write " + file_.string()};
@@ -149,7 +124,8 @@ nlohmann::json to_json(const TouchReport& report) {
   for (const touch::EventKind kind : {touch::EventKind::kEnter, touch::EventKind::kStay,
                                       touch::EventKind::kLeave, touch::EventKind::kHit})
     json[std::string(touch::name(kind))] = report.counts[static_cast<std::size_t>(kind)];
-  json["datagrams"] = {{"sent", report.sent}, {"dropped", report.unsent}};
+  json["datagrams"] = {{"sent", report.json.sent}, {"dropped", report.json.dropped}};
+  json["osc"] = {{"sent", report.osc.sent}, {"dropped", report.osc.dropped}};
   json["touch_ms"] = {{"p50", report.touch_ms.quantile(0.5)},
                       {"p95", report.touch_ms.quantile(0.95)},
                       {"max", report.touch_ms.max()}};

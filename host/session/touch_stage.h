@@ -17,8 +17,8 @@
 #include "hal/base/clock.h"
 #include "host/measure/quantile_sketch.h"
 #include "host/output/composite_sink.h"
+#include "host/session/event_out.h"
 #include "host/session/session.h"
-#include "host/stream/datagram_sender.h"
 #include "host/touch/touch_watch.h"
 
 namespace mixrig::session {
@@ -27,7 +27,7 @@ class ObjectMotion;
 
 struct TouchReport {
   std::array<std::uint64_t, 4> counts{};  ///< by touch::EventKind
-  std::uint64_t sent = 0, unsent = 0;     ///< datagrams
+  SentCounts json, osc;                   ///< datagrams
   measure::QuantileSketch touch_ms;       ///< of a frame
 };
 nlohmann::json to_json(const TouchReport& report);
@@ -42,7 +42,7 @@ class TouchStage {
 
   /// Writes kFile into `folder`, which must exist, one event a line; without a folder none.
   /// `session` is ready to composite before the first frame; it, `report` and `motion`, which may
-  /// be null, outlive the stage. Errors: kIo; those of DatagramSender::open().
+  /// be null, outlive the stage. Errors: kIo; those of EventOut::open().
   static Result<std::unique_ptr<TouchStage>> create(
       const Session& session, const std::optional<std::filesystem::path>& folder,
       ObjectMotion* motion, TouchReport& report);
@@ -56,18 +56,18 @@ class TouchStage {
  private:
   TouchStage(const Session& session, ObjectMotion* motion, TouchReport& report);
   Result<void> tell(std::span<const touch::Event> events);
-  std::string line(const touch::Event& event) const;
   void push(std::span<const plan::Person> people, const Eigen::Vector3d& eye_m, double time_s);
 
   const Session& session_;
   ObjectMotion* const motion_;
   TouchReport& report_;
   touch::TouchWatch watch_;
-  std::optional<stream::DatagramSender> sender_;
+  std::optional<EventOut> out_;  ///< after create()
   std::filesystem::path file_;
   std::ofstream lines_;
   std::vector<geometry::Pose> poses_;  ///< of the objects in this frame
   std::vector<Eigen::Vector3f> near_m_;
+  std::vector<touch::Event> hits_;  ///< of objects that move, in this frame
   int frame_ = 0;
   double time_s_ = 0;
   bool has_room_ = false;

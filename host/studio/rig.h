@@ -12,6 +12,8 @@ struct TofSensor {
   geometry::Pose target_from_tof;
   double fine_hz = 20e6;
   double coarse_hz = 0;      ///< second frequency, resolves the ambiguity; 0 for none
+  double third_hz = 0;       ///< of raw pictures (sensors/raw_pictures.h); 0 for none
+  double light_x_m = 0;      ///< the light source is so far right of the lens
   double exposure_s = 0.02;  ///< all four taps, in sequence
   float signal_e = 0;        ///< from albedo 1 at 1 m, perpendicular to the ray
   float contrast = 0.9F;     ///< modulation contrast

@@ -78,6 +78,8 @@ Result<void> check(const StudioOptions& o) {
     return wrong(fmt::format("the zoom must be 1 to 8 times, not {}", o.zoom));
   if (o.zoom > 1 && o.scenario == Scenario::kSweep)
     return wrong("a sweep has a fixed lens: leave out the zoom");
+  if (o.raw && o.rig != RigPreset::kKinect2)
+    return wrong("raw pictures are those of rig kinect2: give --rig kinect2, or leave out --raw");
   if (o.window && o.realism.mirror)
     return wrong("window and mirror have one place: drop one of the two");
   MIXRIG_TRY(check_place(o));
@@ -113,6 +115,11 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
   return info;
 }
 
+TofSensor sensor_of(const StudioOptions& o, const Rig& rig) {
+  const TofSensor sensor = with_realism(rig.tof, o.rig, o.realism);
+  return o.raw ? raw_sensor(sensor) : sensor;
+}
+
 Shutter shutter_of(const StudioOptions& o) {
   const ColorSensor sensor;
   return {o.size_px.height, o.realism.motion_blur ? sensor.exposure_s : 0,
@@ -139,10 +146,14 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
       zoom{info.target, o.zoom},
       plate_rays(info.target),
       view_rays(info.view),
-      tof(with_realism(rig.tof, o.rig, o.realism), o.seed, o.raw_depth),
+      tof(sensor_of(o, rig), o.seed, o.raw_depth),
       camera(info.target, o.realism, o.seed),
       shutter(shutter_of(o)),
       in_slices(o.realism.motion_blur || o.realism.rolling_shutter) {
+  if (o.raw) {
+    raw.emplace(tof.sensor(), o.seed);
+    info.raw = raw->tables();
+  }
   Mesh mesh = build_room(layout.room);
   Mesh things = furniture_of(mesh);
   room.set(mesh);
@@ -413,8 +424,11 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   } else {
     s.draw_color(frame);
   }
-  s.tof.render({s.taps, &s.person, &s.room, number, frame.time_s}, s.materials, s.crew,
-               frame.tof_distance_m, frame.tof_amplitude);
+  const TofCamera::Shot shot{s.taps, &s.person, &s.room, number, frame.time_s};
+  if (s.raw)
+    s.tof.render_raw(shot, s.materials, s.crew, *s.raw, frame.raw, frame.tof_true_m);
+  else
+    s.tof.render(shot, s.materials, s.crew, frame.tof_distance_m, frame.tof_amplitude);
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);

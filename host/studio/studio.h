@@ -83,12 +83,13 @@ struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
   RigPreset rig = RigPreset::kKinect2;
   unsigned seed = 1;
-  int frames = 60;              ///< length of the take, 2..100000
-  Size size_px{1280, 1024};     ///< target camera, 32..4096 a side
-  int threads = 0;              ///< 0: one per core
-  double tolerance = 0;         ///< of lenses and mounting by seed, 0..2: 0 as the preset says
-  bool raw_depth = false;       ///< leave the ToF camera's systematic error in
-  bool fisheye = false;         ///< the take has the fisheye's pictures
+  int frames = 60;           ///< length of the take, 2..100000
+  Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
+  int threads = 0;           ///< 0: one per core
+  double tolerance = 0;      ///< of lenses and mounting by seed, 0..2: 0 as the preset says
+  bool raw_depth = false;    ///< leave the ToF camera's systematic error in
+  bool raw = false;          ///< kinect2: frames have the sensor's raw pictures in place of depth
+  bool fisheye = false;      ///< the take has the fisheye's pictures
   Size fisheye_px{1280, 1024};  ///< of them, 64..4096 a side; the same field
   double zoom = 1;  ///< the target camera's lens zooms in to this focal length, 1..8 times that at
                     ///< rest; 1: it stands still. Not in scenario sweep
@@ -191,6 +192,12 @@ struct Volume {
   Eigen::Vector3d min_m, max_m;
 };
 
+/// What a Kinect v2 tells of itself, as it sends it: the answers to the requests for its phase
+/// offsets and for its infrared camera's parameters.
+struct RawTables {
+  std::vector<std::uint8_t> phase_offsets, infrared;
+};
+
 /// Properties of the whole take.
 struct StudioInfo {
   std::string name;  ///< "walk 7, kinect2"
@@ -200,6 +207,7 @@ struct StudioInfo {
   Optics target;
   Optics view;  ///< truth is given in this view: the target camera without distortion
   TofInfo tof;
+  std::optional<RawTables> raw;  ///< of StudioOptions::raw
   FisheyeInfo fisheye;
   int fisheye_pictures = 0;  ///< of render_fisheye(); 0 without StudioOptions::fisheye
   double fisheye_rate_hz = 0;
@@ -220,6 +228,10 @@ struct Frame {
   Image<Rgb8> color;
   Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
+  /// StudioOptions::raw, in place of these two: ten sub-packets as a Kinect v2 sends them, and the
+  /// true distance along the ray to what the pixel's centre shows at mid-exposure; 0 = nothing.
+  std::vector<std::uint8_t> raw;
+  Image<float> tof_true_m;
   geometry::Pose world_from_target;
   std::optional<HeadAngles> head;  ///< pan and sweep: encoders at mid-exposure, in whole steps
 };

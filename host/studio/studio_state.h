@@ -84,6 +84,7 @@ struct Studio::State {
   float exposed_by = 1;      ///< light of the plates over that at rest
   RayGrid plate_rays, view_rays;
   TofCamera tof;
+  std::optional<RawPictures> raw;  ///< of StudioOptions::raw
   ColorCamera camera;
   Shutter shutter;
   bool in_slices = false;  ///< the exposure takes time

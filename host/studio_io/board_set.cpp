@@ -68,7 +68,7 @@ json truth_of(const studio::BoardInfo& info) {
     const double d = kTruthFrom_m + i * kTruthStep_m;
     curve.push_back({d, depth_error_m(rig.tof, d)});
   }
-  return {
+  json truth = {
       {"target", to_json(rig.target)},
       {"tof", to_json(rig.tof.optics)},
       {"fisheye", {{"f", f.f_px}, {"cx", f.cx_px}, {"cy", f.cy_px}, {"k1", f.k1}, {"k2", f.k2}}},
@@ -77,6 +77,8 @@ json truth_of(const studio::BoardInfo& info) {
       {"depth_error", {{"distance_and_error_m", curve}}},
       {"pan_tilt", to_json(rig.pan_tilt)},
       {"target_from_board", json::array()}};
+  if (info.options.lens_error_px > 0) truth["lens_error_px"] = info.options.lens_error_px;
+  return truth;
 }
 
 Result<void> write_depth(const std::filesystem::path& path, const Image<float>& values,
@@ -111,6 +113,15 @@ Result<void> make_folders(const std::filesystem::path& folder) {
 
 }  // namespace
 
+Result<void> write_board_truth(const studio::BoardInfo& info, const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder / "truth", failed);
+  if (failed)
+    return system_error(ErrorCode::kIo, "cannot create " + (folder / "truth").string(),
+                        failed.value());
+  return write_file(folder / "truth/truth.json", truth_of(info).dump(1) + "\n");
+}
+
 Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
                                           const std::filesystem::path& folder,
                                           const std::function<void(int)>& progress) {
@@ -119,7 +130,6 @@ Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
   MIXRIG_ASSIGN(PartialPath output, make_partial_folder(folder, "views.toml"));
   MIXRIG_TRY(make_folders(output.path()));
   json truth = truth_of(info);
-  if (options.lens_error_px > 0) truth["lens_error_px"] = options.lens_error_px;
   std::ostringstream angles;
   angles.precision(9);
   angles << "view,pan_deg,tilt_deg\n";

@@ -17,4 +17,7 @@ Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
                                           const std::filesystem::path& folder,
                                           const std::function<void(int)>& progress);
 
+/// truth/truth.json of a board that is not in views: without target_from_board. Errors: kIo.
+Result<void> write_board_truth(const studio::BoardInfo& info, const std::filesystem::path& folder);
+
 }  // namespace mixrig::studio_io

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -11,7 +10,9 @@
 
 #include "host/capture/fisheye.h"
 #include "host/studio/studio.h"
+#include "host/studio_io/board_source.h"
 #include "host/studio_io/bracket.h"
+#include "host/studio_io/source_words.h"
 #include "host/studio_io/studio_take.h"
 
 namespace mixrig::studio_io {
@@ -128,45 +129,9 @@ void StudioSource::add_fisheye(capture::Capture& capture) {
   capture.fisheye_counter = static_cast<std::uint64_t>(number);
 }
 
-std::vector<std::string> split(const std::string& words) {
-  std::vector<std::string> out(1);
-  for (char c : words) {
-    if (c == ',')
-      out.emplace_back();
-    else
-      out.back() += c;
-  }
-  return out;
-}
-
-/// A whole number in place of `value`, which stays where `word` is empty.
-template <typename Int>
-Result<void> read_number(const std::string& word, const char* what, Int& value) {
-  if (word.empty()) return {};
-  const char* end = word.data() + word.size();
-  const auto parsed = std::from_chars(word.data(), end, value);
-  if (parsed.ec == std::errc{} && parsed.ptr == end) return {};
-  return Error{ErrorCode::kUsage,
-               "--source studio: " + std::string(what) + " \"" + word + "\" is not a whole number"};
-}
-
-/// WxH in place of `size`, which stays where `word` is empty.
-Result<void> read_size(const std::string& word, Size& size) {
-  if (word.empty()) return {};
-  const std::size_t x = word.find('x');
-  if (x == std::string::npos)
-    return Error{ErrorCode::kUsage, "--source studio: size \"" + word + "\": give WxH"};
-  MIXRIG_TRY(read_number(word.substr(0, x), "width", size.width));
-  return read_number(word.substr(x + 1), "height", size.height);
-}
-
 Result<studio::StudioOptions> options_of(const std::string& words) {
-  std::vector<std::string> word = split(words);
-  if (word.size() > 6)
-    return Error{ErrorCode::kUsage, "--source studio:" + words +
-                                        ": give at most SCENARIO,SEED,RIG,FRAMES,WxH and the "
-                                        "fisheye's WxH"};
-  word.resize(6);
+  MIXRIG_ASSIGN(const auto word,
+                split_words(words, 6, "SCENARIO,SEED,RIG,FRAMES,WxH and the fisheye's WxH"));
   studio::StudioOptions options;
   if (!word[0].empty()) {
     MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(word[0]));
@@ -186,9 +151,17 @@ Result<studio::StudioOptions> options_of(const std::string& words) {
   return options;
 }
 
+std::pair<std::string, std::string> first_word(const std::string& words) {
+  const std::size_t comma = words.find(',');
+  return {words.substr(0, comma), comma == std::string::npos ? "" : words.substr(comma + 1)};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<capture::CaptureSource>> open_studio_source(const std::string& words) {
+  for (const auto& [scenario, turns] : {std::pair("board", false), std::pair("turn", true)})
+    if (const auto [first, rest] = first_word(words); first == scenario)
+      return open_board_source(rest, turns);
   MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(words));
   MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
   const bool head_moves = options.scenario == studio::Scenario::kSweep;

@@ -11,7 +11,8 @@
 namespace mixrig::studio_io {
 
 /// `words` are SCENARIO,SEED,RIG,FRAMES,WxH; those left out from the end, or empty, keep the
-/// studio's defaults. Errors: kUsage; those of Studio::create.
+/// studio's defaults. SCENARIO may also be board or turn, whose words are those of
+/// open_board_source. Errors: kUsage; those of Studio::create.
 Result<std::unique_ptr<capture::CaptureSource>> open_studio_source(const std::string& words);
 
 }  // namespace mixrig::studio_io

@@ -138,6 +138,33 @@ Result<void> write_lens(const studio::StudioOptions& options, const studio::Stud
                     scene_text(info, std::move(camera), "truth/calibration.toml"));
 }
 
+/// A raw frame, with the first one the device's tables, and the true distances of the ToF camera's
+/// picture in steps of 0.25 mm.
+Result<void> write_raw(const studio::StudioInfo& info, const studio::Frame& frame,
+                       const std::filesystem::path& folder) {
+  constexpr float kStepsPerMetre = 4000;
+  const auto text = [](const std::vector<std::uint8_t>& bytes) {
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  const std::filesystem::path raw = folder / "raw", truth = folder / "truth/tof_distance";
+  std::error_code failed;
+  std::filesystem::create_directories(raw, failed);
+  if (!failed) std::filesystem::create_directories(truth, failed);
+  if (failed) return system_error(ErrorCode::kIo, "cannot create " + raw.string(), failed.value());
+  if (frame.number == 1) {
+    MIXRIG_TRY(write_file(raw / "phase_offsets.bin", text(info.raw->phase_offsets)));
+    MIXRIG_TRY(write_file(raw / "infrared.bin", text(info.raw->infrared)));
+  }
+  MIXRIG_TRY(write_file(raw / fmt::format("{:06d}.bin", frame.number), text(frame.raw)));
+  Image<std::uint16_t> steps(frame.tof_true_m.size());
+  for (int y = 0; y < steps.height(); ++y)
+    for (int x = 0; x < steps.width(); ++x)
+      steps.row(y)[x] = static_cast<std::uint16_t>(
+          std::min(65535L, std::lround(kStepsPerMetre * frame.tof_true_m.row(y)[x])));
+  return image_io::write_png(truth / fmt::format("{:06d}.png", frame.number),
+                             std::as_const(steps).view());
+}
+
 /// Distances to the room from the foot of the unit, where the panorama of a scan has its origin.
 Result<void> write_room_truth(const studio::Studio& studio, const std::filesystem::path& folder) {
   image_io::Channel distance{"distance_m", Image<float>(Size{1440, 720})};
@@ -152,7 +179,10 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.name = info.name;
   take.rate_hz = take.color.rate_hz = take.depth.rate_hz = info.rate_hz;
   take.color.count = take.depth.count = info.frames;
-  take.amplitude = take.depth;
+  if (info.raw)
+    take.raw_depth = "kinect2";
+  else
+    take.amplitude = take.depth;
   if (info.fisheye_pictures > 0)
     take.fisheye = take::StreamInfo{{}, 1, info.fisheye_pictures, info.fisheye_rate_hz};
   take.target = camera_of(info.target);
@@ -251,6 +281,7 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
   for (int number = 1; number <= info.frames; ++number) {
     studio.render(number, frame, &truth);
     if (frame.head) head.push_back(*frame.head);
+    if (info.raw) MIXRIG_TRY(write_raw(info, frame, writer.staging()));
     swap_into(frame, take_frame);
     swap_into(truth, take_truth);
     fisheye.add_to(studio, take_frame);

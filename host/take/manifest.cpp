@@ -5,6 +5,7 @@
 #include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/take/picture_files.h"
+#include "host/take/raw_depth.h"
 
 namespace mixrig::take {
 namespace {
@@ -42,6 +43,15 @@ void read_depth(const Table& table, TakeInfo& info) {
   info.depth_offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
   info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
   info.depth_kind = static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
+  if (table.has("raw")) {
+    (void)table.one_of("raw", {kRawKinect2}, 0);
+    info.raw_depth = kRawKinect2;
+    info.amplitude_is_light = true;
+    if (info.depth_kind != capture::DepthKind::kDistance)
+      table.fail("kind", "raw frames give distances: write \"distance\"");
+    if (is_list(info.depth) || is_matroska(info.depth))
+      table.fail("path", "raw frames are numbered files: write raw/%06d.bin");
+  }
   if (!table.has("noise")) return;
   const auto noise = table.numbers("noise", 3, 3, {0.0, 10.0});
   info.noise = {noise[0], noise[1], noise[2]};

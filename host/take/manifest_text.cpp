@@ -20,6 +20,7 @@ Writer stream_table(const StreamInfo& stream) {
 
 Writer depth_table(const TakeInfo& info) {
   Writer table = stream_table(info.depth);
+  if (!info.raw_depth.empty()) table.set("raw", info.raw_depth);
   table.set("unit_m", info.depth_unit_m).set("unknown", info.depth_unknown);
   if (info.depth_offset_m != 0) table.set("offset_m", info.depth_offset_m);
   table.set("kind", info.depth_kind == capture::DepthKind::kZ ? "z" : "distance");

@@ -32,6 +32,7 @@ struct TakeInfo : capture::SourceInfo {
   std::optional<StreamInfo> amplitude;
   std::optional<StreamInfo> fisheye;  ///< at its own rate; its stamps are in fisheye.csv
   int depth_unknown = 0;
+  std::string raw_depth;  ///< "kinect2": the stream `depth` holds raw frames; empty: pictures
   double truth_depth_unit_m = 0.00025;
 };
 
@@ -73,8 +74,9 @@ class TakeWriter {
   TakeWriter& operator=(TakeWriter&&) noexcept;
   ~TakeWriter();
 
-  /// The fisheye's picture only where its stamp is later than the last. What the lens's encoders
-  /// say likewise.
+  /// Of a take with raw_depth neither depth nor amplitude: the caller puts raw/%06d.bin and its
+  /// tables into staging(). The fisheye's picture only where its stamp is later than the last. What
+  /// the lens's encoders say likewise.
   Result<void> write(const capture::Capture& frame);
   Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
   /// Folder to put further files in (scene.toml, models) before finish().

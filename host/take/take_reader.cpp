@@ -18,6 +18,7 @@
 #include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/picture_files.h"
+#include "host/take/raw_depth.h"
 #include "host/take/stored_stream.h"
 #include "host/take/trajectory.h"
 #include "host/take/tum_folder.h"
@@ -48,7 +49,8 @@ struct TumLists {
 
 struct TakeReader::State {
   Manifest manifest;
-  std::unique_ptr<PictureStream> color, depth, amplitude;
+  std::unique_ptr<PictureStream> color, depth, amplitude;  ///< depth null where it is raw
+  std::unique_ptr<RawDepth> raw;
   std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
   std::map<int, FrameTick> ticks;                          ///< by frame number, where recorded
@@ -98,7 +100,12 @@ Result<void> TakeReader::State::open_streams() {
     return index_lists(lists);
   }
   MIXRIG_ASSIGN(color, open_stored(info().root, info().color, PixelKind::kRgb8));
-  MIXRIG_ASSIGN(depth, open_stored(info().root, info().depth, PixelKind::kGray16));
+  if (info().raw_depth.empty()) {
+    MIXRIG_ASSIGN(depth, open_stored(info().root, info().depth, PixelKind::kGray16));
+  } else {
+    MIXRIG_ASSIGN(RawDepth frames_of, RawDepth::open(info().root, info().depth));
+    raw = std::make_unique<RawDepth>(std::move(frames_of));
+  }
   if (info().amplitude) {
     MIXRIG_ASSIGN(amplitude, open_stored(info().root, *info().amplitude, PixelKind::kGray16));
   }
@@ -312,8 +319,12 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
   s.describe(number, frame);
   MIXRIG_TRY(s.color->read(index.color, frame.plate));
   MIXRIG_TRY(check_size(frame.plate, info.target.size_px(), s.color->name(index.color), "target"));
-  MIXRIG_TRY(s.read_steps(*s.depth, index.depth, depth_steps(info), frame.depth_m));
-  MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(), s.depth->name(index.depth), "tof"));
+  if (s.raw)
+    MIXRIG_TRY(s.raw->read(index.depth, frame.depth_m, frame.amplitude));
+  else
+    MIXRIG_TRY(s.read_steps(*s.depth, index.depth, depth_steps(info), frame.depth_m));
+  MIXRIG_TRY(check_size(frame.depth_m, info.tof.size_px(),
+                        s.raw ? s.raw->name(index.depth) : s.depth->name(index.depth), "tof"));
   if (s.fisheye)
     MIXRIG_TRY(s.fisheye->read(frame));
   else

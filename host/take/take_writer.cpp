@@ -15,6 +15,7 @@
 #include "host/take/frame_tables.h"
 #include "host/take/manifest.h"
 #include "host/take/matroska.h"
+#include "host/take/raw_depth.h"
 #include "host/take/trajectory.h"
 
 namespace mixrig::take {
@@ -157,9 +158,12 @@ Result<TakeWriter> TakeWriter::create(const fs::path& folder, const TakeInfo& in
 Result<void> TakeWriter::write(const capture::Capture& frame) {
   State& s = *state_;
   MIXRIG_TRY(s.color.write(frame.plate.view()));
-  to_steps(frame.depth_m, depth_steps(s.info), s.steps);
-  MIXRIG_TRY(s.depth.write(std::as_const(s.steps).view()));
-  if (!frame.amplitude.empty()) {
+  const bool raw = !s.info.raw_depth.empty();
+  if (!raw) {
+    to_steps(frame.depth_m, depth_steps(s.info), s.steps);
+    MIXRIG_TRY(s.depth.write(std::as_const(s.steps).view()));
+  }
+  if (!raw && !frame.amplitude.empty()) {
     to_steps(frame.amplitude, {}, s.steps);
     MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
   }
@@ -200,6 +204,7 @@ Result<void> TakeWriter::finish() {
     MIXRIG_TRY(stream->finish());
   s.info.color = s.color.info();
   s.info.depth = s.depth.info();
+  if (!s.info.raw_depth.empty()) s.info.depth.path = kRawPattern;
   // A frame counts only if all its streams were written.
   s.info.color.count = s.info.depth.count = s.frames;
   s.info.amplitude.reset();

@@ -48,6 +48,7 @@ void add_place_command(Command app, Context& context);
 void add_calibrate_intrinsics_command(Command app, Context& context);
 void add_calibrate_lens_command(Command app, Context& context);
 void add_calibrate_rig_command(Command app, Context& context);
+void add_calibrate_views_command(Command app, Context& context);
 void add_calibrate_ptu_command(Command app, Context& context);
 
 /// A progress bar on stderr, shown only when stderr is a terminal.

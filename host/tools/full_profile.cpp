@@ -10,6 +10,7 @@ void add_commands(Command app, Context& context) {
   add_learn_command(app, context);
   add_calibrate_intrinsics_command(app, context);
   add_calibrate_lens_command(app, context);
+  add_calibrate_views_command(app, context);
   add_calibrate_rig_command(app, context);
   add_calibrate_ptu_command(app, context);
 }

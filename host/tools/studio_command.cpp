@@ -12,6 +12,7 @@
 #include "host/model/sweep_plan.h"
 #include "host/studio/rig.h"
 #include "host/studio_io/board_set.h"
+#include "host/studio_io/board_source.h"
 #include "host/studio_io/studio_take.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
@@ -23,7 +24,8 @@ struct StudioArguments {
   std::string out, scenario = "walk", rig = "kinect2", size = "1280x1024", format = "png";
   std::string board = "checkerboard", squares = "10x7";
   int seed = 1, frames = 60, threads = 0, views = 0;
-  bool raw_depth = false, pan_tilt = false, clear_floor = false;
+  bool raw_depth = false, pan_tilt = false, clear_floor = false, hand = false;
+  double tremor_mm = 0, rest_s = 0.8;
   double far_m = 2.4;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
@@ -39,7 +41,7 @@ struct StudioArguments {
   std::string eye, look_at, object;
   std::optional<double> pan_deg;
   double zoom = 1;
-  bool fisheye = false;
+  bool fisheye = false, raw = false;
   std::string fisheye_size = "640x512";
   studio::Day day;
 };
@@ -129,6 +131,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.zoom = arguments.zoom;
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
+  options.raw = arguments.raw;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
   if (arguments.pan_deg) options.pan_rad = 0.5 * *arguments.pan_deg * kDeg;
   if (options.scenario == studio::Scenario::kSweep) {
@@ -163,23 +166,45 @@ Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) 
   if (arguments.depth_error_mm) options.depth_error_m = *arguments.depth_error_mm / 1000;
   options.amplitude_error_m = arguments.amplitude_error_mm / 1000;
   options.pixel_error_m = arguments.pixel_error_mm / 1000;
+  options.hand.tremor_m = arguments.tremor_mm / 1000;
+  options.hand.rest_s = arguments.rest_s;
+  if (!arguments.hand) return options;
+  if (arguments.pan_tilt)
+    return Error{ErrorCode::kUsage, "--hand moves the board, --ptu the cameras: drop one"};
+  MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
   return options;
-}
-
-Result<nlohmann::json> render_board(const StudioArguments& arguments) {
-  MIXRIG_ASSIGN(const studio::BoardOptions options, board_options_of(arguments));
-  Progress bar("studio", options.views);
-  MIXRIG_ASSIGN(const studio::BoardInfo info,
-                studio_io::write_board_set(options, arguments.out, [&](int n) { bar.step(n); }));
-  std::printf("%s: %s, %d views of a %s\n", arguments.out.c_str(), info.name.c_str(), options.views,
-              std::string(studio::name(options.board.kind)).c_str());
-  return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"views", options.views}};
 }
 
 Result<take::StreamFormat> format_of(const std::string& format) {
   if (format == "png") return take::StreamFormat::kPng;
   if (format == "mkv") return take::StreamFormat::kMatroska;
   return Error{ErrorCode::kUsage, "unknown --format \"" + format + "\": use png or mkv"};
+}
+
+/// A take of a board in the hands of a person, as long as the views take.
+Result<nlohmann::json> render_hand(const StudioArguments& arguments,
+                                   const studio::BoardOptions& options) {
+  MIXRIG_ASSIGN(const take::StreamFormat format, format_of(arguments.format));
+  const double seconds = options.views * (options.hand.rest_s + options.hand.move_s);
+  const auto frames = static_cast<int>(std::lround(seconds * studio::kFrameRate_hz));
+  Progress bar("studio", frames);
+  MIXRIG_ASSIGN(const studio::BoardInfo info,
+                studio_io::write_board_take(options, frames, arguments.out, format,
+                                            [&](int n) { bar.step(n); }));
+  std::printf("%s: %s, %d frames of a board held at %d places\n", arguments.out.c_str(),
+              info.name.c_str(), frames, options.views);
+  return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"frames", frames}};
+}
+
+Result<nlohmann::json> render_board(const StudioArguments& arguments) {
+  MIXRIG_ASSIGN(const studio::BoardOptions options, board_options_of(arguments));
+  if (arguments.hand) return render_hand(arguments, options);
+  Progress bar("studio", options.views);
+  MIXRIG_ASSIGN(const studio::BoardInfo info,
+                studio_io::write_board_set(options, arguments.out, [&](int n) { bar.step(n); }));
+  std::printf("%s: %s, %d views of a %s\n", arguments.out.c_str(), info.name.c_str(), options.views,
+              std::string(studio::name(options.board.kind)).c_str());
+  return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"views", options.views}};
 }
 
 Result<nlohmann::json> render(const StudioArguments& arguments) {
@@ -231,6 +256,12 @@ void add_board_options(Command command, StudioArguments& arguments) {
   option("--pixel-error", arguments.pixel_error_mm, "Depth error in the corners, mm");
   command.add_flag("--ptu", arguments.pan_tilt, "The board stands still, the pan-tilt unit turns")
       .group(group);
+  command
+      .add_flag("--hand", arguments.hand,
+                "A take instead of a folder of views: a person takes the board from view to view")
+      .group(group);
+  option("--rest", arguments.rest_s, "--hand: seconds at each view; the way takes 0.8");
+  option("--tremor", arguments.tremor_mm, "--hand: of the hands, mm (sigma an axis)");
 }
 
 void add_sweep_options(Command command, StudioArguments& arguments) {
@@ -304,6 +335,8 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");
   command.add_flag("--raw-depth", arguments->raw_depth, "Keep the systematic depth error");
+  command.add_flag("--raw", arguments->raw,
+                   "Rig kinect2: the sensor's raw pictures in place of depth; run decodes them");
   command.add_option("--eye", arguments->eye, "X,Y,Z of the camera at rest, metres, world");
   command.add_option("--look-at", arguments->look_at, "X,Y,Z that it looks at");
   command.add_option("--object", arguments->object, "X,Y of the virtual object on the floor");

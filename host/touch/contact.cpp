@@ -18,6 +18,10 @@ std::string_view name(Against against) {
   constexpr std::string_view kNames[] = {"person", "object", "room"};
   return kNames[static_cast<std::size_t>(against)];
 }
+std::string_view name(RoomPart part) {
+  constexpr std::string_view kNames[] = {"", "floor", "wall", "furniture"};
+  return kNames[static_cast<std::size_t>(part)];
+}
 std::string_view name(Evidence evidence) {
   constexpr std::string_view kNames[] = {"surface", "proxy", "shape"};
   return kNames[static_cast<std::size_t>(evidence)];

@@ -15,6 +15,8 @@ namespace mixrig::touch {
 enum class EventKind : std::uint8_t { kEnter, kStay, kLeave, kHit };
 /// What the object touches.
 enum class Against : std::uint8_t { kPerson, kObject, kRoom };
+/// What of the room.
+enum class RoomPart : std::uint8_t { kAny, kFloor, kWall, kFurniture };
 /// What tells.
 enum class Evidence : std::uint8_t {
   kSurface,  ///< surface that was seen
@@ -23,6 +25,7 @@ enum class Evidence : std::uint8_t {
 };
 std::string_view name(EventKind kind);
 std::string_view name(Against against);
+std::string_view name(RoomPart part);
 std::string_view name(Evidence evidence);
 
 /// Between two things in one frame.
@@ -37,8 +40,9 @@ struct Event {
   EventKind kind = EventKind::kEnter;
   Against against = Against::kPerson;
   Evidence evidence = Evidence::kSurface;
-  int object = 0;     ///< number of the object
-  int other = 0;      ///< id of the person, number of the other object, 0 for the room
+  int object = 0;  ///< number of the object
+  int other = 0;   ///< id of the person, number of the other object, 0 for the room
+  RoomPart part = RoomPart::kAny;
   double time_s = 0;  ///< of what happened; it may have been told a frame later
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
   double depth_m = 0;  ///< of penetration; of kLeave the largest that was

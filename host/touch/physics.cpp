@@ -3,27 +3,44 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <btBulletDynamicsCommon.h>
+
+#include "host/touch/hit_finder.h"
 
 namespace mixrig::touch {
 namespace {
 
 constexpr float kGravity_m_s2 = 9.81F;
-constexpr float kRoomFriction = 0.6F, kRoomBounce = 0.6F;
-constexpr float kLowest_m = 0.06F;  ///< of what stands in the room
-constexpr float kWall_m = 2.5F;     ///< height of what is as high as a person
-constexpr float kCell_m = 0.03F;    ///< of the surface of people
-constexpr int kLeastPointsOfCell = 2;
-constexpr float kFarthest_m = 0.3F;  ///< from a cell to that of the frame before
-constexpr float kFastestPusher_m_s = 8;
-constexpr double kLongestFrame_s = 0.1;  ///< between frames of which velocities are found
+constexpr float kRoomFriction = 0.6F, kRoomBounce = 1;  ///< bounces multiply
+constexpr float kPusherBounce = 0.6F;
+constexpr float kLowest_m = 0.06F;                       ///< of what stands in the room
+constexpr float kWall_m = 2.5F;                          ///< height of what is as high as a person
+constexpr double kSideDepth_m = 0.1, kSideEnd_m = 0.05;  ///< behind its face; beyond each end
+/// Bullet takes things as touching from so near on, and an impact in such a gap loses up to the gap
+/// in a step of its speed.
+constexpr float kTouching_m = 2e-4F;
 
 btVector3 to_bt(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 btVector3 to_bt(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+
+float top_of(float top_m) {
+  return top_m < kLowest_m ? 0 : top_m > 0.6F * kWall_m ? kWall_m : top_m;
+}
+RoomPart part_of(float top_m) {
+  return top_m > 0.6F * kWall_m ? RoomPart::kWall : RoomPart::kFurniture;
+}
+
+/// Whether a cell is of that side, or behind it.
+bool covers(const RoomSide& side, const Eigen::Vector2d& at_m, double cell_m, double top_m) {
+  const Eigen::Vector2d along = (side.to_m - side.from_m).normalized();
+  const double t = along.dot(at_m - side.from_m), end = (side.to_m - side.from_m).norm();
+  const double before_m = side.normal.dot(at_m - side.from_m);
+  return t > -cell_m && t < end + cell_m && before_m < cell_m && before_m > -kSideDepth_m &&
+         top_of(static_cast<float>(top_m)) < top_of(static_cast<float>(side.top_m)) + 0.05F;
+}
 
 /// About the middle of the shape's box.
 std::unique_ptr<btCompoundShape> parts_about(const Shape& shape, const Eigen::Vector3f& middle,
@@ -44,17 +61,29 @@ std::unique_ptr<btCompoundShape> parts_about(const Shape& shape, const Eigen::Ve
 }  // namespace
 
 struct Physics::State {
+  /// Its contacts begin at kTouching_m.
+  struct Dispatcher : btCollisionDispatcher {
+    using btCollisionDispatcher::btCollisionDispatcher;
+    btPersistentManifold* getNewManifold(const btCollisionObject* a,
+                                         const btCollisionObject* b) override {
+      btPersistentManifold* const manifold = btCollisionDispatcher::getNewManifold(a, b);
+      manifold->setContactBreakingThreshold(kTouching_m);
+      return manifold;
+    }
+  };
   struct Moved {
     btRigidBody* body = nullptr;
     Eigen::Vector3f middle_m = Eigen::Vector3f::Zero();  ///< of the body, in object axes
     bool moves = false;
   };
   btRigidBody* keep(std::unique_ptr<btCollisionShape> shape, double mass_kg, const btTransform& at,
-                    double friction, double bounce);
+                    double friction, double bounce, int number = -1);
+  void add_box(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& half_m, double yaw_rad,
+               RoomPart part);
   void step();
 
   btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
+  Dispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
@@ -62,6 +91,7 @@ struct Physics::State {
   std::vector<std::unique_ptr<btRigidBody>> bodies;
   std::vector<Moved> objects;
   std::vector<geometry::Pose> poses;
+  HitFinder hits;
   std::vector<btRigidBody*> pushers;  ///< those in use first
   std::size_t used = 0;
   long steps_of_pushers = 0;
@@ -72,7 +102,8 @@ struct Physics::State {
 };
 
 btRigidBody* Physics::State::keep(std::unique_ptr<btCollisionShape> shape, double mass_kg,
-                                  const btTransform& at, double friction, double bounce) {
+                                  const btTransform& at, double friction, double bounce,
+                                  int number) {
   btVector3 inertia(0, 0, 0);
   if (mass_kg > 0) shape->calculateLocalInertia(static_cast<float>(mass_kg), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(static_cast<float>(mass_kg), nullptr, shape.get(),
@@ -82,6 +113,7 @@ btRigidBody* Physics::State::keep(std::unique_ptr<btCollisionShape> shape, doubl
   info.m_restitution = static_cast<float>(bounce);
   shapes.push_back(std::move(shape));
   bodies.push_back(std::make_unique<btRigidBody>(info));
+  bodies.back()->setUserIndex(number);
   world.addRigidBody(bodies.back().get());
   return bodies.back().get();
 }
@@ -90,8 +122,12 @@ Physics::Physics() : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.world.setGravity({0, 0, -kGravity_m_s2});
   s.solver.setRandSeed(0);
+  // What is pushed out of another thing gets no speed by that.
+  s.world.getSolverInfo().m_splitImpulse = 1;
+  s.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
   s.keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0F), 0,
-         btTransform::getIdentity(), kRoomFriction, kRoomBounce);
+         btTransform::getIdentity(), kRoomFriction, kRoomBounce,
+         static_cast<int>(RoomPart::kFloor));
 }
 
 Physics::~Physics() {
@@ -111,10 +147,10 @@ int Physics::add(const Shape& shape, const geometry::Pose& world_from_object, co
     form = std::make_unique<btSphereShape>(0.5F * shape.box_m.sizes().maxCoeff());
   else
     form = parts_about(shape, object.middle_m, s.shapes);
-  const Body still;
+  const Body still{.bounce = 1};
   const Body& of = body != nullptr ? *body : still;
-  object.body =
-      s.keep(std::move(form), body != nullptr ? of.mass_kg : 0, at, of.friction, of.bounce);
+  object.body = s.keep(std::move(form), body != nullptr ? of.mass_kg : 0, at, of.friction,
+                       of.bounce, HitFinder::kFirstObject + static_cast<int>(s.objects.size()));
   if (body != nullptr) {
     object.body->setDamping(static_cast<float>(of.drag), static_cast<float>(of.drag));
     object.body->setRollingFriction(0.002F);
@@ -124,29 +160,53 @@ int Physics::add(const Shape& shape, const geometry::Pose& world_from_object, co
     object.body->setCcdSweptSphereRadius(0.2F * shape.box_m.sizes().minCoeff());
   }
   s.objects.push_back(object);
+  s.hits.add(*object.body);
   s.poses.push_back(world_from_object);
   return static_cast<int>(s.objects.size()) - 1;
 }
 
-/// Runs of cells along x as boxes.
-void Physics::set_room(const plan::FloorMap& room) {
+void Physics::State::add_box(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& half_m,
+                             double yaw_rad, RoomPart part) {
+  const btTransform at(btQuaternion(btVector3(0, 0, 1), static_cast<float>(yaw_rad)),
+                       to_bt(middle_m));
+  keep(std::make_unique<btBoxShape>(to_bt(half_m)), 0, at, kRoomFriction, kRoomBounce,
+       static_cast<int>(part));
+}
+
+void Physics::set_velocity(int object, const Eigen::Vector3d& velocity_m_s) {
+  state_->objects[static_cast<std::size_t>(object)].body->setLinearVelocity(to_bt(velocity_m_s));
+}
+
+/// What no side covers as runs of cells along x.
+void Physics::set_room(const plan::FloorMap& room, std::span<const RoomSide> sides) {
   State& s = *state_;
   const auto top = [&](int x, int y) {
-    const float t = room.top_m.at(x, y);
-    return t < kLowest_m ? 0 : t > 0.6F * kWall_m ? kWall_m : t;
+    const double top_m = room.top_m.at(x, y);
+    const bool covered = std::any_of(sides.begin(), sides.end(), [&](const RoomSide& side) {
+      return covers(side, room.middle_m(x, y), room.cell_m, top_m);
+    });
+    return covered ? 0 : top_of(room.top_m.at(x, y));
   };
   for (int y = 0; y < room.size().height; ++y)
     for (int x = 0, end = 0; x < room.size().width; x = end) {
-      for (end = x + 1; end < room.size().width && std::abs(top(end, y) - top(x, y)) < 0.05F;)
-        ++end;
-      if (top(x, y) <= 0) continue;
+      const float height_m = top(x, y);
+      for (end = x + 1; end < room.size().width && std::abs(top(end, y) - height_m) < 0.05F;) ++end;
+      if (height_m <= 0) continue;
       const Eigen::Vector2d first = room.middle_m(x, y), last = room.middle_m(end - 1, y);
       const Eigen::Vector3d half(0.5 * (last.x() - first.x() + room.cell_m), 0.5 * room.cell_m,
-                                 0.5 * static_cast<double>(top(x, y)));
-      btTransform at = btTransform::getIdentity();
-      at.setOrigin(to_bt(Eigen::Vector3d(0.5 * (first.x() + last.x()), first.y(), half.z())));
-      s.keep(std::make_unique<btBoxShape>(to_bt(half)), 0, at, kRoomFriction, kRoomBounce);
+                                 0.5 * static_cast<double>(height_m));
+      s.add_box({0.5 * (first.x() + last.x()), first.y(), half.z()}, half, 0, part_of(height_m));
     }
+  for (const RoomSide& side : sides) {
+    const Eigen::Vector2d across = side.to_m - side.from_m;
+    const Eigen::Vector2d middle =
+        0.5 * (side.from_m + side.to_m) - 0.5 * kSideDepth_m * side.normal;
+    const auto top_m = static_cast<float>(side.top_m);
+    const Eigen::Vector3d half(0.5 * across.norm() + kSideEnd_m, 0.5 * kSideDepth_m,
+                               0.5 * static_cast<double>(top_of(top_m)));
+    s.add_box({middle.x(), middle.y(), half.z()}, half, std::atan2(across.y(), across.x()),
+              part_of(top_m));
+  }
 }
 
 void Physics::set_pushers(std::span<const Pusher> pushers) {
@@ -154,7 +214,7 @@ void Physics::set_pushers(std::span<const Pusher> pushers) {
   const std::size_t count = std::min(pushers.size(), kMostPushers);
   while (s.pushers.size() < count) {
     s.pushers.push_back(s.keep(std::make_unique<btSphereShape>(Pusher::kRadius_m), 0,
-                               btTransform::getIdentity(), kRoomFriction, kRoomBounce));
+                               btTransform::getIdentity(), kRoomFriction, kPusherBounce));
     s.pushers.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     s.pushers.back()->setActivationState(DISABLE_DEACTIVATION);
   }
@@ -183,7 +243,9 @@ void Physics::State::step() {
     pushers[i]->setInterpolationWorldTransform(stale ? at : pushers[i]->getWorldTransform());
     pushers[i]->setWorldTransform(at);
   }
+  hits.before_step();
   world.stepSimulation(static_cast<float>(kStep_s), 0);
+  hits.after_step(dispatcher, first_s + static_cast<double>(steps) * kStep_s);
   for (const Moved& object : objects) {
     if (!object.moves) continue;
     const btVector3 v = object.body->getLinearVelocity();
@@ -195,6 +257,7 @@ void Physics::State::step() {
 
 void Physics::advance(double time_s) {
   State& s = *state_;
+  s.hits.forget();
   if (!s.has_time || time_s - s.time_s > kLongestGap_s || time_s < s.time_s) {
     s.first_s = time_s - static_cast<double>(s.steps) * kStep_s;
     s.has_time = true;
@@ -216,46 +279,10 @@ void Physics::advance(double time_s) {
 
 std::span<const geometry::Pose> Physics::world_from_object() const { return state_->poses; }
 
+std::span<const Event> Physics::hits() const { return state_->hits.found(); }
+
 bool Physics::is_moving(int object) const {
   return state_->objects[static_cast<std::size_t>(object)].moves;
-}
-
-std::span<const Pusher> PusherFinder::find(std::span<const Eigen::Vector3f> surface_m,
-                                           const Eigen::Vector3d& eye_m, double time_s) {
-  cells_.clear(), now_m_.clear(), pushers_.clear();
-  for (const auto& p : surface_m) {
-    const auto cell = [](float v) { return (std::lround(v / kCell_m) + 4096) & 0x1fff; };
-    cells_.push_back({cell(p.x()) << 26 | cell(p.y()) << 13 | cell(p.z()), p, 1});
-  }
-  std::sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) {
-    if (a.key != b.key) return a.key < b.key;
-    return std::lexicographical_compare(a.sum_m.data(), a.sum_m.data() + 3, b.sum_m.data(),
-                                        b.sum_m.data() + 3);
-  });
-  for (std::size_t i = 0; i < cells_.size();) {
-    Cell sum{cells_[i].key, Eigen::Vector3f::Zero(), 0};
-    for (; i < cells_.size() && cells_[i].key == sum.key; ++i)
-      sum.sum_m += cells_[i].sum_m, ++sum.count;
-    if (sum.count >= kLeastPointsOfCell)
-      now_m_.push_back(sum.sum_m / static_cast<float>(sum.count));
-  }
-  const double step_s = time_s - before_s_;
-  const bool known = has_before_ && step_s > 0 && step_s <= kLongestFrame_s;
-  for (const auto& p : now_m_) {
-    Pusher pusher;
-    // The seen point lies on the ball.
-    pusher.at_m = p + Pusher::kRadius_m * (p - eye_m.cast<float>()).normalized();
-    float least = kFarthest_m * kFarthest_m;
-    for (std::size_t i = 0; known && i < before_m_.size(); ++i)
-      if (const float d2 = (before_m_[i] - p).squaredNorm(); d2 < least)
-        least = d2, pusher.velocity_m_s = (p - before_m_[i]) / static_cast<float>(step_s);
-    if (pusher.velocity_m_s.norm() > kFastestPusher_m_s)
-      pusher.velocity_m_s *= kFastestPusher_m_s / pusher.velocity_m_s.norm();
-    pushers_.push_back(pusher);
-  }
-  before_m_ = now_m_;
-  before_s_ = time_s, has_before_ = true;
-  return pushers_;
 }
 
 }  // namespace mixrig::touch

@@ -10,6 +10,9 @@
 
 #include "host/geometry/pose.h"
 #include "host/plan/floor_map.h"
+#include "host/touch/contact.h"
+#include "host/touch/pusher_finder.h"
+#include "host/touch/room_sides.h"
 #include "host/touch/shape.h"
 
 namespace mixrig::touch {
@@ -17,24 +20,19 @@ namespace mixrig::touch {
 /// Of an object that moves.
 struct Body {
   double mass_kg = 1;
-  double bounce = 0.6;    ///< share of the speed that is left after an impact, 0 to 1
+  /// Share of the speed that is left after an impact on the room or on what stands still, 0 to 1;
+  /// of two that move the product of both.
+  double bounce = 0.6;
   double friction = 0.5;  ///< of it, and of what it touches
   double drag = 0.1;      ///< share of the speed that is lost in a second
   bool is_ball = false;   ///< a ball around the middle of its box, instead of its parts
-};
-
-/// A part of a person's surface, as a ball that moves.
-struct Pusher {
-  static constexpr float kRadius_m = 0.05F;
-  Eigen::Vector3f at_m = Eigen::Vector3f::Zero();  ///< its middle, world
-  Eigen::Vector3f velocity_m_s = Eigen::Vector3f::Zero();
 };
 
 /// Rigid bodies over a floor at height 0 (Bullet), in steps of kStep_s: the same calls give the
 /// same bits. Not thread-safe.
 class Physics {
  public:
-  static constexpr double kStep_s = 1.0 / 240;
+  static constexpr double kStep_s = 1.0 / 480;
   static constexpr double kLongestGap_s = 0.25;  ///< of the time, longer ones are left out
   static constexpr std::size_t kMostPushers = 256;
   static constexpr double kFastest_m_s = 12;  ///< of an object
@@ -47,13 +45,19 @@ class Physics {
   /// An object that stands still, or with a body, that moves. `shape` may be dropped afterwards.
   /// The number of the object. Precondition: the shape has a part.
   int add(const Shape& shape, const geometry::Pose& world_from_object, const Body* body);
-  /// What stands on the floor, and walls.
-  void set_room(const plan::FloorMap& room);
+  /// What stands on the floor, and walls: the sides as they are, cells of the map elsewhere.
+  void set_room(const plan::FloorMap& room, std::span<const RoomSide> sides = {});
   /// The first kMostPushers count; valid for half of kLongestGap_s of the time from now on, in
   /// which they move on.
   void set_pushers(std::span<const Pusher> pushers);
+  /// Of an object with a body, world axes.
+  void set_velocity(int object, const Eigen::Vector3d& velocity_m_s);
   /// Goes on to that time; the first call only sets it.
   void advance(double time_s);
+  /// Of the last advance(): impacts of objects on the room and on each other, at the time when the
+  /// gap closed, with the speed along the normal before; those of 0.5 m/s and more, and of what
+  /// touches again in the same direction within 50 ms the first.
+  std::span<const Event> hits() const;
   /// Of each object, in the order of add().
   std::span<const geometry::Pose> world_from_object() const;
   bool is_moving(int object) const;
@@ -61,29 +65,6 @@ class Physics {
  private:
   struct State;
   std::unique_ptr<State> state_;
-};
-
-/// The surface of people near the objects, as balls in cells of a third of their width, whose
-/// velocity is that of the nearest cell of the frame before, along the motion (normal flow). One
-/// thread; no allocation once the buffers have grown.
-class PusherFinder {
- public:
-  static constexpr double kReach_m = 0.6;  ///< from an object
-  /// Precondition: time grows.
-  std::span<const Pusher> find(std::span<const Eigen::Vector3f> surface_m,
-                               const Eigen::Vector3d& eye_m, double time_s);
-
- private:
-  struct Cell {
-    long key = 0;
-    Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();
-    int count = 0;
-  };
-  std::vector<Cell> cells_;
-  std::vector<Eigen::Vector3f> before_m_, now_m_;
-  std::vector<Pusher> pushers_;
-  double before_s_ = 0;
-  bool has_before_ = false;
 };
 
 }  // namespace mixrig::touch

@@ -111,6 +111,37 @@ float thickness_m(const Convex& part) {
   return least;
 }
 
+/// What a plane is farther from a point than another one changes within a cell by the difference of
+/// their normals times the way from the middle.
+PlaneGrid grid_of(const Convex& part) {
+  constexpr float kRounding_m = 1e-5F;
+  constexpr int kCells = PlaneGrid::kCells;
+  const Eigen::Vector3f size = part.box_m.sizes().array() + 2 * kNear_m;
+  const Eigen::Vector3f cell = size / static_cast<float>(kCells);
+  PlaneGrid grid{part.box_m.min().array() - kNear_m, cell.cwiseInverse(), {}, {}};
+  std::vector<float> distances(part.planes.size());
+  for (int i = 0; i < kCells * kCells * kCells; ++i) {
+    const Eigen::Vector3f at(static_cast<float>(i % kCells),
+                             static_cast<float>(i / kCells % kCells),
+                             static_cast<float>(i / (kCells * kCells)));
+    const Eigen::Vector3f middle =
+        grid.corner_m + cell.cwiseProduct(at + Eigen::Vector3f::Constant(0.5F));
+    for (std::size_t k = 0; k < distances.size(); ++k)
+      distances[k] = part.planes[k].normal.dot(middle) - part.planes[k].offset_m;
+    const auto most = std::max_element(distances.begin(), distances.end());
+    const Eigen::Vector3f& normal =
+        part.planes[static_cast<std::size_t>(most - distances.begin())].normal;
+    grid.first.push_back(static_cast<std::uint32_t>(grid.planes.size()));
+    for (std::size_t k = 0; k < distances.size(); ++k)
+      if (distances[k] + 0.5F * cell.norm() * (part.planes[k].normal - normal).norm() +
+              kRounding_m >=
+          *most)
+        grid.planes.push_back(static_cast<std::uint16_t>(k));
+  }
+  grid.first.push_back(static_cast<std::uint32_t>(grid.planes.size()));
+  return grid;
+}
+
 Convex hull(const Points& all) {
   const Points points = outermost(all);
   btConvexHullComputer computer;
@@ -142,7 +173,10 @@ Convex hull(const Points& all) {
     if (normal.dot(part.box_m.center() - middle) > 0) normal = -normal;
     add_plane({normal, normal.dot(middle)}, part.planes);
   }
-  return thickness_m(part) < kLeastThickness_m ? flat_part(points) : part;
+  if (thickness_m(part) < kLeastThickness_m) return flat_part(points);
+  constexpr std::size_t kMany = 24;
+  if (part.planes.size() > kMany) part.grid = grid_of(part);
+  return part;
 }
 
 std::vector<Points> parts_of(const Triangles& mesh, float scale) {
@@ -163,11 +197,25 @@ std::vector<Points> parts_of(const Triangles& mesh, float scale) {
 
 }  // namespace
 
+std::span<const std::uint16_t> PlaneGrid::near(const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f at = (p - corner_m).cwiseProduct(cells_per_m);
+  if (first.empty() || !(at.minCoeff() >= 0 && at.maxCoeff() < static_cast<float>(kCells)))
+    return {};
+  const auto cell = static_cast<std::size_t>(
+      (static_cast<int>(at.z()) * kCells + static_cast<int>(at.y())) * kCells +
+      static_cast<int>(at.x()));
+  return {planes.data() + first[cell], planes.data() + first[cell + 1]};
+}
+
 float Convex::distance_m(const Eigen::Vector3f& p, Eigen::Vector3f& normal) const {
   float most = -std::numeric_limits<float>::max();
-  for (const Plane& plane : planes)
+  const auto look_at = [&](const Plane& plane) {
     if (const float d = plane.normal.dot(p) - plane.offset_m; d > most)
       most = d, normal = plane.normal;
+  };
+  const auto few = grid.near(p);
+  for (const std::uint16_t number : few) look_at(planes[number]);
+  if (few.empty()) std::for_each(planes.begin(), planes.end(), look_at);
   return most;
 }
 

@@ -11,15 +11,30 @@
 
 namespace mixrig::touch {
 
+/// Farther from an object nothing is looked at.
+inline constexpr float kNear_m = 0.25F;
+
 /// Points p with normal . p <= offset_m are on its inner side; the normal has length 1.
 struct Plane {
   Eigen::Vector3f normal;
   float offset_m = 0;
 };
 
+/// Cells around a part, each with the planes that a point in it may be farthest from. Exact.
+struct PlaneGrid {
+  static constexpr int kCells = 20;  ///< a side
+  Eigen::Vector3f corner_m = Eigen::Vector3f::Zero(), cells_per_m = Eigen::Vector3f::Zero();
+  std::vector<std::uint32_t> first;  ///< of each cell in `planes`, and the end; empty: no grid
+  std::vector<std::uint16_t> planes;
+
+  /// Those for a point; none where it is farther than kNear_m from the box.
+  std::span<const std::uint16_t> near(const Eigen::Vector3f& p) const;
+};
+
 struct Convex {
   std::vector<Eigen::Vector3f> corners_m;
   std::vector<Plane> planes;
+  PlaneGrid grid;  ///< where there are many planes
   Eigen::AlignedBox3f box_m;
 
   /// Inside minus the distance to the surface. Outside at most the distance, and equal to it before
@@ -35,9 +50,6 @@ struct Shape {
   /// The least of the parts.
   float distance_m(const Eigen::Vector3f& p, Eigen::Vector3f& normal) const;
 };
-
-/// Farther from an object nothing is looked at.
-inline constexpr float kNear_m = 0.25F;
 
 struct Triangles {
   std::span<const Eigen::Vector3f> positions_m;

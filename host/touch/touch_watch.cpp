@@ -2,6 +2,7 @@
 #include "host/touch/touch_watch.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "host/touch/body_gap.h"
@@ -27,6 +28,7 @@ TouchWatch::TouchWatch(std::vector<Shape> shapes, const ContactOptions& options,
       gives_way_(std::move(gives_way)) {
   still_.frames_to_enter = 1;
   still_.leave_s = 0;
+  still_.hit_m_s = std::numeric_limits<double>::infinity();
   yields_.least_m = -kYields_m, yields_.sure_sigmas = 0;
   yields_.leave_m = 2 * kYields_m;
   gives_way_.resize(shapes_.size());

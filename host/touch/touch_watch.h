@@ -15,7 +15,8 @@ namespace mixrig::touch {
 
 /// Of people, by their seen surface, else by a proxy for the side of the body that nothing sees,
 /// which has to be in the object by two standard deviations; of objects among each other, where
-/// they have moved; of objects in the room, where they first stand. One thread. Allocates where
+/// they have moved, without kHit, which Physics tells of; of objects in the room, where they first
+/// stand. One thread. Allocates where
 /// somebody new is near an object, and for events.
 class TouchWatch {
  public:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filters of paper C, section 2.3.3, over their kernel size on a studio take with truth: wrong
-// pixels (figure 32) and time (figure 33). usage:
-// depth_filter_bench TAKE FIRST LAST
+// pixels (figure 32) and time (figure 33), as plots too where a name is given for them, with our
+// own correction as `mixrig run` measures it on the same frames. usage: depth_filter_bench TAKE
+// FIRST LAST [PLOTS OUR_WRONG_PERCENT OUR_MS]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,8 +13,10 @@
 #include <vector>
 
 #include "host/depth/window_filters.h"
+#include "host/image_io/image_io.h"
 #include "host/measure/band.h"
 #include "host/measure/splat.h"
+#include "host/report/plot.h"
 #include "host/take/take_source.h"
 
 namespace mixrig {
@@ -114,12 +117,28 @@ double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 using Filter = std::function<Image<float>(const Scene&, depth::Window, double& seconds)>;
 
-void run(const char* name, const std::vector<Scene>& scenes, const Filter& filter) {
+/// Figures 32 and 33: a curve for each filter over its kernel size.
+struct Curves {
+  report::Plot wrong{
+      "wrong by more than 10 cm, over kernel size", "kernel, pixels", "wrong, %", {}};
+  report::Plot time{"time of a frame over kernel size", "kernel, pixels", "CPU time, ms", {}};
+  static void add_level(report::Plot& plot, double level) {
+    plot.series.push_back({"our correction", {{1, level, ""}, {13, level, ""}}});
+  }
+};
+
+void run(const char* name, const std::vector<Scene>& scenes, const Filter& filter, Curves& curves) {
+  curves.wrong.series.push_back({name, {}});
+  curves.time.series.push_back({name, {}});
   double first_s = 0, first_percent = 0;
   for (const int radius : {0, 1, 2, 3, 4, 6}) {
     Wrong wrong;
     double seconds = 0;
     for (const Scene& scene : scenes) wrong.add(filter(scene, {radius}, seconds), scene);
+    const double kernel = 2 * radius + 1;
+    curves.wrong.series.back().points.push_back({kernel, wrong.percent(), ""});
+    curves.time.series.back().points.push_back(
+        {kernel, 1e3 * seconds / static_cast<double>(scenes.size()), ""});
     if (radius == 0) first_s = seconds, first_percent = wrong.percent();
     std::printf("| %s | %d | %.2f | %.1f | %+.1f | %.2f | %.1f |\n", name, 2 * radius + 1,
                 wrong.percent(), wrong.band_percent(), 100 * (wrong.percent() / first_percent - 1),
@@ -127,7 +146,7 @@ void run(const char* name, const std::vector<Scene>& scenes, const Filter& filte
   }
 }
 
-int bench(const std::string& take, int first, int last) {
+int bench(const std::string& take, int first, int last, Curves& curves) {
   const auto source = take::open_take_source(take);
   if (!source) return std::fprintf(stderr, "%s\n", to_line(source.error()).c_str()), 2;
   const Rig rig((*source)->info());
@@ -155,20 +174,36 @@ int bench(const std::string& take, int first, int last) {
       return rig.warped(out);
     };
   };
-  run("Gaussian", scenes, before_warp(depth::gaussian));
-  run("median", scenes, before_warp(depth::median));
+  run("Gaussian", scenes, before_warp(depth::gaussian), curves);
+  run("median", scenes, before_warp(depth::median), curves);
   run("bilateral", scenes, before_warp([](auto in, depth::Window window, auto out) {
         depth::bilateral(in, window, kSigma_m, out);
-      }));
-  run("joint bilateral", scenes, [](const Scene& scene, depth::Window window, double& seconds) {
-    Image<float> out;
-    out.reset(scene.view_m.size());
-    const double begin = cpu_s();
-    depth::joint_bilateral(scene.view_m.view(), scene.luma.view(), window, kSigma_m, kSigmaLuma,
-                           out.view());
-    seconds += cpu_s() - begin;
-    return out;
-  });
+      }),
+      curves);
+  run(
+      "joint bilateral", scenes,
+      [](const Scene& scene, depth::Window window, double& seconds) {
+        Image<float> out;
+        out.reset(scene.view_m.size());
+        const double begin = cpu_s();
+        depth::joint_bilateral(scene.view_m.view(), scene.luma.view(), window, kSigma_m, kSigmaLuma,
+                               out.view());
+        seconds += cpu_s() - begin;
+        return out;
+      },
+      curves);
+  return 0;
+}
+
+int plot(Curves& curves, const std::string& name, double our_wrong_percent, double our_ms) {
+  Curves::add_level(curves.wrong, our_wrong_percent);
+  Curves::add_level(curves.time, our_ms);
+  constexpr Size kSize{720, 480};
+  for (const auto& [plot, suffix] :
+       {std::pair{&curves.wrong, "_wrong.png"}, std::pair{&curves.time, "_time.png"}})
+    if (const auto written = image_io::write_png(name + suffix, report::draw(*plot, kSize));
+        !written)
+      return std::fprintf(stderr, "%s\n", to_line(written.error()).c_str()), 1;
   return 0;
 }
 
@@ -176,6 +211,14 @@ int bench(const std::string& take, int first, int last) {
 }  // namespace mixrig
 
 int main(int count, char** arguments) {
-  if (count != 4) return std::fprintf(stderr, "usage: depth_filter_bench TAKE FIRST LAST\n"), 2;
-  return mixrig::bench(arguments[1], std::atoi(arguments[2]), std::atoi(arguments[3]));
+  if (count != 4 && count != 7)
+    return std::fprintf(
+               stderr,
+               "usage: depth_filter_bench TAKE FIRST LAST [PLOTS OUR_WRONG_PERCENT OUR_MS]\n"),
+           2;
+  mixrig::Curves curves;
+  const int status =
+      mixrig::bench(arguments[1], std::atoi(arguments[2]), std::atoi(arguments[3]), curves);
+  if (status != 0 || count == 4) return status;
+  return mixrig::plot(curves, arguments[4], std::atof(arguments[5]), std::atof(arguments[6]));
 }

@@ -56,7 +56,7 @@ void touch_people(benchmark::State& state) {
   state.counters["events"] = static_cast<double>(events);
 }
 BENCHMARK(touch_people)
-    ->ArgsProduct({{320, 512, 1280}, {1, 3}, {0, 1, 3, -1}})
+    ->ArgsProduct({{320, 512, 1280}, {1, 3}, {0, 1, 3, -1, -3}})
     ->Unit(benchmark::kMillisecond);
 
 void physics(benchmark::State& state) {

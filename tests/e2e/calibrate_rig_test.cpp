@@ -2,45 +2,14 @@
 // A bent board of the studio through mixrig calibrate rig and tof, compared with the truth.
 #include <cmath>
 
-#include <Eigen/Geometry>
-
-#include "tests/e2e/command.h"
+#include "tests/e2e/rig_error.h"
 
 namespace mixrig::test {
 namespace {
 
 using nlohmann::json;
 
-Eigen::Vector3d vector(const json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
-Eigen::Quaterniond rotation(const json& j) {
-  const json& q = j.at("rotation_xyzw");
-  return {q.at(3).get<double>(), q.at(0).get<double>(), q.at(1).get<double>(),
-          q.at(2).get<double>()};
-}
-double off_mm(const json& a, const json& b) {
-  return 1000 * (vector(a.at("translation_m")) - vector(b.at("translation_m"))).norm();
-}
-double off_deg(const json& a, const json& b) {
-  return rotation(a).angularDistance(rotation(b)) * 180 / M_PI;
-}
-std::string read(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class CalibrateRig : public CommandTest {
- protected:
-  /// Exit status of a command that is expected to fail; `error_line` gets its error line.
-  int refused(const std::string& words, std::string& error_line) const {
-    const std::string line =
-        std::string(MIXRIG_COMMAND) + " " + words + " >/dev/null 2>" + path("err");
-    const int status = std::system(line.c_str());
-    error_line = read(path("err"));
-    return WEXITSTATUS(status);
-  }
-};
+class CalibrateRig : public RefusingCommandTest {};
 
 TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) {
   ASSERT_EQ(mixrig("studio --plain " + path("set") +
@@ -62,7 +31,7 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
         << name;
   }
   // The fisheye of 185 degrees ends at the rim of its image circle.
-  const std::string written = read(out), key = "max_angle_rad = ";
+  const std::string written = text_of_file(out), key = "max_angle_rad = ";
   ASSERT_NE(written.find(key), std::string::npos);
   EXPECT_NEAR(std::stod(written.substr(written.find(key) + key.size())) * 180 / M_PI, 92.5, 0.3);
   EXPECT_NEAR(found.at("bend_mm").get<double>(), 2, 0.1);
@@ -71,8 +40,8 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
   EXPECT_LT(depth.at("held_out_mm").get<double>(), 0.6 * depth.at("uncorrected_mm").get<double>());
 
   // The same views with squares of another size: nothing is written and the old file is kept.
-  const std::string before = read(out);
-  std::string text = read(path("set/views.toml"));
+  const std::string before = text_of_file(out);
+  std::string text = text_of_file(path("set/views.toml"));
   ASSERT_NE(text.find("square_mm = 70"), std::string::npos);
   std::ofstream(path("set/views.toml"))
       << text.replace(text.find("square_mm = 70"), 14, "square_mm = 75");
@@ -80,14 +49,14 @@ TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) 
   EXPECT_EQ(refused("calibrate tof --corners-only " + path("set") + " --out " + out, error_line),
             1);
   EXPECT_NE(error_line.find("square"), std::string::npos) << error_line;
-  EXPECT_EQ(read(out), before);
+  EXPECT_EQ(text_of_file(out), before);
   // Pictures of one camera under the name of another: their size is wrong.
-  text = read(path("set/views.toml"));
+  text = text_of_file(path("set/views.toml"));
   std::ofstream(path("set/views.toml"))
       << text.replace(text.find("target/%06d.png"), 15, "fisheye/%06d.png");
   EXPECT_EQ(refused("calibrate rig " + path("set") + " --out " + out, error_line), 2);
   EXPECT_NE(error_line.find("swapped"), std::string::npos) << error_line;
-  EXPECT_EQ(read(out), before);
+  EXPECT_EQ(text_of_file(out), before);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "tests/e2e/command.h"
 #include "tests/support/child_process.h"
 #include "tests/support/progress.h"
+#include "tests/support/udp_listener.h"
 
 namespace mixrig::test {
 namespace {
@@ -92,6 +93,45 @@ TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
   EXPECT_GE(report.at("frames").get<int>(), 5);
   EXPECT_FALSE(fs::exists(path("out.partial")));
   EXPECT_EQ(mixrig("info " + path("out/composite")), 0);
+}
+
+/// A ball falls while somebody walks.
+TEST_F(RigRun, EventsAndPlacesArriveWhileALiveRunGoesOn) {
+  make_take(4);
+  write_rig("studio:walk,31,sr3000,100000,160x120/target",
+            "studio:walk,31,sr3000,100000,160x120/tof");
+  UdpListener json, osc;
+  std::ofstream(path("take/scene.toml"), std::ios::app)
+      << "\n[[object]]\nname = \"a ball\"\nmodel = \"models/statue.glb\"\nscale = 0.1\n"
+      << "position_m = [2.6, 2.15, 1.0]\nphysics = { mass_kg = 0.4, shape = \"ball\" }\n"
+      << "[events]\npeople = true\nudp = \"" << json.address() << "\"\nosc = \"" << osc.address()
+      << "\"\n";
+  ChildProcess child(
+      {MIXRIG_COMMAND, "run", path("take/scene.toml"), "--source", "rig:" + path("rig.toml"),
+       "--backend", "cpu", "--format", "none", "--out", path("out")},
+      240, path("log"));
+  bool hit = false, person = false, osc_hit = false, osc_person = false, osc_people = false;
+  EXPECT_TRUE(comes_true([&] {
+    for (std::string text = json.next(); !text.empty(); text = json.next()) {
+      const auto told = nlohmann::json::parse(text);
+      person |= told.contains("people") && !told["people"].empty();
+      hit |= told.value("event", "") == "hit" && told["object"] == "a ball" &&
+             told.value("part", "") == "floor";
+    }
+    using std::string_literals::operator""s;
+    for (std::string text = osc.next(); !text.empty(); text = osc.next()) {
+      osc_hit |= text.starts_with("/mixrig/touch/a_ball/hit\0"s);
+      osc_person |= text.starts_with("/mixrig/person\0\0,ifff\0"s);
+      osc_people |= text.starts_with("/mixrig/people\0\0,"s);
+    }
+    return hit && person && osc_hit && osc_person && osc_people;
+  })) << hit
+      << person << osc_hit << osc_person << osc_people;
+  child.signal(SIGINT);
+  EXPECT_EQ(child.wait(), 0);
+  const auto events = report("out/report.json").at("events");
+  EXPECT_GE(events["hit"], 1);
+  EXPECT_GT(events["osc"]["sent"], events["datagrams"]["sent"]);
 }
 
 TEST_F(RigRun, CtrlCEndsARunOfATakeWithAWholeOutput) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who walks through a box of the scene, and past another: events against the studio's true
 // surfaces, within four frames at 160x128, where three were seen (touch_study judges larger
-// pictures). A box that is kicked: the same pictures twice.
+// pictures). A box that is kicked: the same pictures twice. Balls
+// bounce where the room is.
 #include <fstream>
 
 #include "host/image_io/image_io.h"
@@ -18,7 +19,7 @@ constexpr double kBottom_m = 0.95;  ///< trunks touch it; hands swing below
 constexpr int kFrames = 75, kFirst = 26;
 
 /// A box around the origin, bottom at 0.
-scene::Model box_model(const Eigen::Vector3f& half_m) {
+scene::Model box_model(const Eigen::Vector3f& half_m, Rgb8 color = {200, 60, 30}) {
   scene::Model model;
   scene::Mesh mesh;
   for (int axis = 0; axis < 3; ++axis)
@@ -36,7 +37,7 @@ scene::Model box_model(const Eigen::Vector3f& half_m) {
       for (const std::uint32_t i : {0U, 1U, 3U, 0U, 3U, 2U}) mesh.indices.push_back(first + i);
     }
   mesh.texture = 0;
-  model.textures.emplace_back(Size{4, 4}, Rgb8{200, 60, 30});
+  model.textures.emplace_back(Size{4, 4}, color);
   model.meshes.push_back(std::move(mesh));
   return model;
 }
@@ -125,9 +126,9 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
            std::to_string(box.translation_m.x()) + ", " + std::to_string(box.translation_m.y()) +
            ", " + std::to_string(kBottom_m) + "]\n";
   };
-  UdpListener listener;
+  UdpListener listener, osc_listener;
   write_scene(object("struck", struck) + object("passed", passed) + "\n[events]\nudp = \"" +
-              listener.address() + "\"\n");
+              listener.address() + "\"\nosc = \"" + osc_listener.address() + "\"\n");
   ASSERT_EQ(run("out"), 0);
 
   const auto all = events("out/events.jsonl");
@@ -158,10 +159,15 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(run_report["events"]["datagrams"]["sent"], all.size());
   EXPECT_EQ(run_report["people"]["people"].size(), 1U);
   EXPECT_TRUE(std::filesystem::exists(path("out/people.csv")));
+  EXPECT_EQ(run_report["events"]["osc"]["sent"], all.size());
   for (const auto& e : all) {
-    const std::string text = listener.next();
+    const std::string text = listener.next(), osc = osc_listener.next();
     ASSERT_FALSE(text.empty());
     EXPECT_EQ(nlohmann::json::parse(text), e);
+    const std::string address =
+        "/mixrig/touch/" + e["object"].get<std::string>() + "/" + e["event"].get<std::string>();
+    EXPECT_TRUE(osc.starts_with(address + '\0')) << osc;
+    EXPECT_NE(osc.find(",sisfffffff"), std::string::npos);
   }
   // The plan of the same scene tells the same of people.
   ASSERT_EQ(mixrig("plan " + path("take/touch.toml") + " --source take:" + path("take") + " " +
@@ -170,7 +176,21 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_EQ(events("plan/events.jsonl"), all);
 }
 
-TEST_F(TouchRun, AKickedBallMovesTheSameWayTwice) {
+/// Of the first hit of an object on a part of the room.
+void expect_hit(const std::vector<nlohmann::json>& events, const char* object, const char* part,
+                double after_s, double speed_m_s, int axis, double at_m) {
+  for (const auto& e : events) {
+    if (e["event"] != "hit" || e["object"] != object || e.value("part", "") != part) continue;
+    EXPECT_NEAR(e["time_s"].get<double>(), (kFirst - 1) / studio::kFrameRate_hz + after_s, 0.01)
+        << e;
+    EXPECT_NEAR(e["speed_m_s"].get<double>(), speed_m_s, 0.05) << e;
+    EXPECT_NEAR(e["at_m"][static_cast<std::size_t>(axis)].get<double>(), at_m, 0.02) << e;
+    return;
+  }
+  ADD_FAILURE() << object << " does not hit the " << part;
+}
+
+TEST_F(TouchRun, BallsMoveTheSameWayTwiceAndBounceWhereTheRoomIs) {
   const studio::TrueBodies bodies(walk());
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   const auto surface = bodies.surfaces(50)[0];
@@ -178,12 +198,25 @@ TEST_F(TouchRun, AKickedBallMovesTheSameWayTwice) {
   sum /= static_cast<float>(surface.size());
   ASSERT_TRUE(
       scene::write_glb(box_model({0.15F, 0.15F, 0.15F}), "box", path("take/models/ball.glb")));
+  ASSERT_TRUE(scene::write_glb(box_model({0.15F, 0.15F, 0.15F}, {30, 60, 200}), "thrown",
+                               path("take/models/thrown.glb")));
   write_scene("\n[[object]]\nname = \"ball\"\nmodel = \"models/ball.glb\"\nposition_m = [" +
               std::to_string(sum.x()) + ", " + std::to_string(sum.y()) +
-              ", 0.0]\nphysics = { mass_kg = 0.4, bounce = 0.5 }\n");
+              ", 0.0]\nphysics = { mass_kg = 0.4, bounce = 0.5 }\n"
+              "[[object]]\nname = \"thrown\"\nmodel = \"models/thrown.glb\"\n"
+              "position_m = [4.0, 3.2, 1.45]\nphysics = { mass_kg = 0.4, friction = 0.0, drag = "
+              "0.0, shape = \"ball\", velocity_m_s = [5.0, 0.0, 0.0] }\n"
+              "[[object]]\nname = \"dropped\"\nmodel = \"models/thrown.glb\"\n"
+              "position_m = [3.2, 2.15, 0.85]\nphysics = { mass_kg = 0.4, drag = 0.0, shape = "
+              "\"ball\" }\n");
   ASSERT_EQ(run("a"), 0);
   ASSERT_EQ(run("b"), 0);
   EXPECT_EQ(events("a/events.jsonl"), events("b/events.jsonl"));
+  constexpr double kRadius_m = 0.15, kRoomX_m = 5.263, kGravity_m_s2 = 9.81;
+  expect_hit(events("a/events.jsonl"), "thrown", "wall", (kRoomX_m - kRadius_m - 4.0) / 5, 5, 0,
+             kRoomX_m);
+  const double fall_s = std::sqrt(2 * 0.85 / kGravity_m_s2);
+  expect_hit(events("a/events.jsonl"), "dropped", "floor", fall_s, kGravity_m_s2 * fall_s, 2, 0);
   Image<Rgb8> first, last, again;
   const auto read = [&](const char* file, Image<Rgb8>& picture) {
     return image_io::read_rgb8(path(file), picture).has_value();

@@ -15,6 +15,7 @@
 
 #include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/linux/aravis/aravis_chunks.h"
 #include "hal/linux/aravis/aravis_setup.h"
 #include "hal/wire/genicam_buffer.h"
 
@@ -25,7 +26,6 @@ constexpr int kLibraryBuffers = 8, kBuffers = 10;
 constexpr std::size_t kMostParts = 8;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
-constexpr guint64 kMostTime_ns = (1ULL << 62) - 1;  // a camera's stamp may not fit a Duration
 constexpr Duration kAravisLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
@@ -75,6 +75,8 @@ class AravisCamera final : public Camera {
   std::uint32_t code_ = 0;
   Object<ArvCamera> camera_;
   Object<ArvStream> stream_;
+  AravisChunks chunks_;
+  Object<ArvChunkParser> parser_;  ///< of chunks_; for the driver's thread
   std::optional<FramePool> pool_;
   FrameSink sink_;
   std::thread thread_;
@@ -128,6 +130,8 @@ Result<void> AravisCamera::set_up() {
   MIXRIG_TRY(choose_aravis_trigger(camera_.get(), request_, described));
   if (pool_ && (code != code_ || described.size != info_.size))
     return Error{ErrorCode::kDevice, info_.uri + ": a different camera was plugged in"};
+  chunks_ = choose_aravis_chunks(camera_.get());
+  parser_.reset(chunks_.any() ? arv_camera_create_chunk_parser(camera_.get()) : nullptr);
   for (const auto& [control, value] : settings_) MIXRIG_TRY(apply(control, value));
   code_ = code;
   if (!pool_) info_ = described;  // callers hold references to it: not changed after open()
@@ -226,14 +230,16 @@ DepthUsed AravisCamera::copy(ArvBuffer* buffer, const FramePool::Draft& draft) c
 }
 
 void AravisCamera::take(ArvBuffer* buffer) {
-  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
-  Frame frame{.format = info_.format,
-              .size = info_.size,
-              .stride_bytes = row_bytes(info_.format, info_.size.width),
-              .sequence = id,
-              .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostTime_ns)),
-              .received = clock_.now()};
+  Frame frame{
+      .format = info_.format,
+      .size = info_.size,
+      .stride_bytes = row_bytes(info_.format, info_.size.width),
+      .sequence = arv_buffer_get_frame_id(buffer),
+      .device_time = DeviceTime(Duration(arv_buffer_get_timestamp(buffer) & kMostAravisTime_ns)),
+      .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  if (arrived && parser_) read_aravis_chunks(parser_.get(), buffer, chunks_, frame);
+  const std::uint64_t id = frame.sequence;
   auto draft = pool_->take();
   const DepthUsed used = arrived && draft ? copy(buffer, draft) : DepthUsed();
   const bool whole = used.depth > 0;

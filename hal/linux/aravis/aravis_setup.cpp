@@ -164,12 +164,36 @@ Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& reque
   return {};
 }
 
+namespace {
+
+/// "off", or the state of the first set of names that the camera has; empty where it has none.
+std::string ptp_state(ArvDevice* device) {
+  struct Names {
+    const char *enable, *latch, *status;
+  };
+  for (const Names& names :
+       {Names{"PtpEnable", "PtpDataSetLatch", "PtpStatus"},
+        Names{"GevIEEE1588", "GevIEEE1588DataSetLatch", "GevIEEE1588Status"}}) {
+    AravisFault fault;
+    if (!available(device, names.enable)) continue;
+    const bool on = arv_device_get_boolean_feature_value(device, names.enable, fault) != FALSE;
+    if (fault.any() || !on) return "off";
+    if (available(device, names.latch)) arv_device_execute_command(device, names.latch, fault);
+    const char* state = arv_device_get_string_feature_value(device, names.status, fault);
+    return state != nullptr && !fault.any() ? state : "on";
+  }
+  return {};
+}
+
+}  // namespace
+
 void describe_aravis(ArvCamera* camera, CameraInfo& info) {
   AravisFault fault;
   const char* model = arv_camera_get_model_name(camera, fault);
   info.model = model != nullptr ? model : "";
   const char* serial = arv_camera_get_device_serial_number(camera, fault);
   info.serial = serial != nullptr ? serial : "";
+  info.ptp = ptp_state(arv_camera_get_device(camera));
   double low = 0, high = 0;
   arv_camera_get_exposure_time_bounds(camera, &low, &high, fault);
   if (!fault.any() && high > low)

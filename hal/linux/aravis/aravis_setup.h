@@ -51,7 +51,7 @@ Result<std::uint32_t> choose_aravis_depth(ArvCamera* camera, const StreamRequest
 /// `info`. Errors: kDevice.
 Result<void> choose_aravis_trigger(ArvCamera* camera, const StreamRequest& request,
                                    CameraInfo& info);
-/// Model, serial number and controls.
+/// Model, serial number, controls and PTP.
 void describe_aravis(ArvCamera* camera, CameraInfo& info);
 /// What the steps of a frame mean, and how floats become steps.
 struct AravisDepth {

@@ -237,6 +237,11 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
   return view.ids.size() < kFewest ? std::optional<BoardView>() : std::optional(std::move(view));
 }
 
+BoardView find_again(ImageView<const std::uint8_t> image, const BoardSpec& board,
+                     const BoardView& known) {
+  return refine_corners(image, board, known);
+}
+
 Image<std::uint8_t> gray_of(ImageView<const Rgb8> image) {
   Image<std::uint8_t> gray(image.size);
   for (int y = 0; y < image.size.height; ++y)

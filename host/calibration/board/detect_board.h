@@ -44,6 +44,11 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
                                               Refinement refinement = Refinement::kModel,
                                               Search search = Search::kThorough);
 
+/// The corners of `known` in another picture in which the board lies within a quarter of a square of
+/// the same place, refined anew; those that are not found are left out. Thread-safe.
+BoardView find_again(ImageView<const std::uint8_t> image, const BoardSpec& board,
+                     const BoardView& known);
+
 /// Grey of a colour picture (Rec. 709 weights on the encoded values).
 Image<std::uint8_t> gray_of(ImageView<const Rgb8> image);
 /// 8 bits of a picture of 16, stretched so that 0.5 % is black and 0.5 % white.

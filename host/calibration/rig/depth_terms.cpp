@@ -54,11 +54,13 @@ struct DepthMiss {
 };
 
 bool depth_miss(const Scene& scene, const Basis& basis, const Eigen::VectorXd& error_m,
-                const Sample& s, const Image<float>& measured, DepthMiss& out) {
-  const double value = measured.at(s.x, s.y);
-  if (value <= 0) return false;
-  const Eigen::Vector3d way =
-      board_point(scene.model, scene.print.columns, scene.print.rows, s.uv).p_m - scene.eye;
+                const Sample& s, const ViewPictures& seen, DepthMiss& out) {
+  const double depth_m = seen.depth_m.at(s.x, s.y);
+  if (depth_m <= 0) return false;
+  const Eigen::Vector3d point =
+      board_point(scene.model, scene.print.columns, scene.print.rows, s.uv).p_m;
+  const double value = along_ray(scene, seen, depth_m, point);
+  const Eigen::Vector3d way = point - scene.eye;
   const double distance = way.norm();
   out.sight = way / distance;
   basis.at(distance, out.basis, out.slopes);
@@ -82,19 +84,26 @@ double scatter_m(std::vector<double>& misses) {
 
 }  // namespace
 
+double along_ray(const Scene& scene, const ViewPictures& seen, double depth_m,
+                 const Eigen::Vector3d& point_m) {
+  if (!seen.depth_is_z) return depth_m;
+  const Eigen::Vector3d way = scene.r * (point_m - scene.eye);  // camera axes
+  return way.z() > 0 ? depth_m * way.norm() / way.z() : 0;
+}
+
 DepthScatter depth_scatter(const Scene& scene, const std::vector<Sample>& samples,
-                           const Image<float>& measured) {
+                           const ViewPictures& seen) {
   const Basis basis(scene.model.depth.knots_m);
   std::vector<double> paper, ink;
   DepthMiss d;
   for (const Sample& s : samples)
-    if (depth_miss(scene, basis, errors_of(scene.model), s, measured, d))
+    if (depth_miss(scene, basis, errors_of(scene.model), s, seen, d))
       (s.ink < 0.5 ? paper : ink).push_back(d.miss_m);
   return {scatter_m(paper), scatter_m(ink)};
 }
 
 Eigen::MatrixXd depth_sums(const Scene& scene, const std::vector<Sample>& samples,
-                           const Image<float>& measured, const DepthScatter& scatter,
+                           const ViewPictures& seen, const DepthScatter& scatter,
                            const CameraColumns& at, long& rows) {
   const Basis basis(scene.model.depth.knots_m);
   const Eigen::VectorXd errors = errors_of(scene.model);
@@ -102,7 +111,7 @@ Eigen::MatrixXd depth_sums(const Scene& scene, const std::vector<Sample>& sample
   ProjectedBoardPoint projected;
   DepthMiss d;
   for (const Sample& s : samples) {
-    if (!depth_miss(scene, basis, errors, s, measured, d) ||
+    if (!depth_miss(scene, basis, errors, s, seen, d) ||
         !project_board_point(scene, s.uv, projected))
       continue;
     const double sigma = scatter.paper_m + s.ink * (scatter.ink_m - scatter.paper_m);
@@ -146,13 +155,14 @@ std::vector<DepthSample> depth_samples(const BoardPrint& print, const Pictures& 
     const Size size = scene.camera.size_px;
     std::map<std::array<int, 3>, DepthSample> patches;
     for (const Sample& s : render(scene, true)) {
-      const double measured = seen.distance_m.at(s.x, s.y);
-      if (measured <= 0) continue;
+      const double depth_m = seen.depth_m.at(s.x, s.y);
+      if (depth_m <= 0) continue;
       // Separately by colour; a far board has hardly a pixel without an edge.
       const int color = s.ink < 0.25 ? 0 : s.ink > 0.75 ? 2 : 1;
       DepthSample& patch = patches[{s.y / patch_px, s.x / patch_px, color}];
       const BoardPoint point = board_point(model, print.columns, print.rows, s.uv);
       const double board = (point.p_m - scene.eye).norm();
+      const double measured = along_ray(scene, seen, depth_m, point.p_m);
       if (std::abs(measured - board) > 0.3) continue;
       patch.view = view;
       patch.measured_m += measured, patch.board_m += board;

@@ -93,7 +93,7 @@ void PixelTerms::weigh(const RigModel& model, const std::vector<int>& views, Cre
       Weights& w = weights_[view][c];
       if (seen.picture.empty()) continue;
       const Scene scene = make_scene(model, print_, c, view);
-      const auto samples = render(scene, !seen.distance_m.empty());
+      const auto samples = render(scene, !seen.depth_m.empty());
       if (static_cast<long>(samples.size()) < kLeastPixels) continue;
       const LightFit fit = solve_light(samples, seen.picture);
       w.grey = fit.sigma;
@@ -101,8 +101,8 @@ void PixelTerms::weigh(const RigModel& model, const std::vector<int>& views, Cre
       w.contrast = std::abs(samples[samples.size() / 2].light.dot(fit.light.head<kLight>() -
                                                                   fit.light.tail<kLight>()));
       w.used = fit.share > kLeastShare;
-      if (seen.distance_m.empty() || model.depth.knots_m.size() < 2) continue;
-      const DepthScatter depth = depth_scatter(scene, samples, seen.distance_m);
+      if (seen.depth_m.empty() || model.depth.knots_m.size() < 2) continue;
+      const DepthScatter depth = depth_scatter(scene, samples, seen);
       w.paper_m = depth.paper_m, w.ink_m = depth.ink_m;
     }
   });
@@ -116,17 +116,17 @@ ViewTerm PixelTerms::sums(const RigModel& model, const RigLayout& layout, int vi
     if (!w.used) continue;
     const ViewPictures& seen = pictures_[view][c];
     const Scene scene = make_scene(model, print_, c, view);
-    const auto samples = render(scene, !seen.distance_m.empty());
+    const auto samples = render(scene, !seen.depth_m.empty());
     if (static_cast<long>(samples.size()) < kLeastPixels) continue;
     const CameraColumns at = columns_of(scene.camera, 2 * kLight);
     // The sum without light has its residual where light began.
     scatter(grey_sums(scene, samples, seen.picture, w.grey, at), at, layout, c, false, term.sum);
     term.rows += static_cast<long>(samples.size());
-    if (seen.distance_m.empty() || layout.depth < 0) continue;
+    if (seen.depth_m.empty() || layout.depth < 0) continue;
     const CameraColumns deep =
         columns_of(scene.camera, static_cast<int>(model.depth.knots_m.size()));
-    scatter(depth_sums(scene, samples, seen.distance_m, {w.paper_m, w.ink_m}, deep, term.rows),
-            deep, layout, c, true, term.sum);
+    scatter(depth_sums(scene, samples, seen, {w.paper_m, w.ink_m}, deep, term.rows), deep, layout,
+            c, true, term.sum);
   }
   return term;
 }

@@ -3,6 +3,7 @@
 #include "host/calibration/rig/view_set.h"
 
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
@@ -78,6 +79,17 @@ Result<void> check_size(const ViewCamera& camera, Size size, const std::filesyst
                                        ": check size_px, and that the cameras are not swapped"};
 }
 
+/// What is wrong with the first line of a table of angles, or empty: it must name degrees.
+std::string wrong_angle_header(const std::string& line) {
+  std::string lower;
+  for (const char c : line) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string form = "write the header \"view,pan_deg,tilt_deg\" and degrees";
+  if (lower.find("rad") != std::string::npos) return "the header names radians: " + form;
+  const std::size_t pan = lower.find("deg");
+  if (pan != std::string::npos && lower.find("deg", pan + 1) != std::string::npos) return "";
+  return "the header names no unit of both angles: " + form;
+}
+
 float linear(std::uint8_t value) { return linear_from_srgb(static_cast<float>(value) / 255); }
 
 }  // namespace
@@ -91,6 +103,8 @@ Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
+    if (number == 1)
+      if (const std::string why = wrong_angle_header(line); !why.empty()) return wrong(1, why);
     if (number == 1 || line.empty()) continue;
     int view = 0, used = 0;
     double pan = 0, tilt = 0;
@@ -160,10 +174,11 @@ Result<ViewPictures> load_view(const ViewSet& set, const ViewCamera& camera, int
   const auto depth_path = file_of(set, camera.depth, view);
   MIXRIG_TRY(image_io::read_gray16(depth_path, counts));
   MIXRIG_TRY(check_size(camera, counts.size(), depth_path));
-  out.distance_m.reset(counts.size());
+  out.depth_m.reset(counts.size());
+  out.depth_is_z = camera.depth_is_z;
   const auto unit = static_cast<float>(camera.depth_unit_m);
   for (int y = 0; y < counts.height(); ++y)
-    for (int x = 0; x < counts.width(); ++x) out.distance_m.at(x, y) = unit * counts.at(x, y);
+    for (int x = 0; x < counts.width(); ++x) out.depth_m.at(x, y) = unit * counts.at(x, y);
   return out;
 }
 

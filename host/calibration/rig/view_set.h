@@ -41,7 +41,7 @@ struct ViewSet {
 /// Reads FOLDER/views.toml. Errors: kNotFound, kFormat (file:line: key).
 Result<ViewSet> read_view_set(const std::filesystem::path& folder);
 /// Parses "view,pan_deg,tilt_deg" lines; `name` is the file's name in errors. Pure and bounded: the
-/// entry point of the fuzzer. Errors: kFormat.
+/// entry point of the fuzzer. Errors: kFormat, also for a header that names radians, or no degrees.
 Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const std::string& name,
                                                   int views);
 
@@ -49,7 +49,8 @@ Result<std::vector<ViewSet::Angles>> parse_angles(const std::string& text, const
 struct ViewPictures {
   Image<float> picture;      ///< linear in light: 0..1 of 8-bit sRGB (its green, the finest
                              ///< channel), counts of a 16-bit grey picture
-  Image<float> distance_m;   ///< along the ray, 0 = unknown; empty for a colour camera
+  Image<float> depth_m;      ///< 0 = unknown; empty for a colour camera
+  bool depth_is_z = false;   ///< else along the ray
   Image<std::uint8_t> gray;  ///< for detectors
 };
 /// Errors: kNotFound, kFormat, also where a size is not the camera's.

@@ -24,19 +24,26 @@ float people_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int
   return 2 * count >= pixels && count > 0 ? sum / static_cast<float>(count) : 0;
 }
 
-/// Blocks from the middle of (bx, by) to the nearest one that shows another surface, less half of
-/// one; a person goes on past the border of the view.
-float blocks_to_silhouette(const Image<float>& w, int bx, int by, int reach) {
+struct Surroundings {
+  float blocks_to_silhouette = 0;  ///< to the nearest block of another surface, less half of one
+  float behind_m = 0;              ///< the nearest part of the body around, no limb before it
+};
+
+/// Of the middle of (bx, by); a person goes on past the border of the view.
+Surroundings surroundings(const Image<float>& w, int bx, int by, int reach) {
   const float own_m = 1 / w.row(by)[bx];
   int nearest2 = reach * reach;
+  float behind_m = 0;
   for (int y = std::max(0, by - reach); y <= std::min(w.height() - 1, by + reach); ++y)
     for (int x = std::max(0, bx - reach); x <= std::min(w.width() - 1, bx + reach); ++x) {
       const float other_w = w.row(y)[x];
       const bool same = other_w > 0 && std::abs(1 / other_w - own_m) < kPeopleStepM;
       const int distance2 = (x - bx) * (x - bx) + (y - by) * (y - by);
       if (!same) nearest2 = std::min(nearest2, distance2);
+      const float ahead_m = same ? own_m - 1 / other_w : 0;
+      if (ahead_m < kPeopleRadiusM) behind_m = std::max(behind_m, ahead_m);
     }
-  return std::sqrt(static_cast<float>(nearest2)) - 0.5F;
+  return {std::sqrt(static_cast<float>(nearest2)) - 0.5F, behind_m};
 }
 
 Ball ball_at(const Image<float>& w, const PinholeParams& view, int bx, int by) {
@@ -46,9 +53,9 @@ Ball ball_at(const Image<float>& w, const PinholeParams& view, int bx, int by) {
   const int reach = std::clamp(
       static_cast<int>(std::ceil(kPeopleRadiusM / (kBlockPx * px_m) + 0.5F)), 1, kMostBallBlocks);
   const float block_m = kBlockPx * px_m;
-  const float radius_m =
-      std::max(std::min(kPeopleRadiusM, blocks_to_silhouette(w, bx, by, reach) * block_m),
-               kLeastBallBlocks * block_m);
+  const auto [blocks, behind_m] = surroundings(w, bx, by, reach);
+  const float radius_m = std::max(std::min(kPeopleRadiusM - 0.5F * behind_m, blocks * block_m),
+                                  kLeastBallBlocks * block_m);
   const float middle = 0.5F * (kBlockPx - 1);
   const glm::vec2 px(static_cast<float>(bx * kBlockPx) + middle,
                      static_cast<float>(by * kBlockPx) + middle);

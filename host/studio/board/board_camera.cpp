@@ -38,6 +38,7 @@ struct BoardCamera::View {
   const BoardPattern& pattern;
   Vec3 eye;
   Eigen::Matrix3d board_from_camera;
+  SampleSteps steps;
 };
 
 BoardCamera::BoardCamera(Size size_px, RayFunction ray, double blur_px)
@@ -75,9 +76,10 @@ BoardPixel BoardCamera::centre(const View& view, int x, int y) const {
 }
 
 void BoardCamera::trace_shares(const View& view, int x, int y, BoardPixel& pixel) const {
-  int board = 0, paper = 0;
+  int board = 0, paper = 0, count = 0;
   BoardPixel seen = pixel;
-  for (const Vec2& offset : samples_) {
+  for (int i = view.steps.border / 2; i < kSamples; i += view.steps.border, ++count) {
+    const Vec2& offset = samples_[static_cast<std::size_t>(i)];
     Eigen::Vector3d ray;
     if (!ray_(x + static_cast<double>(offset.x()), y + static_cast<double>(offset.y()), ray))
       continue;
@@ -90,8 +92,8 @@ void BoardCamera::trace_shares(const View& view, int x, int y, BoardPixel& pixel
       seen = {1, 0, hit.uv.x(), hit.uv.y(), hit.t, std::abs(hit.normal.dot(direction))};
   }
   pixel = seen;
-  pixel.board = static_cast<float>(board) / kSamples;
-  pixel.paper = static_cast<float>(paper) / kSamples;
+  pixel.board = static_cast<float>(board) / static_cast<float>(count);
+  pixel.paper = static_cast<float>(paper) / static_cast<float>(count);
 }
 
 void BoardCamera::find_shares(const View& view, int x, int y, const std::vector<BoardPixel>& pixels,
@@ -122,19 +124,21 @@ void BoardCamera::find_shares(const View& view, int x, int y, const std::vector<
   // Each sample is a small box, so that the share changes continuously as an edge moves.
   const Vec2 box = (0.7F / kSide) * (dx.cwiseAbs() + dy.cwiseAbs());
   float paper = 0;
-  for (const Vec2& offset : samples_) {
+  int count = 0;
+  for (int i = view.steps.edge / 2; i < kSamples; i += view.steps.edge, ++count) {
+    const Vec2& offset = samples_[static_cast<std::size_t>(i)];
     const Vec2 uv = Vec2(pixel.u_m, pixel.v_m) + offset.x() * dx + offset.y() * dy;
     paper += view.pattern.white_share(uv.x(), uv.y(), box.x(), box.y());
   }
-  pixel.paper = paper / kSamples;
+  pixel.paper = paper / static_cast<float>(count);
 }
 
 void BoardCamera::trace(const TraceScene& board, const BoardPattern& pattern,
-                        const geometry::Pose& camera_from_board, Crew& crew,
-                        std::vector<BoardPixel>& pixels) {
+                        const geometry::Pose& camera_from_board, const SampleSteps& steps,
+                        Crew& crew, std::vector<BoardPixel>& pixels) {
   const geometry::Pose board_from_camera = geometry::inverse(camera_from_board);
   const View view{board, pattern, board_from_camera.translation_m.cast<float>(),
-                  board_from_camera.rotation.toRotationMatrix()};
+                  board_from_camera.rotation.toRotationMatrix(), steps};
   std::vector<BoardPixel> centres(size_.area());
   pixels.resize(size_.area());
   const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * size_.width + x; };

@@ -26,6 +26,12 @@ struct BoardPixel {
   float cosine = 0;      ///< of the angle between ray and normal
 };
 
+/// How many of a pixel's samples are taken: every so many-th, 1..16.
+struct SampleSteps {
+  int border = 1;  ///< of pixels on the board's outline
+  int edge = 1;    ///< of pixels on the edges of its squares
+};
+
 /// A camera whose point response is a pixel's square convolved with a Gaussian of sigma `blur_px`.
 class BoardCamera {
  public:
@@ -37,7 +43,8 @@ class BoardCamera {
   }
   /// Traces `board`, which is given in board axes. `pixels` is filled row by row.
   void trace(const TraceScene& board, const BoardPattern& pattern,
-             const geometry::Pose& camera_from_board, Crew& crew, std::vector<BoardPixel>& pixels);
+             const geometry::Pose& camera_from_board, const SampleSteps& steps, Crew& crew,
+             std::vector<BoardPixel>& pixels);
 
  private:
   static constexpr int kSide = 12, kSamples = kSide * kSide;

@@ -12,6 +12,13 @@
 
 namespace mixrig::studio {
 
+/// How a person holds the board: still for `rest_s` at the pose of each view, then on to the next.
+struct HandMotion {
+  double rest_s = 0.8, move_s = 0.8;  ///< 0.1..10 each
+  double tremor_m =
+      0;  ///< of the board's middle, standard deviation an axis, 0..0.01; it turns too
+};
+
 struct BoardOptions {
   RigPreset rig = RigPreset::kKinect2;
   unsigned seed = 1;
@@ -30,6 +37,8 @@ struct BoardOptions {
   std::optional<double> depth_error_m;
   double amplitude_error_m = 0;  ///< of depth where the signal is a tenth of the brightest, +-0.1
   double pixel_error_m = 0;      ///< of depth in the corners of the picture, +-0.1
+  Size fisheye_px{1280, 1024};   ///< 64..4096 a side; the same field
+  HandMotion hand;               ///< of render_moment()
 };
 
 /// Properties of all views.
@@ -62,6 +71,13 @@ class BoardStudio {
   const BoardInfo& info() const;
   /// Renders view `number` (1..views).
   void render(int number, BoardView& view);
+  /// What target and depth camera see about a time, with blur where the board moves within the
+  /// exposure: a board in the hands of a person (hand_pose); with BoardOptions::pan_tilt a board
+  /// that stands before a head that stands and turns as `head` says. `number` (1-based) seeds the
+  /// noise. The fisheye's picture stays as it is.
+  void render_moment(int number, double time_s, const HeadMotion& head, BoardView& view);
+  /// The fisheye's picture alone, likewise.
+  void render_fisheye(int number, double time_s, const HeadMotion& head, Image<Rgb8>& picture);
 
  private:
   struct State;

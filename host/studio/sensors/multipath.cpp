@@ -62,6 +62,8 @@ Echo turned(const TofSensor& sensor, const Echo& e, float path_m, float scale) {
   turn(sensor.fine_hz, e.fine_cos, e.fine_sin, out.fine_cos, out.fine_sin);
   if (sensor.coarse_hz > 0)
     turn(sensor.coarse_hz, e.coarse_cos, e.coarse_sin, out.coarse_cos, out.coarse_sin);
+  if (sensor.third_hz > 0)
+    turn(sensor.third_hz, e.third_cos, e.third_sin, out.third_cos, out.third_sin);
   out.strength = scale * e.strength;
   return out;
 }
@@ -81,7 +83,7 @@ Echo bounced_echo(const LitScene& scene, const Vec3& position, const Vec3& norma
     if (!is_open(scene, at + kShadowOffset_m * hit.face, eye)) continue;
     const Vec3 visible = scene.materials->albedo(hit.material, hit.uv, at);
     Echo one;
-    one.fine_cos = one.coarse_cos = one.strength =
+    one.fine_cos = one.coarse_cos = one.third_cos = one.strength =
         scene.materials->infrared(hit.material, visible) * cosine / (d * d);
     sum += turned(*scene.sensor, one, hit.t + d, 1);
   }

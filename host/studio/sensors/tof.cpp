@@ -42,22 +42,30 @@ bool demodulate(const TofSensor& sensor, const std::array<Echo, 4>& taps, bool f
 Echo& Echo::operator+=(const Echo& other) {
   fine_cos += other.fine_cos, fine_sin += other.fine_sin;
   coarse_cos += other.coarse_cos, coarse_sin += other.coarse_sin;
+  third_cos += other.third_cos, third_sin += other.third_sin;
   strength += other.strength, albedo += other.albedo;
   return *this;
 }
 
 Echo Echo::operator*(float scale) const {
-  return {scale * fine_cos,   scale * fine_sin, scale * coarse_cos,
-          scale * coarse_sin, scale * strength, scale * albedo};
+  return {scale * fine_cos,  scale * fine_sin,  scale * coarse_cos, scale * coarse_sin,
+          scale * third_cos, scale * third_sin, scale * strength,   scale * albedo};
 }
 
 Echo echo_of(const TofSensor& sensor, float distance_m, float infrared_albedo, float cosine) {
   const float strength = infrared_albedo * std::abs(cosine) / (distance_m * distance_m);
   const float fine = phase_per_m(sensor.fine_hz) * distance_m;
-  Echo e{strength * std::cos(fine), strength * std::sin(fine), 0, 0, strength, infrared_albedo};
+  Echo e{.fine_cos = strength * std::cos(fine),
+         .fine_sin = strength * std::sin(fine),
+         .strength = strength,
+         .albedo = infrared_albedo};
   if (sensor.coarse_hz > 0) {
     const float coarse = phase_per_m(sensor.coarse_hz) * distance_m;
     e.coarse_cos = strength * std::cos(coarse), e.coarse_sin = strength * std::sin(coarse);
+  }
+  if (sensor.third_hz > 0) {
+    const float third = phase_per_m(sensor.third_hz) * distance_m;
+    e.third_cos = strength * std::cos(third), e.third_sin = strength * std::sin(third);
   }
   return e;
 }

@@ -16,7 +16,7 @@ inline constexpr double kLight_m_s = 299792458.0;
 /// cause of mixed depths at edges. Strength is albedo cos / d^2 (1 = albedo 1, perpendicular, at 1
 /// m).
 struct Echo {
-  float fine_cos = 0, fine_sin = 0, coarse_cos = 0, coarse_sin = 0;
+  float fine_cos = 0, fine_sin = 0, coarse_cos = 0, coarse_sin = 0, third_cos = 0, third_sin = 0;
   float strength = 0;
   float albedo = 0;  ///< mean albedo of the surfaces, for the room light
 

@@ -53,9 +53,12 @@ TofCamera::SubRay TofCamera::cast(const TraceScene& scene, const Materials& mate
   if (hit.material.kind == Kind::kMirror) return by_mirror(scene, materials, direction, hit);
   const Vec3 visible = materials.albedo(hit.material, hit.uv, rays_.position + hit.t * direction);
   const float length = direction.norm();
-  // The light source is at the lens, so light travels along the ray in both directions.
-  return {hit.t * length, materials.infrared(hit.material, visible),
-          -hit.normal.dot(direction) / length, hit.normal};
+  // From a light source at the lens, light travels along the ray in both directions.
+  float distance = hit.t * length;
+  if (sensor_.light_x_m != 0)
+    distance = 0.5F * (distance + (rays_.position + hit.t * direction - light_at_).norm());
+  return {distance, materials.infrared(hit.material, visible), -hit.normal.dot(direction) / length,
+          hit.normal};
 }
 
 TofCamera::SubRay TofCamera::by_mirror(const TraceScene& scene, const Materials& materials,
@@ -93,6 +96,7 @@ void TofCamera::trace_room(const TraceScene& room, const Materials& materials,
   world_from_tof_ = world_from_tof;
   room_ = &room;
   rays_ = camera_rays(grid_, world_from_tof);
+  light_at_ = (world_from_tof * Eigen::Vector3d(sensor_.light_x_m, 0, 0)).cast<float>();
   const Size size = sensor_.optics.size_px;
   crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
@@ -209,12 +213,7 @@ std::array<Echo, 4> TofCamera::mean_taps() const {
   return mean;
 }
 
-void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
-                       Image<float>& distance_m, Image<float>& amplitude) {
-  const Size size = sensor_.optics.size_px;
-  distance_m.reset(size);
-  amplitude.reset(size);
-  const float counts_per_e = 65535.0F / sensor_.full_well_e;
+void TofCamera::expose(const Shot& shot, const Materials& materials, Crew& crew) {
   Rect rect;
   for (const TraceScene& tap : shot.person)
     rect = united(rect, covered_by(tap.mesh(), sensor_.optics, world_from_tof_));
@@ -223,19 +222,51 @@ void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
     multipath_.update({shot.room, &shot.at_middle->scene, &materials, &sensor_, world_from_tof_},
                       rays_, shot.at_middle->extent.whole, crew);
   collect_taps(shot, materials, rect, crew);
-  std::array<Echo, 4> stray{};
-  if (sensor_.stray > 0) stray = mean_taps();
+  if (sensor_.stray == 0) return;
+  const std::array<Echo, 4> stray = mean_taps();
+  crew.rows(sensor_.optics.size_px.height, kTofBand, [&](int begin, int end) {
+    const auto width = static_cast<std::size_t>(sensor_.optics.size_px.width);
+    for (std::size_t i = begin * width; i < end * width; ++i)
+      for (std::size_t k = 0; k < 4; ++k) taps_[i][k] += stray[k] * sensor_.stray;
+  });
+}
+
+void TofCamera::render_raw(const Shot& shot, const Materials& materials, Crew& crew,
+                           const RawPictures& pictures, std::vector<std::uint8_t>& raw,
+                           Image<float>& true_m) {
+  expose(shot, materials, crew);
+  pictures.expose(taps_, hash_key(seed_, static_cast<std::uint64_t>(shot.number)), shot.number,
+                  shot.time_s + sensor_.delay_s, raw);
+  const Size size = sensor_.optics.size_px;
+  true_m.reset(size);
+  crew.rows(size.height, kTofBand, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const Vec3 ray = rays_.direction(static_cast<float>(x), static_cast<float>(y));
+        Hit hit;
+        float t = shot.room->intersect(rays_.position, ray, kMiss, hit) ? hit.t : kMiss;
+        const TraceScene& people = shot.at_middle->scene;
+        if (people.intersect(rays_.position, ray, kMiss, hit)) t = std::min(t, hit.t);
+        true_m.at(x, y) = t < kMiss ? t * ray.norm() : 0;
+      }
+  });
+}
+
+void TofCamera::render(const Shot& shot, const Materials& materials, Crew& crew,
+                       Image<float>& distance_m, Image<float>& amplitude) {
+  const Size size = sensor_.optics.size_px;
+  distance_m.reset(size);
+  amplitude.reset(size);
+  const float counts_per_e = 65535.0F / sensor_.full_well_e;
+  expose(shot, materials, crew);
   const float warm_m = warm_up_offset_m(sensor_, seed_, shot.time_s);
   crew.rows(size.height, kTofBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < size.width; ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * size.width + x;
-        std::array<Echo, 4>& taps = taps_[pixel];
-        if (sensor_.stray > 0)
-          for (std::size_t k = 0; k < 4; ++k) taps[k] += stray[k] * sensor_.stray;
         const TofValue value = read_taps(
-            sensor_, taps, hash_key(seed_, static_cast<std::uint64_t>(shot.number), pixel), raw_,
-            normal_, warm_m + pixel_offset_m(sensor_, seed_, pixel, normal_));
+            sensor_, taps_[pixel], hash_key(seed_, static_cast<std::uint64_t>(shot.number), pixel),
+            raw_, normal_, warm_m + pixel_offset_m(sensor_, seed_, pixel, normal_));
         distance_m.at(x, y) = value.distance_m;
         amplitude.at(x, y) = std::round(counts_per_e * value.amplitude_e);
       }

@@ -7,6 +7,7 @@
 #include "hal/base/image.h"
 #include "host/studio/sensors/multipath.h"
 #include "host/studio/sensors/picture.h"
+#include "host/studio/sensors/raw_pictures.h"
 #include "host/studio/sensors/tof.h"
 
 namespace mixrig::studio {
@@ -30,6 +31,10 @@ class TofCamera {
   };
   void render(const Shot& shot, const Materials& materials, Crew& crew, Image<float>& distance_m,
               Image<float>& amplitude);
+  /// The same frame as raw pictures, for a sensor of raw_sensor(). `true_m`: as Frame::tof_true_m.
+  void render_raw(const Shot& shot, const Materials& materials, Crew& crew,
+                  const RawPictures& pictures, std::vector<std::uint8_t>& raw,
+                  Image<float>& true_m);
 
  private:
   static constexpr int kSide = 3, kSubRays = kSide * kSide;
@@ -55,6 +60,8 @@ class TofCamera {
   void collect_taps(const Shot& shot, const Materials& materials, const Rect& rect, Crew& crew);
   /// Mean of all pixels, of each tap.
   std::array<Echo, 4> mean_taps() const;
+  /// Light of all pixels at each tap, with bounced and stray light.
+  void expose(const Shot& shot, const Materials& materials, Crew& crew);
 
   TofSensor sensor_;
   unsigned seed_;
@@ -62,6 +69,7 @@ class TofCamera {
   NormalTable normal_;
   RayGrid grid_;
   CameraRays rays_;
+  Vec3 light_at_ = Vec3::Zero();  ///< the light source, world
   geometry::Pose world_from_tof_;
   const TraceScene* room_ = nullptr;
   std::vector<SubRay> room_rays_;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/calibration/rig/depth_fit.h"
+#include "host/calibration/rig/depth_terms.h"
 #include "host/calibration/rig/rig_start.h"
 #include "host/estimation/verdict.h"
 #include "host/studio/board/board_pattern.h"
@@ -97,6 +98,27 @@ TEST(BoardTexture, derivatives_are_those_of_its_value) {
   }
 }
 
+TEST(DepthTerms, a_depth_along_the_axis_becomes_one_along_the_ray) {
+  const auto print = print_of(set_of(false));
+  ASSERT_TRUE(print);
+  RigModel model;
+  model.square_m = 0.07;
+  model.cameras.resize(1);
+  model.cameras[0].camera_from_target = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0.05, 0, 0}};
+  model.target_from_board = {{Eigen::Quaterniond::Identity(), {0.2, -0.3, 1.1}}};
+  const Scene scene = make_scene(model, *print, 0, 0);
+  const Eigen::Vector3d point(0.4, 0.1, 0);
+  const Eigen::Vector3d in_camera =
+      model.cameras[0].camera_from_target * (model.target_from_board[0] * point);
+  ViewPictures seen;
+  seen.depth_is_z = true;
+  EXPECT_NEAR(along_ray(scene, seen, in_camera.z(), point), in_camera.norm(), 1e-12);
+  EXPECT_GT(in_camera.norm(), 1.1 * in_camera.z());
+  seen.depth_is_z = false;
+  EXPECT_EQ(along_ray(scene, seen, 1.5, point), 1.5);
+}
+
 TEST(SplineBasis, sums_to_one_and_meets_its_knots) {
   const std::vector<double> knots{0.5, 0.7, 1.1, 1.2, 2.0};
   Eigen::VectorXd values;
@@ -183,9 +205,22 @@ TEST(Angles, are_read_whole_or_refused_with_the_line) {
   const auto good = parse_angles("view,pan_deg,tilt_deg\n1,10,-5\n2,0.0514,0\n", "ptu.csv", 2);
   ASSERT_TRUE(good);
   EXPECT_NEAR((*good)[0].pan_rad, 10 * M_PI / 180, 1e-12);
-  for (const char* text : {"head\n1,10\n2,0,0\n", "head\n2,1,1\n", "head\n1,nan,0\n2,0,0\n",
-                           "head\n1,0,0\n", "", "head\n1,1e9,0\n2,0,0\n"})
+  const std::string head = "view,pan_deg,tilt_deg\n";
+  for (const std::string& text :
+       {head + "1,10\n2,0,0\n", head + "2,1,1\n", head + "1,nan,0\n2,0,0\n", head + "1,0,0\n",
+        std::string(), head + "1,1e9,0\n2,0,0\n"})
     EXPECT_FALSE(parse_angles(text, "ptu.csv", 2)) << text;
+}
+
+TEST(Angles, in_radians_or_without_a_unit_are_refused_by_their_header) {
+  const std::string rows = "1,0.17,-0.08\n2,0.01,0\n";
+  for (const char* head : {"view,pan_deg,tilt_deg\n", "view,Pan [deg],Tilt [deg]\n"})
+    EXPECT_TRUE(parse_angles(head + rows, "ptu.csv", 2)) << head;
+  for (const char* head : {"view,pan_rad,tilt_rad\n", "view,pan,tilt\n", "view,pan_deg,tilt\n"}) {
+    const auto angles = parse_angles(head + rows, "ptu.csv", 2);
+    ASSERT_FALSE(angles) << head;
+    EXPECT_NE(angles.error().context.find("ptu.csv:1: the header names"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -3,11 +3,17 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <gtest/gtest.h>
+
+#include "host/image_io/image_io.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::capture {
 namespace {
@@ -296,6 +302,23 @@ TEST(Decode, ShortFramesAndDepthAreRefused) {
   }
   const std::vector<std::uint8_t> depth(128);
   EXPECT_FALSE(usual(frame(PixelFormat::kDepth16, {8, 8}, depth), out));
+}
+
+TEST(ColorDecoder, AMirroredCamerasPicturesAreTurnedBack) {
+  const test::TemporaryFolder folder;
+  Image<Rgb8> sent({5, 2}), seen;
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 5; ++x)
+      sent.at(x, y) = {static_cast<std::uint8_t>(40 * x), static_cast<std::uint8_t>(y), 7};
+  ASSERT_TRUE(image_io::write_png(folder.path() / "p.png", std::as_const(sent).view()));
+  std::ifstream in(folder.path() / "p.png", std::ios::binary);
+  const std::vector<std::uint8_t> file{std::istreambuf_iterator<char>(in), {}};
+  const device::Frame f = frame(PixelFormat::kMjpeg, sent.size(), file);
+  ASSERT_TRUE(ColorDecoder({.mirrored = true}).decode(f, seen));
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 5; ++x) EXPECT_EQ(seen.at(x, y), sent.at(4 - x, y));
+  ASSERT_TRUE(ColorDecoder().decode(f, seen));
+  EXPECT_EQ(seen.at(1, 1), sent.at(1, 1));
 }
 
 }  // namespace

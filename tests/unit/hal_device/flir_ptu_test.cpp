@@ -2,13 +2,17 @@
 // The driver of the ASCII protocol against the emulated unit: special cases and faults.
 #include "hal/wire/flir_ptu.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
 #include "hal/fake/flir_ptu_emulator.h"
+#include "hal/wire/flir_ptu_baud.h"
 
 namespace mixrig::device {
 namespace {
@@ -264,6 +268,68 @@ struct ReplyCase {
   bool interrupted;
   const char* text;
 };
+
+// What a line's rate gives: positions of both axes a second, and the error of an angle at its stamp
+// while the head turns. Nothing but the line takes time here; a unit computes too.
+TEST(FlirPtuRate, PositionsComeAsOftenAsTheLineAllowsAndTheirStampsStayRight) {
+  struct Case {
+    int baud;
+    double least_hz;
+  };
+  for (const Case& c : {Case{9600, 14}, Case{19200, 28}, Case{38400, 56}, Case{115200, 168}}) {
+    ManualClock clock;
+    fake::FlirPtuEmulator unit{3};
+    auto line = std::make_unique<fake::FlirPtuLine>(unit, clock);
+    line->baud = c.baud;
+    auto head = FlirPtu::open(std::move(line), clock, "flir-ptu:emulated",
+                              std::chrono::nanoseconds(10'000'000'000 / c.baud));
+    ASSERT_TRUE(head) << to_line(head.error());
+    constexpr double kSpeed_rad_s = 30.0 / 180 * std::numbers::pi;
+    ASSERT_TRUE((*head)->set_motion({.speed_rad_s = kSpeed_rad_s, .acceleration_rad_s2 = 20}));
+    ASSERT_TRUE((*head)->move_to({2.5, 0}));
+    clock.advance(1s);  // it turns at full speed by now
+    const HostTime begin = clock.now();
+    int count = 0;
+    double worst_rad = 0;
+    std::optional<PanTiltSample> before;
+    for (; clock.now() < begin + 1s; ++count) {
+      const auto sample = (*head)->sample();
+      ASSERT_TRUE(sample);
+      // At constant speed a difference of stamps is a difference of angles, to within two steps.
+      if (before)
+        worst_rad =
+            std::max(worst_rad, std::abs(sample->angles.pan_rad - before->angles.pan_rad -
+                                         kSpeed_rad_s * seconds(sample->pan_at - before->pan_at)));
+      before = *sample;
+    }
+    const double rate_hz = count / seconds(clock.now() - begin);
+    std::printf("  measured: %6d baud: %.1f positions a second, steps of pan right to %.3f deg\n",
+                c.baud, rate_hz, worst_rad * 180 / std::numbers::pi);
+    EXPECT_GE(rate_hz, c.least_hz) << c.baud;
+    EXPECT_LT(worst_rad, 2 * kStepRad) << c.baud;
+  }
+}
+
+TEST(FlirPtuRate, OfTheUnitIsFoundWithoutMovingIt) {
+  for (const int unit_baud : {9600, 19200, 38400, 57600, 115200}) {
+    ManualClock clock;
+    fake::FlirPtuEmulator unit{5};
+    fake::FlirPtuLine line(unit, clock);
+    line.unit_baud = unit_baud;
+    const HostTime begin = clock.now();
+    const auto found = find_ptu_baud(line, clock);
+    ASSERT_TRUE(found) << unit_baud << ": " << to_line(found.error());
+    EXPECT_EQ(*found, unit_baud);
+    EXPECT_EQ(line.baud, unit_baud);
+    EXPECT_LT(clock.now() - begin, 4s);
+    EXPECT_EQ(unit.position(clock.now() + 5s)[0], 0);
+  }
+  ManualClock clock;
+  fake::FlirPtuEmulator unit{5};
+  fake::FlirPtuLine line(unit, clock);
+  line.unit_baud = 4800;
+  EXPECT_FALSE(find_ptu_baud(line, clock));
+}
 
 TEST(PtuReplyParser, SeparatesEchoLimitReportsAndReplies) {
   const ReplyCase cases[] = {

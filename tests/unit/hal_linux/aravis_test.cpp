@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The aravis driver against libaravis' own GigE Vision camera on the loopback interface. Run it in
 // its own network namespace: the search for cameras broadcasts.
+#include <bit>
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
@@ -12,8 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <arv.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "hal/linux/aravis/aravis_camera.h"
@@ -35,7 +39,8 @@ using FakeDevice = std::unique_ptr<ArvGvFakeCamera, Unref>;
 /// What a camera description has beside the built-in one.
 struct Features {
   std::vector<std::pair<std::string, std::uint32_t>> formats;
-  std::string xml;  ///< nodes
+  std::string xml;        ///< nodes
+  int payload_bytes = 0;  ///< of a buffer, where it is not the picture alone
 };
 
 std::string number(const std::string& name, const std::string& value) {
@@ -103,6 +108,13 @@ std::string description(const Features& features) {
                 "<EnumEntry Name=\"" + name + "\" NameSpace=\"Standard\"><Value>" +
                     std::to_string(code) + "</Value></EnumEntry>\n");
   text.insert(formats, features.xml);
+  if (features.payload_bytes > 0) {
+    const std::string name = "Name=\"PayloadSize\"";
+    text.replace(text.find(name), name.size(), "Name=\"PictureSize\"");
+    text.insert(text.find("<Enumeration Name=\"PixelFormat\""),
+                "<Integer Name=\"PayloadSize\"><Value>" + std::to_string(features.payload_bytes) +
+                    "</Value></Integer>\n");
+  }
   static int count = 0;
   const auto path =
       std::filesystem::temp_directory_path() /
@@ -148,6 +160,13 @@ class Device {
   }
   ~Device() { std::filesystem::remove(description_); }
   bool running() const { return arv_gv_fake_camera_is_running(camera_.get()); }
+  /// A register of the camera's control channel, in this machine's order.
+  std::uint32_t word(guint32 address) const {
+    guint32 value = 0;
+    arv_fake_camera_read_register(arv_gv_fake_camera_get_fake_camera(camera_.get()), address,
+                                  &value);
+    return value;
+  }
   std::uint32_t memory(guint64 address) const {
     std::uint32_t value = 0;
     arv_fake_camera_read_memory(arv_gv_fake_camera_get_fake_camera(camera_.get()),
@@ -324,6 +343,136 @@ TEST(AravisDepth, WhatIsNoDepthOrHasNoUnitIsRefused) {
     EXPECT_NE(to_line(camera.error()).find(c.in_the_line), std::string::npos)
         << to_line(camera.error());
   }
+}
+
+// Registers of the emulated camera that the tests use.
+constexpr guint32 kStreamPort = 0x0D00, kStreamAddress = 0x0D18;
+constexpr guint64 kChunksAt = 0x9000, kPtpAt = 0x9100;
+
+std::string reg(const std::string& kind, const std::string& name, guint64 address,
+                const std::string& more = {}) {
+  return "<" + kind + " Name=\"" + name + "\"><Address>" + std::to_string(address) + "</Address>" +
+         more + "<Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort>" +
+         "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></" + kind + ">\n";
+}
+std::string chunk(const std::string& name, const std::string& id, int bytes, bool is_float) {
+  const std::string kind = is_float ? "FloatReg" : "IntReg";
+  return "<Port Name=\"Port" + name + "\"><ChunkID>" + id + "</ChunkID></Port>\n<" + kind +
+         " Name=\"Chunk" + name + "\"><Address>0</Address><Length>" + std::to_string(bytes) +
+         "</Length><AccessMode>RO</AccessMode><pPort>Port" + name + "</pPort>" +
+         (is_float ? "" : "<Sign>Unsigned</Sign>") + "<Endianess>BigEndian</Endianess></" + kind +
+         ">\n";
+}
+
+/// SFNC 2.7: chunks of stamp, exposure and counter; PTP that is on and follows a master.
+const Features kChunks = {
+    {},
+    reg("IntReg", "ChunkModeRegister", kChunksAt) +
+        "<Boolean Name=\"ChunkModeActive\"><pValue>ChunkModeRegister</pValue></Boolean>\n"
+        "<Enumeration Name=\"ChunkSelector\">"
+        "<EnumEntry Name=\"Timestamp\"><Value>1</Value></EnumEntry>"
+        "<EnumEntry Name=\"ExposureTime\"><Value>2</Value></EnumEntry>"
+        "<EnumEntry Name=\"FrameID\"><Value>3</Value></EnumEntry>"
+        "<pValue>Chunk</pValue></Enumeration>\n"
+        "<Integer Name=\"Chunk\"><Value>1</Value></Integer>\n"
+        "<Boolean Name=\"ChunkEnable\"><pValue>ChunkRegister</pValue></Boolean>\n" +
+        reg("IntReg", "ChunkRegister", kChunksAt, "<pIndex Offset=\"4\">Chunk</pIndex>") +
+        chunk("Timestamp", "a1", 8, false) + chunk("ExposureTime", "a2", 8, true) +
+        chunk("FrameID", "a3", 8, false) + reg("IntReg", "PtpRegister", kPtpAt) +
+        "<Boolean Name=\"PtpEnable\"><Value>1</Value></Boolean>\n" + choice("PtpStatus", "Slave"),
+    64 * 48 + 3 * 16};
+
+/// Sends pictures as the GigE Vision standard lays out GVSP packets, in place of the emulated
+/// camera, whose own stream has no chunks.
+class ChunkSender {
+ public:
+  explicit ChunkSender(const Device& device) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_port = htons(static_cast<std::uint16_t>(device.word(kStreamPort)));
+    address_.sin_addr.s_addr = htonl(device.word(kStreamAddress));
+  }
+  ~ChunkSender() { ::close(socket_); }
+  /// A grey picture of 64x48 and its chunks; `id` is the block's, 16 bits.
+  void send(int id, std::uint64_t stamp, double exposure_us, std::uint64_t counter) {
+    std::vector<std::uint8_t> picture(64 * 48, static_cast<std::uint8_t>(id));
+    append(picture, stamp, 0xA1);
+    append(picture, std::bit_cast<std::uint64_t>(exposure_us), 0xA2);
+    append(picture, counter, 0xA3);
+    std::vector<std::uint8_t> leader = header(id, 1, 0);
+    for (const std::uint32_t word : {0x4001U, 0U, 77U, 0x01080001U, 64U, 48U, 0U, 0U, 0U})
+      put(leader, word, 4);
+    packet(leader);
+    const std::size_t room = payload_;
+    int number = 1;
+    for (std::size_t at = 0; at < picture.size(); at += room, ++number) {
+      std::vector<std::uint8_t> block = header(id, 3, number);
+      block.insert(block.end(), picture.begin() + static_cast<long>(at),
+                   picture.begin() + static_cast<long>(std::min(picture.size(), at + room)));
+      packet(block);
+    }
+    std::vector<std::uint8_t> trailer = header(id, 2, number);
+    put(trailer, 0x4001U, 4), put(trailer, 48U, 4);
+    packet(trailer);
+  }
+  void payload(std::size_t bytes) { payload_ = bytes; }
+
+ private:
+  static void put(std::vector<std::uint8_t>& bytes, std::uint64_t value, int count) {
+    for (int i = count - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  }
+  /// The value, then id and length of the chunk.
+  static void append(std::vector<std::uint8_t>& bytes, std::uint64_t value, std::uint32_t id) {
+    put(bytes, value, 8), put(bytes, id, 4), put(bytes, 8, 4);
+  }
+  static std::vector<std::uint8_t> header(int id, std::uint32_t kind, int number) {
+    std::vector<std::uint8_t> bytes;
+    put(bytes, 0, 2), put(bytes, static_cast<std::uint64_t>(id), 2);
+    put(bytes, kind << 24 | static_cast<std::uint32_t>(number), 4);
+    return bytes;
+  }
+  void packet(const std::vector<std::uint8_t>& bytes) const {
+    ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address_),
+             sizeof address_);
+  }
+  int socket_;
+  std::size_t payload_ = 1000;
+  sockaddr_in address_{};
+};
+
+TEST(AravisChunks, GiveTheStampOfTheMiddleTheExposureAndTheCounter) {
+  static SystemClock clock;
+  const Device device("GV12", kChunks);
+  ASSERT_TRUE(device.running());
+  device::StreamRequest request = small(device::PixelFormat::kGray8);
+  request.hardware_trigger = true;  // so that the emulated camera itself sends nothing
+  auto camera = device::open_aravis("Aravis-Fake-GV12", request, clock);
+  ASSERT_TRUE(camera) << to_line(camera.error());
+  EXPECT_EQ((*camera)->info().ptp, "Slave");
+  EXPECT_NE(device.memory(kChunksAt), 0U) << "ChunkModeActive";
+  for (const guint64 at : {4U, 8U, 12U}) EXPECT_NE(device.memory(kChunksAt + at), 0U) << at;
+  std::mutex mutex;
+  std::vector<device::Frame> frames;
+  ASSERT_TRUE((*camera)->start([&](const device::FramePtr& frame) {
+    const std::lock_guard lock(mutex);
+    frames.push_back(*frame);
+  }));
+  ChunkSender sender(device);
+  const std::size_t packet = device.word(0x0D04) & 0xFFFF;
+  sender.payload(packet - 36);  // without the headers of IP, UDP and GVSP
+  constexpr std::uint64_t kStamp = 1'732'000'000'123'456'789;  // TAI of PTP
+  sender.send(1, kStamp, 5000, 70001);
+  sender.send(2, kStamp + 40'000'000, 8000, 70003);
+  ASSERT_TRUE(comes_true([&] { return (*camera)->health().frames >= 2; }));
+  (*camera)->stop();
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].flags | frames[1].flags, device::kFrameAfterGap);
+  EXPECT_EQ(frames[0].sequence, 70001U);
+  EXPECT_EQ(frames[0].exposure, 5ms);
+  EXPECT_EQ(frames[0].device_time.time_since_epoch().count(),
+            static_cast<long>(kStamp) + 2'500'000);
+  EXPECT_EQ(frames[1].device_time.time_since_epoch().count(),
+            static_cast<long>(kStamp) + 44'000'000);
+  EXPECT_EQ((*camera)->health().lost, 1U) << "by the camera's own counter";
 }
 
 TEST(AravisTrigger, AnInputThatTheCameraDoesNotHaveIsNamedWithThoseThatItHas) {

@@ -148,6 +148,18 @@ int FakeV4l2::dequeue(v4l2_buffer& buffer) {
   return 0;
 }
 
+int FakeV4l2::extend(const uvc_xu_control_query& query) {
+  if (extension_answer.empty() || query.unit != 3 || query.selector != 1) return fail(ENOENT);
+  if (query.size != extension_answer.size()) return fail(ENOBUFS);
+  if (query.query == UVC_SET_CUR) {
+    extension_request.assign(query.data, query.data + query.size);
+    return 0;
+  }
+  if (query.query != UVC_GET_CUR || extension_request.empty()) return fail(EINVAL);
+  std::copy(extension_answer.begin(), extension_answer.end(), query.data);
+  return 0;
+}
+
 int FakeV4l2::ioctl(unsigned long request, void* argument) {
   switch (request) {
     case VIDIOC_QUERYCAP:
@@ -180,6 +192,8 @@ int FakeV4l2::ioctl(unsigned long request, void* argument) {
       return dequeue(as<v4l2_buffer>(argument));
     case VIDIOC_STREAMON:
       return as<std::uint32_t>(argument) == type() ? 0 : fail(EINVAL);
+    case UVCIOC_CTRL_QUERY:
+      return extend(as<uvc_xu_control_query>(argument));
     default:
       return fail(ENOTTY);
   }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <linux/usb/video.h>
+#include <linux/uvcvideo.h>
 #include <linux/videodev2.h>
 
 #include "hal/base/image.h"
@@ -37,11 +39,15 @@ class FakeV4l2 {
   std::uint32_t code = 0;
   Size size{};
   std::vector<FakePlane> planes;
+  /// Of extension unit 3, selector 1: what was asked last, and what it answers; empty: no such
+  /// unit.
+  std::vector<std::uint8_t> extension_request, extension_answer;
   std::uint32_t colorspace = 0, ycbcr = 0, quantization = 0, transfer = 0;
   /// Bytes of each plane of the pictures to send.
   std::deque<std::vector<std::vector<std::uint8_t>>> pictures;
 
  private:
+  int extend(const uvc_xu_control_query& query);
   std::uint32_t type() const;
   int describe(v4l2_capability& capability) const;
   int set_format(v4l2_format& format) const;

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/linux/v4l2/realsense_unit.h"
+#include "tests/support/realsense_answer.h"
 #include "tests/unit/hal_linux/fake_v4l2.h"
 
 namespace mixrig::test {
@@ -130,6 +132,19 @@ TEST_F(V4l2Camera, MorePlanesThanTheFormatHasAreRefused) {
   node_.size = {4, 2};
   node_.planes = {{8, 16}, {8, 16}, {8, 16}};
   EXPECT_FALSE(device::V4l2Camera::open(node_.path(), {}, clock_));
+}
+
+TEST_F(V4l2Camera, TheFactoryCalibrationOfARealSenseComesThroughItsExtensionUnit) {
+  node_.extension_answer = realsense_answer(3, {421.5F, 421.5F, 423.25F, 241.75F});
+  const auto k = device::realsense_intrinsics(node_.path(), {848, 480});
+  ASSERT_TRUE(k) << to_line(k.error());
+  EXPECT_EQ(k->focal_px, 421.5);
+  ASSERT_EQ(node_.extension_request.size(), 1024U);
+  EXPECT_EQ(node_.extension_request[4], 0x15);
+  node_.extension_answer.clear();
+  const auto none = device::realsense_intrinsics(node_.path(), {848, 480});
+  ASSERT_FALSE(none);
+  EXPECT_NE(to_line(none.error()).find("asking for the factory calibration"), std::string::npos);
 }
 
 }  // namespace

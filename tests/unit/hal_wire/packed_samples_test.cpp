@@ -55,6 +55,8 @@ TEST(PackedSamples, FullScaleIs65535AndZeroIsZero) {
   Bytes out(4);
   ASSERT_TRUE(unpack_samples({SamplePacking::kWords, 10, {2, 1}, 4}, Bytes{0xFF, 3, 0, 0}, out));
   EXPECT_EQ(out, (Bytes{0xFF, 0xFF, 0, 0}));
+  ASSERT_TRUE(unpack_samples({SamplePacking::kWords, 14, {2, 1}, 4}, Bytes{0xFF, 0x3F, 1, 0}, out));
+  EXPECT_EQ(out, (Bytes{0xFF, 0xFF, 4, 0}));
 }
 
 TEST(PackedSamples, RowsBeginAtTheirStride) {

@@ -190,27 +190,36 @@ TEST(Scene, ASetReplacesTheBackground) {
 
 TEST(Scene, EventsAndPhysics) {
   const std::string ball = "[[object]]\nposition_m = [0.0, 0.0, 0.0]\nmodel = \"b.glb\"\n";
-  const auto scene =
-      parse_scene(ball +
-                      "physics = { mass_kg = 0.4, bounce = 0.5, shape = \"ball\" }\n"
-                      "[people]\nfollow = true\n[events]\nudp = \"127.0.0.1:7420\"\n",
-                  "s/scene.toml", false);
+  const auto scene = parse_scene(ball +
+                                     "physics = { mass_kg = 0.4, bounce = 0.5, shape = \"ball\", "
+                                     "velocity_m_s = [1, 0, -2.5] }\n"
+                                     "[people]\nfollow = true\n[events]\nudp = \"127.0.0.1:7420\"\n"
+                                     "osc = \"127.0.0.1:53000\"\npeople = true\n",
+                                 "s/scene.toml", false);
   ASSERT_TRUE(scene) << scene.error().context;
   EXPECT_TRUE(scene->follow_people);
   EXPECT_EQ(scene->events->udp, "127.0.0.1:7420");
+  EXPECT_EQ(scene->events->osc, "127.0.0.1:53000");
+  EXPECT_TRUE(scene->events->people);
   EXPECT_EQ(scene->objects[0].physics->mass_kg, 0.4);
   EXPECT_TRUE(scene->objects[0].physics->is_ball);
+  EXPECT_EQ(scene->objects[0].physics->velocity_m_s, Eigen::Vector3d(1, 0, -2.5));
   const auto plain = parse_scene(ball + "[events]\n", "s/scene.toml", false);
   ASSERT_TRUE(plain) << plain.error().context;
   EXPECT_FALSE(plain->follow_people);
   EXPECT_FALSE(plain->objects[0].physics);
-  EXPECT_TRUE(plain->events->udp.empty());
+  EXPECT_TRUE(plain->events->udp.empty() && plain->events->osc.empty());
+  EXPECT_FALSE(plain->events->people);
   for (const auto& [text, says] : std::initializer_list<std::pair<std::string, std::string>>{
            {"physics = {}\n", "scene.toml:4: key \"object.physics"},
            {"physics = { mass_kg = -1.0 }\n", "scene.toml:4: key \"object.physics.mass_kg"},
            {"physics = { mass_kg = 1.0, bounce = 2.0 }\n", "object.physics.bounce"},
+           {"physics = { mass_kg = 1.0, velocity_m_s = [20, 0, 0] }\n",
+            "object.physics.velocity_m_s"},
            {"physics = { mass_kg = 1.0, form = \"ball\" }\n", "form"},
            {"[events]\nudp = \"127.0.0.1\"\n", "scene.toml:5: key \"events.udp\""},
+           {"[events]\nosc = \"53000\"\n", "scene.toml:5: key \"events.osc\""},
+           {"[events]\npeople = true\n", "scene.toml:5: key \"events.people\": has no receiver"},
            {"[events]\nudp = \"a:0\"\n", "give HOST:PORT"},
            {"[events]\nudp = \"a:77777\"\n", "give HOST:PORT"},
            {"[events]\nudp = \"a:7b\"\n", "give HOST:PORT"}}) {

@@ -49,6 +49,19 @@ std::string error_of(const std::string& text) {
   return manifest ? "" : manifest.error().context;
 }
 
+TEST(Manifest, RawDepthIsDistancesInNumberedFiles) {
+  const std::string raw = "path = \"raw/%06d.bin\"\nraw = \"kinect2\"";
+  const auto manifest =
+      parse_manifest(replaced("path = \"d/%d.png\"", raw + "\nkind = \"distance\""), "t/take.toml");
+  ASSERT_TRUE(manifest) << manifest.error().context;
+  EXPECT_EQ(manifest->info.raw_depth, "kinect2");
+  EXPECT_TRUE(manifest->info.amplitude_is_light);
+  EXPECT_NE(error_of(replaced("path = \"d/%d.png\"", raw)).find("\"distance\""), std::string::npos);
+  EXPECT_NE(error_of(replaced("path = \"d/%d.png\"", "path = \"d/%d.png\"\nraw = \"sr3000\""))
+                .find("kinect2"),
+            std::string::npos);
+}
+
 TEST(Manifest, DefaultsAndValuesOfAShortFile) {
   const auto manifest = parse_manifest(kGood, "t/take.toml");
   ASSERT_TRUE(manifest) << manifest.error().context;

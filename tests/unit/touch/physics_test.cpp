@@ -33,8 +33,7 @@ TEST(Physics, ABallFallsBouncesAndRests) {
   for (; time_s < 0.46; time_s += 0.01) physics.advance(time_s);
   for (; time_s < 1.0; time_s += 0.01)
     physics.advance(time_s), highest = std::max(highest, height());
-  const double bounce = 0.6 * 0.6;  // of the ball times that of the floor
-  EXPECT_NEAR(highest, bounce * bounce * 1, 0.05);
+  EXPECT_NEAR(highest, 0.6 * 0.6 * 1, 0.02);
   for (; time_s < 6; time_s += 0.04) physics.advance(time_s);
   EXPECT_NEAR(height(), 0, 0.005);
 }
@@ -89,6 +88,92 @@ TEST(Physics, WallsAndOtherObjectsHold) {
   EXPECT_GT(far, 0.8);
   EXPECT_GT(near, -0.8);
   EXPECT_EQ(physics.world_from_object()[crate].translation_m.x(), -1);
+}
+
+/// A hit of a ball between walls, by formula.
+struct TrueHit {
+  double time_s, speed_m_s;
+  bool is_floor;
+};
+/// Walls at x = 0 and `room_m`, which the middle of a ball reaches less its radius. No friction.
+std::vector<TrueHit> bounces(double x_m, double speed_m_s, double room_m, double z_m, double share,
+                             double until_s) {
+  std::vector<TrueHit> hits;
+  double t = 0, v = speed_m_s, way_m = room_m - kBall_m - x_m;
+  for (; (t += way_m / v) < until_s; way_m = room_m - 2 * kBall_m, v *= share)
+    hits.push_back({t, v, false});
+  v = std::sqrt(2 * 9.81 * (z_m - kBall_m)), t = v / 9.81;
+  for (; t < until_s && v > 0.6; v *= share, t += 2 * v / 9.81) hits.push_back({t, v, true});
+  std::sort(hits.begin(), hits.end(), [](auto& a, auto& b) { return a.time_s < b.time_s; });
+  return hits;
+}
+
+TEST(Physics, BallsTellOfEachOtherOnce) {
+  Physics physics;
+  const Body body{.mass_kg = 0.4, .bounce = 1, .friction = 0, .drag = 0, .is_ball = true};
+  for (const double x_m : {0.0, 1.0}) physics.add(ball(), ball_at(x_m), &body);
+  physics.set_velocity(0, {2, 0, 0});
+  std::vector<Event> hits;
+  for (double time_s = 0; time_s < 1; time_s += 0.04) {
+    physics.advance(time_s);
+    hits.insert(hits.end(), physics.hits().begin(), physics.hits().end());
+  }
+  ASSERT_EQ(hits.size(), 1U);
+  EXPECT_EQ(hits[0].against, Against::kObject);
+  EXPECT_EQ(hits[0].object, 0);
+  EXPECT_EQ(hits[0].other, 1);
+  EXPECT_NEAR(hits[0].time_s, (1 - 2 * kBall_m) / 2, 0.003);
+  EXPECT_NEAR(hits[0].speed_m_s, 2, 0.01);
+  EXPECT_NEAR((hits[0].at_m - Eigen::Vector3d(1 - kBall_m, 0, kBall_m)).norm(), 0, 0.01);
+}
+
+TEST(Physics, ASlantedWallSendsABallWhereTheMirrorDoes) {
+  Physics physics;
+  const double angle = 0.4;  // of the wall's normal to -x
+  const Eigen::Vector2d normal(-std::cos(angle), std::sin(angle)), along(normal.y(), -normal.x());
+  const Eigen::Vector2d middle(1.5, 0);
+  physics.set_room({}, std::vector<RoomSide>{{middle - along, middle + along, normal, 2.5}});
+  const Body body{.mass_kg = 0.4, .bounce = 1, .friction = 0, .drag = 0, .is_ball = true};
+  const int id = physics.add(ball(), ball_at(0), &body);
+  physics.set_velocity(id, {3, 0, 0});
+  int hits = 0;
+  const auto at = [&](double time_s) {
+    physics.advance(time_s);
+    hits += static_cast<int>(physics.hits().size());
+    return physics.world_from_object()[id].translation_m;
+  };
+  for (double time_s = 0; time_s < 0.8; time_s += 0.04) at(time_s);
+  const Eigen::Vector3d first = at(0.8), last = at(0.9);
+  const Eigen::Vector2d way = (last - first).head<2>() / 0.1;
+  const Eigen::Vector2d mirrored =
+      Eigen::Vector2d(3, 0) - 2 * normal.dot(Eigen::Vector2d(3, 0)) * normal;
+  EXPECT_NEAR((way - mirrored).norm(), 0, 0.05);
+  EXPECT_EQ(hits, 1);
+}
+
+TEST(Physics, HitsInABoxRoomAreThoseOfTheFormula) {
+  constexpr double kRoom_m = 2.03, kShare = 0.8, kUntil_s = 2.5;
+  Physics physics;
+  std::vector<RoomSide> sides{{{0, -1}, {0, 1}, {1, 0}, 2.5},
+                              {{kRoom_m, -1}, {kRoom_m, 1}, {-1, 0}, 2.5}};
+  physics.set_room({}, sides);
+  const Body body{.mass_kg = 0.4, .bounce = kShare, .friction = 0, .drag = 0, .is_ball = true};
+  const int id = physics.add(ball(), ball_at(0.5, 1.2), &body);
+  physics.set_velocity(id, {2.9, 0, 0});
+  std::vector<Event> hits;
+  for (double time_s = 0; time_s < kUntil_s; time_s += 0.04) {
+    physics.advance(time_s);
+    hits.insert(hits.end(), physics.hits().begin(), physics.hits().end());
+  }
+  const auto truth = bounces(0.5, 2.9, kRoom_m, 1.2, kShare, kUntil_s);
+  ASSERT_GE(truth.size(), 6U);
+  ASSERT_EQ(hits.size(), truth.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_EQ(hits[i].against, Against::kRoom);
+    EXPECT_EQ(hits[i].part, truth[i].is_floor ? RoomPart::kFloor : RoomPart::kWall);
+    EXPECT_NEAR(hits[i].time_s, truth[i].time_s, 0.01) << i;
+    EXPECT_NEAR(hits[i].speed_m_s, truth[i].speed_m_s, 0.02) << i;
+  }
 }
 
 std::vector<double> replay(std::size_t pushers) {

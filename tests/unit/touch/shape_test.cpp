@@ -96,5 +96,24 @@ TEST(ShapeGap, TheRoomByFormula) {
   EXPECT_FALSE(room_gap(box, {}, std::vector<plan::RoomPoint>(3)));
 }
 
+TEST(Shape, ACellKnowsItsFarthestFaces) {
+  const TestMesh mesh = ball_mesh(0.4F);
+  const Shape ball = make_shape(std::array{mesh.triangles()}, 1);
+  Convex slow = ball.parts[0];
+  ASSERT_GT(slow.planes.size(), 200U);
+  ASSERT_FALSE(slow.grid.first.empty());
+  slow.grid = {};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> anywhere(-0.7F, 0.7F);
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector3f p(anywhere(random), anywhere(random), anywhere(random));
+    Eigen::Vector3f normal, slow_normal;
+    const float d = ball.parts[0].distance_m(p, normal);
+    EXPECT_NEAR(d, slow.distance_m(p, slow_normal), 0);
+    EXPECT_EQ(normal, slow_normal);
+    EXPECT_NEAR(d, p.norm() - 0.4F, 0.01F);
+  }
+}
+
 }  // namespace
 }  // namespace mixrig::touch

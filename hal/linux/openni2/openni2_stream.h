@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// One stream of an OpenNI2 device: mode, unit, field of view, copying. Private to this room.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <OniCAPI.h>
+
+#include "hal/device/camera.h"
+#include "hal/device/depth_camera.h"
+
+namespace mixrig::device {
+
+/// kDevice: "URI: WHAT: reason of the library".
+Error openni2_error(const std::string& uri, const std::string& what);
+
+struct OpenNi2Mode {
+  OniVideoMode mode{};
+  PixelFormat format = PixelFormat::kUnknown;
+  bool mirrored = false;  ///< pictures come mirrored and cannot be had otherwise
+};
+/// Sets the mode that fits the request, the present one where it fits; mirroring off.
+/// Errors: kUnsupported, with the modes that there are; kDevice.
+Result<OpenNi2Mode> set_up_openni2(OniStreamHandle stream, const StreamRequest& request,
+                                   const std::string& uri);
+/// Unit by the mode; intrinsics where the device tells its field of view.
+DepthInfo openni2_depth_info(OniStreamHandle stream, const OniVideoMode& mode);
+/// Packs the rows of a picture into `out`, turned back where it is mirrored. False where the frame
+/// is not a whole picture of that mode.
+bool copy_openni2(const OniFrame& frame, const OpenNi2Mode& mode, std::span<std::uint8_t> out);
+
+}  // namespace mixrig::device

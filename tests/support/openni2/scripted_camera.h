@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scripted OpenNI2 camera of a test, and recordings of it by the library's own recorder.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <OniCAPI.h>
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/openni2/scripted_driver.h"
+#include "tests/support/progress.h"
+
+namespace mixrig::test {
+
+/// Calls into the driver module that the library loads from the same file.
+class ScriptedModule {
+ public:
+  explicit ScriptedModule(const char* path, const ScriptedCamera& camera)
+      : module_(dlopen(path, RTLD_NOW)), camera_(camera) {
+    EXPECT_NE(module_, nullptr) << dlerror();
+    call<decltype(scripted_describe)>("scripted_describe")(&camera_);
+  }
+  void plug(bool in) { call<decltype(scripted_plug)>("scripted_plug")(in ? 1 : 0); }
+  int streams() { return call<decltype(scripted_streams)>("scripted_streams")(); }
+  bool registered() { return call<decltype(scripted_registered)>("scripted_registered")() != 0; }
+  void expose(int frame, const std::vector<std::uint16_t>& depth,
+              const std::vector<std::uint8_t>& rgb) {
+    call<decltype(scripted_expose)>("scripted_expose")(frame, depth.data(), rgb.data());
+  }
+  const ScriptedCamera& camera() const { return camera_; }
+
+ private:
+  template <typename F>
+  F* call(const char* name) {
+    return reinterpret_cast<F*>(dlsym(module_, name));
+  }
+  void* module_;
+  ScriptedCamera camera_;
+};
+
+/// Depth and colour of the camera, as the library's recorder writes them to a file. The recorder
+/// begins in its own time: the given picture is shown until it does, so a recording begins with one
+/// or some of it, and may have one more of one stream.
+class ScriptedRecording {
+ public:
+  ScriptedRecording(const std::string& file, ScriptedModule& module,
+                    const std::vector<std::uint16_t>& depth, const std::vector<std::uint8_t>& rgb) {
+    EXPECT_EQ(oniInitialize(ONI_API_VERSION), ONI_STATUS_OK);
+    EXPECT_EQ(oniDeviceOpen("scripted", &device_), ONI_STATUS_OK);
+    EXPECT_EQ(oniCreateRecorder(file.c_str(), &recorder_), ONI_STATUS_OK);
+    for (const auto sensor : {ONI_SENSOR_DEPTH, ONI_SENSOR_COLOR}) {
+      OniStreamHandle stream = nullptr;
+      EXPECT_EQ(oniDeviceCreateStream(device_, sensor, &stream), ONI_STATUS_OK);
+      EXPECT_EQ(oniRecorderAttachStream(recorder_, stream, FALSE), ONI_STATUS_OK);
+      streams_.push_back(stream);
+    }
+    EXPECT_EQ(oniRecorderStart(recorder_), ONI_STATUS_OK);
+    for (OniStreamHandle stream : streams_) EXPECT_EQ(oniStreamStart(stream), ONI_STATUS_OK);
+    // Two seconds of frames at most: what the recorder has not written yet waits in memory.
+    bool begun = false;
+    for (int i = 0; i < 200 && !begun; ++i) {
+      module.expose(next(), depth, rgb);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::error_code none;
+      const auto bytes = std::filesystem::file_size(file, none);
+      begun = !none && bytes > rgb.size();
+    }
+    EXPECT_TRUE(begun) << "the recorder does not begin";
+  }
+  /// The frame that is shown next.
+  int next() { return ++frames_; }
+  ScriptedRecording(const ScriptedRecording&) = delete;
+  ScriptedRecording& operator=(const ScriptedRecording&) = delete;
+  /// Completes the file.
+  ~ScriptedRecording() {
+    oniRecorderStop(recorder_);
+    oniRecorderDestroy(&recorder_);
+    for (OniStreamHandle stream : streams_) {
+      oniStreamStop(stream);
+      oniStreamDestroy(stream);
+    }
+    oniDeviceClose(device_);
+    oniShutdown();
+  }
+
+ private:
+  int frames_ = 0;
+  OniDeviceHandle device_ = nullptr;
+  OniRecorderHandle recorder_ = nullptr;
+  std::vector<OniStreamHandle> streams_;
+};
+
+}  // namespace mixrig::test

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Board views chosen from captures: a board drawn by the tests' own camera, held still, moving,
+// trembling, blurred, or not there.
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "host/calibration/rig/view_set.h"
+#include "host/calibration/views/turn_plan.h"
+#include "host/calibration/views/view_collector.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/calibration/drawn_board.h"
+
+namespace mixrig::test {
+namespace {
+
+using namespace calibration;
+using capture::Capture;
+
+constexpr double kDegree = M_PI / 180;
+constexpr int kWindow = 5;
+const BoardSpec kBoard{BoardKind::kCheckerboard, 9, 6, 0.04, 0, 0, {}};
+const DrawnCamera kColor{{320, 240}, 300, 158.2, 121.4, -0.1};
+const DrawnCamera kDepth{{176, 144}, 150, 87.1, 70.8, -0.1};
+
+geometry::Pose facing(double x_m, double y_m, double z_m, Eigen::Vector3d turn = {0.3, 0.2, 0.1}) {
+  return board_pose(kBoard, turn, {x_m, y_m, z_m});
+}
+
+/// Frame `number` of 25 a second.
+Capture frame(int number, const geometry::Pose& pose, double blur_px = 0.6,
+              const geometry::Pose* in_depth = nullptr, double nearer_m = 0) {
+  DrawnLook look;
+  look.blur_px = blur_px, look.noise = 6;
+  Capture c;
+  c.number = number;
+  c.mid_exposure = HostTime(std::chrono::milliseconds(40 * number));
+  const auto gray = draw_board(kBoard, kColor, pose, look, static_cast<unsigned>(2 * number));
+  c.plate.reset(gray.size());
+  for (int y = 0; y < gray.height(); ++y)
+    for (int x = 0; x < gray.width(); ++x) c.plate.at(x, y) = {gray.at(x, y), gray.at(x, y), 0};
+  for (int y = 0; y < gray.height(); ++y)
+    for (int x = 0; x < gray.width(); ++x) c.plate.at(x, y).b = gray.at(x, y);
+  const auto ir = draw_board(kBoard, kDepth, in_depth != nullptr ? *in_depth : pose, {},
+                             static_cast<unsigned>(2 * number + 1));
+  c.amplitude.reset(ir.size()), c.depth_m.reset(ir.size());
+  for (int y = 0; y < ir.height(); ++y)
+    for (int x = 0; x < ir.width(); ++x) {
+      c.amplitude.at(x, y) = 20.0F * ir.at(x, y);
+      c.depth_m.at(x, y) =
+          static_cast<float>(0.8 - nearer_m + 0.002 * ((x * 7 + y * 13 + number * 5) % 11 - 5));
+    }
+  c.set_status(capture::Stream::kPlate, capture::StreamStatus::kFresh);
+  c.set_status(capture::Stream::kDepth, capture::StreamStatus::kFresh);
+  return c;
+}
+
+capture::SourceInfo source_info() {
+  capture::SourceInfo info;
+  info.name = "drawn", info.frames = 1000, info.depth_unit_m = 0.001;
+  info.target.pinhole = {kColor.size_px, kColor.focal_px, kColor.focal_px, 159.5, 119.5};
+  return info;
+}
+
+class Views : public ::testing::Test {
+ protected:
+  ViewCollector& start(CollectSettings settings = {}) {
+    settings.board = kBoard;
+    settings.frames = kWindow, settings.still_time = std::chrono::milliseconds(150);
+    auto made = ViewCollector::create(folder_.path() / "out", source_info(),
+                                      frame(0, facing(0, 0, 0.7)), settings);
+    EXPECT_TRUE(made) << made.error().context;
+    return collector_.emplace(*std::move(made));
+  }
+  /// State of the last of `count` frames.
+  CollectState feed(int count, const std::function<Capture(int)>& make) {
+    CollectState state = CollectState::kNoBoard;
+    for (int i = 0; i < count; ++i) {
+      Capture c = make(++number_);
+      const auto added = collector_->add(c);
+      EXPECT_TRUE(added) << added.error().context;
+      state = *added;
+      kept_ += state == CollectState::kKept ? 1 : 0;
+    }
+    return state;
+  }
+  TemporaryFolder folder_;
+  std::optional<ViewCollector> collector_;
+  int number_ = 0, kept_ = 0;
+};
+
+TEST_F(Views, ABoardAtRestIsKeptOnceAndItsMeanIsWritten) {
+  start();
+  const geometry::Pose pose = facing(0.02, 0.01, 0.7);
+  EXPECT_EQ(feed(kWindow, [&](int n) { return frame(n, pose); }), CollectState::kKept);
+  EXPECT_EQ(feed(7, [&](int n) { return frame(n, pose); }), CollectState::kKnown);
+  EXPECT_EQ(kept_, 1);
+  EXPECT_EQ(feed(kWindow, [&](int n) { return frame(n, facing(-0.05, 0.03, 0.9)); }),
+            CollectState::kKept);
+  ASSERT_TRUE(collector_->finish());
+  const auto set = read_view_set(folder_.path() / "out");
+  ASSERT_TRUE(set) << set.error().context;
+  EXPECT_EQ(set->views, 2);
+  EXPECT_EQ(set->columns, 10);
+  EXPECT_EQ(set->cameras.size(), 2U);
+  EXPECT_TRUE(set->cameras[1].depth_is_z);
+  EXPECT_TRUE(set->angles.empty());
+  // The mean of five frames has less noise than one.
+  const auto view = load_view(*set, set->cameras[0], 1);
+  ASSERT_TRUE(view);
+  const auto mean = detect_board(view->gray, kBoard);
+  const auto one = detect_board(gray_of(frame(99, pose).plate), kBoard);
+  ASSERT_TRUE(mean && *mean && one && *one);
+  const auto truth = true_px(kBoard, kColor, pose);
+  const auto rms = [&](const BoardView& seen) {
+    double sum = 0;
+    for (std::size_t i = 0; i < seen.px.size(); ++i)
+      sum += (seen.px[i] - truth[static_cast<std::size_t>(seen.ids[i])]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(seen.px.size()));
+  };
+  EXPECT_LT(rms(**mean), 0.65 * rms(**one));
+  // Each pixel takes other ones of eleven values from frame to frame.
+  const auto depth = load_view(*set, set->cameras[1], 1);
+  ASSERT_TRUE(depth);
+  EXPECT_NEAR(depth->depth_m.at(80, 70), 0.8, 0.006);
+}
+
+TEST_F(Views, AMovingBoardIsNeverKept) {
+  start();
+  // 25 px a second at 300 px focal length; from frame to frame one pixel.
+  feed(15, [&](int n) { return frame(n, facing(-0.06 + 0.0023 * n, 0, 0.7)); });
+  EXPECT_EQ(kept_, 0);
+  EXPECT_EQ(collector_->counts().still, 0);
+  EXPECT_GT(collector_->counts().least_motion_px, 0.25);
+  const std::string why = collector_->why_none("").context;
+  EXPECT_NE(why.find("never at rest"), std::string::npos) << why;
+}
+
+TEST_F(Views, TremorAboveTheLimitIsRefusedAndBelowItKept) {
+  // 8 Hz sideways at 0.7 m: 1 mm is 0.43 px.
+  const auto tremble = [](double amplitude_m) {
+    return [amplitude_m](int n) {
+      return frame(n, facing(0.02 + amplitude_m * std::sin(2 * M_PI * 8 * 0.04 * n), 0, 0.7));
+    };
+  };
+  start();
+  feed(14, tremble(1.5e-3));
+  EXPECT_EQ(kept_, 0);
+  feed(14, tremble(2.5e-4));
+  EXPECT_EQ(kept_, 1);
+}
+
+TEST_F(Views, ABoardThatOnlyTheDepthCameraSeesMoveIsNotKept) {
+  start();
+  const geometry::Pose pose = facing(0.02, 0.01, 0.7);
+  feed(9, [&](int n) {
+    const geometry::Pose moved = facing(0.02 + 0.004 * (n % 2), 0.01, 0.7);
+    return frame(n, pose, 0.6, &moved);
+  });
+  EXPECT_EQ(kept_, 0);
+  EXPECT_GT(collector_->counts().moving_tof, 0);
+  feed(9, [&](int n) { return frame(n, pose, 0.6, nullptr, 0.02 * (n % 2)); });
+  EXPECT_EQ(kept_, 0) << "the depth jumps by 2 cm";
+  feed(kWindow, [&](int n) { return frame(n, pose); });
+  EXPECT_EQ(kept_, 1);
+}
+
+TEST_F(Views, ABlurredBoardIsNotKeptBesideSharpOnes) {
+  start();
+  feed(kWindow, [&](int n) { return frame(n, facing(0.02, 0.01, 0.7)); });
+  ASSERT_EQ(kept_, 1);
+  EXPECT_EQ(feed(6, [&](int n) { return frame(n, facing(-0.04, 0, 0.7), 2.2); }),
+            CollectState::kBlurred);
+  EXPECT_EQ(kept_, 1);
+}
+
+TEST_F(Views, SayWhatWasSeenWhereThereIsNoBoard) {
+  start();
+  feed(3, [&](int n) {
+    Capture c = frame(n, facing(0, 0, 0.7));
+    for (int y = 0; y < c.plate.height(); ++y)
+      for (int x = 0; x < c.plate.width(); ++x) c.plate.at(x, y) = {90, 90, 90};
+    return c;
+  });
+  const std::string why = collector_->why_none("").context;
+  EXPECT_NE(why.find("none of 3 frames shows the board checkerboard:9x6:40mm"), std::string::npos)
+      << why;
+  const std::string other = collector_->why_none("checkerboard:8x5:40mm").context;
+  EXPECT_NE(other.find("give --board checkerboard:8x5:40mm"), std::string::npos) << other;
+}
+
+TEST_F(Views, NothingIsThereBeforeFinishAndAnglesAreWrittenWhereTheUnitTurned) {
+  CollectSettings settings;
+  settings.every_place = true;
+  start(settings);
+  for (int view = 0; view < 2; ++view)
+    feed(kWindow, [&](int n) {
+      Capture c = frame(n, facing(0.05 * view, 0.01, 0.7));
+      c.pan_tilt = device::PanTiltAngles{0.07 * view, -0.02};
+      return c;
+    });
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+  ASSERT_TRUE(collector_->finish());
+  const auto set = read_view_set(folder_.path() / "out");
+  ASSERT_TRUE(set) << set.error().context;
+  ASSERT_EQ(set->angles.size(), 2U);
+  EXPECT_NEAR(set->angles[1].pan_rad, 0.07, 1e-8);
+  EXPECT_NEAR(set->angles[1].tilt_rad, -0.02, 1e-8);
+}
+
+TEST(BoardMotion, IsWhatTheCornersMoveByAndTheirNoise) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.05);
+  std::vector<BoardView> views(8);
+  for (int v = 0; v < 8; ++v)
+    for (int i = 0; i < 54; ++i) {
+      views[static_cast<std::size_t>(v)].ids.push_back(i);
+      views[static_cast<std::size_t>(v)].px.emplace_back(20 * (i % 9) + noise(random),
+                                                         20 * (i / 9) + noise(random));
+    }
+  BoardMotion motion = board_motion(views);
+  EXPECT_NEAR(motion.noise_px, 0.05, 0.005);
+  EXPECT_LT(motion.most_px, 3 * motion.chance_px);
+  EXPECT_TRUE(is_still(motion, 0.01));
+  for (auto& px : views[3].px) px.x() += 0.4;
+  motion = board_motion(views);
+  EXPECT_NEAR(motion.most_px, 0.4 * 7 / 8, 0.03);
+  EXPECT_NEAR(motion.noise_px, 0.05, 0.005);
+  EXPECT_FALSE(is_still(motion, 0.25));
+}
+
+TEST(Coverage, TiltIsTheSideThatIsNearerAndSetsNeedItAll) {
+  const geometry::CameraModel lens = source_info().target;
+  const auto seen = [&](const geometry::Pose& pose) {
+    BoardView view;
+    const auto px = true_px(kBoard, kColor, pose);
+    for (int i = 0; i < 54; ++i) view.ids.push_back(i);
+    view.px = px;
+    return view;
+  };
+  // Turned about the picture's down axis by a positive angle the right side goes away.
+  const auto tilt = board_tilt(seen(facing(0, 0, 0.7, {0, 30 * kDegree, 0})), kBoard, lens);
+  ASSERT_TRUE(tilt);
+  const auto points = board_points_m(kBoard);
+  const geometry::Pose pose = facing(0, 0, 0.7, {0, 30 * kDegree, 0});
+  const bool right_is_nearer = (pose * points[8]).z() < (pose * points[0]).z();
+  EXPECT_EQ(tilt->x() < 0, right_is_nearer);
+  EXPECT_NEAR(std::abs(tilt->x()), 0.5, 0.05);
+  Coverage coverage(kBoard, {{ViewRole::kTarget, "target", kColor.size_px}}, lens, 2);
+  const SeenBoards middle{seen(facing(0, 0, 0.7))};
+  EXPECT_GT(coverage.gain(middle), 0);
+  coverage.add(middle);
+  EXPECT_FALSE(coverage.is_new(middle));
+  EXPECT_TRUE(coverage.is_new({seen(facing(0.1, 0, 0.7))}));
+  EXPECT_FALSE(coverage.enough());
+  EXPECT_FALSE(coverage.advice().empty());
+}
+
+TEST(TurnPlan, StaysWithinReachAndLimitsAndCoversBothSides) {
+  const device::PanTiltInfo unit{{}, {}, {1e-3, 1e-3}, {-0.1, -1}, {0.4, 1}};
+  const auto angles = turn_angles({0.02, 0}, {0.3, 0.2}, 20, unit);
+  ASSERT_EQ(angles.size(), 20U);
+  EXPECT_EQ(angles[0].pan_rad, 0.02);
+  double low = 1, high = -1, down = 1, up = -1;
+  for (const auto& a : angles) {
+    low = std::min(low, a.pan_rad), high = std::max(high, a.pan_rad);
+    down = std::min(down, a.tilt_rad), up = std::max(up, a.tilt_rad);
+  }
+  EXPECT_GE(low, -0.1);
+  EXPECT_LT(low, -0.05);
+  EXPECT_GT(high, 0.2);
+  EXPECT_LE(high, 0.32);
+  EXPECT_LT(down, -0.12);
+  EXPECT_GT(up, 0.12);
+}
+
+TEST(ViewBoard, ThatLooksTheSameFromBothSidesOrThatViewsCannotHoldIsRefused) {
+  EXPECT_TRUE(check_view_board(kBoard));
+  EXPECT_FALSE(check_view_board({BoardKind::kCheckerboard, 9, 7, 0.04, 0, 0, {}}));
+  EXPECT_FALSE(check_view_board({BoardKind::kAprilgrid, 6, 6, 0.088, 0, 0.026, {}}));
+  EXPECT_TRUE(check_view_board({BoardKind::kCharuco, 14, 9, 0.04, 0.03, 0, "5X5_250"}));
+}
+
+}  // namespace
+}  // namespace mixrig::test
