@@ -66,7 +66,7 @@ inline constexpr int kBandBlocks = 1;
 /// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.
 inline constexpr int kFillReachPx = 24;
 inline constexpr float kFillShadow = 1.25F;
-inline constexpr float kFillSlackPx = 3;
+inline constexpr float kFillSlackPx = 3.0F;
 inline constexpr float kFillRatio = 1.06F;
 /// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
 inline constexpr float kNoLimitW = 1e30F;
