@@ -68,9 +68,9 @@ struct LinearVerdict {
   ColorSettings fit;                  ///< transfer, gamma and black level; else as declared
   double error = 0;                   ///< of the fit: largest log of light over exposure
 };
-/// Exposures of one card: one, about half, about a quarter of it, and the first again. Light is
-/// proportional to exposure by the right black level and transfer: within 3 % from each exposure to
-/// the next in each channel. Tried in this order: what is declared; sRGB, BT.709 and linear with
+/// Judges exposures of one card: one, about half, about a quarter of it, and the first again. Light
+/// is proportional to exposure by the right black level and transfer: within 3 % from each exposure
+/// to the next in each channel. Tried in this order: what is declared; sRGB, BT.709 and linear with
 /// the declared black level; these with another black level (up to a quarter of full scale), or a
 /// gamma of 0.5 to 4 with the declared one, whichever is nearest. Precondition: card_state of each
 /// is kGood.

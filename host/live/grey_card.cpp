@@ -166,7 +166,7 @@ Check transfer_row(const CameraConfig& config, const device::CameraInfo& info,
     case Kind::kNoneFits:
       check.advice =
           "no transfer and black level explains it: turn off automatic controls, HDR and tone "
-          "curves of the camera";
+          "curves of the camera, and set black_level to its sample with the lens covered";
       break;
     case Kind::kUnsteady:
       check.verdict = Verdict::kWarn;
