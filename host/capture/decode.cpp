@@ -35,21 +35,6 @@ void decode_bgr(const Frame& frame, Image<Rgb8>& out) {
                      stride_bytes(out), frame.size.width, frame.size.height);
 }
 
-/// Light 0..1 of a sample 0..1.
-double linear_light(const device::ColorEncoding& encoding, double sample) {
-  switch (encoding.transfer) {
-    case Transfer::kSrgb:
-      return linear_from_srgb(sample);
-    case Transfer::kBt709:  // the inverse of item 1.2 of ITU-R BT.709-6
-      return sample < 0.081 ? sample / 4.5 : std::pow((sample + 0.099) / 1.099, 1 / 0.45);
-    case Transfer::kLinear:
-      return sample;
-    case Transfer::kGamma:
-      return std::pow(sample, encoding.gamma);
-  }
-  return sample;
-}
-
 std::uint8_t srgb_byte(const ColorSettings& settings, double gain, double sample) {
   if (settings.limited_samples) sample = (sample * 255 - 16) / 219;
   const double above = std::clamp((sample - settings.black) / (1 - settings.black), 0.0, 1.0);
@@ -108,6 +93,20 @@ void interpolate_row(const std::uint8_t* above, const std::uint8_t* here, const 
 }
 
 }  // namespace
+
+double linear_light(const device::ColorEncoding& encoding, double sample) {
+  switch (encoding.transfer) {
+    case Transfer::kSrgb:
+      return linear_from_srgb(sample);
+    case Transfer::kBt709:  // the inverse of item 1.2 of ITU-R BT.709-6
+      return sample < 0.081 ? sample / 4.5 : std::pow((sample + 0.099) / 1.099, 1 / 0.45);
+    case Transfer::kLinear:
+      return sample;
+    case Transfer::kGamma:
+      return std::pow(sample, encoding.gamma);
+  }
+  return sample;
+}
 
 ColorDecoder::ColorDecoder(const ColorSettings& settings)
     : encoding_(settings.encoding), mirrored_(settings.mirrored) {

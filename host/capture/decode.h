@@ -34,6 +34,9 @@ struct ColorSettings {
   bool mirrored = false;                 ///< JPEG pictures show left on the right
 };
 
+/// Linear light 0..1 of an R'G'B' sample 0..1 above black.
+double linear_light(const device::ColorEncoding& encoding, double sample);
+
 /// Makes 8-bit sRGB of the pictures of one camera: light = gain * linear((sample - black) /
 /// (1 - black)), then its sRGB value, from tables. A camera that sends sRGB has none and costs
 /// nothing more. Not thread-safe.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/live/devices.h"
+#include "host/live/grey_card.h"
 
 namespace mixrig::live {
 namespace {
@@ -32,6 +33,7 @@ bool check_open(const std::string& device, Result<T>& opened, std::vector<Check>
 struct OpenedRig {
   RigConfig config;
   Devices devices;
+  bool target_open = false;
 };
 
 /// What a depth step is, where the number comes from, and what else rig.toml changes.
@@ -56,7 +58,7 @@ void add_ptp(const std::string& name, const device::CameraInfo& info, std::vecto
 }
 
 OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check>& checks) {
-  OpenedRig out{rig, {}};
+  OpenedRig out{rig, {}, false};
   out.config.cameras.clear();
   out.config.depth.reset();
   if (!rig.trigger_uri.empty()) {
@@ -77,6 +79,7 @@ OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check
         camera = std::move(applied).error();
     if (!check_open(config.name, camera, checks)) continue;
     add_ptp(config.name, (*camera)->info(), checks);
+    out.target_open |= &config == rig.cameras.data();
     out.config.cameras.push_back(config);
     out.devices.cameras.push_back(*std::move(camera));
   }
@@ -186,6 +189,20 @@ double edge_rate_hz(const RigConfig& config) {
   return line != nullptr ? 100.0 / line->channel.divider : 0;
 }
 
+/// Of the target camera, which is the session's first.
+void add_card(OpenedRig& rig, const DiagnoseOptions& options, LiveSession& session, Clock& clock,
+              std::vector<Check>& checks) {
+  const NextFrame next = [&]() -> Result<device::FramePtr> {
+    if (session.ended())
+      return Error{ErrorCode::kDevice, "the cameras have ended before the card was judged"};
+    const auto set = session.next(std::chrono::milliseconds(100));
+    return set ? set->frames.frames[0].frame : nullptr;
+  };
+  for (Check& check : check_card(rig.config.cameras.front(), *rig.devices.cameras.front(),
+                                 options.card_area, next, clock))
+    checks.push_back(std::move(check));
+}
+
 void watch(OpenedRig& rig, const DiagnoseOptions& options, Clock& clock,
            std::vector<Check>& checks) {
   LiveSession session(rig.config, rig.devices, clock);
@@ -215,6 +232,7 @@ void watch(OpenedRig& rig, const DiagnoseOptions& options, Clock& clock,
   }
   if (rig.devices.depth)
     check_depth(rig.config.depth->name, rig.devices.depth->depth_health(), checks);
+  if (options.grey_card && rig.target_open) add_card(rig, options, session, clock, checks);
   session.stop();
 }
 
@@ -242,6 +260,9 @@ std::vector<Check> diagnose(const RigConfig& rig, DeviceOpener opener,
     check_head(*opened.devices.pan_tilt, clock, checks);
   if (!opened.devices.cameras.empty() || opened.devices.depth)
     watch(opened, options, clock, checks);
+  if (options.grey_card && !opened.target_open)
+    checks.push_back({"host", "card", Verdict::kFail, "not measured",
+                      "the target camera could not be opened: see its line"});
   check_disk(options.disk, checks);
   return checks;
 }

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hal/base/clock.h"
+#include "host/capture/grey_card.h"
 #include "host/live/live_session.h"
 #include "host/live/player.h"
 #include "host/live/rig_config.h"
@@ -30,6 +32,8 @@ struct DiagnoseOptions {
   Duration watch = std::chrono::seconds(5);
   bool move_head = true;  ///< a few degrees, for repeatability
   std::filesystem::path disk = ".";
+  bool grey_card = false;  ///< the target camera sees one: its colour is judged (check_card)
+  std::optional<capture::CardArea> card_area;  ///< its pixels; absent: the middle fifth
 };
 
 /// Never fails: a device that cannot be opened is a failed check, and the others are still checked.

@@ -249,6 +249,10 @@ const TriggerLine* RigConfig::line(int number) const {
   return nullptr;
 }
 
+std::string_view transfer_word(device::Transfer transfer) {
+  return kTransfers.at(static_cast<std::size_t>(transfer));
+}
+
 Result<RigConfig> read_rig(const std::filesystem::path& path) {
   constexpr std::size_t kMostBytes = 1 << 20;
   MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMostBytes));

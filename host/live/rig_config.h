@@ -82,6 +82,9 @@ struct RigConfig {
   const TriggerLine* line(int number) const;
 };
 
+/// The word of rig.toml.
+std::string_view transfer_word(device::Transfer transfer);
+
 /// Errors: kNotFound, kFormat (file:line: key ...).
 Result<RigConfig> read_rig(const std::filesystem::path& path);
 /// The same from text; pure.
