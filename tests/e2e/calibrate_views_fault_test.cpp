@@ -14,7 +14,8 @@ class CalibrateViewsFault : public RefusingCommandTest {
   /// A take of a board in the hands of a person, and a rig.toml that plays it.
   void make_played_board() {
     ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                     " --scenario board --hand --rig sr3000 --seed 7 --views 2 --size 320x256"),
+                     " --scenario board --hand --rig sr3000 --seed 7 --views 2 --size 320x256"
+                     " --fisheye-size 64x64 --rest 1.5 --move 0.2"),
               0);
     std::ofstream rig(path("rig.toml"));
     rig << "format = 1\n";
@@ -24,7 +25,7 @@ class CalibrateViewsFault : public RefusingCommandTest {
   }
   std::string words() const {
     return "calibrate views " + path("views") + " --rig " + path("rig.toml") +
-           " --board checkerboard:9x6:70mm --frames 3";
+           " --board checkerboard:9x6:70mm --frames 3 --json " + path("v.json");
   }
   /// All pictures of all views are there.
   int whole_views() const {
@@ -50,6 +51,7 @@ TEST_F(CalibrateViewsFault, CtrlCAndACameraThatFailsKeepWhatThereIs) {
   child.signal(SIGINT);
   EXPECT_EQ(child.wait(), 0) << text_of_file(path("errors"));
   EXPECT_NE(text_of_file(path("said")).find("views, "), std::string::npos);
+  EXPECT_EQ(report("v.json").at("ended"), "stopped");
   EXPECT_GE(whole_views(), 1);
   std::filesystem::remove_all(path("views"));
   std::filesystem::resize_file(path("take/color/000045.png"), 1000);
