@@ -20,6 +20,7 @@ layout(binding = 5) uniform sampler2D line;
 layout(binding = 6) uniform sampler2D w;
 uniform bool refine;
 uniform int tile_px;
+uniform vec2 parallax_px_m;
 layout(location = 0) out float matte;
 layout(location = 1) out float visible_w;
 
@@ -38,6 +39,46 @@ float refined(ivec2 at) {
   return floor(255.0 * clamp(0.5 + matte_gain * (share - 0.5), 0.0, 1.0) + 0.5) / 255.0;
 }
 
+bool is_foreground_at(ivec2 at) {
+  return to_state(texelFetch(state, at, 0).r) == foreground &&
+         (int(texelFetch(counts, at / block_px, 0).w) & 4) == 0;
+}
+
+// Foreground beside a pixel: distance, beyond the reach where there is none, and inverse depth.
+struct Beside {
+  int px;
+  float w;
+};
+
+Beside beside(ivec2 at, ivec2 way) {
+  ivec2 size = textureSize(state, 0);
+  for (int d = 1; d <= fill_reach_px; ++d) {
+    at += way;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) break;
+    if (is_foreground_at(at)) return Beside(d, abs(texelFetch(w, at, 0).r));
+  }
+  return Beside(fill_reach_px + 1, 0.0);
+}
+
+// Of the two sides of a pixel in one direction; the rear one of what the ToF camera cannot see.
+Beside nearest(ivec2 at, ivec2 way, float parallax) {
+  Beside a = beside(at, -way), b = beside(at, way);
+  bool both = max(a.px, b.px) <= fill_reach_px;
+  float hidden_px = fill_shadow * parallax * abs(a.w - b.w), least_w = min(a.w, b.w);
+  bool may_be_hidden = float(a.px + b.px - 1) <= hidden_px + fill_slack_px;
+  bool differ = max(a.w, b.w) > fill_ratio * least_w;
+  Beside near = Beside(min(a.px, b.px), a.px <= b.px ? a.w : b.w);
+  if (both && may_be_hidden && differ) near.w = least_w;
+  return near;
+}
+
+float filled_w(ivec2 at, float otherwise) {
+  Beside row = nearest(at, ivec2(1, 0), parallax_px_m.x);
+  Beside column = nearest(at, ivec2(0, 1), parallax_px_m.y);
+  Beside near = Beside(min(row.px, column.px), row.px <= column.px ? row.w : column.w);
+  return near.px <= fill_reach_px ? near.w : otherwise;
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
   vec4 near = texelFetch(band, block, 0);
@@ -46,10 +87,10 @@ void main() {
   visible_w = measured;
   if ((int(near.x) & 4) == 0) return;
   if (refine) matte = refined(at);
-  int s = to_state(texelFetch(state, at, 0).r);
-  bool dropped = (int(texelFetch(counts, block, 0).w) & 4) != 0;
-  bool is_foreground = s == foreground && !dropped, is_person = matte > 0.0;
+  bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
+  if (is_person == is_foreground) return;
+  visible_w = is_person ? filled_w(at, near.y) : 0.0;
   // What is known and nearer is kept in doubt: virtual objects must not cover it.
-  if (is_person != is_foreground)
-    visible_w = !is_person ? 0.0 : s == doubt ? max(measured, near.y) : near.y;
+  if (is_person && to_state(texelFetch(state, at, 0).r) == doubt)
+    visible_w = max(measured, visible_w);
 }

@@ -61,6 +61,13 @@ inline constexpr int kNearBlocks = 3;
 /// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
 /// a few pixels there.
 inline constexpr int kBandBlocks = 1;
+/// Depth of people's pixels that have none of their own: foreground is looked for so far along rows
+/// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
+/// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.
+inline constexpr int kFillReachPx = 24;
+inline constexpr float kFillShadow = 1.25F;
+inline constexpr float kFillSlackPx = 3.0F;
+inline constexpr float kFillRatio = 1.06F;
 /// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
 inline constexpr float kNoLimitW = 1e30F;
 

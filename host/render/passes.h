@@ -65,6 +65,12 @@ struct WarpParams {
   PinholeParams view;
 };
 
+/// Pixels, along x and y, that a point moves against one behind it when seen from the ToF camera,
+/// for each 1/m between their inverse depths: so wide is what the nearer one hides from it.
+inline glm::vec2 parallax_px_m(const WarpParams& p) {
+  return glm::abs(glm::vec2(p.camera_from_tof[3]) * p.view.focal_px);
+}
+
 /// Virtual objects: one draw per mesh.
 struct VirtualParams {
   glm::mat4 camera_from_object{1};

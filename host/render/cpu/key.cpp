@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/render/cpu/key_colors.h"
+#include "host/render/cpu/key_depth.h"
 #include "host/render/cpu/simd.h"
 #include "host/render/cpu/warp.h"
 
@@ -228,22 +229,12 @@ void decide_block(const KeyInput& input, KeyScratch& scratch, int bx, int by,
     }
 }
 
-/// Depth of a pixel that is a person or not, from what was measured. What is known and nearer is
-/// kept in doubt: virtual objects must not cover it.
-float decided_w(std::uint8_t state, bool person, float measured_w, float near_w) {
-  if (person == (state == kForeground)) return measured_w;
-  if (!person) return 0;
-  return state == kDoubt ? std::max(measured_w, near_w) : near_w;
-}
-
-void store_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
-                 Image<float>& view_w) {
-  const float near_w = scratch.at(bx, by).near_w;
+/// Foreground that lost the vote has no depth.
+void drop_depth(const KeyScratch& scratch, int bx, int by, const Image<std::uint8_t>& matte,
+                Image<float>& view_w) {
   for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
-    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
-      float& w = view_w.row(y)[x];
-      w = decided_w(scratch.state.row(y)[x], matte.row(y)[x] > 0, w, near_w);
-    }
+    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x)
+      if (scratch.state.row(y)[x] == kForeground && matte.row(y)[x] == 0) view_w.row(y)[x] = 0;
 }
 
 /// Colours of a row of blocks where votes look at them: in blocks to decide and their neighbours.
@@ -329,7 +320,10 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   if (input.params.color && input.params.refine)
     refine(crew, input.plate, scratch, scratch.refine, matte);
   each_block([&](int bx, int by, Block& block) {
-    if (is_decided(block)) store_depth(scratch, bx, by, matte, view_w);
+    if (is_decided(block)) fill_depth(input, scratch, bx, by, matte, view_w);
+  });
+  each_block([&](int bx, int by, Block& block) {
+    if (is_decided(block)) drop_depth(scratch, bx, by, matte, view_w);
   });
 }
 

@@ -63,6 +63,7 @@ void KeyPass::set_view(const Tables& tables) const {
   const float footprint = tables.tof_footprint_px;
   state_.program.set("focal_px", tables.warp.view.focal_px);
   state_.program.set("center_px", tables.warp.view.center_px);
+  finish_.program.set("parallax_px_m", parallax_px_m(tables.warp));
   speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
   decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
 }

@@ -146,6 +146,33 @@ TEST(Key, what_is_measured_nearer_is_kept_where_the_background_has_no_depth) {
   EXPECT_NEAR(1 / k.w.at(40, 32), 1.2, 1e-3) << "not the mean depth of the person around";
 }
 
+/// A person 3 m away whom one at 2 m hides in part, and a strip without depth between both.
+struct TwoPeople : Keyed {
+  explicit TwoPeople(int strip_px, double baseline_m) {
+    setup.target_from_tof.translation_m.x() = baseline_m;
+    person(8, 16, 32 - strip_px, 48, 3), person(32, 16, 52, 48, 2);
+    for (int y = 16; y < 48; ++y)
+      for (int x = 32 - strip_px; x < 32; ++x) w.at(x, y) = 0;
+    paint(8, 16, 52, 48, kShirt);
+    run();
+  }
+  float z_m(int x) const { return 1 / w.at(x, 32); }
+};
+
+TEST(Key, what_the_nearer_of_two_people_hides_from_the_tof_camera_is_the_rear_one) {
+  const TwoPeople narrow(3, 0);
+  for (int x = 29; x < 32; ++x) EXPECT_FLOAT_EQ(narrow.z_m(x), 3) << x;
+  // 64 px x 0.2 m x (1 / 2 m - 1 / 3 m) = 2.1 px are hidden; with slack 5 px may be.
+  const TwoPeople wide(5, 0.2);
+  for (int x = 27; x < 32; ++x) EXPECT_FLOAT_EQ(wide.z_m(x), 3) << x;
+}
+
+TEST(Key, depth_that_parallax_does_not_explain_is_that_of_the_nearer_pixel) {
+  const TwoPeople k(6, 0);
+  for (int x = 26; x < 29; ++x) EXPECT_FLOAT_EQ(k.z_m(x), 3) << x;
+  for (int x = 29; x < 32; ++x) EXPECT_FLOAT_EQ(k.z_m(x), 2) << x;
+}
+
 TEST(Key, unknown_depth_far_from_people_is_nobody) {
   Keyed k;
   for (int y = 0; y < 64; ++y)
