@@ -6,6 +6,7 @@
 
 #include "host/live/lens_stream.h"
 #include "host/live/live_capture.h"
+#include "host/live/lost_camera.h"
 
 namespace mixrig::live {
 namespace {
@@ -41,6 +42,8 @@ class LiveSource final : public capture::CaptureSource {
   }
 
  private:
+  Error silence() const;
+
   RigConfig config_;
   Devices devices_;
   capture::SourceInfo info_;
@@ -55,6 +58,13 @@ class LiveSource final : public capture::CaptureSource {
   std::optional<HostTime> first_;
 };
 
+/// Why nothing came.
+Error LiveSource::silence() const {
+  if (auto lost = lost_camera(session_.report())) return *std::move(lost);
+  return {ErrorCode::kDevice,
+          "no frames that could be paired came from the cameras for five seconds: run mixrig diag"};
+}
+
 Result<bool> LiveSource::read(int number, capture::Capture& capture) {
   if (!std::exchange(started_, true)) MIXRIG_TRY(session_.start());
   const HostTime begin = std::max(clock_.now(), config_.play_at.value_or(HostTime()));
@@ -66,13 +76,12 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
     if (!set) {
       if (ended) return false;
       if (clock_.now() < give_up) continue;
-      return Error{ErrorCode::kDevice,
-                   "no frames that could be paired came from the cameras for five seconds: run "
-                   "mixrig diag"};
+      return silence();
     }
     if (!decoder_.decode(*set, capture)) {
       ++left_out_;
-      continue;
+      if (clock_.now() < give_up) continue;
+      return silence();
     }
     if (!first_) first_ = capture.mid_exposure;
     capture.number = number;

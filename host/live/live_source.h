@@ -14,9 +14,9 @@ namespace mixrig::live {
 
 /// Takes ownership of open devices. They start with the first read() and stop with the source.
 /// read() gives the next frame set that has colour and depth; false after `stop` was set or when
-/// all cameras have ended. Errors of read(): kDevice when a device does not start, or when nothing
-/// came for five seconds. `stop` and `clock` must outlive the source.
-/// Errors: kUsage for a rig without a camera or a depth camera.
+/// all cameras have ended. Errors of read(): kDevice when a device does not start, or when no set
+/// with colour and depth came for five seconds: it names the camera that is lost. `stop` and
+/// `clock` must outlive the source. Errors: kUsage for a rig without a camera or a depth camera.
 Result<std::unique_ptr<capture::CaptureSource>> make_live_source(RigConfig config, Devices devices,
                                                                  const std::atomic<bool>& stop,
                                                                  Clock& clock);

@@ -11,6 +11,7 @@
 #include "hal/base/log.h"
 #include "host/calibration/board/suggest_board.h"
 #include "host/image_io/image_io.h"
+#include "host/live/lost_camera.h"
 #include "host/tools/coverage_picture.h"
 
 namespace mixrig::tools {
@@ -21,6 +22,7 @@ using calibration::ViewCollector;
 
 constexpr int kFisheyeFrames = 50;  ///< in which its first picture must come
 constexpr int kSearchFrames = 250;  ///< without the board, before a line says so
+constexpr Duration kReturnTime = std::chrono::seconds(5);  ///< in which a camera may come back
 
 /// The board that the last picture seems to show, as --board takes it, or empty.
 std::string shown_instead(const ViewCollector& collector, const calibration::BoardSpec& stated) {
@@ -57,6 +59,35 @@ void warn_early(const ViewCollector& collector, const calibration::BoardSpec& bo
   if (counts.frames == kSearchFrames && counts.in_target + counts.in_fisheye == 0)
     log_warning("views", collector.why_none(shown_instead(collector, board)).context);
 }
+
+void warn_without_amplitude(const ViewCollector& collector) {
+  for (const calibration::CoveredCamera& camera : collector.coverage().cameras())
+    if (camera.role == calibration::ViewRole::kTof) return;
+  log_warning("views",
+              "the depth camera gives no amplitude, in which the board could be found: the views "
+              "have no camera \"tof\", and calibrate rig will leave it out; use its infrared "
+              "picture as amplitude (docs/devices.md), or calibrate the depth camera otherwise");
+}
+
+/// Notices a camera that is gone while the others deliver (the fisheye).
+class LostCamera {
+ public:
+  /// The error of a camera that has been lost for kReturnTime.
+  std::optional<Error> after(const capture::CaptureSource& source, HostTime now) {
+    auto lost = lost_now(source);
+    if (!lost) since_.reset();
+    if (lost && !since_) since_ = now;
+    if (lost && now - *since_ < kReturnTime) lost.reset();
+    return lost;
+  }
+  static std::optional<Error> lost_now(const capture::CaptureSource& source) {
+    const auto report = source.report();
+    return report ? live::lost_camera(*report) : std::nullopt;
+  }
+
+ private:
+  std::optional<HostTime> since_;
+};
 
 }  // namespace
 
@@ -131,18 +162,21 @@ Result<nlohmann::json> collect_views(capture::CaptureSource& source,
   std::optional<CollectStatus> status(std::in_place);
   const char* ended = "coverage";
   std::optional<Error> error;
+  LostCamera lost;
   for (int number = 1; !collector || !collector->coverage().enough(); ++number) {
     auto there =
         number <= source.info().frames ? source.read(number, capture) : Result<bool>(false);
     if (stop || !there || !*there) {
       ended = stop ? "stopped" : "end of the source";
-      if (!there && !stop) error = there.error();
+      if (!stop) error = there ? LostCamera::lost_now(source) : there.error();
       break;
     }
+    if ((error = lost.after(source, capture.mid_exposure))) break;
     if (!collector) {
       if (waits_for_fisheye(source.info(), capture, number)) continue;
       MIXRIG_ASSIGN(collector, ViewCollector::create(arguments.out, source.info(), capture,
                                                      arguments.settings));
+      warn_without_amplitude(*collector);
     }
     MIXRIG_ASSIGN(const CollectState state, collector->add(capture));
     status->show(state, *collector);

@@ -25,7 +25,7 @@ struct StudioArguments {
   std::string board = "checkerboard", squares = "10x7";
   int seed = 1, frames = 60, threads = 0, views = 0;
   bool raw_depth = false, pan_tilt = false, clear_floor = false, hand = false;
-  double tremor_mm = 0, rest_s = 0.8;
+  double tremor_mm = 0, rest_s = 0.8, move_s = 0.8;
   double far_m = 2.4;
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
@@ -168,6 +168,7 @@ Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) 
   options.pixel_error_m = arguments.pixel_error_mm / 1000;
   options.hand.tremor_m = arguments.tremor_mm / 1000;
   options.hand.rest_s = arguments.rest_s;
+  options.hand.move_s = arguments.move_s;
   if (!arguments.hand) return options;
   if (arguments.pan_tilt)
     return Error{ErrorCode::kUsage, "--hand moves the board, --ptu the cameras: drop one"};
@@ -260,7 +261,8 @@ void add_board_options(Command command, StudioArguments& arguments) {
       .add_flag("--hand", arguments.hand,
                 "A take instead of a folder of views: a person takes the board from view to view")
       .group(group);
-  option("--rest", arguments.rest_s, "--hand: seconds at each view; the way takes 0.8");
+  option("--rest", arguments.rest_s, "--hand: seconds at each view");
+  option("--move", arguments.move_s, "--hand: seconds from view to view");
   option("--tremor", arguments.tremor_mm, "--hand: of the hands, mm (sigma an axis)");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A board in the hands of a person, through mixrig calibrate views; a board before a unit that
-// turns, through calibrate views --turn and calibrate ptu; and what is refused.
+// A board in the hands of a person, through mixrig calibrate views and calibrate rig; a board
+// before a unit that turns, through calibrate views --turn and calibrate ptu; and what is refused.
 #include <cmath>
 #include <filesystem>
 
@@ -14,6 +14,14 @@ using nlohmann::json;
 constexpr const char* kBoard = " --board checkerboard:9x6:70mm";
 
 class CalibrateViews : public RefusingCommandTest {};
+
+/// Removes the table [fisheye] of a take.toml.
+void leave_out_fisheye(const std::string& take_toml) {
+  const std::string text = text_of_file(take_toml);
+  const std::size_t begin = text.find("[fisheye]"), end = text.find("\n[", begin);
+  ASSERT_NE(end, std::string::npos);
+  std::ofstream(take_toml) << text.substr(0, begin) << text.substr(end + 1);
+}
 
 TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") +
@@ -34,6 +42,30 @@ TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
   EXPECT_GE(views.at("shared").get<int>(), 5) << views.dump(1);
   EXPECT_LE(views.at("views").get<int>(), 8) << "a view is kept once";
   EXPECT_TRUE(std::filesystem::exists(path("views/coverage.png")));
+}
+
+/// The views of a hand, as they are, calibrate the rig.
+TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRig) {
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
+                   " --scenario board --hand --rig sr3000 --seed 7 --views 9 --size 320x256"
+                   " --fisheye-size 64x64 --rest 0.4 --move 0.2 --tremor 0.05 --tolerance 1"
+                   " --depth-error 15"),
+            0);
+  leave_out_fisheye(path("take/take.toml"));  // too small to show the board
+  ASSERT_EQ(mixrig("calibrate views " + path("views") + " --source take:" + path("take") + kBoard +
+                   " --json " + path("v.json")),
+            0);
+  ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --json " + path("r.json")), 0);
+  EXPECT_GE(report("v.json").at("views").get<int>(), 7) << "of eight before the target camera";
+  const json found = report("r.json"), truth = report("take/truth/truth.json");
+  const json &target = found.at("cameras").at("target"), &tof = found.at("cameras").at("tof");
+  EXPECT_NEAR(
+      target.at("parameters").at(0).get<double>() / truth.at("target").at("fx").get<double>(), 1,
+      2e-4);
+  EXPECT_LT(off_mm(tof, truth.at("target_from_tof")), 0.3);
+  EXPECT_LT(off_deg(tof, truth.at("target_from_tof")), 0.03);
+  const json& depth = found.at("depth_error");
+  EXPECT_LT(depth.at("held_out_mm").get<double>(), 0.3 * depth.at("uncorrected_mm").get<double>());
 }
 
 TEST_F(CalibrateViews, OfATurningUnitCalibrateItAndRadiansAreRefused) {

@@ -11,7 +11,7 @@
 #include "host/calibration/views/turn_plan.h"
 #include "host/calibration/views/view_collector.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/calibration/drawn_board.h"
+#include "tests/unit/calibration/drawn_capture.h"
 
 namespace mixrig::test {
 namespace {
@@ -21,48 +21,7 @@ using capture::Capture;
 
 constexpr double kDegree = M_PI / 180;
 constexpr int kWindow = 5;
-const BoardSpec kBoard{BoardKind::kCheckerboard, 9, 6, 0.04, 0, 0, {}};
-const DrawnCamera kColor{{320, 240}, 300, 158.2, 121.4, -0.1};
-const DrawnCamera kDepth{{176, 144}, 150, 87.1, 70.8, -0.1};
-
-geometry::Pose facing(double x_m, double y_m, double z_m, Eigen::Vector3d turn = {0.3, 0.2, 0.1}) {
-  return board_pose(kBoard, turn, {x_m, y_m, z_m});
-}
-
-/// Frame `number` of 25 a second.
-Capture frame(int number, const geometry::Pose& pose, double blur_px = 0.6,
-              const geometry::Pose* in_depth = nullptr, double nearer_m = 0) {
-  DrawnLook look;
-  look.blur_px = blur_px, look.noise = 6;
-  Capture c;
-  c.number = number;
-  c.mid_exposure = HostTime(std::chrono::milliseconds(40 * number));
-  const auto gray = draw_board(kBoard, kColor, pose, look, static_cast<unsigned>(2 * number));
-  c.plate.reset(gray.size());
-  for (int y = 0; y < gray.height(); ++y)
-    for (int x = 0; x < gray.width(); ++x) c.plate.at(x, y) = {gray.at(x, y), gray.at(x, y), 0};
-  for (int y = 0; y < gray.height(); ++y)
-    for (int x = 0; x < gray.width(); ++x) c.plate.at(x, y).b = gray.at(x, y);
-  const auto ir = draw_board(kBoard, kDepth, in_depth != nullptr ? *in_depth : pose, {},
-                             static_cast<unsigned>(2 * number + 1));
-  c.amplitude.reset(ir.size()), c.depth_m.reset(ir.size());
-  for (int y = 0; y < ir.height(); ++y)
-    for (int x = 0; x < ir.width(); ++x) {
-      c.amplitude.at(x, y) = 20.0F * ir.at(x, y);
-      c.depth_m.at(x, y) =
-          static_cast<float>(0.8 - nearer_m + 0.002 * ((x * 7 + y * 13 + number * 5) % 11 - 5));
-    }
-  c.set_status(capture::Stream::kPlate, capture::StreamStatus::kFresh);
-  c.set_status(capture::Stream::kDepth, capture::StreamStatus::kFresh);
-  return c;
-}
-
-capture::SourceInfo source_info() {
-  capture::SourceInfo info;
-  info.name = "drawn", info.frames = 1000, info.depth_unit_m = 0.001;
-  info.target.pinhole = {kColor.size_px, kColor.focal_px, kColor.focal_px, 159.5, 119.5};
-  return info;
-}
+const BoardSpec& kBoard = kDrawnBoard;
 
 class Views : public ::testing::Test {
  protected:

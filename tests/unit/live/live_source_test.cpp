@@ -124,6 +124,86 @@ TEST_F(LiveSourceTest, CamerasThatStaySilentAreAnErrorAfterFiveSeconds) {
   EXPECT_NE(there.error().context.find("mixrig diag"), std::string::npos);
 }
 
+/// A source of two cameras that deliver while they are plugged in.
+class LiveSourceLoss : public LiveSourceTest {
+ protected:
+  void SetUp() override {
+    Devices devices;
+    devices.cameras.push_back(camera(device::PixelFormat::kRgb8, color_));
+    devices.depth = device::as_depth_camera(camera(device::PixelFormat::kDepth16, depth_), {});
+    RigConfig config;
+    config.cameras.emplace_back();
+    config.cameras[0].name = "color", config.cameras[0].uri = "fake:color";
+    config.depth.emplace();
+    config.depth->name = "depth", config.depth->uri = "fake:depth";
+    auto source = make_live_source(std::move(config), std::move(devices), stop_, clock_);
+    ASSERT_TRUE(source) << to_line(source.error());
+    source_ = *std::move(source);
+  }
+  /// What read() says while time passes.
+  Result<bool> read_while_they_deliver() {
+    std::atomic<bool> done = false;
+    std::thread time([&] {
+      while (!done) {
+        clock_.advance(40ms);
+        color_->emit(), depth_->emit();
+        test::comes_true([&] { return done || source_->report()->waiting_events == 0; });
+      }
+    });
+    capture::Capture frame;
+    auto there = source_->read(1, frame);
+    done = true;
+    time.join();
+    return there;
+  }
+  fake::FakeCamera *color_ = nullptr, *depth_ = nullptr;
+  std::unique_ptr<capture::CaptureSource> source_;
+
+ private:
+  std::unique_ptr<fake::FakeCamera> camera(device::PixelFormat format, fake::FakeCamera*& handle) {
+    auto made = std::make_unique<fake::FakeCamera>(
+        clock_,
+        device::CameraInfo{.uri = "fake:",
+                           .size = {16, 12},
+                           .format = format,
+                           .rate_hz = 25,
+                           .stamp_clock = device::StampClock::kHost},
+        256);
+    handle = made.get();
+    return made;
+  }
+};
+
+TEST_F(LiveSourceLoss, OfTheDepthCameraIsNamedAfterFiveSecondsThoughColourGoesOn) {
+  const auto first = read_while_they_deliver();
+  ASSERT_TRUE(first && *first);
+  depth_->unplug();
+  const HostTime from = clock_.now();
+  auto there = read_while_they_deliver();
+  while (there && *there) there = read_while_they_deliver();  // sets from before
+  ASSERT_FALSE(there) << "it ended as a recording does";
+  EXPECT_EQ(there.error().code, ErrorCode::kDevice);
+  EXPECT_NE(there.error().context.find("camera 'depth' (fake:depth) is lost: check its cable"),
+            std::string::npos)
+      << there.error().context;
+  EXPECT_GE(clock_.now() - from, 5s);
+  EXPECT_GT((*source_->report()).left_out, 0U);
+}
+
+TEST_F(LiveSourceLoss, OfTheColourCameraIsNamedAndItsReturnGoesOn) {
+  const auto first = read_while_they_deliver();
+  ASSERT_TRUE(first && *first);
+  color_->unplug();
+  auto there = read_while_they_deliver();
+  while (there && *there) there = read_while_they_deliver();
+  ASSERT_FALSE(there);
+  EXPECT_NE(there.error().context.find("camera 'color' (fake:color) is lost"), std::string::npos)
+      << there.error().context;
+  color_->replug();
+  there = read_while_they_deliver();
+  EXPECT_TRUE(there && *there) << (there ? "ended" : there.error().context);
+}
+
 TEST(LiveSourceOpen, NeedsACameraAndADepthCamera) {
   ManualClock clock;
   const std::atomic<bool> stop = false;
