@@ -65,13 +65,13 @@ ColorConfig parse_color(const config::Table& table) {
 }
 
 DepthConfig parse_depth(const config::Table& table) {
-  constexpr config::Range kStep{0, 65535};
+  constexpr config::Range kDepthStep{0, 65535};
   DepthConfig depth;
   depth.unit_m = optional_number(table, "unit_m", {1e-7, 10});
   depth.offset_m = optional_number(table, "offset_m", {-10, 10});
   depth.kind = optional_word<device::DepthMeaning>(table, "kind", kKinds);
   if (table.has("unknown"))
-    for (const double step : table.numbers("unknown", 1, 4, kStep)) {
+    for (const double step : table.numbers("unknown", 1, 4, kDepthStep)) {
       if (step != std::floor(step)) table.fail("unknown", "give whole steps");
       depth.unknown.push_back(static_cast<int>(step));
     }
@@ -80,7 +80,7 @@ DepthConfig parse_depth(const config::Table& table) {
     depth.noise = {noise[0], noise[1], noise[2]};
   }
   if (table.has("least_confidence"))
-    depth.least_confidence = table.integer("least_confidence", kStep);
+    depth.least_confidence = table.integer("least_confidence", kDepthStep);
   if (table.has("light")) depth.light = table.boolean_or("light", false);
   return depth;
 }
