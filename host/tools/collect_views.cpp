@@ -65,8 +65,8 @@ void warn_without_amplitude(const ViewCollector& collector) {
     if (camera.role == calibration::ViewRole::kTof) return;
   log_warning("views",
               "the depth camera gives no amplitude, in which the board could be found: the views "
-              "have no camera \"tof\", and calibrate rig will leave it out; use its infrared "
-              "picture as amplitude (docs/devices.md), or calibrate the depth camera otherwise");
+              "have no camera \"tof\" and calibrate rig will not place it; let it deliver its "
+              "intensity beside the depth (docs/devices.md)");
 }
 
 /// Notices a camera that is gone while the others deliver (the fisheye).
