@@ -17,8 +17,8 @@ namespace mixrig::device {
 /// Queries resolution and range from the unit; never sends a reset, which would move the head.
 /// Verbose replies are switched on because they name their axis, so that a late answer is not taken
 /// as that of another query. An exchange without an answer, or with an invalid or interrupted one,
-/// is repeated: position queries and absolute moves are idempotent. Positions are asked for as often
-/// as the line and the unit answer, at most 500 times a second.
+/// is repeated: position queries and absolute moves are idempotent. Positions are asked for as
+/// often as the line and the unit answer, at most 500 times a second.
 class FlirPtu final : public PanTilt {
  public:
   /// `uri` stands in error lines; `byte_time` is that of the line, 10 bits at its rate, 0 where it

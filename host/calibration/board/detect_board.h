@@ -44,8 +44,8 @@ Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> imag
                                               Refinement refinement = Refinement::kModel,
                                               Search search = Search::kThorough);
 
-/// The corners of `known` in another picture in which the board lies within a quarter of a square of
-/// the same place, refined anew; those that are not found are left out. Thread-safe.
+/// The corners of `known` in another picture in which the board lies within a quarter of a square
+/// of the same place, refined anew; those that are not found are left out. Thread-safe.
 BoardView find_again(ImageView<const std::uint8_t> image, const BoardSpec& board,
                      const BoardView& known);
 
