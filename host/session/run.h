@@ -12,6 +12,7 @@
 #include "hal/base/result.h"
 #include "host/output/composite_sink.h"
 #include "host/output/files_sink.h"
+#include "host/output/run_controls.h"
 #include "host/session/run_report.h"
 #include "host/session/session.h"
 
@@ -34,6 +35,7 @@ struct RunOptions {
   std::optional<bool> watch_room;
   ChangeOptions changes;                           ///< which of them become background
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
+  output::RunControls* controls = nullptr;         ///< by an operator; null: nobody
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
 
