@@ -35,6 +35,9 @@ struct SourceReport {
   std::uint64_t pan_tilt_samples = 0, pan_tilt_errors = 0;
   std::uint64_t sets_without_angle = 0;  ///< though the rig has a head
   std::uint64_t left_out = 0;            ///< sets without colour or depth
+  std::uint64_t without_depth = 0;       ///< captures without, since the depth camera was lost
+  std::uint64_t held_depth = 0;          ///< captures with the depth of the one before
+  double longest_gap_s = 0;              ///< between two captures, by their mid-exposures
   device::PanTiltHealth pan_tilt;
 };
 

@@ -156,36 +156,56 @@ capture::ColorSettings color_settings(const CameraConfig& config, const device::
   return settings;
 }
 
-SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices)
+SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices, WithoutDepth without_depth)
     : devices_(devices),
       depth_(devices.depth ? depth_info(config, devices) : device::DepthInfo()),
       plate_(decoder_of(config, devices, 0)),
       fisheye_decoder_(decoder_of(config, devices, fisheye_index(config))),
       fisheye_(fisheye_index(config)),
-      fisheye_hold_(capture::fisheye_hold(fisheye_rate_hz(config, devices))) {}
+      fisheye_hold_(capture::fisheye_hold(fisheye_rate_hz(config, devices))),
+      without_depth_(without_depth) {}
 
 Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   using capture::Stream;
   using capture::StreamStatus;
   const sync::TimedFrame& plate = set.frames.frames[0];
-  const sync::TimedFrame& depth = set.frames.frames[devices_.cameras.size()];
-  if (!plate.frame || !depth.frame)
+  const bool has_depth = set.frames.frames[devices_.cameras.size()].frame != nullptr;
+  const bool goes_without = without_depth_ == WithoutDepth::kHold && last_depth_;
+  if (!plate.frame || !(has_depth || goes_without))
     return Error{ErrorCode::kData, "a frame set without colour or depth: skipped"};
   MIXRIG_TRY(plate_.decode(*plate.frame, capture.plate));
-  MIXRIG_TRY(device::to_metres(*depth.frame, depth_, capture.depth_m));
-  fill_amplitude(*depth.frame, capture.amplitude);
   capture.tick = devices_.trigger || devices_.edges ? set.frames.tick : 0;
   capture.mid_exposure = plate.mid_exposure;
   capture.pan_tilt = set.pan_tilt;
   capture.status = {};
   capture.set_status(Stream::kPlate, StreamStatus::kFresh);
-  capture.set_status(Stream::kDepth, last_depth_ == depth.frame->sequence ? StreamStatus::kRepeated
-                                                                          : StreamStatus::kFresh);
-  last_depth_ = depth.frame->sequence;
+  MIXRIG_TRY(decode_depth(set, capture));
   if (devices_.pan_tilt)
     capture.set_status(Stream::kPanTilt,
                        set.pan_tilt ? StreamStatus::kFresh : StreamStatus::kMissing);
   if (fisheye_ > 0) decode_fisheye(set, capture);
+  return {};
+}
+
+/// The set's depth, or the last one for a moment, or none.
+Result<void> SetDecoder::decode_depth(const LiveSet& set, capture::Capture& capture) {
+  using capture::StreamStatus;
+  sync::TimedFrame depth = set.frames.frames[devices_.cameras.size()];
+  if (!depth.frame && held_depth_.frame &&
+      capture.mid_exposure - held_depth_.mid_exposure <= kDepthHold)
+    depth = held_depth_;
+  if (without_depth_ == WithoutDepth::kHold) held_depth_ = depth;
+  if (!depth.frame) {
+    capture.depth_m = {}, capture.amplitude = {};
+    capture.set_status(capture::Stream::kDepth, StreamStatus::kMissing);
+    return {};
+  }
+  MIXRIG_TRY(device::to_metres(*depth.frame, depth_, capture.depth_m));
+  fill_amplitude(*depth.frame, capture.amplitude);
+  capture.set_status(capture::Stream::kDepth, last_depth_ == depth.frame->sequence
+                                                  ? StreamStatus::kRepeated
+                                                  : StreamStatus::kFresh);
+  last_depth_ = depth.frame->sequence;
   return {};
 }
 

@@ -30,19 +30,30 @@ std::size_t fisheye_index(const RigConfig& config);
 /// Its trigger's, else the device's, else the wanted one; 0 where none is known or there is none.
 double fisheye_rate_hz(const RigConfig& config, const Devices& devices);
 
+/// A set with colour and without depth.
+enum class WithoutDepth {
+  kSkip,  ///< is not decoded
+  kHold,  ///< once depth has come: has the last depth again (kRepeated) for kDepthHold after its
+          ///< exposure, then none (kMissing)
+};
+/// People move 20 cm in it when they run.
+inline constexpr Duration kDepthHold = std::chrono::milliseconds(100);
+
 /// Decodes frame sets. Not thread-safe.
 class SetDecoder {
  public:
   /// `config` and `devices` must outlive it.
-  SetDecoder(const RigConfig& config, const Devices& devices);
+  SetDecoder(const RigConfig& config, const Devices& devices,
+             WithoutDepth without_depth = WithoutDepth::kSkip);
   /// Plate, depth in metres, amplitude and, where the rig has a camera named "fisheye", its
   /// picture with its own mid-exposure and counter (capture::fisheye_status; one that cannot be
   /// decoded is missing); mid-exposure, tick, head angles and the streams' status. Keeps the
   /// buffers of `capture`, and does not change its number, time, cameras and pose. Errors: kData
-  /// where the set lacks colour or depth, or one of them cannot be decoded: skip it.
+  /// where the set lacks colour or depth, but for kHold, or one of them cannot be decoded: skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
 
  private:
+  Result<void> decode_depth(const LiveSet& set, capture::Capture& capture);
   void decode_fisheye(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
@@ -50,6 +61,8 @@ class SetDecoder {
   capture::ColorDecoder plate_, fisheye_decoder_;
   const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
   const Duration fisheye_hold_;
+  const WithoutDepth without_depth_;
+  sync::TimedFrame held_depth_;                             ///< the last one, of kHold
   std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames
 };
 

@@ -2,8 +2,10 @@
 #include "host/live/live_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "hal/base/log.h"
 #include "host/live/lens_stream.h"
 #include "host/live/live_capture.h"
 #include "host/live/lost_camera.h"
@@ -17,7 +19,8 @@ constexpr Duration kPatience = std::chrono::seconds(5);
 class LiveSource final : public capture::CaptureSource {
  public:
   LiveSource(RigConfig config, Devices devices, capture::SourceInfo info,
-             std::unique_ptr<LensStream> lens, const std::atomic<bool>& stop, Clock& clock)
+             std::unique_ptr<LensStream> lens, const std::atomic<bool>& stop, Clock& clock,
+             WhenLost when_lost)
       : config_(std::move(config)),
         devices_(std::move(devices)),
         info_(std::move(info)),
@@ -25,7 +28,9 @@ class LiveSource final : public capture::CaptureSource {
         lens_(std::move(lens)),
         stop_(stop),
         clock_(clock),
-        decoder_(config_, devices_),
+        when_lost_(when_lost),
+        decoder_(config_, devices_,
+                 when_lost == WhenLost::kGoOn ? WithoutDepth::kHold : WithoutDepth::kSkip),
         session_(config_, devices_, clock) {
     info_.frames = capture::kEndless;
   }
@@ -38,11 +43,16 @@ class LiveSource final : public capture::CaptureSource {
   std::optional<capture::SourceReport> report() const override {
     capture::SourceReport report = session_.report();
     report.left_out = left_out_;
+    report.without_depth = without_depth_;
+    report.held_depth = held_depth_;
+    report.longest_gap_s = longest_gap_s_;
     return report;
   }
 
  private:
   Error silence() const;
+  bool waits_on();
+  void count(const capture::Capture& capture);
 
   RigConfig config_;
   Devices devices_;
@@ -51,11 +61,16 @@ class LiveSource final : public capture::CaptureSource {
   std::unique_ptr<LensStream> lens_;  ///< null for a rig without
   const std::atomic<bool>& stop_;
   Clock& clock_;
+  const WhenLost when_lost_;
   SetDecoder decoder_;
   LiveSession session_;
   bool started_ = false;
   std::atomic<std::uint64_t> left_out_ = 0;  ///< sets without colour or depth
-  std::optional<HostTime> first_;
+  std::atomic<std::uint64_t> without_depth_ = 0, held_depth_ = 0;
+  std::atomic<double> longest_gap_s_ = 0;
+  std::optional<HostTime> first_, last_;  ///< mid-exposures of captures
+  bool silent_ = false;                   ///< and it was said
+  bool depth_gone_ = false;               ///< likewise
 };
 
 /// Why nothing came.
@@ -65,10 +80,40 @@ Error LiveSource::silence() const {
           "no frames that could be paired came from the cameras for five seconds: run mixrig diag"};
 }
 
+/// Whether colour may come back by itself. Says once that it is awaited.
+bool LiveSource::waits_on() {
+  const device::DeviceState color = devices_.cameras.front()->health().state;
+  const bool returns =
+      color == device::DeviceState::kStreaming || color == device::DeviceState::kLost;
+  if (when_lost_ == WhenLost::kEnd || !first_ || !returns) return false;
+  if (!std::exchange(silent_, true))
+    log_warning("live", silence().context + "; it is waited for, Ctrl-C ends the run");
+  return true;
+}
+
+/// Of a capture that is given out. Says once that a stream is gone, or back.
+void LiveSource::count(const capture::Capture& capture) {
+  using capture::Stream;
+  using capture::StreamStatus;
+  if (!first_) first_ = capture.mid_exposure;
+  if (last_)
+    longest_gap_s_ = std::max<double>(longest_gap_s_, seconds(capture.mid_exposure - *last_));
+  last_ = capture.mid_exposure;
+  if (std::exchange(silent_, false)) log_info("live", "pictures come again");
+  const bool gone = capture.status_of(Stream::kDepth) == StreamStatus::kMissing;
+  if (gone) ++without_depth_;
+  if (capture.status_of(Stream::kDepth) == StreamStatus::kRepeated) ++held_depth_;
+  if (gone == std::exchange(depth_gone_, gone)) return;
+  if (!gone) return log_info("live", "depth comes again");
+  const auto lost = lost_camera(session_.report());
+  log_warning("live", (lost ? lost->context : "the depth camera sends nothing") +
+                          ": frames are composited without depth, people are not keyed");
+}
+
 Result<bool> LiveSource::read(int number, capture::Capture& capture) {
   if (!std::exchange(started_, true)) MIXRIG_TRY(session_.start());
   const HostTime begin = std::max(clock_.now(), config_.play_at.value_or(HostTime()));
-  const HostTime give_up = begin + kPatience;
+  HostTime give_up = begin + kPatience;
   while (!stop_) {
     // Read before the queue: sets that were made before the cameras ended are still delivered.
     const bool ended = session_.ended();
@@ -76,14 +121,16 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
     if (!set) {
       if (ended) return false;
       if (clock_.now() < give_up) continue;
-      return silence();
+      if (!waits_on()) return silence();
+      give_up = clock_.now() + kPatience;
+      continue;
     }
     if (!decoder_.decode(*set, capture)) {
       ++left_out_;
       if (clock_.now() < give_up) continue;
       return silence();
     }
-    if (!first_) first_ = capture.mid_exposure;
+    count(capture);
     capture.number = number;
     capture.time_s = seconds(capture.mid_exposure - *first_);
     capture.cameras = cameras_;
@@ -99,11 +146,12 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
 
 Result<std::unique_ptr<capture::CaptureSource>> make_live_source(RigConfig config, Devices devices,
                                                                  const std::atomic<bool>& stop,
-                                                                 Clock& clock) {
+                                                                 Clock& clock, WhenLost when_lost) {
   MIXRIG_ASSIGN(capture::SourceInfo info, take_info(config, devices));
   MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
-  return std::unique_ptr<capture::CaptureSource>(std::make_unique<LiveSource>(
-      std::move(config), std::move(devices), std::move(info), std::move(lens), stop, clock));
+  return std::unique_ptr<capture::CaptureSource>(
+      std::make_unique<LiveSource>(std::move(config), std::move(devices), std::move(info),
+                                   std::move(lens), stop, clock, when_lost));
 }
 
 }  // namespace mixrig::live

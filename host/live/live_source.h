@@ -12,13 +12,21 @@
 
 namespace mixrig::live {
 
+/// What read() does when one of the cameras delivers no longer.
+enum class WhenLost {
+  kEnd,   ///< an error after five seconds without colour and depth: it names the camera
+  kGoOn,  ///< after the first set with both: captures without depth are given, and colour is waited
+          ///< for until it is back; an error only where its camera has failed for good or has ended
+};
+
 /// Takes ownership of open devices. They start with the first read() and stop with the source.
-/// read() gives the next frame set that has colour and depth; false after `stop` was set or when
-/// all cameras have ended. Errors of read(): kDevice when a device does not start, or when no set
-/// with colour and depth came for five seconds: it names the camera that is lost. `stop` and
-/// `clock` must outlive the source. Errors: kUsage for a rig without a camera or a depth camera.
-Result<std::unique_ptr<capture::CaptureSource>> make_live_source(RigConfig config, Devices devices,
-                                                                 const std::atomic<bool>& stop,
-                                                                 Clock& clock);
+/// read() gives the next frame set that has colour and depth (kGoOn: or colour alone, once both
+/// have come); false after `stop` was set or when all cameras have ended. Errors of read(): kDevice
+/// when a device does not start, or when no set came for five seconds, as `when_lost` says. `stop`
+/// and `clock` must outlive the source. Errors: kUsage for a rig without a camera or a depth
+/// camera.
+Result<std::unique_ptr<capture::CaptureSource>> make_live_source(
+    RigConfig config, Devices devices, const std::atomic<bool>& stop, Clock& clock,
+    WhenLost when_lost = WhenLost::kEnd);
 
 }  // namespace mixrig::live

@@ -19,22 +19,6 @@ std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
 }
 
-/// Red, yellow, green, cyan, blue, violet for 0..1, interpolated linearly.
-Rgb8 rainbow(float t) {
-  constexpr std::array<Rgbf, 6> kStops{{{0.85F, 0.15F, 0.1F},
-                                        {0.95F, 0.8F, 0.2F},
-                                        {0.3F, 0.8F, 0.3F},
-                                        {0.2F, 0.75F, 0.8F},
-                                        {0.2F, 0.3F, 0.85F},
-                                        {0.35F, 0.1F, 0.5F}}};
-  const float at = std::clamp(t, 0.0F, 1.0F) * (kStops.size() - 1);
-  const auto i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-  const float part = at - static_cast<float>(i);
-  const auto mix = [&](float a, float b) { return to_byte(a + part * (b - a)); };
-  return {mix(kStops[i].r, kStops[i + 1].r), mix(kStops[i].g, kStops[i + 1].g),
-          mix(kStops[i].b, kStops[i + 1].b)};
-}
-
 bool known(float z_m) { return std::isfinite(z_m) && z_m > 0.0F; }
 
 template <typename In, typename PixelOf>
@@ -47,10 +31,26 @@ Image<Rgb8> mapped(ImageView<const In> in, PixelOf&& pixel_of) {
 
 }  // namespace
 
+/// Red, yellow, green, cyan, blue, violet, interpolated linearly.
+Rgb8 depth_color(float share) {
+  constexpr std::array<Rgbf, 6> kStops{{{0.85F, 0.15F, 0.1F},
+                                        {0.95F, 0.8F, 0.2F},
+                                        {0.3F, 0.8F, 0.3F},
+                                        {0.2F, 0.75F, 0.8F},
+                                        {0.2F, 0.3F, 0.85F},
+                                        {0.35F, 0.1F, 0.5F}}};
+  const float at = std::clamp(share, 0.0F, 1.0F) * (kStops.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
+  const float part = at - static_cast<float>(i);
+  const auto mix = [&](float a, float b) { return to_byte(a + part * (b - a)); };
+  return {mix(kStops[i].r, kStops[i + 1].r), mix(kStops[i].g, kStops[i + 1].g),
+          mix(kStops[i].b, kStops[i + 1].b)};
+}
+
 Image<Rgb8> depth_picture(ImageView<const float> depth_m, float near_m, float far_m) {
   const float scale = 1.0F / std::max(far_m - near_m, 1e-3F);
   return mapped(depth_m,
-                [&](float z) { return known(z) ? rainbow((z - near_m) * scale) : Rgb8{}; });
+                [&](float z) { return known(z) ? depth_color((z - near_m) * scale) : Rgb8{}; });
 }
 
 Rgb8 error_color(float share) {
@@ -88,21 +88,21 @@ std::pair<float, float> depth_range(ImageView<const float> depth_m) {
   return {low, order_statistic(std::span(values), values.size() - 1 - margin)};
 }
 
-Image<Rgb8> key_picture(ImageView<const std::uint8_t> state) {
-  return mapped(state, [](std::uint8_t s) -> Rgb8 {
-    switch (static_cast<render::PixelState>(s)) {
-      case render::PixelState::kForeground:
-        return {255, 255, 255};
-      case render::PixelState::kEdge:
-        return {250, 200, 60};
-      case render::PixelState::kBackground:
-        return {40, 70, 130};
-      case render::PixelState::kUnknown:
-        break;
-    }
-    return {40, 40, 40};
-  });
+Rgb8 key_color(std::uint8_t state) {
+  switch (static_cast<render::PixelState>(state)) {
+    case render::PixelState::kForeground:
+      return {255, 255, 255};
+    case render::PixelState::kEdge:
+      return {250, 200, 60};
+    case render::PixelState::kBackground:
+      return {40, 70, 130};
+    case render::PixelState::kUnknown:
+      break;
+  }
+  return {40, 40, 40};
 }
+
+Image<Rgb8> key_picture(ImageView<const std::uint8_t> state) { return mapped(state, key_color); }
 
 Image<Rgb8> light_picture(ImageView<const float> light) {
   return mapped(light, [](float l) {

@@ -33,6 +33,9 @@ class Frames {
   Result<capture::CapturePtr> next() {
     if (number_ > range_.second) return capture::CapturePtr();
     MIXRIG_ASSIGN(auto item, reader_.next());
+    while (item && item->capture->depth_m.empty()) {  // the depth camera is lost for a while
+      MIXRIG_ASSIGN(item, reader_.next());
+    }
     if (!item)
       return Error{ErrorCode::kData,
                    fmt::format("the source ended or was stopped after {} of {} frames of the empty "

@@ -91,7 +91,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
                                          "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig))));
-  return live::make_live_source(std::move(rig), std::move(devices), stop, clock);
+  return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
+                                live::WhenLost::kGoOn);
 }
 
 }  // namespace mixrig::session

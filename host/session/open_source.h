@@ -36,7 +36,8 @@ live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 /// `rig`, without its trigger where that fires none of its cameras.
 live::RigConfig without_idle_trigger(live::RigConfig rig);
 
-/// Opens the devices of rig.toml that the scene uses. `stop` and `clock` must outlive the source.
+/// Opens the devices of rig.toml that the scene uses; a camera that is lost does not end it
+/// (live::WhenLost::kGoOn). `stop` and `clock` must outlive the source.
 /// Errors: those of rig.toml and of the devices; kUsage without a camera or a depth camera, kFormat
 /// without the head or the fisheye that the scene's pose needs.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,

@@ -111,6 +111,7 @@ class Runner {
   void place_moved_objects();
   Result<void> prepare_frame_poses();
   Result<void> open_baselines();
+  render::OutputMask wanted_by(const output::SinkThread& sink, int number) const;
   render::OutputMask wanted_by_sinks(int number) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
@@ -145,6 +146,7 @@ class Runner {
   Sinks sinks_;
   std::unique_ptr<ObjectMotion> motion_;  ///< null: no object has physics
   FrameTimes times_;
+  output::SinkThread* files_ = nullptr;   ///< one of sinks_; none without an output folder
   output::SinkThread* people_ = nullptr;  ///< one of sinks_, where people are followed
   output::SinkThread* sheet_ = nullptr;   ///< one of sinks_; none without an output folder
   bool sheet_has_rows_ = false;
@@ -154,6 +156,8 @@ class Runner {
   std::optional<SlipWatch> slip_;
   std::optional<LensWatch> lens_;
   render::FrameOutput judged_;
+  bool recording_ = true;    ///< files are written
+  Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
   std::string ended_ = "end of the source";
@@ -177,6 +181,11 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
+  if (options_.controls != nullptr) {
+    options_.controls->can_record = files_ != nullptr;
+    options_.controls->can_learn = keeper_->is_open();
+  }
+  no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(compositor_->whole());
   report_.renderer = compositor_->whole().renderer();
   report_.size = session_.setup.view.size_px;
@@ -225,6 +234,7 @@ Result<void> Runner::open_sinks(FrameRange range) {
     MIXRIG_ASSIGN(auto files, output::FilesSink::create(folder_->path(), info, session_.setup.view,
                                                         options_.output));
     add(std::move(files));
+    files_ = sinks_.back().get();
     add(std::make_unique<output::SheetSink>(
         folder_->path() / "contact_sheet.png",
         session_.scene.path.filename().string() + " in " + info.name,
@@ -298,11 +308,16 @@ void Runner::place_moved_objects() {
   wanted_poses_ = wanted;
 }
 
+/// Images that a sink requires; files none while the operator does not record.
+render::OutputMask Runner::wanted_by(const output::SinkThread& sink, int number) const {
+  return !recording_ && &sink == files_ ? 0 : sink.sink().wanted(number);
+}
+
 /// Images that a frame's sinks require; always the matte, for the share of foreground.
 render::OutputMask Runner::wanted_by_sinks(int number) const {
   // A recording is composited completely, also without sinks, so that its times are comparable.
   render::OutputMask mask = live() ? render::kMatte : render::kComposite;
-  for (const auto& sink : sinks_) mask |= sink->sink().wanted(number);
+  for (const auto& sink : sinks_) mask |= wanted_by(*sink, number);
   return mask;
 }
 
@@ -335,6 +350,7 @@ Result<bool> Runner::frame() {
     return false;
   }
   MIXRIG_TRY(follow_changes());
+  if (options_.controls != nullptr) recording_ = options_.controls->recording;  // of a whole frame
   const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
   const bool inspected = (wanted & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
@@ -352,12 +368,14 @@ Result<bool> Runner::frame() {
   lens_->add(*composite.capture, composite.world_from_target);
   watch_camera(composite.world_from_target);
 
-  MIXRIG_TRY(compose_timed(composite, wanted & render::kComposite));
+  // A live frame is made once. Of a recording, whose times are compared, the timed pass makes what
+  // every frame has; the images of an inspection come in a second one.
+  const bool once = live() && !on_sheet;
+  MIXRIG_TRY(compose_timed(composite, once ? wanted : wanted & render::kComposite));
   composite.foreground_pct = foreground_pct(composite.images.matte);
   report_.foreground_pct.add(composite.foreground_pct);
 
-  // Inspection images cost time that a live frame does not spend: a second, untimed pass.
-  if (inspected) MIXRIG_TRY(compose(composite, wanted, composite.images));
+  if (inspected && !once) MIXRIG_TRY(compose(composite, wanted, composite.images));
   if (judges() && !exchange_.is_edited()) MIXRIG_TRY(judge(composite, *item->truth));
   MIXRIG_TRY(deliver(last_));
   return true;
@@ -420,9 +438,10 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
   images.wanted = wanted;
+  const Image<float>& depth_m = composite.capture->depth_m;
   return compositor_->compose(
-      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target,
-       frame_lens(*composite.capture), composite.world_from_object,
+      {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
+       composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
        scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
       composite.objects_shown, images);
 }
@@ -438,13 +457,13 @@ Result<void> Runner::judge(const output::Composite& composite, const capture::Tr
 
 Result<void> Runner::deliver(const output::CompositePtr& composite) {
   for (const auto& sink : sinks_) {
-    if (sink->sink().wanted(composite->capture->number) == 0) continue;
+    if (wanted_by(*sink, composite->capture->number) == 0) continue;
     MIXRIG_TRY(sink->push(composite));
     // Composites with inspection images are large: of a recording only one exists at a time.
     if (!live() && sink.get() == sheet_) sink->wait_until_idle();
     sheet_has_rows_ |= sink.get() == sheet_;
   }
-  return keeper_->push(composite);
+  return composite->capture->depth_m.empty() ? Result<void>() : keeper_->push(composite);
 }
 
 /// A run that was stopped before the first frame of its sheet shows its last frame.

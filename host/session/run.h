@@ -12,6 +12,7 @@
 #include "hal/base/result.h"
 #include "host/output/composite_sink.h"
 #include "host/output/files_sink.h"
+#include "host/output/run_controls.h"
 #include "host/session/run_report.h"
 #include "host/session/scene_follower.h"
 #include "host/session/session.h"
@@ -37,6 +38,7 @@ struct RunOptions {
   /// Whose changes of the scene are composited, of this session; null: a live run makes its own.
   std::shared_ptr<SceneFollower> scene;
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
+  output::RunControls* controls = nullptr;         ///< by an operator; null: nobody
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
 

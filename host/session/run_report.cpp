@@ -53,8 +53,13 @@ double quantile(const measure::QuantileSketch& sketch, double q) {
 bool ran(const measure::QuantileSketch& times_ms) { return times_ms.max() > 0.0; }
 
 std::string live_line(const capture::SourceReport& live) {
-  return fmt::format("  live: {} frame sets, {} dropped, {} without colour or depth\n", live.sets,
-                     live.dropped_sets, live.left_out);
+  std::string line = fmt::format("  live: {} frame sets, {} dropped, {} without colour or depth\n",
+                                 live.sets, live.dropped_sets, live.left_out);
+  if (live.without_depth + live.held_depth > 0)
+    line += fmt::format("  depth was lost: {} frames without, in which nobody is keyed; {} with the "
+                        "depth before\n",
+                        live.without_depth, live.held_depth);
+  return line;
 }
 
 /// The sinks that were too slow.
@@ -248,8 +253,12 @@ nlohmann::json to_json(const RunReport& report) {
   if (report.live) {
     out["live"] = report::to_json(*report.live);
     out["live"]["left_out"] = report.live->left_out;
+    out["live"]["without_depth"] = report.live->without_depth;
+    out["live"]["held_depth"] = report.live->held_depth;
+    out["live"]["longest_gap_s"] = rounded(report.live->longest_gap_s, 3);
     out["live"]["latency_ms"] = {{"p50", quantile(report.latency_ms, 0.5)},
-                                 {"p95", quantile(report.latency_ms, 0.95)}};
+                                 {"p95", quantile(report.latency_ms, 0.95)},
+                                 {"p99", quantile(report.latency_ms, 0.99)}};
   }
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);

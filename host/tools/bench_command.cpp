@@ -7,15 +7,19 @@
 
 #include "host/image_io/image_io.h"
 #include "host/session/bench.h"
+#include "host/session/latency_bench.h"
 #include "host/session/scan_bench.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/stop_on_signal.h"
+#include "host/viewfinder/viewfinder.h"
 
 namespace mixrig::tools {
 namespace {
 
 struct BenchArguments {
-  std::string out = "out/bench", suite = "run", take, calibration;
+  std::string out = "out/bench", suite = "run", take, calibration, scene, size;
+  bool view = false;
   session::BenchOptions run;
 };
 
@@ -29,6 +33,39 @@ Result<nlohmann::json> reported(const Rungs& rungs, const std::filesystem::path&
   return session::to_json(rungs);
 }
 
+Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
+  if (arguments.take.empty())
+    return Error{ErrorCode::kUsage, "--suite latency needs --take: a take of mixrig studio"};
+  const std::filesystem::path out = arguments.out;
+  const std::string scene =
+      arguments.scene.empty() ? arguments.take + "/scene.toml" : arguments.scene;
+  session::LatencyOptions options{.scene = scene, .take = arguments.take, .folder = out};
+  if (!arguments.size.empty()) {
+    MIXRIG_ASSIGN(options.view_size, parse_size(arguments.size, "--size"));
+  }
+  const StopOnSignal signals;
+  SystemClock clock;
+  std::atomic<int> learn = 0;
+  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = learn};
+  MIXRIG_ASSIGN(const auto bench, session::prepare_latency(options, clock, controls.stop));
+  viewfinder::ViewfinderReport shown;
+  std::unique_ptr<output::CompositeSink> sink = session::make_log_sink(bench->log, clock);
+  if (arguments.view) {
+    MIXRIG_ASSIGN(sink,
+                  viewfinder::Viewfinder::create(
+                      {.title = "mixrig bench", .picture_px = bench->view_px, .log = &bench->log},
+                      *bench->session->source, controls, clock, shown));
+  }
+  MIXRIG_ASSIGN(const session::LatencyReport report,
+                session::run_latency(*bench, std::move(sink), controls, clock));
+  MIXRIG_TRY(image_io::write_png(out / "delay.png",
+                                 report::draw_bars(session::plot_of(report), {900, 320}).view()));
+  std::fputs(session::to_table(report).c_str(), stdout);
+  nlohmann::json json = session::to_json(report);
+  if (arguments.view) json["driver"] = shown.driver;
+  return json;
+}
+
 Result<nlohmann::json> bench(const BenchArguments& arguments) {
   const std::filesystem::path out = arguments.out;
   const SystemClock clock;
@@ -38,8 +75,10 @@ Result<nlohmann::json> bench(const BenchArguments& arguments) {
     MIXRIG_ASSIGN(const auto rungs, session::bench(options, clock, progress_bar()));
     return reported(rungs, out / "speed_against_error.png");
   }
+  if (arguments.suite == "latency") return bench_latency(arguments);
   if (arguments.suite != "scan")
-    return Error{ErrorCode::kUsage, "unknown --suite \"" + arguments.suite + "\": use run or scan"};
+    return Error{ErrorCode::kUsage,
+                 "unknown --suite \"" + arguments.suite + "\": use run, scan or latency"};
   if (arguments.take.empty())
     return Error{ErrorCode::kUsage,
                  "--suite scan needs --take: a sweep of mixrig studio --scenario sweep"};
@@ -54,13 +93,22 @@ void add_bench_command(Command app, Context& context) {
   auto arguments = std::make_shared<BenchArguments>();
   Command command =
       app.add_subcommand("bench", "measure speed against error in the virtual studio");
-  command.add_option("--suite", arguments->suite, "run: the compositor; scan: a room from a sweep")
+  command
+      .add_option(
+          "--suite", arguments->suite,
+          "run: the compositor; scan: a room from a sweep; latency: the delay of a take that "
+          "is played in real time as a rig")
       .show_default();
   command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
       .show_default();
   command.add_option("--seed", arguments->run.seed, "run: of the studio").show_default();
   command.add_flag("--quick", arguments->run.quick, "run: half the size, fewer frames");
-  command.add_option("--take", arguments->take, "scan: the sweep, with its truth");
+  command.add_option("--take", arguments->take,
+                     "scan: the sweep, latency: the take, with their truth");
+  command.add_option("--scene", arguments->scene, "latency: in place of the take's scene.toml");
+  command.add_option("--size", arguments->size, "latency: WxH to composite at");
+  command.add_flag("--view", arguments->view,
+                   "latency: to the picture in the viewfinder's window; else to the composite");
   command.add_option("--calibration", arguments->calibration,
                      "scan: in place of the true one of the take");
   command.callback(

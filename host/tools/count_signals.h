@@ -7,15 +7,15 @@
 
 namespace mixrig::tools {
 
-/// While the object exists, each SIGUSR1 counts. The destructor restores the old handler. One
-/// object at a time.
+/// While the object exists, each SIGUSR1 counts; others may count as well. The destructor restores
+/// the old handler. One object at a time.
 class CountSignals {
  public:
   CountSignals() : old_(std::signal(SIGUSR1, add)) {}
   ~CountSignals() { std::signal(SIGUSR1, old_); }
   CountSignals(const CountSignals&) = delete;
   CountSignals& operator=(const CountSignals&) = delete;
-  static const std::atomic<int>& count() { return count_; }
+  static std::atomic<int>& count() { return count_; }
 
  private:
   static void add(int) { ++count_; }

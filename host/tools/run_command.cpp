@@ -10,18 +10,48 @@
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
+#include "host/viewfinder/viewfinder.h"
 
 namespace mixrig::tools {
 namespace {
 
 struct RunArguments {
   SessionArguments session;
-  std::string out, frames, format = "png";
+  std::string out, frames, format = "png", view;
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false, follow_scene = false;
   std::string save_room;
   double change_after_s = model::WatchOptions{}.appeared_s;
 };
+
+using viewfinder::ViewfinderReport;
+
+/// The window of --view, as a further sink.
+Result<void> open_view(const RunArguments& arguments, const session::Session& session,
+                       output::RunControls& controls, const Clock& clock, ViewfinderReport& report,
+                       session::RunOptions& options) {
+  if (arguments.view.empty()) return {};
+  const viewfinder::ViewfinderOptions view{
+      .title = "mixrig: " + session.scene.path.filename().string(),
+      .view = viewfinder::view_of(arguments.view).value_or(viewfinder::View::kComposite),
+      .picture_px = session.setup.view.size_px};
+  MIXRIG_ASSIGN(auto sink,
+                viewfinder::Viewfinder::create(view, *session.source, controls, clock, report));
+  options.sinks.push_back(std::move(sink));
+  return {};
+}
+
+nlohmann::json to_json(const ViewfinderReport& report) {
+  nlohmann::json out{
+      {"driver", report.driver}, {"shown", report.shown}, {"replaced", report.replaced}};
+  const auto times = [&](const char* key, const measure::QuantileSketch& ms) {
+    if (ms.count() == 0) return;
+    out[key] = {{"p50", ms.quantile(0.5)}, {"p95", ms.quantile(0.95)}, {"p99", ms.quantile(0.99)}};
+  };
+  times("show_ms", report.show_ms);
+  times("delay_ms", report.delay_ms);
+  return out;
+}
 
 Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
@@ -54,10 +84,16 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
   if (arguments.follow_scene)
     options.scene = std::make_shared<session::SceneFollower>(*session, false);
+  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
+  options.controls = &controls;
+  ViewfinderReport shown;
+  MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
   MIXRIG_ASSIGN(const session::RunReport report,
                 session::run(*session, std::move(options), clock, progress_bar()));
   std::fputs(session::to_table(report).c_str(), stdout);
-  return session::to_json(report);
+  nlohmann::json json = session::to_json(report);
+  if (!arguments.view.empty()) json["viewfinder"] = to_json(shown);
+  return json;
 }
 
 }  // namespace
@@ -75,6 +111,12 @@ void add_run_command(Command app, Context& context) {
       .add_option("--format", arguments->format,
                   "of composite and mixed depth: png, video (Matroska, lossless) or none")
       .one_of({"png", "video", "none"});
+  command
+      .add_option("--view", arguments->view,
+                  "show it while it happens, in a window or on a board's whole screen: composite, "
+                  "plate, key, depth, light or matte; keys change it, H lists them")
+      .value_if_left_out("composite")
+      .one_of({"composite", "plate", "key", "depth", "light", "matte"});
   command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
   command.add_flag("--inspect", arguments->inspect,
                    "write warped depth, key and light map as well");

@@ -9,8 +9,9 @@
 
 namespace mixrig::tools {
 
-/// While the object exists, the first SIGINT or SIGTERM sets flag(); another one half a second
-/// later ends the process. The destructor restores the old handlers. One object at a time.
+/// While the object exists, the first SIGINT or SIGTERM sets flag(), which others may set too;
+/// another one half a second later ends the process. The destructor restores the old handlers. One
+/// object at a time.
 class StopOnSignal {
  public:
   StopOnSignal() {
@@ -24,7 +25,7 @@ class StopOnSignal {
   }
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
-  static const std::atomic<bool>& flag() { return flag_; }
+  static std::atomic<bool>& flag() { return flag_; }
 
  private:
   static void stop(int signal) {

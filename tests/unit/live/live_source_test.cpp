@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/fake_camera.h"
+#include "host/live/live_capture.h"
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
@@ -127,7 +128,8 @@ TEST_F(LiveSourceTest, CamerasThatStaySilentAreAnErrorAfterFiveSeconds) {
 /// A source of two cameras that deliver while they are plugged in.
 class LiveSourceLoss : public LiveSourceTest {
  protected:
-  void SetUp() override {
+  void SetUp() override { open_cameras(WhenLost::kEnd); }
+  void open_cameras(WhenLost when_lost) {
     Devices devices;
     devices.cameras.push_back(camera(device::PixelFormat::kRgb8, color_));
     devices.depth = device::as_depth_camera(camera(device::PixelFormat::kDepth16, depth_), {});
@@ -136,7 +138,7 @@ class LiveSourceLoss : public LiveSourceTest {
     config.cameras[0].name = "color", config.cameras[0].uri = "fake:color";
     config.depth.emplace();
     config.depth->name = "depth", config.depth->uri = "fake:depth";
-    auto source = make_live_source(std::move(config), std::move(devices), stop_, clock_);
+    auto source = make_live_source(std::move(config), std::move(devices), stop_, clock_, when_lost);
     ASSERT_TRUE(source) << to_line(source.error());
     source_ = *std::move(source);
   }
@@ -150,12 +152,12 @@ class LiveSourceLoss : public LiveSourceTest {
         test::comes_true([&] { return done || source_->report()->waiting_events == 0; });
       }
     });
-    capture::Capture frame;
-    auto there = source_->read(1, frame);
+    auto there = source_->read(1, frame_);
     done = true;
     time.join();
     return there;
   }
+  capture::Capture frame_;
   fake::FakeCamera *color_ = nullptr, *depth_ = nullptr;
   std::unique_ptr<capture::CaptureSource> source_;
 
@@ -202,6 +204,89 @@ TEST_F(LiveSourceLoss, OfTheColourCameraIsNamedAndItsReturnGoesOn) {
   color_->replug();
   there = read_while_they_deliver();
   EXPECT_TRUE(there && *there) << (there ? "ended" : there.error().context);
+}
+
+/// The same, where a lost camera does not end the source.
+class LiveSourceGoesOn : public LiveSourceLoss {
+ protected:
+  void SetUp() override { open_cameras(WhenLost::kGoOn); }
+  capture::StreamStatus depth_status() const { return frame_.status_of(capture::Stream::kDepth); }
+  /// Reads until a capture is as `condition` says; false where the source ends or fails before.
+  template <typename Condition>
+  bool read_until(Condition condition) {
+    for (int i = 0; i < 500; ++i) {
+      const auto there = read_while_they_deliver();
+      if (!there || !*there) return false;
+      if (condition()) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(LiveSourceGoesOn, WithoutDepthWhichIsHeldForAMomentAndThenMissing) {
+  using capture::StreamStatus;
+  ASSERT_TRUE(read_until([&] { return depth_status() == StreamStatus::kFresh; }));
+  depth_->unplug();
+  HostTime last_fresh = frame_.mid_exposure;
+  ASSERT_TRUE(read_until([&] {
+    if (depth_status() == StreamStatus::kFresh) last_fresh = frame_.mid_exposure;
+    return depth_status() == StreamStatus::kRepeated;
+  }));
+  EXPECT_EQ(frame_.depth_m.size(), (Size{16, 12}));
+  EXPECT_LE(frame_.mid_exposure - last_fresh, kDepthHold);
+  ASSERT_TRUE(read_until([&] { return depth_status() == StreamStatus::kMissing; }));
+  EXPECT_GT(frame_.mid_exposure - last_fresh, kDepthHold);
+  EXPECT_TRUE(frame_.depth_m.empty());
+  EXPECT_TRUE(frame_.amplitude.empty());
+  EXPECT_EQ(frame_.status_of(capture::Stream::kPlate), StreamStatus::kFresh);
+  const HostTime from = clock_.now();
+  ASSERT_TRUE(read_until([&] { return clock_.now() - from > 6s; }))
+      << "five seconds end it no more";
+  EXPECT_EQ(depth_status(), StreamStatus::kMissing);
+  depth_->replug();
+  ASSERT_TRUE(read_until([&] { return depth_status() == StreamStatus::kFresh; }));
+  EXPECT_EQ(frame_.depth_m.size(), (Size{16, 12}));
+  const capture::SourceReport report = *source_->report();
+  EXPECT_GT(report.without_depth, 100U);
+  EXPECT_GE(report.held_depth, 1U);
+  EXPECT_LE(report.held_depth, 3U);
+}
+
+TEST_F(LiveSourceGoesOn, WhenColourComesBackHoweverLongThatTakes) {
+  ASSERT_TRUE(read_until([] { return true; }));
+  color_->unplug();
+  std::atomic<bool> back = false;
+  std::thread plug([&] {
+    const HostTime from = clock_.now();
+    test::comes_true([&] { return clock_.now() - from > 20s; });
+    back = true;
+    color_->replug();
+  });
+  EXPECT_TRUE(read_until([&] { return back.load(); }));
+  plug.join();
+  EXPECT_GT(source_->report()->longest_gap_s, 10);
+}
+
+TEST_F(LiveSourceGoesOn, StopEndsTheWaitForColour) {
+  ASSERT_TRUE(read_until([] { return true; }));
+  color_->unplug();
+  std::thread end([&] {
+    const HostTime from = clock_.now();
+    test::comes_true([&] { return clock_.now() - from > 7s; });
+    stop_ = true;
+  });
+  auto there = read_while_they_deliver();
+  while (there && *there) there = read_while_they_deliver();
+  end.join();
+  ASSERT_TRUE(there) << there.error().context;
+  EXPECT_FALSE(*there);
+}
+
+TEST_F(LiveSourceGoesOn, ADepthCameraThatNeverCameIsStillAnError) {
+  depth_->unplug();
+  const auto there = read_while_they_deliver();
+  ASSERT_FALSE(there);
+  EXPECT_EQ(there.error().code, ErrorCode::kDevice);
 }
 
 TEST(LiveSourceOpen, NeedsACameraAndADepthCamera) {

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/latency_bench.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hal/base/partial_path.h"
+#include "host/measure/motion.h"
+#include "host/measure/percentile.h"
+#include "host/session/open_source.h"
+
+namespace mixrig::session {
+namespace {
+
+constexpr Duration kBeforeFirstFrame = std::chrono::seconds(8);
+constexpr double kMostDelay_s = 0.5;
+
+/// Takes what is handed over, as a sink without a screen.
+class LogSink final : public output::CompositeSink {
+ public:
+  LogSink(output::ShownLog& log, const Clock& clock) : log_(log), clock_(clock) {}
+  std::string_view name() const override { return "log"; }
+  render::OutputMask wanted(int) const override { return render::kColor; }
+  Result<void> write(const output::CompositePtr& composite) override {
+    const HostTime now = clock_.now();
+    const capture::Capture& capture = *composite->capture;
+    log_.add({capture.number, capture.mid_exposure, now, now, composite->frame_ms,
+              measure::changed_column(composite->images.color.view(), log_.empty)});
+    return {};
+  }
+  Result<void> finish() override { return {}; }
+
+ private:
+  output::ShownLog& log_;
+  const Clock& clock_;
+};
+
+Result<std::filesystem::path> write_played_rig(const LatencyOptions& options, HostTime begin) {
+  std::error_code ignored;  // writing says what is wrong
+  std::filesystem::create_directories(options.folder, ignored);
+  const std::filesystem::path file = options.folder / "rig.toml";
+  const std::string take = std::filesystem::absolute(options.take).string();
+  MIXRIG_TRY(write_file(
+      file, fmt::format("format = 1\nname = \"played\"\nplay_at_s = {:.6f}\n[[camera]]\nname = "
+                        "\"color\"\nuri = \"take:{}/color\"\n[depth]\nuri = \"take:{}/depth\"\n",
+                        seconds(begin.time_since_epoch()), take, take)));
+  return file;
+}
+
+/// The motion in the true composites, and the first of them, which is empty.
+Result<void> read_motion(capture::CaptureSource& source, LatencyBench& bench) {
+  capture::Capture capture;
+  capture::Truth truth;
+  for (int number = 1; number <= source.info().frames; ++number) {
+    MIXRIG_ASSIGN(const bool there, source.read(number, capture));
+    if (!there) break;
+    MIXRIG_TRY(source.read_truth(number, truth));
+    if (number == 1) bench.log.empty = truth.composite;
+    if (const auto column = measure::changed_column(truth.composite.view(), bench.log.empty))
+      bench.truth.push_back({capture.time_s, *column});
+  }
+  bench.log.reserve(static_cast<std::size_t>(source.info().frames));
+  return {};
+}
+
+nlohmann::json quantiles(const std::vector<float>& ms) {
+  return {{"p50", measure::quantile(ms, 0.5)},
+          {"p95", measure::quantile(ms, 0.95)},
+          {"p99", measure::quantile(ms, 0.99)},
+          {"max", measure::quantile(ms, 1.0)}};
+}
+
+}  // namespace
+
+std::unique_ptr<output::CompositeSink> make_log_sink(output::ShownLog& log, const Clock& clock) {
+  return std::make_unique<LogSink>(log, clock);
+}
+
+Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& options, Clock& clock,
+                                                      const std::atomic<bool>& stop) {
+  auto bench = std::make_unique<LatencyBench>();
+  MIXRIG_ASSIGN(const auto take, open_source("take:" + options.take.string()));
+  if (!take->info().has_truth || !(take->info().rate_hz > 0))
+    return Error{ErrorCode::kData, options.take.string() +
+                                       ": the delay is measured against truth at a rate: use a "
+                                       "take of mixrig studio"};
+  MIXRIG_TRY(read_motion(*take, *bench));
+  const HostTime begin = clock.now() + kBeforeFirstFrame;
+  // The player counts from its first frame.
+  for (measure::Sample& sample : bench->truth) sample.time_s += seconds(begin.time_since_epoch());
+  MIXRIG_ASSIGN(const std::filesystem::path rig, write_played_rig(options, begin));
+  SessionOptions session{.scene = options.scene,
+                         .source = "rig:" + rig.string(),
+                         .view_size = options.view_size,
+                         .backend = options.backend};
+  session.clock = &clock, session.stop = &stop;
+  MIXRIG_ASSIGN(bench->session, open_session(session));
+  bench->view_px = bench->session->setup.view.size_px;
+  return bench;
+}
+
+Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::CompositeSink> sink,
+                                  output::RunControls& controls, const Clock& clock) {
+  RunOptions options;
+  options.stop = &controls.stop;
+  options.controls = &controls;
+  options.judge = false;
+  options.sinks.push_back(std::move(sink));
+  LatencyReport report;
+  report.period_ms = 1e3 / bench.session->source->info().rate_hz;
+  MIXRIG_ASSIGN(report.run, run(*bench.session, std::move(options), clock, {}));
+  if (bench.log.frames.empty())
+    return Error{ErrorCode::kData, "no frame was shown: the delay is not known"};
+  std::vector<measure::Sample> seen;
+  for (const output::ShownFrame& frame : bench.log.frames) {
+    const auto ms = [](Duration time) { return static_cast<float>(milliseconds(time)); };
+    report.total_ms.push_back(ms(frame.shown - frame.exposed));
+    report.wait_ms.push_back(ms(frame.handed - frame.exposed) - frame.frame_ms);
+    report.compose_ms.push_back(frame.frame_ms);
+    report.show_ms.push_back(ms(frame.shown - frame.handed));
+    if (frame.column) seen.push_back({seconds(frame.shown.time_since_epoch()), *frame.column});
+  }
+  report.frames = bench.log.frames.size();
+  report.correlated = measure::delay_of_motion(bench.truth, seen, kMostDelay_s);
+  return report;
+}
+
+nlohmann::json to_json(const LatencyReport& report) {
+  nlohmann::json out{{"frames", report.frames},
+                     {"period_ms", report.period_ms},
+                     {"delay_ms", quantiles(report.total_ms)},
+                     {"periods_p99", measure::quantile(report.total_ms, 0.99) / report.period_ms},
+                     {"stages_ms",
+                      {{"wait", quantiles(report.wait_ms)},
+                       {"compose", quantiles(report.compose_ms)},
+                       {"show", quantiles(report.show_ms)}}},
+                     {"correlated", nullptr},
+                     {"run", to_json(report.run)}};
+  if (const auto& delay = report.correlated)
+    out["correlated"] = {{"delay_ms", 1e3 * delay->delay_s},
+                         {"sigma_ms", 1e3 * delay->uncertainty_s},
+                         {"correlation", delay->correlation}};
+  return out;
+}
+
+std::string to_table(const LatencyReport& report) {
+  const auto row = [](const char* name, const std::vector<float>& ms) {
+    return fmt::format("  {:<34} {:>8.1f} {:>8.1f} {:>8.1f}\n", name, measure::quantile(ms, 0.5),
+                       measure::quantile(ms, 0.99), measure::quantile(ms, 1.0));
+  };
+  std::string out =
+      fmt::format("{} frames, {:.1f} ms apart\n  {:<34} {:>8} {:>8} {:>8}\n", report.frames,
+                  report.period_ms, "milliseconds", "p50", "p99", "max");
+  out += row("received, paired, decoded, waited", report.wait_ms);
+  out += row("composited", report.compose_ms);
+  out += row("handed over, drawn, shown", report.show_ms);
+  out += row("mid-exposure to shown", report.total_ms);
+  out += fmt::format("  p99 is {:.2f} frame periods\n",
+                     measure::quantile(report.total_ms, 0.99) / report.period_ms);
+  if (const auto& delay = report.correlated)
+    return out + fmt::format("  by the motions alone: {:.1f} +- {:.1f} ms (correlation {:.4f})\n",
+                             1e3 * delay->delay_s, 1e3 * delay->uncertainty_s, delay->correlation);
+  return out + "  by the motions alone: they cannot tell\n";
+}
+
+report::BarPlot plot_of(const LatencyReport& report) {
+  report::BarPlot plot{
+      .title = "Delay from mid-exposure to shown", .unit = "milliseconds", .bars = {}};
+  for (const auto& [name, q] : {std::pair("median", 0.5), std::pair("99th percentile", 0.99)})
+    plot.bars.push_back(
+        {name,
+         {{"received, paired, decoded, waited", measure::quantile(report.wait_ms, q)},
+          {"composited", measure::quantile(report.compose_ms, q)},
+          {"handed over, drawn, shown", measure::quantile(report.show_ms, q)}}});
+  return plot;
+}
+
+}  // namespace mixrig::session

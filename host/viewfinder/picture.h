@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture of a view of a composite, as a screen takes it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "hal/base/image.h"
+#include "host/output/composite_sink.h"
+#include "host/render/compositor.h"
+
+namespace mixrig::viewfinder {
+
+/// What the viewfinder shows; keys 1 to 6.
+enum class View : std::uint8_t { kComposite, kPlate, kKey, kDepth, kLight, kMatte, kCount };
+inline constexpr std::size_t kViews = static_cast<std::size_t>(View::kCount);
+
+/// "composite", "plate", "key", "depth", "light", "matte": as --view takes it.
+std::string_view name(View view);
+std::optional<View> view_of(std::string_view name);
+
+/// The image of the compositor that a view shows. The plate needs none; it asks for the matte,
+/// which every frame makes.
+render::OutputMask images_of(View view);
+
+/// Depth is drawn from near to far as in contact sheets, black where it is unknown.
+struct DepthColors {
+  float near_m = 0.5F, far_m = 6;
+};
+
+/// Makes `picture` that of the view, in the size of its image. False where the composite does not
+/// hold the image, which is so for a frame or two after a change of views; `picture` is as before.
+/// Allocates only when the size changes.
+bool draw_view(const output::Composite& composite, View view, const DepthColors& depth,
+               Image<Rgbx8>& picture);
+
+}  // namespace mixrig::viewfinder

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sink with SDL's driver that shows nothing: keys, the end of a run, frames that come or not.
+#include "host/viewfinder/viewfinder.h"
+
+#include <atomic>
+#include <cstdlib>
+
+#include <SDL.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/progress.h"
+#include "tests/unit/viewfinder/made_composite.h"
+
+namespace mixrig::viewfinder {
+namespace {
+
+/// Devices that are there, and give nothing: composites come from the test.
+class FakeSource final : public capture::CaptureSource {
+ public:
+  explicit FakeSource(bool live) { info_.frames = live ? capture::kEndless : 10; }
+  const capture::SourceInfo& info() const override { return info_; }
+  Result<bool> read(int, capture::Capture&) override { return false; }
+  Result<void> read_truth(int, capture::Truth&) override { return {}; }
+  std::optional<capture::SourceReport> report() const override {
+    ++asked;
+    return capture::SourceReport();
+  }
+  mutable std::atomic<int> asked = 0;
+
+ private:
+  capture::SourceInfo info_;
+};
+
+class ViewfinderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(setenv("SDL_VIDEODRIVER", "dummy", 1), 0);
+    ASSERT_EQ(setenv("SDL_RENDER_DRIVER", "software", 1), 0);
+  }
+  std::unique_ptr<Viewfinder> open(View view = View::kComposite, bool live = true) {
+    source_ = std::make_unique<FakeSource>(live);
+    auto made = Viewfinder::create({.title = "test", .view = view, .picture_px = kMadeSize},
+                                   *source_, controls_, clock_, report_);
+    EXPECT_TRUE(made) << (made ? "" : to_line(made.error()));
+    return made ? *std::move(made) : nullptr;
+  }
+  static void press(SDL_Keycode code) {
+    SDL_Event event{};
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = code;
+    ASSERT_EQ(SDL_PushEvent(&event), 1) << SDL_GetError();
+  }
+  SystemClock clock_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<int> learn_ = 0;
+  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  ViewfinderReport report_;
+  std::unique_ptr<FakeSource> source_;
+};
+
+TEST_F(ViewfinderTest, ShowsOrReplacesEveryCompositeAndTheLastOneIsShown) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  for (int i = 1; i <= 20; ++i) ASSERT_TRUE(sink->write(made_composite(i, clock_.now())));
+  ASSERT_TRUE(sink->finish());
+  EXPECT_EQ(report_.shown + report_.replaced, 20U);
+  EXPECT_GE(report_.shown, 1U);
+  EXPECT_EQ(report_.delay_ms.count(), report_.shown);
+  EXPECT_EQ(report_.driver, "dummy, software");
+}
+
+TEST_F(ViewfinderTest, ItsViewDecidesWhichImagesARunMakes) {
+  auto sink = open(View::kMatte);
+  ASSERT_TRUE(sink);
+  EXPECT_EQ(sink->wanted(1), render::kMatte);
+  press(SDLK_3);
+  EXPECT_TRUE(test::comes_true([&] { return sink->wanted(1) == render::kState; }));
+  press(SDLK_KP_4);
+  EXPECT_TRUE(test::comes_true([&] { return sink->wanted(1) == render::kMixedDepth; }));
+  ASSERT_TRUE(sink->write(made_composite()));  // in a view whose depth has a range of its own
+  ASSERT_TRUE(sink->finish());
+}
+
+TEST_F(ViewfinderTest, ClosingTheWindowEndsTheRunAndSoDoesQ) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  SDL_Event event{};
+  event.type = SDL_WINDOWEVENT;
+  event.window.event = SDL_WINDOWEVENT_CLOSE;
+  ASSERT_EQ(SDL_PushEvent(&event), 1);
+  EXPECT_TRUE(test::comes_true([&] { return stop_.load(); }));
+  stop_ = false;
+  press(SDLK_q);
+  EXPECT_TRUE(test::comes_true([&] { return stop_.load(); }));
+  ASSERT_TRUE(sink->write(made_composite())) << "a frame that was in work is still taken";
+  ASSERT_TRUE(sink->finish());
+}
+
+TEST_F(ViewfinderTest, LearnAndRecordOnlyWhereTheRunCan) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  press(SDLK_b), press(SDLK_r), press(SDLK_2);
+  ASSERT_TRUE(test::comes_true([&] { return sink->wanted(1) == render::kMatte; }));
+  EXPECT_EQ(learn_, 0);
+  EXPECT_TRUE(controls_.recording);
+  controls_.can_learn = controls_.can_record = true;
+  press(SDLK_b), press(SDLK_r);
+  EXPECT_TRUE(test::comes_true([&] { return learn_ == 1 && !controls_.recording; }));
+  press(SDLK_r);
+  EXPECT_TRUE(test::comes_true([&] { return controls_.recording.load(); }));
+}
+
+TEST_F(ViewfinderTest, AsksTheDevicesWhileNothingComesAndARecordingNever) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  EXPECT_TRUE(test::comes_true([&] { return source_->asked > 1; }));
+  sink.reset();  // one window at a time
+  sink = open(View::kComposite, false);
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE(sink->write(made_composite()));
+  ASSERT_TRUE(sink->finish());
+  EXPECT_EQ(report_.shown, 1U);
+  EXPECT_EQ(report_.delay_ms.count(), 0U) << "the times of a recording are of another clock";
+}
+
+TEST_F(ViewfinderTest, WithoutAScreenItIsAnErrorThatSaysWhatToDo) {
+  ASSERT_EQ(setenv("SDL_VIDEODRIVER", "no_such_driver", 1), 0);
+  source_ = std::make_unique<FakeSource>(true);
+  const auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize}, *source_,
+                                       controls_, clock_, report_);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kDevice);
+  EXPECT_NE(made.error().context.find("set DISPLAY"), std::string::npos) << made.error().context;
+}
+
+}  // namespace
+}  // namespace mixrig::viewfinder
