@@ -389,10 +389,10 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
 Result<void> Runner::compose(const output::Composite& composite, render::OutputMask wanted,
                              render::FrameOutput& images) {
   images.wanted = wanted;
-  return compositor_->compose(
-      {composite.capture->plate, composite.capture->depth_m, composite.world_from_target,
-       frame_lens(*composite.capture), composite.world_from_object},
-      composite.objects_shown, images);
+  return compositor_->compose({composite.capture->plate, composite.capture->depth_m,
+                               composite.world_from_target, frame_lens(*composite.capture),
+                               composite.world_from_object, composite.capture->depth2.depth_m},
+                              composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
