@@ -119,9 +119,11 @@ void parse_depth_cameras(const config::Table& root, RigConfig& rig) {
   if (tables.size() > 2)
     root.fail("depth", fmt::format("a rig has at most two depth cameras, these are {}: remove some",
                                    tables.size()));
-  for (std::size_t i = 0; i < std::min<std::size_t>(tables.size(), 2); ++i) {
-    (i == 0 ? rig.depth : rig.depth2) = parse_camera(tables[i], i == 0 ? "depth" : "depth2");
-    (i == 0 ? rig.depth_steps : rig.depth2_steps) = parse_depth(tables[i]);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    CameraConfig camera = parse_camera(tables[i], i == 0 ? "depth" : "depth2");
+    DepthConfig steps = parse_depth(tables[i]);
+    (i == 0 ? rig.depth : rig.depth2) = std::move(camera);
+    (i == 0 ? rig.depth_steps : rig.depth2_steps) = std::move(steps);
   }
 }
 

@@ -118,7 +118,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
-  if (setup_.tof2) second_depth_.emplace(setup_, grid_);
+  if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);

@@ -148,8 +148,10 @@ TEST(Studio, a_second_depth_camera_sees_what_the_first_does_not_and_changes_noth
       ASSERT_EQ(both.tof_distance_m.at(x, y), first.tof_distance_m.at(x, y));
   const StudioInfo& info = two->info();
   ASSERT_TRUE(info.tof2);
-  EXPECT_LT(
-      info.tof.target_from_tof.translation_m.x() * info.tof2->target_from_tof.translation_m.x(), 0);
+  const auto beside = [](const TofInfo& tof) -> Eigen::Vector2d {
+    return tof.target_from_tof.translation_m.head<2>();
+  };
+  EXPECT_LT(beside(info.tof).dot(beside(*info.tof2)), -0.003) << "on the other side";
   EXPECT_LT(wrong_share(*info.tof2, both.tof2_distance_m, info, truth2, Truth::kTof2Sees), 0.03);
   int only_first = 0, only_second = 0;
   for (int y = 0; y < truth2.labels.height(); ++y)

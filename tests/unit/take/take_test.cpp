@@ -87,7 +87,8 @@ TEST_P(TakeRoundTrip, ASecondDepthCameraComesBack) {
       .offset_m = 0.01,
       .unknown = 65535,
       .amplitude_is_light = true};
-  info.depth2 = SecondDepthStream{{.delay_s = -0.014}, StreamInfo{}};
+  info.depth2 = SecondDepthStream{StreamInfo{}, StreamInfo{}};
+  info.depth2->depth.delay_s = -0.014;
   auto writer = TakeWriter::create(folder / "take", info, GetParam());
   ASSERT_TRUE(writer) << writer.error().context;
   for (int number = 1; number <= 3; ++number) {
