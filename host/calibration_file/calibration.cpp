@@ -55,6 +55,7 @@ void merge(Calibration& into, const Calibration& newer) {
   }
   merge_named(into.poses, newer.poses);
   if (newer.depth_error) into.depth_error = newer.depth_error;
+  if (newer.depth_error2) into.depth_error2 = newer.depth_error2;
   if (newer.pan_tilt) into.pan_tilt = newer.pan_tilt;
 }
 

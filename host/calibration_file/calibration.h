@@ -93,6 +93,7 @@ struct Calibration {
   std::vector<CalibratedCamera> cameras;
   std::vector<CalibratedPose> poses;
   std::optional<DepthError> depth_error;
+  std::optional<DepthError> depth_error2;  ///< of a second depth camera, `tof2`
   std::optional<PanTilt> pan_tilt;
 
   /// The entry of that name; nullptr where there is none.

@@ -22,8 +22,9 @@ Eigen::Vector3d parse_vector(const Table& table, const char* key, Range range) {
   return {v[0], v[1], v[2]};
 }
 
-DepthError parse_depth_error(const Table& table) {
+DepthError parse_depth_error(const Table& table, const char* camera) {
   DepthError error;
+  error.camera = camera;
   error.camera = table.text_or("camera", error.camera);
   error.knots_m = table.numbers("knots_m", 2, kMaxKnots, kPlace_m);
   error.error_m =
@@ -94,7 +95,9 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
   for (const std::string& key : poses.keys())
     calibration.poses.push_back(parse_calibrated_pose(poses.table(key), key));
   if (const Table depth = root.table("depth_error"); depth.present())
-    calibration.depth_error = parse_depth_error(depth);
+    calibration.depth_error = parse_depth_error(depth, "tof");
+  if (const Table depth = root.table("depth_error2"); depth.present())
+    calibration.depth_error2 = parse_depth_error(depth, "tof2");
   if (const Table unit = root.table("pan_tilt"); unit.present())
     calibration.pan_tilt = parse_pan_tilt(unit);
   MIXRIG_TRY(document.finish());

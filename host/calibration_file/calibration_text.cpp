@@ -48,6 +48,8 @@ std::string calibration_text(const Calibration& calibration) {
   if (!calibration.cameras.empty()) root.set("cameras", std::move(cameras));
   if (!calibration.poses.empty()) root.set("target_from", std::move(poses));
   if (calibration.depth_error) root.set("depth_error", depth_error_table(*calibration.depth_error));
+  if (calibration.depth_error2)
+    root.set("depth_error2", depth_error_table(*calibration.depth_error2));
   if (calibration.pan_tilt) root.set("pan_tilt", pan_tilt_table(*calibration.pan_tilt));
   return "# Written by mixrig calibrate. Metres, radians, pixels; docs/formats.md has the keys.\n" +
          root.text();

@@ -15,18 +15,22 @@ namespace {
 class CalibratedSource final : public CaptureSource {
  public:
   CalibratedSource(std::unique_ptr<CaptureSource> source, SourceInfo info,
-                   std::optional<depth::DepthCorrection> correction)
+                   std::optional<depth::DepthCorrection> correction,
+                   std::optional<depth::DepthCorrection> correction2)
       : source_(std::move(source)),
         info_(std::move(info)),
         cameras_(std::make_shared<RigCameras>(info_)),
-        correction_(std::move(correction)) {}
+        correction_(std::move(correction)),
+        correction2_(std::move(correction2)) {}
 
   const SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, Capture& capture) override {
     MIXRIG_ASSIGN(const bool there, source_->read(number, capture));
     if (!there) return false;
     capture.cameras = cameras_;
-    if (correction_) correct(capture);
+    if (correction_) correct(*correction_, info_.tof, capture.depth_m, capture.amplitude);
+    if (correction2_)
+      correct(*correction2_, info_.tof2->model, capture.depth2.depth_m, capture.depth2.amplitude);
     set_lens(capture);
     return true;
   }
@@ -36,13 +40,14 @@ class CalibratedSource final : public CaptureSource {
   std::optional<SourceReport> report() const override { return source_->report(); }
 
  private:
-  void correct(Capture& capture);
+  void correct(const depth::DepthCorrection& correction, const geometry::CameraModel& tof,
+               Image<float>& depth_m, const Image<float>& amplitude);
   void set_lens(Capture& capture);
 
   std::unique_ptr<CaptureSource> source_;
   SourceInfo info_;
   std::shared_ptr<const RigCameras> cameras_;
-  std::optional<depth::DepthCorrection> correction_;
+  std::optional<depth::DepthCorrection> correction_, correction2_;
   FrameLens lens_;  ///< of the last capture
   bool has_lens_ = false, warned_ = false;
 };
@@ -66,12 +71,14 @@ void CalibratedSource::set_lens(Capture& capture) {
   if (has_lens_) capture.lens = lens_;
 }
 
-void CalibratedSource::correct(Capture& capture) {
-  const Size size = info_.tof.size_px();
-  if (capture.depth_m.size() != size) return;  // the compositor reports the error
-  const bool lit = capture.amplitude.size() == size;
-  correction_->apply(capture.depth_m, lit ? capture.amplitude.view() : ImageView<float>());
-  if (lit || warned_ || !correction_->wants_amplitude()) return;
+void CalibratedSource::correct(const depth::DepthCorrection& correction,
+                               const geometry::CameraModel& tof, Image<float>& depth_m,
+                               const Image<float>& amplitude) {
+  const Size size = tof.size_px();
+  if (depth_m.size() != size) return;  // the compositor reports the error
+  const bool lit = amplitude.size() == size;
+  correction.apply(depth_m, lit ? amplitude.view() : ImageView<const float>());
+  if (lit || warned_ || !correction.wants_amplitude()) return;
   warned_ = true;
   log_warning("capture",
               "the depth error has an amplitude term, but these frames have no amplitude: the term "
@@ -127,22 +134,37 @@ void use_lens(const calibration_file::CalibratedCamera& target, SourceInfo& info
     warn_without_table(info);
 }
 
+Result<geometry::Pose> pose_of(const calibration_file::Calibration& calibration,
+                               const std::string& name) {
+  if (const calibration_file::CalibratedPose* pose = calibration.pose(name))
+    return pose->target_from;
+  return Error{ErrorCode::kFormat, "target_from: \"" + name +
+                                       "\" is missing: run mixrig calibrate rig, which finds the "
+                                       "pose of the depth camera"};
+}
+
+Result<void> check_error(const std::optional<calibration_file::DepthError>& error, const char* key,
+                         const std::string& camera) {
+  if (!error || error->camera == camera) return {};
+  return Error{ErrorCode::kFormat, std::string(key) + ": is of camera \"" + error->camera +
+                                       "\", not of \"" + camera +
+                                       "\": remove it or calibrate again"};
+}
+
 /// `info` with the values of the calibration.
 Result<SourceInfo> calibrated(SourceInfo info, const calibration_file::Calibration& calibration) {
   MIXRIG_ASSIGN(info.target, camera_of(calibration, "target", info.target.size_px()));
   info.vignetting = calibration.camera("target")->vignetting;
   use_lens(*calibration.camera("target"), info);
   MIXRIG_ASSIGN(info.tof, camera_of(calibration, "tof", info.tof.size_px()));
-  const calibration_file::CalibratedPose* pose = calibration.pose("tof");
-  if (pose == nullptr)
-    return Error{ErrorCode::kFormat,
-                 "target_from: \"tof\" is missing: run mixrig calibrate rig, which finds the pose "
-                 "of the depth camera"};
-  info.target_from_tof = pose->target_from;
-  if (calibration.depth_error && calibration.depth_error->camera != "tof")
-    return Error{ErrorCode::kFormat, "depth_error: is of camera \"" +
-                                         calibration.depth_error->camera +
-                                         "\", not of \"tof\": remove it or calibrate again"};
+  MIXRIG_ASSIGN(info.target_from_tof, pose_of(calibration, "tof"));
+  MIXRIG_TRY(check_error(calibration.depth_error, "depth_error", "tof"));
+  if (info.tof2) {
+    capture::SecondDepthCamera& tof2 = *info.tof2;
+    MIXRIG_ASSIGN(tof2.model, camera_of(calibration, "tof2", tof2.model.size_px()));
+    MIXRIG_ASSIGN(tof2.target_from_tof, pose_of(calibration, "tof2"));
+    MIXRIG_TRY(check_error(calibration.depth_error2, "depth_error2", "tof2"));
+  }
   info.calibration.clear();
   return info;
 }
@@ -159,11 +181,14 @@ Result<std::unique_ptr<CaptureSource>> with_calibration(std::unique_ptr<CaptureS
                 calibration_file::read_calibration(file));
   auto info = calibrated(source->info(), known);
   if (!info) return Error{info.error().code, file.string() + ": " + info.error().context};
-  std::optional<depth::DepthCorrection> correction;
+  std::optional<depth::DepthCorrection> correction, correction2;
   if (known.depth_error)
     correction.emplace(*known.depth_error, info->tof, info->depth_kind == DepthKind::kDistance);
+  if (info->tof2 && known.depth_error2)
+    correction2.emplace(*known.depth_error2, info->tof2->model,
+                        info->tof2->kind == DepthKind::kDistance);
   return std::unique_ptr<CaptureSource>(std::make_unique<CalibratedSource>(
-      std::move(source), *std::move(info), std::move(correction)));
+      std::move(source), *std::move(info), std::move(correction), std::move(correction2)));
 }
 
 }  // namespace mixrig::capture

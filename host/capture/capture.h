@@ -17,7 +17,7 @@
 
 namespace mixrig::capture {
 
-enum class Stream : std::uint8_t { kPlate, kDepth, kFisheye, kPanTilt, kCount };
+enum class Stream : std::uint8_t { kPlate, kDepth, kDepth2, kFisheye, kPanTilt, kCount };
 enum class StreamStatus : std::uint8_t {
   kAbsent,    ///< the source has no such stream
   kFresh,     ///< of this tick
@@ -50,6 +50,13 @@ std::string_view name(StreamStatus status);
 std::string_view name(LensOrigin origin);
 std::string_view name(PoseOrigin origin);
 
+/// What a second depth camera measured.
+struct DepthPicture {
+  Image<float> depth_m;     ///< as DepthKind; 0 = unknown
+  Image<float> amplitude;   ///< empty where the source has none
+  HostTime mid_exposure{};  ///< on the clock of Capture::mid_exposure
+};
+
 /// Buffers are kept when a Capture is read into again. Images of streams that are not kFresh or
 /// kRepeated are empty.
 struct Capture {
@@ -60,6 +67,8 @@ struct Capture {
   Image<Rgb8> plate;                  ///< sRGB, distorted, size of cameras->target
   Image<float> depth_m;               ///< size of cameras->tof, as DepthKind; 0 = unknown
   Image<float> amplitude;             ///< as depth_m; empty where the source has none
+  HostTime depth_mid_exposure{};      ///< of `depth_m`, on the clock of mid_exposure; 0: not known
+  DepthPicture depth2;                ///< of cameras->tof2; its images are empty in frames without
   Image<Rgb8> fisheye;                ///< sRGB, distorted; at its own rate, its status says of when
   HostTime fisheye_mid_exposure{};    ///< of `fisheye`, on the clock of mid_exposure; 0: no picture
   std::uint64_t fisheye_counter = 0;  ///< of `fisheye`: its camera's own; 0: no picture

@@ -32,6 +32,7 @@ struct Truth {
   static constexpr std::uint8_t kTofSees = 4;    ///< the ToF camera sees the real surface
   static constexpr std::uint8_t kVirtual =
       8;  ///< inside the virtual objects' silhouette, occluded or not
+  static constexpr std::uint8_t kTof2Sees = 16;  ///< as kTofSees, of a second ToF camera
 
   Image<float> depth_m;       ///< of the real scene
   Image<std::uint8_t> matte;  ///< coverage by people, 255 = all

@@ -23,6 +23,7 @@
 #include "hal/wire/realsense_table.h"
 #include "hal/wire/reopening_byte_stream.h"
 #include "hal/wire/v4l2_format.h"
+#include "host/live/depth_phases.h"
 #include "host/live/kinect2_depth.h"
 
 namespace mixrig::live {
@@ -74,6 +75,7 @@ std::vector<std::string> recordings_of(const RigConfig& rig) {
   };
   for (const CameraConfig& camera : rig.cameras) add(camera.uri);
   if (rig.depth) add(rig.depth->uri);
+  if (rig.depth2) add(rig.depth2->uri);
   if (!rig.pan_tilt_uri.empty()) add(rig.pan_tilt_uri);
   return uris;
 }
@@ -174,7 +176,10 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     return device::openni2_depth(std::move(shared), request);
   }
   if (const StreamUri view = stream_uri(parts);
-      is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
+      is_playable(parts) && (view.name == "depth2" || view.name == "tof2")) {
+    MIXRIG_ASSIGN(const auto player, open_player(view.recording));
+    return player->depth2();
+  } else if (is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth();
   }
@@ -245,8 +250,10 @@ Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) 
   return set(device::CameraControl::kWhiteBalance, config.white_balance_k);
 }
 
-Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera) {
-  if (rig.depth_steps.applied_to(camera.depth()).unit_known) return {};
+Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
+                        const DepthConfig* steps) {
+  if ((steps != nullptr ? *steps : rig.depth_steps).applied_to(camera.depth()).unit_known)
+    return {};
   return Error{ErrorCode::kUsage,
                fmt::format("{}: \"{}\" does not tell what a depth step is: give [depth] a unit_m "
                            "in {} (0.001 for millimetres)",
@@ -270,6 +277,12 @@ Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   if (rig.depth) {
     MIXRIG_ASSIGN(devices.depth, opener.depth(rig.depth->uri, rig.depth->request));
     MIXRIG_TRY(check_unit(rig, *devices.depth));
+  }
+  if (rig.depth2) {
+    MIXRIG_ASSIGN(devices.depth2, opener.depth(rig.depth2->uri, rig.depth2->request));
+    MIXRIG_TRY(check_unit(rig, *devices.depth2, &rig.depth2_steps));
+    if (const DepthPhases phases = depth_phases(rig); !phases.known)
+      log_warning("rig", phases.line);
   }
   if (!rig.pan_tilt_uri.empty()) {
     MIXRIG_ASSIGN(devices.pan_tilt, opener.pan_tilt(rig.pan_tilt_uri));

@@ -44,8 +44,7 @@ class DeviceOpener {
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
   /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), openni2:URI, usb:VVVV:PPPP, kinect2:SERIAL,
-  /// take:DIR/depth,
-  /// studio:[OPTIONS/]tof.
+  /// take:DIR/depth, take:DIR/depth2, studio:[OPTIONS/]tof, studio:OPTIONS/tof2.
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
   /// flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], take:DIR/head, studio:[OPTIONS/]head.
@@ -79,12 +78,14 @@ struct Devices {
   std::unique_ptr<device::TriggerMaster> trigger;
   std::unique_ptr<device::TriggerInput> edges;
   std::vector<std::unique_ptr<device::Camera>> cameras;
-  std::unique_ptr<device::DepthCamera> depth;
+  std::unique_ptr<device::DepthCamera> depth, depth2;
   std::unique_ptr<device::PanTilt> pan_tilt;
   std::shared_ptr<Player> player;  ///< of the recording behind cameras, if any
 };
-/// Errors: kUsage where neither the depth camera nor rig.toml tells what a step is.
-Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera);
+/// Errors: kUsage where neither the depth camera nor rig.toml tells what a step is. `steps`: of
+/// that camera; nothing: of the first.
+Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
+                        const DepthConfig* steps = nullptr);
 /// Opens and sets up all devices that rig.toml names; stops at the first error.
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener);
 /// Exposure, gain, focus and white balance as given in rig.toml. Errors: those of Camera::set.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/live/depth_phases.h"
 #include "host/live/devices.h"
 #include "host/live/grey_card.h"
 
@@ -37,16 +38,17 @@ struct OpenedRig {
 };
 
 /// What a depth step is, where the number comes from, and what else rig.toml changes.
-Check check_steps(const RigConfig& rig, const device::DepthCamera& camera) {
-  const device::DepthInfo steps = rig.depth_steps.applied_to(camera.depth());
+Check check_steps(const RigConfig& rig, const std::string& name, const DepthConfig& given,
+                  const device::DepthCamera& camera) {
+  const device::DepthInfo steps = given.applied_to(camera.depth());
   std::string value =
       fmt::format("{:.6g} mm a step ({}), {}", steps.metres_per_step * 1e3,
-                  rig.depth_steps.unit_m ? "rig.toml" : "camera",
+                  given.unit_m ? "rig.toml" : "camera",
                   steps.meaning == device::DepthMeaning::kZ ? "along z" : "along the ray");
   if (steps.offset_m != 0) value += fmt::format(", {:+.1f} mm", steps.offset_m * 1e3);
-  if (const auto known = check_unit(rig, camera); !known)
-    return {rig.depth->name, "unit", Verdict::kFail, "not known", to_line(known.error())};
-  return {rig.depth->name, "unit", Verdict::kPass, std::move(value), ""};
+  if (const auto known = check_unit(rig, camera, &given); !known)
+    return {name, "unit", Verdict::kFail, "not known", to_line(known.error())};
+  return {name, "unit", Verdict::kPass, std::move(value), ""};
 }
 
 /// What keeps a camera's clock, where it can be PTP.
@@ -57,10 +59,21 @@ void add_ptp(const std::string& name, const device::CameraInfo& info, std::vecto
                     settled ? "" : "wait until the camera follows a PTP master, or turn PTP off"});
 }
 
+/// Null where it cannot be opened.
+std::unique_ptr<device::DepthCamera> open_depth(const RigConfig& rig, const CameraConfig& config,
+                                                const DepthConfig& steps, DeviceOpener& opener,
+                                                std::vector<Check>& checks) {
+  auto depth = opener.depth(config.uri, config.request);
+  if (!check_open(config.name, depth, checks)) return nullptr;
+  add_ptp(config.name, (*depth)->info(), checks);
+  checks.push_back(check_steps(rig, config.name, steps, **depth));
+  return *std::move(depth);
+}
+
 OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check>& checks) {
   OpenedRig out{rig, {}, false};
   out.config.cameras.clear();
-  out.config.depth.reset();
+  out.config.depth.reset(), out.config.depth2.reset();
   if (!rig.trigger_uri.empty()) {
     auto trigger = opener.trigger(rig.trigger_uri);
     if (check_open("trigger", trigger, checks)) out.devices.trigger = *std::move(trigger);
@@ -83,14 +96,17 @@ OpenedRig open_each(const RigConfig& rig, DeviceOpener opener, std::vector<Check
     out.config.cameras.push_back(config);
     out.devices.cameras.push_back(*std::move(camera));
   }
-  if (rig.depth) {
-    auto depth = opener.depth(rig.depth->uri, rig.depth->request);
-    if (check_open(rig.depth->name, depth, checks)) {
-      add_ptp(rig.depth->name, (*depth)->info(), checks);
-      checks.push_back(check_steps(rig, **depth));
-      out.config.depth = rig.depth;
-      out.devices.depth = *std::move(depth);
-    }
+  if (rig.depth) out.devices.depth = open_depth(rig, *rig.depth, rig.depth_steps, opener, checks);
+  if (out.devices.depth) out.config.depth = rig.depth;
+  if (rig.depth2) {
+    auto second = open_depth(rig, *rig.depth2, rig.depth2_steps, opener, checks);
+    // Alone, it is judged in the place of the first.
+    const bool alone = !out.devices.depth;
+    if (second) (alone ? out.config.depth : out.config.depth2) = rig.depth2;
+    (alone ? out.devices.depth : out.devices.depth2) = std::move(second);
+    const DepthPhases phases = depth_phases(rig);
+    checks.push_back({rig.depth2->name, "phase", phases.known ? Verdict::kPass : Verdict::kWarn,
+                      phases.known ? phases.line : "not known", phases.known ? "" : phases.line});
   }
   if (!rig.pan_tilt_uri.empty()) {
     auto head = opener.pan_tilt(rig.pan_tilt_uri);
@@ -220,10 +236,13 @@ void watch(OpenedRig& rig, const DiagnoseOptions& options, Clock& clock,
                                  rig.devices.trigger != nullptr));
   const bool trigger = rig.devices.trigger != nullptr || rig.devices.edges != nullptr;
   for (std::size_t i = 0; i < report.streams.size(); ++i) {
-    const bool depth = i == rig.devices.cameras.size();
-    const CameraConfig& config = depth ? *rig.config.depth : rig.config.cameras[i];
-    const double reported_hz =
-        depth ? rig.devices.depth->info().rate_hz : rig.devices.cameras[i]->info().rate_hz;
+    const std::size_t cameras = rig.devices.cameras.size();
+    const CameraConfig& config = i < cameras    ? rig.config.cameras[i]
+                                 : i == cameras ? *rig.config.depth
+                                                : *rig.config.depth2;
+    const double reported_hz = i < cameras    ? rig.devices.cameras[i]->info().rate_hz
+                               : i == cameras ? rig.devices.depth->info().rate_hz
+                                              : rig.devices.depth2->info().rate_hz;
     const bool triggered = trigger && config.trigger_line >= 0;
     for (Check& check :
          judge_stream(report.streams[i], nominal_rate(rig.config, config, reported_hz, trigger),
@@ -232,6 +251,8 @@ void watch(OpenedRig& rig, const DiagnoseOptions& options, Clock& clock,
   }
   if (rig.devices.depth)
     check_depth(rig.config.depth->name, rig.devices.depth->depth_health(), checks);
+  if (rig.devices.depth2)
+    check_depth(rig.config.depth2->name, rig.devices.depth2->depth_health(), checks);
   if (options.grey_card && rig.target_open) add_card(rig, options, session, clock, checks);
   session.stop();
 }

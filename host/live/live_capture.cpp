@@ -19,6 +19,7 @@ geometry::CameraModel guess(Size size) {
           .lens = {}};
 }
 
+/// What the device reports, else a guess.
 geometry::CameraModel depth_model(const device::DepthCamera& depth) {
   geometry::CameraModel model = guess(depth.info().size);
   if (const auto& reported = depth.depth().intrinsics) {
@@ -84,6 +85,42 @@ Result<void> describe_fisheye(const RigConfig& config, const Devices& devices,
                                       "trigger_line"};
 }
 
+/// Delay of a triggered camera's stamp after that of the colour camera; 0 where not known.
+double delay_after_color_s(const RigConfig& config, const CameraConfig& depth) {
+  const CameraConfig& color = config.cameras.front();
+  const TriggerLine *line = config.line_of(depth), *first = config.line_of(color);
+  if (line == nullptr || first == nullptr) return 0;
+  const double period_s = 0.01 * line->channel.divider;
+  const double after_s =
+      seconds(line->channel.phase + depth.delay) - seconds(first->channel.phase + color.delay);
+  return std::remainder(after_s, period_s);
+}
+
+void describe_second_depth(const RigConfig& config, const Devices& devices, take::TakeInfo& info) {
+  if (!devices.depth2) return;
+  capture::SecondDepthCamera camera;
+  if (devices.player && devices.player->info().tof2) camera = *devices.player->info().tof2;
+  if (camera.model.size_px() != devices.depth2->info().size)
+    camera.model = depth_model(*devices.depth2);
+  if (config.tof2) camera.model = *config.tof2, info.camera_tables.emplace_back("tof2");
+  if (config.target_from_tof2) {
+    camera.target_from_tof = *config.target_from_tof2;
+    info.camera_tables.emplace_back("target_from_tof2");
+  }
+  const device::DepthInfo steps = config.depth2_steps.applied_to(devices.depth2->depth());
+  camera.kind = steps.meaning == device::DepthMeaning::kZ ? capture::DepthKind::kZ
+                                                          : capture::DepthKind::kDistance;
+  camera.unit_m = steps.metres_per_step, camera.offset_m = steps.offset_m;
+  camera.unknown = steps.unknown_steps.front();
+  camera.noise = config.depth2_steps.noise.value_or(camera.noise);
+  camera.amplitude_is_light = steps.amplitude_is_light;
+  info.tof2 = camera;
+  take::SecondDepthStream& streams = info.depth2.emplace();
+  streams.depth.rate_hz = info.color.rate_hz;
+  streams.depth.delay_s = delay_after_color_s(config, *config.depth2);
+  streams.amplitude = take::StreamInfo{};
+}
+
 }  // namespace
 
 Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices) {
@@ -118,6 +155,7 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
       line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
   info.rate_hz = info.depth.rate_hz = info.color.rate_hz;
   MIXRIG_TRY(describe_fisheye(config, devices, info));
+  describe_second_depth(config, devices, info);
   return info;
 }
 
@@ -159,6 +197,8 @@ capture::ColorSettings color_settings(const CameraConfig& config, const device::
 SetDecoder::SetDecoder(const RigConfig& config, const Devices& devices, WithoutDepth without_depth)
     : devices_(devices),
       depth_(devices.depth ? depth_info(config, devices) : device::DepthInfo()),
+      depth2_(devices.depth2 ? config.depth2_steps.applied_to(devices.depth2->depth())
+                             : device::DepthInfo()),
       plate_(decoder_of(config, devices, 0)),
       fisheye_decoder_(decoder_of(config, devices, fisheye_index(config))),
       fisheye_(fisheye_index(config)),
@@ -183,6 +223,7 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   if (devices_.pan_tilt)
     capture.set_status(Stream::kPanTilt,
                        set.pan_tilt ? StreamStatus::kFresh : StreamStatus::kMissing);
+  if (devices_.depth2) decode_second_depth(set, capture);
   if (fisheye_ > 0) decode_fisheye(set, capture);
   return {};
 }
@@ -197,6 +238,7 @@ Result<void> SetDecoder::decode_depth(const LiveSet& set, capture::Capture& capt
   if (without_depth_ == WithoutDepth::kHold) held_depth_ = depth;
   if (!depth.frame) {
     capture.depth_m = {}, capture.amplitude = {};
+    capture.depth_mid_exposure = capture.mid_exposure;
     capture.set_status(capture::Stream::kDepth, StreamStatus::kMissing);
     return {};
   }
@@ -206,7 +248,25 @@ Result<void> SetDecoder::decode_depth(const LiveSet& set, capture::Capture& capt
                                                   ? StreamStatus::kRepeated
                                                   : StreamStatus::kFresh);
   last_depth_ = depth.frame->sequence;
+  capture.depth_mid_exposure = depth.mid_exposure;
   return {};
+}
+
+/// A frame without it is composited with the first depth camera alone.
+void SetDecoder::decode_second_depth(const LiveSet& set, capture::Capture& capture) {
+  using capture::StreamStatus;
+  const sync::TimedFrame& timed = set.frames.frames[devices_.cameras.size() + 1];
+  capture::DepthPicture& out = capture.depth2;
+  out.mid_exposure = timed.mid_exposure;
+  if (!timed.frame || !device::to_metres(*timed.frame, depth2_, out.depth_m)) {
+    out.depth_m.reset({}), out.amplitude.reset({});
+    return capture.set_status(capture::Stream::kDepth2, StreamStatus::kMissing);
+  }
+  fill_amplitude(*timed.frame, out.amplitude);
+  capture.set_status(capture::Stream::kDepth2, last_depth2_ == timed.frame->sequence
+                                                   ? StreamStatus::kRepeated
+                                                   : StreamStatus::kFresh);
+  last_depth2_ = timed.frame->sequence;
 }
 
 void SetDecoder::decode_fisheye(const LiveSet& set, capture::Capture& capture) {

@@ -55,15 +55,17 @@ class SetDecoder {
  private:
   Result<void> decode_depth(const LiveSet& set, capture::Capture& capture);
   void decode_fisheye(const LiveSet& set, capture::Capture& capture);
+  void decode_second_depth(const LiveSet& set, capture::Capture& capture);
 
   const Devices& devices_;
-  const device::DepthInfo depth_;  ///< default where the rig has no depth camera
+  const device::DepthInfo depth_, depth2_;  ///< default where the rig has no such camera
   capture::ColorDecoder plate_, fisheye_decoder_;
   const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
   const Duration fisheye_hold_;
   const WithoutDepth without_depth_;
   sync::TimedFrame held_depth_;                             ///< the last one, of kHold
-  std::optional<std::uint64_t> last_depth_, last_fisheye_;  ///< counters of the last decoded frames
+  std::optional<std::uint64_t> last_depth_, last_depth2_,
+      last_fisheye_;  ///< counters of the last decoded frames
 };
 
 /// Sets the pose of the target camera and its origin: from rig.toml, else from the played recording

@@ -29,6 +29,7 @@ LiveSession::LiveSession(const RigConfig& config, Devices& devices, Clock& clock
   for (std::size_t i = 0; i < devices.cameras.size(); ++i)
     add_stream(config.cameras[i], devices.cameras[i]->info());
   if (devices.depth) add_stream(*config.depth, devices.depth->info());
+  if (devices.depth && devices.depth2) add_stream(*config.depth2, devices.depth2->info());
   std::vector<sync::Join> joins;
   for (const Stream& stream : streams_) joins.push_back(join_of(stream));
   builder_.emplace(joins, [this](const sync::FrameSet& set) { emit(set); });
@@ -125,6 +126,8 @@ Result<void> LiveSession::start_cameras() {
   for (std::size_t i = 0; i < devices_.cameras.size(); ++i)
     MIXRIG_TRY(devices_.cameras[i]->start(sink(i)));
   if (devices_.depth) MIXRIG_TRY(devices_.depth->start(sink(devices_.cameras.size())));
+  if (devices_.depth && devices_.depth2)
+    MIXRIG_TRY(devices_.depth2->start(sink(devices_.cameras.size() + 1)));
   return {};
 }
 
@@ -140,6 +143,7 @@ void LiveSession::stop() {
   if (!running_) return;
   for (auto& camera : devices_.cameras) camera->stop();
   if (devices_.depth) devices_.depth->stop();
+  if (devices_.depth2) devices_.depth2->stop();
   if (devices_.edges) devices_.edges->stop();
   stop_ = true;
   events_.close();

@@ -29,7 +29,7 @@ namespace mixrig::live {
 
 /// The frames of one moment, and the angle of the head.
 struct LiveSet {
-  sync::FrameSet frames;  ///< 0 is the leading camera, then the others, the depth camera last
+  sync::FrameSet frames;  ///< 0 is the leading camera, then the others, then the depth cameras
   std::optional<device::PanTiltAngles> pan_tilt;  ///< at mid-exposure; empty where unknown
 };
 

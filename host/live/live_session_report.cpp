@@ -20,7 +20,8 @@ bool LiveSession::ended() const {
   };
   for (const auto& camera : devices_.cameras)
     if (!over(camera->health())) return false;
-  if (devices_.depth && !over(devices_.depth->health())) return false;
+  for (const auto* depth : {&devices_.depth, &devices_.depth2})
+    if (*depth && !over((*depth)->health())) return false;
   return waiting_events() == 0 && held_count_ == 0;
 }
 
@@ -28,6 +29,7 @@ SessionReport LiveSession::report() const {
   std::vector<device::StreamHealth> health;
   for (const auto& camera : devices_.cameras) health.push_back(camera->health());
   if (devices_.depth) health.push_back(devices_.depth->health());
+  if (devices_.depth && devices_.depth2) health.push_back(devices_.depth2->health());
   const std::lock_guard lock(mutex_);
   SessionReport report = counts_;
   report.ticks_lost = devices_.trigger ? ticks_.lost() : 0;

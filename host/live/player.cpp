@@ -74,23 +74,35 @@ void Player::describe(const std::string& uri) {
                     .stamp_clock = device::StampClock::kHost};
     const std::size_t bytes =
         device::image_bytes(format, size, device::row_bytes(format, size.width));
-    const bool amplitude = format == device::PixelFormat::kDepth16 && !capture_.amplitude.empty();
+    const capture::DepthPicture& second = capture_.depth2;
+    const bool lit = !(&channel == &depth2_ ? second.amplitude : capture_.amplitude).empty();
+    const bool amplitude = format == device::PixelFormat::kDepth16 && lit;
     channel.pool.emplace(kBuffers, bytes, amplitude ? bytes : 0);
   };
   describe_one(color_, "color", capture_.plate.size(), device::PixelFormat::kRgb8);
   describe_one(depth_, "depth", capture_.depth_m.size(), device::PixelFormat::kDepth16);
+  if (info.tof2)
+    describe_one(depth2_, "depth2", capture_.depth2.depth_m.size(), device::PixelFormat::kDepth16);
   if (const capture::RenderedExposure* exposure = source_->exposure()) {
     const auto [least_s, most_s, step_s] = exposure->limits();
     color_.info.controls = {{device::CameraControl::kExposure, least_s, most_s, step_s}};
     exposure_s_ = exposure->rest_s();
   }
-  const bool along_ray = info.depth_kind == capture::DepthKind::kDistance;
-  depth_info_ = {.metres_per_step = info.depth_unit_m,
-                 .offset_m = info.depth_offset_m,
-                 .amplitude_is_light = info.amplitude_is_light,
-                 .meaning = along_ray ? device::DepthMeaning::kDistance : device::DepthMeaning::kZ,
-                 .intrinsics = device::DeviceIntrinsics{
-                     info.tof.pinhole.fx_px, info.tof.pinhole.cx_px, info.tof.pinhole.cy_px}};
+  const auto steps_of = [](const geometry::Pinhole& p, capture::DepthKind kind, double unit_m,
+                           double offset_m, bool light) {
+    return device::DepthInfo{.metres_per_step = unit_m,
+                             .offset_m = offset_m,
+                             .amplitude_is_light = light,
+                             .meaning = kind == capture::DepthKind::kDistance
+                                            ? device::DepthMeaning::kDistance
+                                            : device::DepthMeaning::kZ,
+                             .intrinsics = device::DeviceIntrinsics{p.fx_px, p.cx_px, p.cy_px}};
+  };
+  depth_info_ = steps_of(info.tof.pinhole, info.depth_kind, info.depth_unit_m, info.depth_offset_m,
+                         info.amplitude_is_light);
+  if (const auto& second = info.tof2)
+    depth2_info_ = steps_of(second->model.pinhole, second->kind, second->unit_m, second->offset_m,
+                            second->amplitude_is_light);
 }
 
 Result<void> Player::start(Channel& channel, device::FrameSink sink) {
@@ -145,6 +157,9 @@ bool Player::publish_both(int number, HostTime due) {
       static_cast<std::uint64_t>(number), capture_.world_from_target, capture_.pose_origin};
   for (Channel* channel : {&color_, &depth_})
     if (channel->sink) publish(*channel, due, static_cast<std::uint64_t>(number));
+  if (depth2_.sink)
+    publish(depth2_, due + (capture_.depth2.mid_exposure - capture_.mid_exposure),
+            static_cast<std::uint64_t>(number));
   return true;
 }
 
@@ -219,7 +234,8 @@ Result<void> Player::read(int number) {
 /// As read(); the frame must also fit the devices' buffers.
 Result<void> Player::read_next(int number) {
   MIXRIG_TRY(read(number));
-  if (capture_.plate.size() == color_.info.size && capture_.depth_m.size() == depth_.info.size)
+  if (capture_.plate.size() == color_.info.size && capture_.depth_m.size() == depth_.info.size &&
+      (!depth2_.taken || capture_.depth2.depth_m.size() == depth2_.info.size))
     return {};
   return Error{ErrorCode::kData, color_.info.uri + ": frame " + std::to_string(number) +
                                      " has another size than the first: playing ends"};
@@ -255,13 +271,15 @@ void Player::publish(Channel& channel, HostTime at, std::uint64_t counter) {
 }
 
 void Player::fill(const Channel& channel, device::FramePool::Draft& draft) const {
-  if (&channel == &depth_) {
-    fill_u16(capture_.depth_m, depth_info_.offset_m, 1 / depth_info_.metres_per_step,
-             draft.bytes());
-    if (!draft.amplitude().empty() && !capture_.amplitude.empty())
-      fill_u16(capture_.amplitude, 0, 1, draft.amplitude());
-    return;
-  }
+  const auto fill_depth = [&](const Image<float>& depth_m, const Image<float>& amplitude,
+                              const device::DepthInfo& steps) {
+    fill_u16(depth_m, steps.offset_m, 1 / steps.metres_per_step, draft.bytes());
+    if (!draft.amplitude().empty() && !amplitude.empty())
+      fill_u16(amplitude, 0, 1, draft.amplitude());
+  };
+  if (&channel == &depth_) return fill_depth(capture_.depth_m, capture_.amplitude, depth_info_);
+  if (&channel == &depth2_)
+    return fill_depth(capture_.depth2.depth_m, capture_.depth2.amplitude, depth2_info_);
   const Image<Rgb8>& picture = &channel == &fisheye_ ? capture_.fisheye : capture_.plate;
   const std::size_t row = device::row_bytes(channel.info.format, channel.info.size.width);
   std::uint8_t* at = draft.bytes().data();

@@ -39,6 +39,9 @@ class Player : public std::enable_shared_from_this<Player> {
   /// At most one of each. They keep the player alive.
   std::unique_ptr<device::Camera> camera();
   std::unique_ptr<device::DepthCamera> depth();
+  /// Its pictures come with their frames, stamped with their own mid-exposure. Errors: kData for a
+  /// recording without a second depth camera.
+  Result<std::unique_ptr<device::DepthCamera>> depth2();
   /// Errors: kData for a recording without such pictures in its first two seconds.
   Result<std::unique_ptr<device::Camera>> fisheye();
   /// The head, once where it can be moved. Errors: kData for a recording whose first frame has no
@@ -79,7 +82,7 @@ class Player : public std::enable_shared_from_this<Player> {
   bool publish_in_time(int number, HostTime due);
   bool has_new_fisheye() const;
   Result<void> find_fisheye();
-  std::array<Channel*, 3> channels() { return {&color_, &depth_, &fisheye_}; }
+  std::array<Channel*, 4> channels() { return {&color_, &depth_, &depth2_, &fisheye_}; }
   Result<void> read(int number);
   Result<void> read_next(int number);
   void wait_until(HostTime due);
@@ -89,7 +92,7 @@ class Player : public std::enable_shared_from_this<Player> {
 
   std::unique_ptr<capture::CaptureSource> source_;
   Clock& clock_;
-  device::DepthInfo depth_info_;
+  device::DepthInfo depth_info_, depth2_info_;
   capture::Capture capture_;            ///< used only by the thread while it runs
   std::atomic<double> exposure_s_ = 0;  ///< as the control was set last
   double first_s_ = 0;                  ///< time of the first frame in the recording
@@ -100,7 +103,7 @@ class Player : public std::enable_shared_from_this<Player> {
   std::shared_ptr<SteeredMotion> motion_;  ///< null where the head cannot be moved
   std::thread thread_;
   mutable std::mutex mutex_;  ///< guards what follows
-  Channel color_, depth_, fisheye_;
+  Channel color_, depth_, depth2_, fisheye_;
   bool stop_ = true;
   PlayedPose first_pose_;
   std::array<PlayedPose, 64> poses_;  ///< at sequence mod 64

@@ -93,6 +93,18 @@ std::unique_ptr<device::DepthCamera> Player::depth() {
                                  depth_info_);
 }
 
+Result<std::unique_ptr<device::DepthCamera>> Player::depth2() {
+  const std::lock_guard lock(mutex_);
+  if (!depth2_.pool)
+    return Error{ErrorCode::kData,
+                 uri_ +
+                     ": has no second depth camera: record it with two [[depth]] in rig.toml; "
+                     "studio: needs RIG+RIG in SCENARIO,SEED,RIG"};
+  depth2_.taken = true;
+  return device::as_depth_camera(std::make_unique<PlayedCamera>(shared_from_this(), depth2_),
+                                 depth2_info_);
+}
+
 Result<std::unique_ptr<device::Camera>> Player::fisheye() {
   const std::lock_guard lock(mutex_);
   if (!fisheye_.pool) MIXRIG_TRY(find_fisheye());

@@ -112,12 +112,14 @@ class Recorder {
 
   bool write_rows(const LiveSet& set) {
     bool fine = true;
-    for (std::size_t i = 0; i <= devices_.cameras.size(); ++i) {
+    const std::size_t cameras = devices_.cameras.size();
+    for (std::size_t i = 0; i <= cameras + (devices_.depth2 ? 1 : 0); ++i) {
       const auto& timed = set.frames.frames[i];
       if (!timed.frame) continue;
-      const bool depth = i == devices_.cameras.size();
-      fine &= std::fprintf(ticks_.get(), "%d,%s,%llu,%llu,%lld,%.1f\n", number_,
-                           (depth ? config_.depth->name : config_.cameras[i].name).c_str(),
+      const std::string& name = i < cameras    ? config_.cameras[i].name
+                                : i == cameras ? config_.depth->name
+                                               : config_.depth2->name;
+      fine &= std::fprintf(ticks_.get(), "%d,%s,%llu,%llu,%lld,%.1f\n", number_, name.c_str(),
                            static_cast<unsigned long long>(timed.pairing.tick),
                            static_cast<unsigned long long>(timed.frame->sequence),
                            static_cast<long long>(timed.mid_exposure.time_since_epoch().count()),

@@ -10,6 +10,7 @@
 #include "host/calibration_file/tables.h"
 #include "host/config/table.h"
 #include "host/config/writer.h"
+#include "host/live/depth_phases.h"
 #include "host/stream/freed_receiver.h"
 
 namespace mixrig::live {
@@ -108,6 +109,24 @@ CameraConfig parse_camera(const config::Table& table, const std::string& fallbac
   return camera;
 }
 
+/// [depth], or [[depth]] once or twice.
+void parse_depth_cameras(const config::Table& root, RigConfig& rig) {
+  std::vector<config::Table> tables;
+  if (root.size_of("depth") > 0)
+    tables = root.tables("depth");
+  else if (const config::Table one = root.table("depth"); one.present())
+    tables.push_back(one);
+  if (tables.size() > 2)
+    root.fail("depth", fmt::format("a rig has at most two depth cameras, these are {}: remove some",
+                                   tables.size()));
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    CameraConfig camera = parse_camera(tables[i], i == 0 ? "depth" : "depth2");
+    DepthConfig steps = parse_depth(tables[i]);
+    (i == 0 ? rig.depth : rig.depth2) = std::move(camera);
+    (i == 0 ? rig.depth_steps : rig.depth2_steps) = std::move(steps);
+  }
+}
+
 void parse_trigger(const config::Table& table, RigConfig& rig) {
   if (!table.present()) return;
   const config::Table edges = table.table("edges");
@@ -160,6 +179,9 @@ void check(const config::Table& root, const RigConfig& rig) {
               fmt::format("edges: no [[trigger.line]] has line = {}: add one", rig.edges_line));
   for (const CameraConfig& camera : rig.cameras) check_camera(camera);
   if (rig.depth) check_camera(*rig.depth);
+  if (!rig.depth2) return;
+  check_camera(*rig.depth2);
+  if (const DepthPhases phases = depth_phases(rig); phases.overlap) root.fail("depth", phases.line);
 }
 
 Writer camera_table(const CameraConfig& camera) {
@@ -275,10 +297,7 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
     rig.cameras.push_back(parse_camera(table, "camera" + std::to_string(++number)));
     rig.cameras.back().color = parse_color(table);
   }
-  if (const config::Table depth = root.table("depth"); depth.present()) {
-    rig.depth = parse_camera(depth, "depth");
-    rig.depth_steps = parse_depth(depth);
-  }
+  parse_depth_cameras(root, rig);
   if (const config::Table head = root.table("pan_tilt"); head.present())
     rig.pan_tilt_uri = head.text("uri");
   parse_lens(root.table("lens"), rig);
@@ -288,6 +307,9 @@ Result<RigConfig> parse_rig(std::string_view text, const std::string& name) {
   rig.tof = parse_model(root.table("tof"));
   if (const config::Table pose = root.table("target_from_tof"); pose.present())
     rig.target_from_tof = calibration_file::parse_calibrated_pose(pose, "tof").target_from;
+  rig.tof2 = parse_model(root.table("tof2"));
+  if (const config::Table pose = root.table("target_from_tof2"); pose.present())
+    rig.target_from_tof2 = calibration_file::parse_calibrated_pose(pose, "tof2").target_from;
   rig.world_from_target = parse_pose(root.table("world_from_target"));
   check(root, rig);
   MIXRIG_TRY(document.finish());
@@ -301,7 +323,11 @@ std::string rig_text(const RigConfig& rig) {
   if (!rig.trigger_uri.empty() || !rig.edges_uri.empty() || !rig.lines.empty())
     root.set("trigger", trigger_table(rig));
   for (const CameraConfig& camera : rig.cameras) root.add("camera", color_camera_table(camera));
-  if (rig.depth) root.set("depth", depth_camera_table(*rig.depth, rig.depth_steps));
+  if (rig.depth && !rig.depth2) root.set("depth", depth_camera_table(*rig.depth, rig.depth_steps));
+  if (rig.depth2) {
+    root.add("depth", depth_camera_table(*rig.depth, rig.depth_steps));
+    root.add("depth", depth_camera_table(*rig.depth2, rig.depth2_steps));
+  }
   if (!rig.pan_tilt_uri.empty())
     root.set("pan_tilt", std::move(Writer().set("uri", rig.pan_tilt_uri)));
   if (!rig.lens_uri.empty())

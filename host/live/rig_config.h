@@ -69,12 +69,16 @@ struct RigConfig {
   std::vector<CameraConfig> cameras;  ///< the first one is the target camera
   std::optional<CameraConfig> depth;
   DepthConfig depth_steps;
+  std::optional<CameraConfig> depth2;  ///< a second one, only with `depth`
+  DepthConfig depth2_steps;
   std::string pan_tilt_uri;
   std::string lens_uri;             ///< of the encoders of the target camera's lens, or empty
   Duration lens_delay{};            ///< from what a packet says to its arrival
   std::optional<HostTime> play_at;  ///< of the first frame of recordings that are played
   std::optional<geometry::CameraModel> target, tof;  ///< inline calibration, where it is given
   std::optional<geometry::Pose> target_from_tof;
+  std::optional<geometry::CameraModel> tof2;  ///< of `depth2`
+  std::optional<geometry::Pose> target_from_tof2;
   std::optional<geometry::Pose> world_from_target;  ///< of a rig that does not move
 
   const TriggerLine* line_of(const CameraConfig& camera) const { return line(camera.trigger_line); }

@@ -39,8 +39,15 @@ void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
     for (int x = 0; x < t.labels.size.width; ++x) {
       const float z = r.warped_depth_m.row(y)[x];
       const float true_z = t.depth_m.row(y)[x];
-      if ((t.labels.row(y)[x] & kTofSees) == 0 || !is_known(true_z)) continue;
+      if (!is_known(true_z)) continue;
       const float error_m = std::abs(z - true_z);
+      const bool hidden = (t.labels.row(y)[x] & kTofSees) == 0;
+      sums.hidden_share.add(hidden ? 1.0 : 0.0);
+      if (hidden) {
+        sums.hidden_bad.add(!is_known(z) || error_m > kBad_m ? 1.0 : 0.0);
+        sums.hidden_wrong.add(is_known(z) && error_m > kBad_m ? 1.0 : 0.0);
+        continue;
+      }
       if (is_known(z)) sums.depth_abs_m.add(error_m);
       const bool bad = !is_known(z) || error_m > kBad_m;
       sums.depth_bad.add(bad ? 1.0 : 0.0);
@@ -157,6 +164,9 @@ Errors errors_of(const ErrorSums& sums) {
   e.depth_mae_mm = scaled(sums.depth_abs_m.mean(), 1e3);
   e.depth_bad_pct = scaled(sums.depth_bad.mean(), 100.0);
   e.band_bad_pct = scaled(sums.band_bad.mean(), 100.0);
+  e.hidden_pct = scaled(sums.hidden_share.mean(), 100.0);
+  e.hidden_bad_pct = scaled(sums.hidden_bad.mean(), 100.0);
+  e.hidden_wrong_pct = scaled(sums.hidden_wrong.mean(), 100.0);
   e.key_iou = iou(sums.all);
   e.matte_mse = sums.all.matte_square.mean();
   e.order_wrong_pct = scaled(sums.order_wrong.mean(), 100.0);

@@ -59,8 +59,10 @@ struct PixelSums {
 /// Running sums over the pixels of all frames.
 struct ErrorSums {
   Sum depth_abs_m, depth_bad, band_bad, order_wrong, light_shadow_square;
-  Sum object_square;         ///< sRGB values
-  Sum object_linear_square;  ///< linear light, 0..1
+  Sum hidden_share;  ///< 1 for a pixel whose surface the ToF camera does not see, else 0
+  Sum hidden_bad, hidden_wrong;  ///< over those
+  Sum object_square;             ///< sRGB values
+  Sum object_linear_square;      ///< linear light, 0..1
   PixelSums all, contested;
   Sum contested_share;  ///< 1 for a contested pixel, else 0
 };
@@ -68,6 +70,7 @@ struct ErrorSums {
 /// The measures; nullopt where no pixel could be judged.
 struct Errors {
   std::optional<double> depth_mae_mm, depth_bad_pct, band_bad_pct, key_iou, matte_mse;
+  std::optional<double> hidden_pct, hidden_bad_pct, hidden_wrong_pct;
   std::optional<double> order_wrong_pct, light_rmse, light_shadow_rmse;
   std::optional<double> color_psnr_db;  ///< kEqualPsnr_db where not a single value differs
   std::optional<double> object_rmse, object_psnr_db;

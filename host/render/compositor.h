@@ -103,6 +103,14 @@ struct Backdrop {
   ImageView<const Rgb8> picture;  ///< sRGB, size of the view; empty: nothing, transparent
 };
 
+/// A second depth camera, which sees past the near things that hide the room from the first.
+struct SecondTof {
+  geometry::CameraModel model;
+  geometry::Pose target_from_tof;
+  bool depth_is_distance = false;
+  geometry::DepthNoise noise;  ///< of one value
+};
+
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
 /// textures and background, which are borrowed.
 struct CompositorSetup {
@@ -116,7 +124,8 @@ struct CompositorSetup {
   geometry::Pose target_from_tof;
   bool depth_is_distance = false;  ///< along the ray, not along z
   geometry::DepthNoise noise;      ///< of one ToF value
-  BackgroundView background;       ///< of a camera that stands still
+  std::optional<SecondTof> tof2;
+  BackgroundView background;  ///< of a camera that stands still
   /// Instead, of a camera that moves: at most kMostModels, learned from different places. A
   /// surface is where any of them has it; its colour is that of the model that saw it best.
   std::vector<BackgroundModel> background_models;
@@ -154,6 +163,8 @@ struct FrameInput {
   std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
   /// Of the first objects of the setup, from this frame on; empty: they stay where they are.
   std::span<const geometry::Pose> world_from_object{};
+  /// Size of `tof2`; empty: this frame has none. Only where the setup has that camera.
+  ImageView<const float> tof2_depth_m{};
   /// From this frame on; absent: the light stays as it is.
   std::optional<FrameLight> light{};
 };

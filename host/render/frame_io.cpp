@@ -56,6 +56,9 @@ void size_to(Size size, Image<T>& image) {
 Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   MIXRIG_TRY(check_size(input.plate.size, tables.plate_size, "plate", "target"));
   MIXRIG_TRY(check_size(input.tof_depth_m.size, tables.tof_size, "depth picture", "ToF"));
+  if (!input.tof2_depth_m.empty())
+    MIXRIG_TRY(check_size(input.tof2_depth_m.size, tables.tof2_size, "second depth picture",
+                          "second ToF"));
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
     return Error{ErrorCode::kData, "compose: the camera pose is not finite"};

@@ -65,6 +65,14 @@ struct WarpParams {
   PinholeParams view;
 };
 
+/// A depth camera's surfaces against what another one measured there.
+struct AgreeParams {
+  glm::mat4 other_from_tof{1};
+  PinholeParams other;  ///< the other one's picture without its lens
+  float px_per_px = 1;  ///< pixels of the other one's picture a pixel of that
+  NoiseParams noise, other_noise;
+};
+
 /// Pixels, along x and y, that a point moves against one behind it when seen from the ToF camera,
 /// for each 1/m between their inverse depths: so wide is what the nearer one hides from it.
 inline glm::vec2 parallax_px_m(const WarpParams& p) {

@@ -8,18 +8,7 @@
 namespace mixrig::render {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
-  Image<glm::vec2> rays(tof.size_px());
-  for (int y = 0; y < rays.height(); ++y)
-    for (int x = 0; x < rays.width(); ++x) {
-      const auto ray = tof.unproject({x, y});
-      rays.row(y)[x] = ray ? glm::vec2(ray->x(), ray->y()) : glm::vec2(kNan);
-    }
-  return rays;
-}
 
 Image<glm::vec2> plate_map(const geometry::CameraModel& target, const geometry::Pinhole& view) {
   Image<glm::vec2> map(view.size_px);
@@ -91,6 +80,17 @@ PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& 
 
 }  // namespace
 
+Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
+  Image<glm::vec2> rays(tof.size_px());
+  for (int y = 0; y < rays.height(); ++y)
+    for (int x = 0; x < rays.width(); ++x) {
+      const auto ray = tof.unproject({x, y});
+      rays.row(y)[x] =
+          ray ? glm::vec2(ray->x(), ray->y()) : glm::vec2(std::numeric_limits<float>::quiet_NaN());
+    }
+  return rays;
+}
+
 void set_view(const CompositorSetup& setup, Tables& tables) {
   tables.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
   tables.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
@@ -146,6 +146,7 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.plate_is_view) t.plate_px = plate_map(setup.target, setup.view);
   if (!setup.vignetting.is_none()) t.plate_gain = plate_gain(setup, t.plate_px);
 
+  if (setup.tof2) t.tof2_size = setup.tof2->model.size_px();
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);
   set_view(setup, t);

@@ -36,10 +36,31 @@ struct Tables {
   CorrectParams correct;
   WarpParams warp;
   float tof_footprint_px = 1;  ///< view pixels that a ToF pixel spans, at least 1
+  Size tof2_size;              ///< of the second depth camera; empty without
 };
+
+/// Tables of pass agree.
+struct AgreeTables {
+  AgreeParams params;
+  Image<glm::vec2> other_px;  ///< through its lens, for each pixel of AgreeParams::other; NaN: none
+};
+
+/// Tables of a second depth camera, and of what each of the two says of the other.
+struct SecondTables {
+  Tables tof;  ///< of passes correct and warp
+  AgreeTables first, second;
+};
+
+/// (x/z, y/z) of each pixel of a depth camera; NaN where its lens has no ray. Pure.
+Image<glm::vec2> tof_rays(const geometry::CameraModel& tof);
 
 /// Precondition: validate(setup) holds.
 Tables make_tables(const CompositorSetup& setup);
+
+/// Precondition: validate(setup) holds, and the setup has a second depth camera.
+SecondTables make_second_tables(const CompositorSetup& setup);
+/// What of them depends on the view and on the pose before it.
+void set_view(const CompositorSetup& setup, SecondTables& tables);
 
 /// What of the tables depends on the view and on the pose of the ToF camera before it.
 void set_view(const CompositorSetup& setup, Tables& tables);
@@ -62,7 +83,7 @@ class LensFollower {
  private:
   const geometry::CameraModel target_;
   const geometry::Pinhole view_;
-  const geometry::Pose target_from_tof_;
+  const geometry::Pose target_from_tof_, target_from_tof2_;
   geometry::Pinhole pinhole_;  ///< of the last frame's lens
   geometry::Lens::Coefficients distortion_;
   double pupil_shift_m_ = 0;

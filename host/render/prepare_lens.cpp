@@ -43,6 +43,7 @@ LensFollower::LensFollower(const CompositorSetup& setup)
     : target_(setup.target),
       view_(setup.view),
       target_from_tof_(setup.target_from_tof),
+      target_from_tof2_(setup.tof2 ? setup.tof2->target_from_tof : geometry::Pose{}),
       pinhole_(setup.target.pinhole),
       distortion_(setup.target.lens.coefficients()) {}
 
@@ -59,6 +60,8 @@ bool LensFollower::follow(const std::optional<FrameLens>& lens, CompositorSetup&
   setup.view = view_through(setup, target.pinhole);
   setup.target = target;
   setup.target_from_tof = geometry::at_pupil({}, -pupil_shift_m) * target_from_tof_;
+  if (setup.tof2)
+    setup.tof2->target_from_tof = geometry::at_pupil({}, -pupil_shift_m) * target_from_tof2_;
   set_view(setup, tables);
   return true;
 }

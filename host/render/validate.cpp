@@ -131,6 +131,13 @@ Result<void> check_light(const Light& light) {
   return {};
 }
 
+Result<void> check_noise(const geometry::DepthNoise& n) {
+  if (n.floor_m >= 0 && n.linear >= 0 && n.quadratic_per_m >= 0 &&
+      std::isfinite(n.floor_m + n.linear + n.quadratic_per_m))
+    return {};
+  return bad("depth noise is negative or not finite");
+}
+
 }  // namespace
 
 std::string_view name(Stage stage) {
@@ -145,10 +152,13 @@ Result<void> validate(const CompositorSetup& setup) {
   MIXRIG_TRY(geometry::validate(setup.tof));
   MIXRIG_TRY(geometry::validate(geometry::CameraModel{setup.view, {}}));
   if (!finite(setup.target_from_tof)) return bad("target_from_tof is not a rigid transform");
-  const geometry::DepthNoise& n = setup.noise;
-  if (!(n.floor_m >= 0 && n.linear >= 0 && n.quadratic_per_m >= 0) ||
-      !std::isfinite(n.floor_m + n.linear + n.quadratic_per_m))
-    return bad("depth noise is negative or not finite");
+  MIXRIG_TRY(check_noise(setup.noise));
+  if (setup.tof2) {
+    MIXRIG_TRY(geometry::validate(setup.tof2->model));
+    MIXRIG_TRY(check_noise(setup.tof2->noise));
+    if (!finite(setup.tof2->target_from_tof))
+      return bad("the second depth camera's target_from_tof is not a rigid transform");
+  }
   if (!(setup.key.threshold_m >= 0) || !(setup.key.noise_factor >= 0))
     return bad("key threshold or noise factor is negative");
   if (setup.capture_box &&

@@ -155,7 +155,8 @@ std::vector<BaselineErrors> Baselines::errors() const {
   for (std::size_t i = 0; i < judges_.size(); ++i) {
     measure::Errors errors = judges_[i].errors();
     if (measure::kBaselines[i] != measure::Baseline::kDepthKey)
-      errors.depth_mae_mm = errors.depth_bad_pct = errors.band_bad_pct = {};  // they have none
+      errors.depth_mae_mm = errors.depth_bad_pct = errors.band_bad_pct = {};
+    errors.hidden_bad_pct = errors.hidden_wrong_pct = {};  // they have none
     out.push_back({measure::kBaselines[i], errors});
   }
   return out;

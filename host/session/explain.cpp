@@ -77,10 +77,15 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
                             : fmt::format("samples the plate through its lens{}{}",
                                           setup.lens_moves ? ", which moves" : "",
                                           setup.vignetting.is_none() ? "" : ", evens its corners")},
-      {"correct", tof,
+      {"correct", setup.tof2 ? tof + " + " + text(setup.tof2->model.size_px()) : tof,
        std::string(setup.depth_is_distance ? "distance to z, " : "") +
-           "flying pixels, depth steps"},
-      {"warp", view, "the depth camera has another position than the colour camera"},
+           "flying pixels, depth steps" +
+           (setup.tof2 ? "; what both depth cameras measure agrees, what one sees through goes"
+                       : "")},
+      {"warp", view,
+       setup.tof2 ? "both depth cameras have other positions than the colour camera: the nearest "
+                    "surface"
+                  : "the depth camera has another position than the colour camera"},
       {"background", !setup.background_models.empty() ? view : "-",
        !setup.background_models.empty()
            ? "the model of the empty room, drawn for the pose of each frame"
@@ -123,8 +128,9 @@ Result<double> repeat(const Session& session, const capture::Capture& capture, i
   for (int i = 0; i <= frames; ++i) {
     pose.translation_m.x() += i % 2 == 0 ? step_m : -step_m;
     const HostTime begin = clock.now();
-    MIXRIG_TRY(
-        compositor->compose({capture.plate, capture.depth_m, pose, frame_lens(capture)}, output));
+    MIXRIG_TRY(compositor->compose(
+        {capture.plate, capture.depth_m, pose, frame_lens(capture), {}, capture.depth2.depth_m},
+        output));
     if (i > 0) times_ms.add(milliseconds(clock.now() - begin));  // the first frame fills caches
   }
   return times_ms.quantile(0.5);

@@ -24,8 +24,9 @@ Result<FrameViews> FrameViews::make(const render::CompositorSetup& setup, Backen
 }
 
 Result<const render::FrameOutput*> FrameViews::of(const capture::Capture& capture) {
-  MIXRIG_TRY(
-      compositor_->compose({capture.plate, capture.depth_m, {}, frame_lens(capture)}, output_));
+  MIXRIG_TRY(compositor_->compose(
+      {capture.plate, capture.depth_m, {}, frame_lens(capture), {}, capture.depth2.depth_m},
+      output_));
   return &output_;
 }
 

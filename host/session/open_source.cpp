@@ -66,7 +66,7 @@ live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
 live::RigConfig without_idle_trigger(live::RigConfig rig) {
   const auto fired = [&](const live::CameraConfig& camera) { return camera.trigger_line >= 0; };
   const bool any_fired = std::any_of(rig.cameras.begin(), rig.cameras.end(), fired) ||
-                         (rig.depth && fired(*rig.depth));
+                         (rig.depth && fired(*rig.depth)) || (rig.depth2 && fired(*rig.depth2));
   if (any_fired) return rig;
   if (!rig.trigger_uri.empty()) log_info("session", "the trigger fires none of the used cameras");
   rig.trigger_uri.clear();

@@ -442,6 +442,7 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
   return compositor_->compose(
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
+       composite.capture->depth2.depth_m,
        scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
       composite.objects_shown, images);
 }

@@ -17,9 +17,12 @@ namespace {
 
 using NamedError = std::pair<const char*, std::optional<double>>;
 
-std::array<NamedError, 11> named(const measure::Errors& e) {
+std::array<NamedError, 14> named(const measure::Errors& e) {
   return {{{"depth_mae_mm", e.depth_mae_mm},
            {"depth_bad_pct", e.depth_bad_pct},
+           {"hidden_pct", e.hidden_pct},
+           {"hidden_bad_pct", e.hidden_bad_pct},
+           {"hidden_wrong_pct", e.hidden_wrong_pct},
            {"band_bad_pct", e.band_bad_pct},
            {"key_iou", e.key_iou},
            {"matte_mse", e.matte_mse},

@@ -201,6 +201,9 @@ Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
   setup.target_from_tof = info.target_from_tof;
   setup.depth_is_distance = info.depth_kind == capture::DepthKind::kDistance;
   setup.noise = info.noise;
+  if (const auto& tof2 = info.tof2)
+    setup.tof2 = render::SecondTof{tof2->model, tof2->target_from_tof,
+                                   tof2->kind == capture::DepthKind::kDistance, tof2->noise};
   return setup;
 }
 

@@ -17,20 +17,26 @@ constexpr int kMostShift_px = 24;                       ///< of the picture duri
 
 }  // namespace
 
-/// True if the point projects into the ToF picture and nothing of `scene` occludes it.
-bool Studio::State::visible_to_tof(const Vec3& point, const TraceScene& scene) const {
-  const Eigen::Vector3d in_tof = tof_from_world * point.cast<double>();
+bool visible_to_tof(const TofPlace& at, const Optics& optics, const Vec3& point,
+                    const TraceScene& scene) {
+  const Eigen::Vector3d in_tof = at.tof_from_world * point.cast<double>();
   if (in_tof.z() < 0.05) return false;
-  const Optics& optics = info.tof.optics;
   if (std::abs(in_tof.x()) > 1.2 * in_tof.z() || std::abs(in_tof.y()) > 1.2 * in_tof.z())
     return false;
   const Eigen::Vector2d px = project(optics, in_tof);
   if (px.x() < 0 || px.y() < 0 || px.x() > optics.size_px.width - 1 ||
       px.y() > optics.size_px.height - 1)
     return false;
-  const Vec3 eye = tof_eye_m.cast<float>();
+  const Vec3 eye = at.eye_m.cast<float>();
   const Vec3 towards = eye - point;
   return !scene.blocked(point + 3e-3F * towards.normalized(), eye);
+}
+
+bool Studio::State::tof_sees(const TofPlace& at, const Optics& optics, const Vec3& point, int x,
+                             int y, bool of_room) const {
+  const bool past_room =
+      of_room ? at.sees_room.at(x, y) != 0 : visible_to_tof(at, optics, point, room);
+  return past_room && (person.scene.empty() || visible_to_tof(at, optics, point, person.scene));
 }
 
 int Studio::State::noise_number(int frame) const {
@@ -156,18 +162,17 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
         const float z = std::min(behind, before);
         const Vec3 point =
             rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
-        const bool room_clear =
-            before < behind ? visible_to_tof(point, room) : room_visible.at(x, y) != 0;
-        const bool seen =
-            room_clear && (person.scene.empty() || visible_to_tof(point, person.scene));
+        const bool of_room = !(before < behind);
+        const bool seen = tof_sees(tof_at, info.tof.optics, point, x, y, of_room);
+        const bool seen2 = tof2 && tof_sees(tof2->place, info.tof2->optics, point, x, y, of_room);
         truth.depth_m.at(x, y) = z < kMiss ? z : 0;
         truth.background_depth_m.at(x, y) = behind < kMiss ? behind : 0;
         truth.matte.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * p.person));
         truth.light.at(x, y) = std::min(p.light, 1.0F);  // takes cannot tell more
         truth.composite.at(x, y) = srgb_from_linear(Vec3(exposure * p.mixed));
-        truth.labels.at(x, y) =
-            static_cast<std::uint8_t>(p.layer | (seen ? Truth::kTofSees : 0) |
-                                      (p.silhouette >= 0.5F ? Truth::kSilhouette : 0));
+        truth.labels.at(x, y) = static_cast<std::uint8_t>(
+            p.layer | (seen ? Truth::kTofSees : 0) | (seen2 ? Truth::kTof2Sees : 0) |
+            (p.silhouette >= 0.5F ? Truth::kSilhouette : 0));
       }
   });
 }

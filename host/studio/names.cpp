@@ -57,4 +57,13 @@ Result<Scenario> parse_scenario(std::string_view text) {
 }
 Result<RigPreset> parse_rig(std::string_view text) { return parse(kRigs, "rig", text); }
 
+Result<RigWords> parse_rig_words(std::string_view text) {
+  const std::size_t plus = text.find('+');
+  RigWords words;
+  MIXRIG_ASSIGN(words.rig, parse_rig(text.substr(0, plus)));
+  if (plus == std::string_view::npos) return words;
+  MIXRIG_ASSIGN(words.second_tof, parse_rig(text.substr(plus + 1)));
+  return words;
+}
+
 }  // namespace mixrig::studio

@@ -56,13 +56,28 @@ TofSensor tof_sensor(RigPreset rig) {
   return s;
 }
 
+TofSensor second_sensor(RigPreset rig, RigPreset first) {
+  constexpr double kGap_s = 1e-3;
+  const TofSensor beside = tof_sensor(first);
+  TofSensor s = tof_sensor(rig);
+  const Eigen::Vector3d at = beside.target_from_tof.translation_m;
+  s.target_from_tof = {beside.target_from_tof.rotation.conjugate(), {-at.x(), -at.y(), at.z()}};
+  const double left_s = 1 / kFrameRate_hz - beside.exposure_s - 2 * kGap_s;
+  const double share = std::min(1.0, left_s / s.exposure_s);
+  s.exposure_s *= share;
+  s.signal_e *= static_cast<float>(share), s.background_e *= static_cast<float>(share);
+  s.noise.linear /= std::sqrt(share), s.noise.quadratic_per_m /= share;
+  s.delay_s = -0.5 / kFrameRate_hz;
+  return s;
+}
+
 TofSensor with_realism(TofSensor s, RigPreset rig, const Realism& realism) {
   const bool old = rig == RigPreset::kSr3000;
   if (realism.harmonics) s.second_rad = 0.3F * s.wiggle_rad;
   if (realism.stray_light) s.stray = old ? 0.02F : 0.01F;
   if (realism.pixel_offsets) s.offset_sigma_m = old ? 0.008F : 0.003F;
   if (realism.warm_up) s.warm_up_m = old ? 0.040F : 0.015F;
-  if (realism.late_depth) s.delay_s = 0.006;
+  if (realism.late_depth) s.delay_s += 0.006;
   s.multipath = realism.multipath;
   return s;
 }

@@ -37,6 +37,9 @@ struct TofSensor {
 TofSensor tof_sensor(RigPreset rig);
 /// The sensor with those imperfections that are switched on.
 TofSensor with_realism(TofSensor sensor, RigPreset rig, const Realism& realism);
+/// The sensor beside that of preset `first`: on the other side of the target camera. It exposes in
+/// the time of a frame that the first leaves, with a millisecond between: less light, more noise.
+TofSensor second_sensor(RigPreset rig, RigPreset first);
 /// Target camera of a rig; its field of view is narrower than that of the depth camera.
 Optics target_optics(RigPreset rig, Size size_px);
 /// The fisheye camera below the others, 185 degrees.

@@ -77,7 +77,8 @@ double phase_per_m(const TofSensor& sensor) {
 
 }  // namespace
 
-Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double tolerance) {
+Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double tolerance,
+                std::optional<RigPreset> second) {
   Tolerance t(seed, tolerance);
   Rig rig;
   rig.target = varied(target_optics(preset, target_px), t);
@@ -89,6 +90,11 @@ Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double toleranc
   rig.target_from_fisheye = varied(fisheye.target_from_fisheye, t);
   t.set_size(1);
   rig.pan_tilt = pan_tilt_of(t);
+  if (!second) return rig;
+  t.set_size(tolerance);
+  rig.tof2 = second_sensor(*second, preset);
+  rig.tof2->optics = varied(rig.tof2->optics, t);
+  rig.tof2->target_from_tof = varied(rig.tof2->target_from_tof, t);
   return rig;
 }
 

@@ -11,6 +11,7 @@ namespace mixrig::studio {
 struct Rig {
   Optics target;
   TofSensor tof;
+  std::optional<TofSensor> tof2;
   FisheyeOptics fisheye;
   geometry::Pose target_from_fisheye;
   PanTiltUnit pan_tilt;
@@ -18,8 +19,10 @@ struct Rig {
 
 /// The rig of a seed. `tolerance` is a factor on the deviations of lenses and mounting, 0..2: with
 /// 0 they are the preset's, with 1 focal lengths are within 1 % of it, mounting within 4 mm and 0.6
-/// degrees (each axis). The pan-tilt unit differs from seed to seed whatever the tolerance.
-Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double tolerance);
+/// degrees (each axis). The pan-tilt unit differs from seed to seed whatever the tolerance. With
+/// `second` it has a second depth camera; the other parts are the same as without.
+Rig rig_of_seed(RigPreset preset, unsigned seed, Size target_px, double tolerance,
+                std::optional<RigPreset> second = std::nullopt);
 
 /// Systematic error of a distance that is measured without correction, metres.
 double depth_error_m(const TofSensor& sensor, double distance_m);

@@ -80,6 +80,8 @@ Result<void> check(const StudioOptions& o) {
     return wrong("a sweep has a fixed lens: leave out the zoom");
   if (o.raw && o.rig != RigPreset::kKinect2)
     return wrong("raw pictures are those of rig kinect2: give --rig kinect2, or leave out --raw");
+  if (o.raw && o.second_tof)
+    return wrong("raw pictures are those of one depth camera: leave out the second, or --raw");
   if (o.window && o.realism.mirror)
     return wrong("window and mirror have one place: drop one of the two");
   MIXRIG_TRY(check_place(o));
@@ -96,12 +98,15 @@ int empty_frames_of(const StudioOptions& o) {
 StudioInfo make_info(const StudioOptions& options, const Layout& layout, const Rig& rig) {
   StudioInfo info;
   info.name = fmt::format("{} {}, {}", name(options.scenario), options.seed, name(options.rig));
+  if (options.second_tof) info.name += fmt::format("+{}", name(*options.second_tof));
   info.frames = options.frames;
   info.empty_frames = empty_frames_of(options);
   info.room_m = {kRoomX_m, kRoomY_m, kRoomZ_m};
   info.target = rig.target;
   info.view = without_distortion(info.target);
   info.tof = {rig.tof.optics, rig.tof.target_from_tof, rig.tof.unit_m, rig.tof.noise};
+  if (rig.tof2)
+    info.tof2 = {rig.tof2->optics, rig.tof2->target_from_tof, rig.tof2->unit_m, rig.tof2->noise};
   describe_fisheye(options, rig, info);
   info.light = layout.light;
   info.object = build_object(layout.world_from_object);
@@ -128,10 +133,15 @@ Shutter shutter_of(const StudioOptions& o) {
 
 }  // namespace
 
+SecondTofCamera::SecondTofCamera(const TofSensor& sensor, unsigned seed, bool raw,
+                                 const TraceDevice& device)
+    : camera(sensor, seed ^ 0x5EC0D, raw),
+      taps{TraceScene(device), TraceScene(device), TraceScene(device), TraceScene(device)} {}
+
 Studio::State::State(const StudioOptions& o, const TraceDevice& device)
     : options(o),
       layout(make_layout(o)),
-      rig(rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance)),
+      rig(rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance, o.second_tof)),
       info(make_info(o, layout, rig)),
       materials(o.seed, choose_wardrobe(o.seed, o.scenario == Scenario::kDark), &info.object),
       lamps(info.light),
@@ -153,6 +163,12 @@ Studio::State::State(const StudioOptions& o, const TraceDevice& device)
   if (o.raw) {
     raw.emplace(tof.sensor(), o.seed);
     info.raw = raw->tables();
+  }
+  info.tof.delay_s = tof.sensor().delay_s;
+  if (rig.tof2) {
+    const TofSensor sensor = with_realism(*rig.tof2, *o.second_tof, o.realism);
+    tof2 = std::make_unique<SecondTofCamera>(sensor, o.seed, o.raw_depth, device);
+    info.tof2->delay_s = sensor.delay_s;
   }
   Mesh mesh = build_room(layout.room);
   Mesh things = furniture_of(mesh);
@@ -258,8 +274,12 @@ void Studio::State::place_person(int number, double time_s) {
     scene.set(spare);
   };
   fill(person, time_s);
-  for (int k = 0; k < 4; ++k)
-    fill(taps[k], time_s + tof.sensor().delay_s + (k - 1.5) / 4 * tof.sensor().exposure_s);
+  const auto fill_taps = [&](const TofSensor& sensor, std::array<TraceScene, 4>& of_camera) {
+    for (int k = 0; k < 4; ++k)
+      fill(of_camera[k], time_s + sensor.delay_s + (k - 1.5) / 4 * sensor.exposure_s);
+  };
+  fill_taps(tof.sensor(), taps);
+  if (tof2) fill_taps(tof2->camera.sensor(), tof2->taps);
 }
 
 void Studio::State::fill_person(Occluder& scene, double time_s) {
@@ -272,13 +292,8 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
   const bool keep = options.cache && !info.camera_moves && !options.day.changes();
   const Rect all{0, 0, options.size_px.width, options.size_px.height};
   if (!has_plate || !keep) {
-    const geometry::Pose world_from_tof =
-        camera_at(layout, options, time_s).world_from_target * info.tof.target_from_tof;
-    const geometry::Pose later =
-        camera_at(layout, options, time_s + tof.sensor().delay_s).world_from_target;
-    tof_eye_m = world_from_tof.translation_m;
-    tof_from_world = geometry::inverse(world_from_tof);
-    tof.trace_room(room, materials, later * info.tof.target_from_tof, crew);
+    trace_tof(time_s, info.tof.target_from_tof, tof, tof_at);
+    if (tof2) trace_tof(time_s, info.tof2->target_from_tof, tof2->camera, tof2->place);
     plate.room.build(room, materials, camera_rays(plate_rays, place.world_from_target), all, crew);
     light_surfels(plate.room, lamps, casters, false, false, crew);
     reflector.eye = place.world_from_target.translation_m.cast<float>();
@@ -295,17 +310,33 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
                     covered_by(object.scene.mesh(), info.view, place.world_from_target), crew);
   light_surfels(view.object, lamps, casters, true, false, crew);
   if (options.realism.bounce) bounce_surfels(view.object, object_bounce, crew);
-  room_visible.reset(options.size_px);
-  crew.rows(all.y1, kStudioBand, [&](int begin, int end) {
+  find_room_seen(rays, info.tof.optics, tof_at);
+  if (tof2) find_room_seen(rays, info.tof2->optics, tof2->place);
+  has_view = true;
+}
+
+void Studio::State::trace_tof(double time_s, const geometry::Pose& target_from_tof, TofCamera& of,
+                              TofPlace& at) {
+  const geometry::Pose world_from_tof =
+      camera_at(layout, options, time_s).world_from_target * target_from_tof;
+  const geometry::Pose later =
+      camera_at(layout, options, time_s + of.sensor().delay_s).world_from_target;
+  at.eye_m = world_from_tof.translation_m;
+  at.tof_from_world = geometry::inverse(world_from_tof);
+  of.trace_room(room, materials, later * target_from_tof, crew);
+}
+
+void Studio::State::find_room_seen(const CameraRays& rays, const Optics& optics, TofPlace& at) {
+  at.sees_room.reset(options.size_px);
+  crew.rows(options.size_px.height, kStudioBand, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
-      for (int x = 0; x < all.x1; ++x) {
+      for (int x = 0; x < options.size_px.width; ++x) {
         const float z = view.room.centre_z(x, y);
         const Vec3 point =
             rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
-        room_visible.at(x, y) = z < kMiss && visible_to_tof(point, room) ? 1 : 0;
+        at.sees_room.at(x, y) = z < kMiss && visible_to_tof(at, optics, point, room) ? 1 : 0;
       }
   });
-  has_view = true;
 }
 
 void Studio::State::set_lens(double time_s) {
@@ -429,6 +460,9 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
     s.tof.render_raw(shot, s.materials, s.crew, *s.raw, frame.raw, frame.tof_true_m);
   else
     s.tof.render(shot, s.materials, s.crew, frame.tof_distance_m, frame.tof_amplitude);
+  if (s.tof2)
+    s.tof2->camera.render({s.tof2->taps, &s.person, &s.room, number, frame.time_s}, s.materials,
+                          s.crew, frame.tof2_distance_m, frame.tof2_amplitude);
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);

@@ -49,6 +49,13 @@ std::string_view name(RigPreset rig);
 /// Errors: kUsage; the line lists the names that exist.
 Result<Scenario> parse_scenario(std::string_view text);
 Result<RigPreset> parse_rig(std::string_view text);
+/// A rig, and a second depth camera where there is one.
+struct RigWords {
+  RigPreset rig = RigPreset::kKinect2;
+  std::optional<RigPreset> second_tof;
+};
+/// RIG or RIG+SECOND. Errors: kUsage.
+Result<RigWords> parse_rig_words(std::string_view text);
 
 /// Scenario sweep: where the head stands still, view by view. The time between views is not in the
 /// take; people move on in it. Without views the head stands and turns as Studio::turn_head says.
@@ -82,6 +89,9 @@ inline constexpr double kFrameRate_hz = 25;
 struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
   RigPreset rig = RigPreset::kKinect2;
+  /// A second depth camera on the other side of the target camera. It exposes in the half of the
+  /// frame's time in which the first does not.
+  std::optional<RigPreset> second_tof;
   unsigned seed = 1;
   int frames = 60;           ///< length of the take, 2..100000
   Size size_px{1280, 1024};  ///< target camera, 32..4096 a side
@@ -143,6 +153,7 @@ struct TofInfo {
   geometry::Pose target_from_tof;
   double depth_unit_m = 0.001;  ///< step of the sensor's output
   DepthNoise noise;
+  double delay_s = 0;  ///< mid-exposure after that of the target camera
 };
 
 /// A fisheye lens: radius_px = f_px (angle + k1 angle^3 + k2 angle^5), where angle is that to the
@@ -207,6 +218,7 @@ struct StudioInfo {
   Optics target;
   Optics view;  ///< truth is given in this view: the target camera without distortion
   TofInfo tof;
+  std::optional<TofInfo> tof2;   ///< of StudioOptions::second_tof
   std::optional<RawTables> raw;  ///< of StudioOptions::raw
   FisheyeInfo fisheye;
   int fisheye_pictures = 0;  ///< of render_fisheye(); 0 without StudioOptions::fisheye
@@ -228,6 +240,7 @@ struct Frame {
   Image<Rgb8> color;
   Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
   Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
+  Image<float> tof2_distance_m, tof2_amplitude;  ///< of StudioOptions::second_tof, as these
   /// StudioOptions::raw, in place of these two: ten sub-packets as a Kinect v2 sends them, and the
   /// true distance along the ray to what the pixel's centre shows at mid-exposure; 0 = nothing.
   std::vector<std::uint8_t> raw;
@@ -259,12 +272,13 @@ struct Truth {
   static constexpr std::uint8_t kBackground = 0, kPerson = 1, kVirtual = 2;  ///< visible layer
   static constexpr std::uint8_t kTofSees = 4;     ///< real surface is visible to the ToF camera
   static constexpr std::uint8_t kSilhouette = 8;  ///< inside the object's silhouette
+  static constexpr std::uint8_t kTof2Sees = 16;   ///< as kTofSees, of the second ToF camera
   Image<float> depth_m;                           ///< z of the real scene at the pixel centre
   Image<float> background_depth_m;                ///< the same without people
   Image<std::uint8_t> matte;                      ///< coverage by people, 255 = all
   Image<float> light;          ///< luminance of the light with the object / without it, at most 1
   Image<Rgb8> composite;       ///< noise-free picture with the object in it, sRGB
-  Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette
+  Image<std::uint8_t> labels;  ///< layer | kTofSees | kSilhouette | kTof2Sees
   std::optional<Optics> view;  ///< of this frame, where the lens zooms; else StudioInfo::view
   double pupil_shift_m = 0;    ///< of the eye along the axis of world_from_target
   std::vector<PersonTruth> people;  ///< who is in the room, in the order of the cast

@@ -14,6 +14,25 @@
 
 namespace mixrig::studio {
 
+/// Where a ToF camera is while a frame is rendered.
+struct TofPlace {
+  Eigen::Vector3d eye_m;
+  geometry::Pose tof_from_world;
+  Image<std::uint8_t> sees_room;  ///< room surfaces of the view that it sees, without people
+};
+
+/// True if the point projects into the ToF picture and nothing of `scene` occludes it.
+bool visible_to_tof(const TofPlace& at, const Optics& optics, const Vec3& point,
+                    const TraceScene& scene);
+
+/// StudioOptions::second_tof.
+struct SecondTofCamera {
+  SecondTofCamera(const TofSensor& sensor, unsigned seed, bool raw, const TraceDevice& device);
+  TofCamera camera;
+  std::array<TraceScene, 4> taps;
+  TofPlace place;
+};
+
 /// Sets what `info` says of the fisheye; its frames must be set.
 void describe_fisheye(const StudioOptions& options, const Rig& rig, StudioInfo& info);
 
@@ -36,6 +55,9 @@ struct Studio::State {
   CameraPlace eye_at(double time_s) const;
   /// Traces and lights the parts that do not move, unless they are cached.
   void trace_static(const CameraPlace& place, double time_s, bool with_truth);
+  /// Places a ToF camera and traces the room from it.
+  void trace_tof(double time_s, const geometry::Pose& target_from_tof, TofCamera& of, TofPlace& at);
+  void find_room_seen(const CameraRays& rays, const Optics& optics, TofPlace& at);
   /// Mirrored and bounced light of the room or the object.
   void reflect_static(SurfelMap& map, const BounceCache& bounce, bool with_object);
   void bounce_on_person(const CameraPlace& place);
@@ -58,7 +80,9 @@ struct Studio::State {
   /// Adds a slice to the rows that are exposed in it, from where the camera is then.
   void add_slice(const CameraPlace& place, double frame_s, int slice);
   void draw_truth(const CameraPlace& place, Truth& truth);
-  bool visible_to_tof(const Vec3& point, const TraceScene& scene) const;
+  /// Whether a surface point of the view is seen; `of_room`: it is one of the room.
+  bool tof_sees(const TofPlace& at, const Optics& optics, const Vec3& point, int x, int y,
+                bool of_room) const;
 
   StudioOptions options;
   Layout layout;
@@ -85,14 +109,13 @@ struct Studio::State {
   RayGrid plate_rays, view_rays;
   TofCamera tof;
   std::optional<RawPictures> raw;  ///< of StudioOptions::raw
+  std::unique_ptr<SecondTofCamera> tof2;
   ColorCamera camera;
   Shutter shutter;
   bool in_slices = false;  ///< the exposure takes time
   SceneSurfels plate, view;
   bool has_plate = false, has_view = false;
-  Image<std::uint8_t> room_visible;  ///< room surfaces visible to the ToF camera, without people
-  Eigen::Vector3d tof_eye_m;
-  geometry::Pose tof_from_world;
+  TofPlace tof_at;
   NormalTable normal;
   Image<Rgbf> still, slice, exposed;  ///< of the plate: without people, at one time, exposed
   Image<float> plate_z_m;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -43,6 +44,14 @@ Writer camera_table(const char* name, const char* model, Size size, const char* 
   return table;
 }
 
+Writer depth_camera_table(const std::string& name, const studio::TofSensor& sensor) {
+  Writer table = camera_table(name.c_str(), "pinhole", sensor.optics.size_px,
+                              (name + "/amplitude/%06d.png").c_str());
+  table.set("depth", name + "/depth/%06d.png");
+  table.set("depth_unit_m", config::rounded(sensor.unit_m, kDigits)).set("depth_kind", "distance");
+  return table;
+}
+
 std::string manifest(const studio::BoardInfo& info) {
   const studio::Rig& rig = info.rig;
   Writer root, pan_tilt;
@@ -50,33 +59,41 @@ std::string manifest(const studio::BoardInfo& info) {
   root.set("board", board_table(info.options.board));
   root.add("camera", camera_table("target", "pinhole", rig.target.size_px, "target/%06d.png"));
   root.add("camera", camera_table("fisheye", "fisheye", rig.fisheye.size_px, "fisheye/%06d.png"));
-  Writer tof = camera_table("tof", "pinhole", rig.tof.optics.size_px, "tof/amplitude/%06d.png");
-  tof.set("depth", "tof/depth/%06d.png");
-  tof.set("depth_unit_m", config::rounded(rig.tof.unit_m, kDigits)).set("depth_kind", "distance");
-  root.add("camera", std::move(tof));
+  root.add("camera", depth_camera_table("tof", rig.tof));
+  if (rig.tof2) root.add("camera", depth_camera_table("tof2", *rig.tof2));
   pan_tilt.set("angles", "ptu.csv");
   pan_tilt.set("step_deg", config::rounded(rig.pan_tilt.step_rad / kDeg, kDigits));
   if (info.options.pan_tilt) root.set("pan_tilt", std::move(pan_tilt));
   return root.text();
 }
 
-json truth_of(const studio::BoardInfo& info) {
-  const studio::Rig& rig = info.rig;
-  const studio::FisheyeOptics& f = rig.fisheye;
+/// Pairs of distance and depth error.
+json curve_of(const studio::TofSensor& sensor) {
   json curve = json::array();
   for (int i = 0; i <= std::lround((kTruthTo_m - kTruthFrom_m) / kTruthStep_m); ++i) {
     const double d = kTruthFrom_m + i * kTruthStep_m;
-    curve.push_back({d, depth_error_m(rig.tof, d)});
+    curve.push_back({d, depth_error_m(sensor, d)});
   }
+  return curve;
+}
+
+json truth_of(const studio::BoardInfo& info) {
+  const studio::Rig& rig = info.rig;
+  const studio::FisheyeOptics& f = rig.fisheye;
   json truth = {
       {"target", to_json(rig.target)},
       {"tof", to_json(rig.tof.optics)},
       {"fisheye", {{"f", f.f_px}, {"cx", f.cx_px}, {"cy", f.cy_px}, {"k1", f.k1}, {"k2", f.k2}}},
       {"target_from_tof", to_json(rig.tof.target_from_tof)},
       {"target_from_fisheye", to_json(rig.target_from_fisheye)},
-      {"depth_error", {{"distance_and_error_m", curve}}},
+      {"depth_error", {{"distance_and_error_m", curve_of(rig.tof)}}},
       {"pan_tilt", to_json(rig.pan_tilt)},
       {"target_from_board", json::array()}};
+  if (rig.tof2) {
+    truth["tof2"] = to_json(rig.tof2->optics);
+    truth["target_from_tof2"] = to_json(rig.tof2->target_from_tof);
+    truth["depth_error2"] = {{"distance_and_error_m", curve_of(*rig.tof2)}};
+  }
   if (info.options.lens_error_px > 0) truth["lens_error_px"] = info.options.lens_error_px;
   return truth;
 }
@@ -97,11 +114,18 @@ Result<void> write_view(const std::filesystem::path& folder, const studio::Board
   MIXRIG_TRY(image_io::write_png(folder / numbered("target", n), view.target));
   MIXRIG_TRY(image_io::write_png(folder / numbered("fisheye", n), view.fisheye));
   MIXRIG_TRY(write_depth(folder / numbered("tof/amplitude", n), view.tof_amplitude, 1));
-  return write_depth(folder / numbered("tof/depth", n), view.tof_distance_m, info.rig.tof.unit_m);
+  MIXRIG_TRY(
+      write_depth(folder / numbered("tof/depth", n), view.tof_distance_m, info.rig.tof.unit_m));
+  if (!info.rig.tof2) return {};
+  MIXRIG_TRY(write_depth(folder / numbered("tof2/amplitude", n), view.tof2_amplitude, 1));
+  return write_depth(folder / numbered("tof2/depth", n), view.tof2_distance_m,
+                     info.rig.tof2->unit_m);
 }
 
-Result<void> make_folders(const std::filesystem::path& folder) {
-  for (const char* part : {"target", "fisheye", "tof/amplitude", "tof/depth", "truth"}) {
+Result<void> make_folders(const std::filesystem::path& folder, bool second_tof) {
+  std::vector<const char*> parts = {"target", "fisheye", "tof/amplitude", "tof/depth", "truth"};
+  if (second_tof) parts.insert(parts.end(), {"tof2/amplitude", "tof2/depth"});
+  for (const char* part : parts) {
     std::error_code failed;
     std::filesystem::create_directories(folder / part, failed);
     if (failed)
@@ -128,7 +152,7 @@ Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
   MIXRIG_ASSIGN(studio::BoardStudio studio, studio::BoardStudio::create(options));
   const studio::BoardInfo& info = studio.info();
   MIXRIG_ASSIGN(PartialPath output, make_partial_folder(folder, "views.toml"));
-  MIXRIG_TRY(make_folders(output.path()));
+  MIXRIG_TRY(make_folders(output.path(), info.rig.tof2.has_value()));
   json truth = truth_of(info);
   std::ostringstream angles;
   angles.precision(9);

@@ -39,6 +39,18 @@ take::TakeInfo board_take_info(const studio::BoardInfo& board, int frames, bool 
   take.amplitude_is_light = true;
   take.depth_unit_m = tof.unit_m;
   take.noise = {tof.noise.floor_m, tof.noise.linear, tof.noise.quadratic_per_m};
+  if (options.second_tof) {
+    const studio::TofSensor second = studio::second_sensor(*options.second_tof, options.rig);
+    take.tof2 = capture::SecondDepthCamera{
+        .model = designed(second.optics),
+        .target_from_tof = second.target_from_tof,
+        .kind = capture::DepthKind::kDistance,
+        .noise = {second.noise.floor_m, second.noise.linear, second.noise.quadratic_per_m},
+        .unit_m = second.unit_m,
+        .amplitude_is_light = true};
+    take.depth2 = take::SecondDepthStream{take.depth, take.depth};
+    take.depth2->depth.delay_s = second.delay_s;
+  }
   if (!fisheye) return take;
   take.fisheye = take::StreamInfo{{}, 1, 0, kBoardFisheye_hz};
   take.fisheye_rate_hz = kBoardFisheye_hz;
@@ -112,6 +124,14 @@ Result<bool> BoardSource::read(int number, capture::Capture& capture) {
   std::swap(view_.target, capture.plate);
   std::swap(view_.tof_distance_m, capture.depth_m);
   std::swap(view_.tof_amplitude, capture.amplitude);
+  capture.depth_mid_exposure = capture.mid_exposure;
+  if (info_.depth2) {
+    std::swap(view_.tof2_distance_m, capture.depth2.depth_m);
+    std::swap(view_.tof2_amplitude, capture.depth2.amplitude);
+    capture.depth2.mid_exposure =
+        capture.mid_exposure + Duration(std::llround(1e9 * info_.depth2->depth.delay_s));
+    capture.set_status(Stream::kDepth2, StreamStatus::kFresh);
+  }
   if (info_.fisheye) add_fisheye(capture);
   return true;
 }
@@ -156,7 +176,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::str
   int frames = turns ? kMostBoardFrames : 600;
   MIXRIG_TRY(read_number(word[0], "seed", options.seed));
   if (!word[1].empty()) {
-    MIXRIG_ASSIGN(options.rig, studio::parse_rig(word[1]));
+    MIXRIG_ASSIGN(const studio::RigWords rig, studio::parse_rig_words(word[1]));
+    options.rig = rig.rig, options.second_tof = rig.second_tof;
   }
   MIXRIG_TRY(read_number(word[2], "number of frames", frames));
   MIXRIG_TRY(read_size(word[3], options.size_px));

@@ -85,7 +85,7 @@ class StudioSource final : public capture::CaptureSource {
   Result<bool> read(int number, capture::Capture& capture) override {
     if (head_moves_) exposure_.next_frame();
     studio_.render(number, frame_, head_moves_ ? nullptr : &truth_);
-    swap_into(frame_, capture);
+    swap_into(studio_.info(), frame_, capture);
     capture.cameras = cameras_;
     add_fisheye(capture);
     return true;
@@ -138,7 +138,8 @@ Result<studio::StudioOptions> options_of(const std::string& words) {
   }
   MIXRIG_TRY(read_number(word[1], "seed", options.seed));
   if (!word[2].empty()) {
-    MIXRIG_ASSIGN(options.rig, studio::parse_rig(word[2]));
+    MIXRIG_ASSIGN(const studio::RigWords rig, studio::parse_rig_words(word[2]));
+    options.rig = rig.rig, options.second_tof = rig.second_tof;
   }
   if (options.scenario == studio::Scenario::kSweep) options.frames = kLongest;
   MIXRIG_TRY(read_number(word[3], "number of frames", options.frames));

@@ -172,6 +172,20 @@ Result<void> write_room_truth(const studio::Studio& studio, const std::filesyste
   return image_io::write_exr(folder / "truth/room.exr", {distance});
 }
 
+capture::SecondDepthCamera second_camera(const studio::TofInfo& tof) {
+  return {.model = camera_of(tof.optics),
+          .target_from_tof = tof.target_from_tof,
+          .kind = capture::DepthKind::kDistance,
+          .noise = {tof.noise.floor_m, tof.noise.linear, tof.noise.quadratic_per_m},
+          .unit_m = tof.depth_unit_m,
+          .amplitude_is_light = true};
+}
+
+/// Of a picture at `delay_s` after the frame's mid-exposure.
+HostTime exposed_at(const capture::Capture& capture, double delay_s) {
+  return capture.mid_exposure + Duration(std::llround(1e9 * delay_s));
+}
+
 }  // namespace
 
 take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
@@ -179,6 +193,7 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.name = info.name;
   take.rate_hz = take.color.rate_hz = take.depth.rate_hz = info.rate_hz;
   take.color.count = take.depth.count = info.frames;
+  take.depth.delay_s = info.tof.delay_s;
   if (info.raw)
     take.raw_depth = "kinect2";
   else
@@ -193,13 +208,19 @@ take::TakeInfo studio_take_info(const studio::StudioInfo& info) {
   take.amplitude_is_light = true;
   take.depth_unit_m = info.tof.depth_unit_m;
   take.noise = {info.tof.noise.floor_m, info.tof.noise.linear, info.tof.noise.quadratic_per_m};
+  if (info.tof2) {
+    take.tof2 = second_camera(*info.tof2);
+    take.depth2 = take::SecondDepthStream{take.depth, take.depth};
+    take.depth2->depth.delay_s = info.tof2->delay_s;
+    take.depth2->amplitude->delay_s = 0;
+  }
   take.has_poses = take.has_truth = take.true_poses = true;
   take.moves = info.camera_moves;
   take.frames = info.frames;
   return take;
 }
 
-void swap_into(studio::Frame& from, capture::Capture& to) {
+void swap_into(const studio::StudioInfo& info, studio::Frame& from, capture::Capture& to) {
   using capture::Stream;
   using capture::StreamStatus;
   to.number = from.number;
@@ -221,6 +242,12 @@ void swap_into(studio::Frame& from, capture::Capture& to) {
   std::swap(from.color, to.plate);
   std::swap(from.tof_distance_m, to.depth_m);
   std::swap(from.tof_amplitude, to.amplitude);
+  to.depth_mid_exposure = exposed_at(to, info.tof.delay_s);
+  if (!info.tof2) return;
+  to.set_status(Stream::kDepth2, StreamStatus::kFresh);
+  std::swap(from.tof2_distance_m, to.depth2.depth_m);
+  std::swap(from.tof2_amplitude, to.depth2.amplitude);
+  to.depth2.mid_exposure = exposed_at(to, info.tof2->delay_s);
 }
 
 void swap_into(studio::Truth& from, capture::Truth& to) {
@@ -282,7 +309,7 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
     studio.render(number, frame, &truth);
     if (frame.head) head.push_back(*frame.head);
     if (info.raw) MIXRIG_TRY(write_raw(info, frame, writer.staging()));
-    swap_into(frame, take_frame);
+    swap_into(info, frame, take_frame);
     swap_into(truth, take_truth);
     fisheye.add_to(studio, take_frame);
     MIXRIG_TRY(writer.write(take_frame));

@@ -14,7 +14,7 @@ namespace mixrig::studio_io {
 take::TakeInfo studio_take_info(const studio::StudioInfo& info);
 
 /// Swaps the pictures of a rendered frame into `to`; `from` gets the old memory.
-void swap_into(studio::Frame& from, capture::Capture& to);
+void swap_into(const studio::StudioInfo& info, studio::Frame& from, capture::Capture& to);
 void swap_into(studio::Truth& from, capture::Truth& to);
 
 /// Writes scene.toml and models/ for a studio: its object, lamps, camera poses from the take and

@@ -19,6 +19,10 @@ inline Steps depth_steps(const TakeInfo& info) {
   return {info.depth_unit_m, info.depth_offset_m, info.depth_unknown};
 }
 
+inline Steps depth_steps(const capture::SecondDepthCamera& camera) {
+  return {camera.unit_m, camera.offset_m, camera.unknown};
+}
+
 /// Floats in steps, rounded; not finite, not positive or out of range becomes unknown. Reuses the
 /// memory of `out`.
 void to_steps(const Image<float>& image, const Steps& steps, Image<std::uint16_t>& out);

@@ -177,6 +177,7 @@ Result<void> GrowingTake::State::write_manifest(const GrownTables& tables) {
   TakeInfo is = info;
   is.color = stream("color"), is.depth = stream("depth");
   is.amplitude.reset(), is.fisheye.reset();
+  is.depth2.reset(), is.tof2.reset();
   if (lit) is.amplitude = stream("amplitude");
   if (tables.pictures > 0)
     is.fisheye = {"fisheye/%06d.png", 1, tables.pictures, info.fisheye->rate_hz};

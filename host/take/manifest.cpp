@@ -21,6 +21,7 @@ StreamInfo read_stream(const Table& table) {
   stream.rate_hz = table.number_or("rate_hz", 0.0, {0.0, 1e6});
   stream.first = table.integer_or("first", 1, {0, 1e9});
   const bool counted = !is_list(stream);
+  stream.delay_s = 1e-3 * table.number_or("delay_ms", 0.0, {-1000.0, 1000.0});
   stream.count = counted ? table.integer("count", kCount) : table.integer_or("count", 0, kCount);
   if (table.present() && counted && !is_matroska(stream))
     if (const auto name = NumberedName::parse(stream.path); !name) table.fail("path", name.error());
@@ -37,12 +38,50 @@ std::optional<geometry::Pinhole> read_view(const Table& target, Size size) {
   return view;
 }
 
+geometry::DepthNoise read_noise(const Table& table) {
+  if (!table.has("noise")) return {};
+  const auto noise = table.numbers("noise", 3, 3, {0.0, 10.0});
+  return {noise[0], noise[1], noise[2]};
+}
+
+capture::DepthKind read_kind(const Table& table) {
+  return static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
+}
+
+/// [depth2], [amplitude2], [tof2] and [target_from_tof2].
+void read_second_depth(const Table& root, TakeInfo& info) {
+  const Table table = root.table("depth2"), amplitude = root.table("amplitude2");
+  const Table model = root.table("tof2"), pose = root.table("target_from_tof2");
+  if (!table.present()) {
+    if (amplitude.present() || model.present() || pose.present())
+      root.fail("depth2", "missing: [amplitude2], [tof2] and [target_from_tof2] are of its camera");
+    return;
+  }
+  SecondDepthStream& streams = info.depth2.emplace();
+  capture::SecondDepthCamera& camera = info.tof2.emplace();
+  streams.depth = read_stream(table);
+  if (is_list(streams.depth)) table.fail("path", "give numbered pictures or a Matroska file");
+  camera.unit_m = table.number_or("unit_m", camera.unit_m, {1e-7, 10.0});
+  camera.offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
+  camera.unknown = table.integer_or("unknown", 0, {0, 65535});
+  camera.kind = read_kind(table);
+  camera.noise = read_noise(table);
+  if (amplitude.present()) {
+    streams.amplitude = read_stream(amplitude);
+    camera.amplitude_is_light = amplitude.boolean_or("light", false);
+  }
+  camera.model = calibration_file::parse_pinhole(root.required_table("tof2"));
+  camera.target_from_tof =
+      calibration_file::parse_calibrated_pose(root.required_table("target_from_tof2"), "tof2")
+          .target_from;
+}
+
 void read_depth(const Table& table, TakeInfo& info) {
   info.depth = read_stream(table);
   info.depth_unit_m = table.number_or("unit_m", info.depth_unit_m, {1e-7, 10.0});
   info.depth_offset_m = table.number_or("offset_m", 0, {-10.0, 10.0});
   info.depth_unknown = table.integer_or("unknown", 0, {0, 65535});
-  info.depth_kind = static_cast<capture::DepthKind>(table.one_of("kind", {"z", "distance"}, 0));
+  info.depth_kind = read_kind(table);
   if (table.has("raw")) {
     (void)table.one_of("raw", {kRawKinect2}, 0);
     info.raw_depth = kRawKinect2;
@@ -52,9 +91,7 @@ void read_depth(const Table& table, TakeInfo& info) {
     if (is_list(info.depth) || is_matroska(info.depth))
       table.fail("path", "raw frames are numbered files: write raw/%06d.bin");
   }
-  if (!table.has("noise")) return;
-  const auto noise = table.numbers("noise", 3, 3, {0.0, 10.0});
-  info.noise = {noise[0], noise[1], noise[2]};
+  info.noise = read_noise(table);
 }
 
 void read_pose_source(const Table& table, Manifest& manifest) {
@@ -94,6 +131,7 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
     info.amplitude = read_stream(amplitude);
     info.amplitude_is_light = amplitude.boolean_or("light", false);
   }
+  read_second_depth(root, info);
   if (const Table fisheye = root.table("fisheye"); fisheye.present()) {
     info.fisheye = read_stream(fisheye);
     if (is_list(*info.fisheye)) fisheye.fail("path", "give numbered pictures or a Matroska file");

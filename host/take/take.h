@@ -21,7 +21,14 @@ struct StreamInfo {
   int first = 1;  ///< number in the first file's name
   int count = 0;
   double rate_hz = 0;  ///< 0 where unknown
+  double delay_s = 0;  ///< of depth: its mid-exposure after that of colour
   bool operator==(const StreamInfo&) const = default;
+};
+
+/// Streams of a second depth camera, SourceInfo::tof2.
+struct SecondDepthStream {
+  StreamInfo depth;
+  std::optional<StreamInfo> amplitude;
 };
 
 /// The manifest: what every source has, and the streams of a take.
@@ -30,7 +37,8 @@ struct TakeInfo : capture::SourceInfo {
   std::filesystem::path root;  ///< folder that stream paths are relative to
   StreamInfo color, depth;
   std::optional<StreamInfo> amplitude;
-  std::optional<StreamInfo> fisheye;  ///< at its own rate; its stamps are in fisheye.csv
+  std::optional<StreamInfo> fisheye;        ///< at its own rate; its stamps are in fisheye.csv
+  std::optional<SecondDepthStream> depth2;  ///< only with tof2, and tof2 only with it
   int depth_unknown = 0;
   std::string raw_depth;  ///< "kinect2": the stream `depth` holds raw frames; empty: pictures
   double truth_depth_unit_m = 0.00025;

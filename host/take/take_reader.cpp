@@ -50,6 +50,7 @@ struct TumLists {
 struct TakeReader::State {
   Manifest manifest;
   std::unique_ptr<PictureStream> color, depth, amplitude;  ///< depth null where it is raw
+  std::unique_ptr<PictureStream> depth2, amplitude2;       ///< null where the take has none
   std::unique_ptr<RawDepth> raw;
   std::unique_ptr<FisheyeStream> fisheye;  ///< null where the take has none
   std::vector<FrameIndex> frames;
@@ -72,6 +73,7 @@ struct TakeReader::State {
   void describe(int number, capture::Capture& capture) const;
   Result<void> read_steps(PictureStream& stream, int index, const Steps& meaning,
                           Image<float>& out);
+  Result<void> read_second_depth(int index, capture::DepthPicture& out);
   fs::path truth_file(const char* what, int number) const;
 };
 
@@ -108,6 +110,12 @@ Result<void> TakeReader::State::open_streams() {
   }
   if (info().amplitude) {
     MIXRIG_ASSIGN(amplitude, open_stored(info().root, *info().amplitude, PixelKind::kGray16));
+  }
+  if (info().depth2) {
+    MIXRIG_ASSIGN(depth2, open_stored(info().root, info().depth2->depth, PixelKind::kGray16));
+    if (const auto& lit = info().depth2->amplitude) {
+      MIXRIG_ASSIGN(amplitude2, open_stored(info().root, *lit, PixelKind::kGray16));
+    }
   }
   return index_numbered();
 }
@@ -172,6 +180,11 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
     capture.tick = known->second.tick;
     capture.mid_exposure = known->second.mid_exposure;
   }
+  const auto exposed = [&](const StreamInfo& stream) {
+    return capture.mid_exposure + Duration(std::llround(1e9 * stream.delay_s));
+  };
+  capture.depth_mid_exposure = exposed(manifest.info.depth);
+  if (depth2) capture.depth2.mid_exposure = exposed(manifest.info.depth2->depth);
   capture.pan_tilt.reset();
   const auto angles = pan_tilt.find(number);
   if (angles != pan_tilt.end()) capture.pan_tilt = angles->second;
@@ -185,6 +198,7 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
   capture.status = {};
   capture.set_status(Stream::kPlate, StreamStatus::kFresh);
   capture.set_status(Stream::kDepth, StreamStatus::kFresh);
+  if (depth2) capture.set_status(Stream::kDepth2, StreamStatus::kFresh);
   if (!pan_tilt.empty())
     capture.set_status(Stream::kPanTilt,
                        angles != pan_tilt.end() ? StreamStatus::kFresh : StreamStatus::kMissing);
@@ -193,6 +207,8 @@ void TakeReader::State::describe(int number, capture::Capture& capture) const {
 Result<void> TakeReader::State::index_numbered() {
   int count = std::min(info().color.count, info().depth.count);
   if (info().amplitude) count = std::min(count, info().amplitude->count);
+  if (info().depth2) count = std::min(count, info().depth2->depth.count);
+  if (amplitude2) count = std::min(count, info().depth2->amplitude->count);
   std::vector<StampedPose> poses;
   if (!manifest.pose_file.empty()) {
     MIXRIG_ASSIGN(poses, read_poses());
@@ -269,6 +285,15 @@ Result<void> check_size(const Image<T>& image, Size wanted, const std::string& n
 
 }  // namespace
 
+Result<void> TakeReader::State::read_second_depth(int index, capture::DepthPicture& out) {
+  const Size size = info().tof2->model.size_px();
+  MIXRIG_TRY(read_steps(*depth2, index, depth_steps(*info().tof2), out.depth_m));
+  MIXRIG_TRY(check_size(out.depth_m, size, depth2->name(index), "tof2"));
+  if (!amplitude2) return {};
+  MIXRIG_TRY(read_steps(*amplitude2, index, {}, out.amplitude));
+  return check_size(out.amplitude, size, amplitude2->name(index), "tof2");
+}
+
 TakeReader::TakeReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
 TakeReader::TakeReader(TakeReader&&) noexcept = default;
 TakeReader& TakeReader::operator=(TakeReader&&) noexcept = default;
@@ -288,6 +313,7 @@ Result<TakeReader> TakeReader::open(const fs::path& path) {
   info.rate_hz = info.color.rate_hz;
   info.file = path;
   info.camera_tables = {"target", "tof", "target_from_tof"};
+  if (info.tof2) info.camera_tables.insert(info.camera_tables.end(), {"tof2", "target_from_tof2"});
   state->cameras = std::make_shared<capture::RigCameras>(info);
   info.path = path;
   info.frames = static_cast<int>(state->frames.size());
@@ -329,6 +355,7 @@ Result<void> TakeReader::read(int number, capture::Capture& frame) {
     MIXRIG_TRY(s.fisheye->read(frame));
   else
     capture::clear_fisheye(frame);
+  if (s.depth2) MIXRIG_TRY(s.read_second_depth(index.depth, frame.depth2));
   if (!s.amplitude) return {};
   MIXRIG_TRY(s.read_steps(*s.amplitude, index.depth, {}, frame.amplitude));
   return check_size(frame.amplitude, info.tof.size_px(), s.amplitude->name(index.depth), "tof");

@@ -85,6 +85,8 @@ struct TakeWriter::State {
         color(partial.path(), "color", PixelKind::kRgb8, format, rate(info.color)),
         depth(partial.path(), "depth", PixelKind::kGray16, format, rate(info.depth)),
         amplitude(partial.path(), "amplitude", PixelKind::kGray16, format, rate(info.depth)),
+        depth2(partial.path(), "depth2", PixelKind::kGray16, format, rate(info.depth)),
+        amplitude2(partial.path(), "amplitude2", PixelKind::kGray16, format, rate(info.depth)),
         fisheye(partial.path(), "fisheye", PixelKind::kRgb8, format,
                 rate(info.fisheye.value_or(StreamInfo{}))) {}
 
@@ -94,10 +96,12 @@ struct TakeWriter::State {
   Result<void> write_text(const char* name, const std::string& text) const;
   Result<void> copy_calibration();
   Result<void> write_fisheye(const capture::Capture& frame);
+  Result<void> write_second_depth(const capture::DepthPicture& picture);
+  SecondDepthStream second_streams() const;
 
   PartialPath partial;
   TakeInfo info;
-  StreamWriter color, depth, amplitude, fisheye;
+  StreamWriter color, depth, amplitude, depth2, amplitude2, fisheye;
   std::string poses, fisheye_rows, lens_rows, true_lens_rows, people_rows;
   HostTime last_fisheye = HostTime::min(), last_lens = HostTime::min();
   Image<std::uint16_t> steps;
@@ -122,6 +126,29 @@ Result<void> TakeWriter::State::write_fisheye(const capture::Capture& frame) {
   fisheye_rows += fisheye_row(fisheye.info().count,
                               {frames + 1, frame.fisheye_counter, frame.fisheye_mid_exposure});
   return {};
+}
+
+/// All unknown in a frame without, so that frames and files have the same numbers.
+Result<void> TakeWriter::State::write_second_depth(const capture::DepthPicture& picture) {
+  const Size size = info.tof2->model.size_px();
+  const auto write = [&](const Image<float>& image, const Steps& meaning,
+                         StreamWriter& stream) -> Result<void> {
+    if (image.size() == size)
+      to_steps(image, meaning, steps);
+    else
+      steps.reset(size, static_cast<std::uint16_t>(meaning.unknown));
+    return stream.write(std::as_const(steps).view());
+  };
+  MIXRIG_TRY(write(picture.depth_m, depth_steps(*info.tof2), depth2));
+  if (!info.depth2->amplitude) return {};
+  return write(picture.amplitude, {}, amplitude2);
+}
+
+SecondDepthStream TakeWriter::State::second_streams() const {
+  SecondDepthStream streams{depth2.info(), std::nullopt};
+  streams.depth.delay_s = info.depth2->depth.delay_s;
+  if (info.depth2->amplitude) streams.amplitude = amplitude2.info();
+  return streams;
 }
 
 /// Copies the calibration into the take.
@@ -167,6 +194,7 @@ Result<void> TakeWriter::write(const capture::Capture& frame) {
     to_steps(frame.amplitude, {}, s.steps);
     MIXRIG_TRY(s.amplitude.write(std::as_const(s.steps).view()));
   }
+  if (s.info.depth2) MIXRIG_TRY(s.write_second_depth(frame.depth2));
   MIXRIG_TRY(s.write_fisheye(frame));
   if (frame.encoders && frame.mid_exposure > s.last_lens) {
     s.last_lens = frame.mid_exposure;
@@ -200,10 +228,14 @@ const fs::path& TakeWriter::staging() const { return state_->partial.path(); }
 Result<void> TakeWriter::finish() {
   State& s = *state_;
   if (s.frames == 0) return Error{ErrorCode::kData, "a take needs at least one frame"};
-  for (StreamWriter* stream : {&s.color, &s.depth, &s.amplitude, &s.fisheye})
+  for (StreamWriter* stream :
+       {&s.color, &s.depth, &s.amplitude, &s.depth2, &s.amplitude2, &s.fisheye})
     MIXRIG_TRY(stream->finish());
   s.info.color = s.color.info();
+  const double delay_s = s.info.depth.delay_s;
   s.info.depth = s.depth.info();
+  s.info.depth.delay_s = delay_s;
+  if (s.info.depth2) s.info.depth2 = s.second_streams();
   if (!s.info.raw_depth.empty()) s.info.depth.path = kRawPattern;
   // A frame counts only if all its streams were written.
   s.info.color.count = s.info.depth.count = s.frames;

@@ -127,8 +127,45 @@ Result<void> write(const calibration::ViewSet& set, const std::string& camera,
   const calibration_file::Origin origin = calibration_file::origin_now(hash);
   for (auto& entry : calibration.cameras) entry.origin = origin;
   for (auto& entry : calibration.poses) entry.origin = origin;
-  if (calibration.depth_error) calibration.depth_error->origin = origin;
+  for (auto* error : {&calibration.depth_error, &calibration.depth_error2})
+    if (*error) (*error)->origin = origin;
   return calibration_file::update_calibration(out, calibration);
+}
+
+const calibration::ViewCamera* second_depth_camera(const calibration::ViewSet& set) {
+  for (const calibration::ViewCamera& camera : set.cameras)
+    if (camera.name == calibration::kSecondDepthCamera && !camera.depth.empty()) return &camera;
+  return nullptr;
+}
+
+std::vector<std::string> all_but_second(const calibration::ViewSet& set) {
+  std::vector<std::string> names;
+  for (const calibration::ViewCamera& camera : set.cameras)
+    if (&camera != second_depth_camera(set)) names.push_back(camera.name);
+  return names;
+}
+
+/// Of the run for the second depth camera only that camera is written.
+void keep_second(calibration_file::Calibration& calibration) {
+  std::erase_if(calibration.cameras,
+                [](const auto& c) { return c.name != calibration::kSecondDepthCamera; });
+}
+
+/// Calibrates the cameras of the options, writes and prints the result.
+Result<json> run(const calibration::ViewSet& set, const calibration::RigOptions& options,
+                 const RigArguments& arguments) {
+  Progress bar("finding the board", set.views);
+  MIXRIG_ASSIGN(calibration::RigReport report,
+                calibration::calibrate_rig(set, options, [&](const char* what, int done, int) {
+                  if (std::string_view(what) == "views") bar.step(done);
+                }));
+  const bool second = arguments.camera.empty() && !options.cameras.empty() &&
+                      options.cameras.back() == calibration::kSecondDepthCamera;
+  print(report);
+  json out = report_of(report);
+  if (second) keep_second(report.calibration);
+  MIXRIG_TRY(write(set, arguments.camera, arguments.out, report.calibration));
+  return out;
 }
 
 Result<json> calibrate(const RigArguments& arguments) {
@@ -149,14 +186,14 @@ Result<json> calibrate(const RigArguments& arguments) {
   }
   options.pixels = !arguments.corners_only, options.bend = arguments.bend,
   options.threads = arguments.threads;
-  Progress bar("finding the board", set.views);
-  MIXRIG_ASSIGN(calibration::RigReport report,
-                calibration::calibrate_rig(set, options, [&](const char* what, int done, int) {
-                  if (std::string_view(what) == "views") bar.step(done);
-                }));
-  MIXRIG_TRY(write(set, arguments.camera, arguments.out, report.calibration));
-  print(report);
-  return report_of(report);
+  const bool two = arguments.camera.empty() && second_depth_camera(set) != nullptr;
+  if (two) options.cameras = all_but_second(set);
+  MIXRIG_ASSIGN(json report, run(set, options, arguments));
+  if (!two) return report;
+  // The first camera of the rig keeps the lens that all of its views gave.
+  options.cameras = {set.cameras.front().name, second_depth_camera(set)->name};
+  MIXRIG_ASSIGN(report["second"], run(set, options, arguments));
+  return report;
 }
 
 void add_options(Command command, RigArguments& arguments) {

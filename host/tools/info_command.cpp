@@ -91,6 +91,13 @@ nlohmann::json report_of(const take::TakeInfo& info, const DepthStatistics& dept
         {"p50_m", depth.median_m},
         {"p99_m", depth.farthest_m}}}};
   if (info.amplitude) report["streams"]["amplitude"] = stream_json(*info.amplitude);
+  if (info.depth2) {
+    report["streams"]["depth2"] = stream_json(info.depth2->depth);
+    if (info.depth2->amplitude)
+      report["streams"]["amplitude2"] = stream_json(*info.depth2->amplitude);
+    report["tof2"] = camera_json(info.tof2->model);
+    report["depth2_after_depth_ms"] = 1e3 * (info.depth2->depth.delay_s - info.depth.delay_s);
+  }
   if (info.fisheye) report["streams"]["fisheye"] = stream_json(*info.fisheye);
   return report;
 }
@@ -109,18 +116,32 @@ void print_camera(const char* name, const geometry::CameraModel& camera) {
               camera.lens.is_ideal() ? "no distortion" : "distorted");
 }
 
+void print_base(const char* name, const geometry::Pose& target_from_tof) {
+  std::printf("  %-10s %.1f mm, %.2f degrees apart\n", name,
+              target_from_tof.translation_m.norm() * 1e3,
+              target_from_tof.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 /
+                  std::numbers::pi);
+}
+
 void print(const take::TakeInfo& info, const DepthStatistics& depth) {
   std::printf("%s: %d frames\n", info.name.c_str(), info.frames);
   print_stream("color", info.color);
   print_stream("depth", info.depth);
   if (info.amplitude) print_stream("amplitude", *info.amplitude);
+  if (info.depth2) {
+    print_stream("depth2", info.depth2->depth);
+    if (info.depth2->amplitude) print_stream("amplitude2", *info.depth2->amplitude);
+  }
   if (info.fisheye) print_stream("fisheye", *info.fisheye);
   print_camera("target", info.target);
   print_camera("tof", info.tof);
-  std::printf("  base line  %.1f mm, %.2f degrees apart\n",
-              info.target_from_tof.translation_m.norm() * 1e3,
-              info.target_from_tof.rotation.angularDistance(Eigen::Quaterniond::Identity()) *
-                  180.0 / std::numbers::pi);
+  print_base("base line", info.target_from_tof);
+  if (info.tof2) {
+    print_camera("tof2", info.tof2->model);
+    print_base("base line2", info.tof2->target_from_tof);
+    std::printf("  time       depth2 is exposed %+.1f ms after depth\n",
+                1e3 * (info.depth2->depth.delay_s - info.depth.delay_s));
+  }
   std::printf(
       "  depth      %s, steps of %g mm, %.1f %% unknown, %.2f / %.2f / %.2f m "
       "(1st, 50th, 99th percentile of %d frames)\n",

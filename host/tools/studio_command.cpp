@@ -112,7 +112,8 @@ Result<studio::Sweep> sweep_of(const StudioArguments& arguments, studio::RigPres
 Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   studio::StudioOptions options;
   MIXRIG_ASSIGN(options.scenario, studio::parse_scenario(arguments.scenario));
-  MIXRIG_ASSIGN(options.rig, studio::parse_rig(arguments.rig));
+  MIXRIG_ASSIGN(const studio::RigWords rig, studio::parse_rig_words(arguments.rig));
+  options.rig = rig.rig, options.second_tof = rig.second_tof;
   MIXRIG_ASSIGN(options.size_px, parse_size(arguments.size, "--size"));
   if (arguments.seed < 0) return Error{ErrorCode::kUsage, "--seed must not be negative"};
   options.seed = static_cast<unsigned>(arguments.seed);
@@ -143,7 +144,8 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
 
 Result<studio::BoardOptions> board_options_of(const StudioArguments& arguments) {
   studio::BoardOptions options;
-  MIXRIG_ASSIGN(options.rig, studio::parse_rig(arguments.rig));
+  MIXRIG_ASSIGN(const studio::RigWords rig, studio::parse_rig_words(arguments.rig));
+  options.rig = rig.rig, options.second_tof = rig.second_tof;
   MIXRIG_ASSIGN(options.size_px, parse_size(arguments.size, "--size"));
   MIXRIG_ASSIGN(options.board.kind, studio::parse_board(arguments.board));
   MIXRIG_ASSIGN(const Size squares, parse_size(arguments.squares, "--squares"));
@@ -315,7 +317,8 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--scenario", arguments->scenario,
                      "still walk talk pan sweep handheld pendulum carried edges far dark starts "
                      "rounds board");
-  command.add_option("--rig", arguments->rig, "sr3000 kinect2 helios2");
+  command.add_option("--rig", arguments->rig,
+                     "sr3000 kinect2 helios2; RIG+SECOND has a second depth camera");
   command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
   command.add_option("--tolerance", arguments->tolerance,
                      "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");

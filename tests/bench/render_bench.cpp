@@ -16,8 +16,8 @@ constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{
 /// range(0): threads; range(1): 1 where the camera moves, so that nothing is kept between frames, 2
 /// where the background is drawn for each pose too, 3 where instead of the camera its lens moves.
 template <typename Room>
-void compose_in(benchmark::State& state, Size view, Size tof) {
-  Room room({.view = view, .tof = tof, .lens_k1 = -0.05});
+void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = false) {
+  Room room({.view = view, .tof = tof, .lens_k1 = -0.05, .second_tof = second_tof});
   if (state.range(1) >= 2) room.draw_background_for_each_pose();
   const bool zooms = state.range(1) == 3;
   room.setup.lens_moves = zooms;
@@ -49,6 +49,9 @@ void compose_in(benchmark::State& state, Size view, Size tof) {
 void compose(benchmark::State& state, Size view, Size tof) {
   compose_in<RoomSetup>(state, view, tof);
 }
+void two_depth_cameras(benchmark::State& state, Size view, Size tof) {
+  compose_in<RoomSetup>(state, view, tof, true);
+}
 void statue(benchmark::State& state, Size view, Size tof) {
   compose_in<StatueRoom>(state, view, tof);
 }
@@ -60,6 +63,7 @@ void arguments(benchmark::internal::Benchmark* bench) {
 }
 
 BENCHMARK_CAPTURE(compose, kinect2_1280x1024, kXga, kKinect2)->Apply(arguments);
+BENCHMARK_CAPTURE(two_depth_cameras, kinect2_1280x1024, kXga, kKinect2)->Apply(arguments);
 BENCHMARK_CAPTURE(statue, kinect2_1280x1024, kXga, kKinect2)->Apply(arguments);
 BENCHMARK_CAPTURE(compose, sr3000_1280x1024, kXga, kSr3000)->Apply(arguments);
 BENCHMARK_CAPTURE(compose, kinect2_1920x1080, kFullHd, kKinect2)->Apply(arguments);

@@ -30,6 +30,13 @@ RoomSetup::RoomSetup(const Options& o) {
   setup.target_from_tof.translation_m = tof.position_m;
   plate = render_plate(scene, target, 1);
   depth = render_tof(scene, tof, 2, 0.004);
+  if (o.second_tof) {
+    tof2 = {{o.tof.width - 8, o.tof.height - 4}, 0.75 * o.tof.width, {-0.07, -0.01, 0.01}, 0};
+    render::SecondTof& second = setup.tof2.emplace();
+    second.model = model_of(tof2);
+    second.target_from_tof.translation_m = tof2.position_m;
+    depth2 = render_tof(scene, tof2, 3, 0.006);
+  }
   setup.light.ambient = glm::vec3(0.3F, 0.28F, 0.26F);
   if (o.lamps) {
     setup.light.lamps.push_back(

@@ -16,6 +16,7 @@ struct RoomSetup {
     Size tof{128, 96};
     bool objects = true, lamps = true, background = true, background_color = true;
     double lens_k1 = 0;
+    bool second_tof = false;               ///< on the other side of the target camera
     Eigen::Vector3d box_m{0.3, 0.9, 2.9};  ///< centre of the virtual box, 0.6 m wide
   };
   explicit RoomSetup(const Options& options);
@@ -23,11 +24,14 @@ struct RoomSetup {
   RoomSetup& operator=(const RoomSetup&) = delete;
 
   AnalyticScene scene;
-  Camera target, tof;
+  Camera target, tof, tof2;
   render::CompositorSetup setup;
-  Image<Rgb8> plate;   ///< with the person
-  Image<float> depth;  ///< with the person
-  render::FrameInput frame() const { return {plate, depth, {}}; }
+  Image<Rgb8> plate;    ///< with the person
+  Image<float> depth;   ///< with the person
+  Image<float> depth2;  ///< the same, of the second depth camera; empty without
+  render::FrameInput frame() const {
+    return {.plate = plate, .tof_depth_m = depth, .world_from_target = {}, .tof2_depth_m = depth2};
+  }
   /// A horizontal square board of the learned room, `half_m` to each side of `at_m`, as far as it
   /// is seen. Precondition: a still background.
   void put_board(const Eigen::Vector3d& at_m, double half_m);

@@ -266,6 +266,14 @@ TEST(WholeFrame, agrees_through_a_lens_at_odd_sizes) {
   expect_agreement({.view = {327, 245}, .tof = {121, 87}, .lens_k1 = -0.12});
 }
 
+TEST(WholeFrame, agrees_with_two_depth_cameras) {
+  RoomSetup room({.second_tof = true});
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  room.depth2 = {};  // a frame without the second one
+  expect_agreement(pair, room.frame());
+}
+
 TEST(WholeFrame, agrees_without_background) { expect_agreement({.background = false}); }
 TEST(WholeFrame, agrees_without_learned_color) { expect_agreement({.background_color = false}); }
 TEST(WholeFrame, agrees_without_objects) { expect_agreement({.objects = false}); }

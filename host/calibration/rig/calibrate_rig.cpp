@@ -267,7 +267,8 @@ Result<void> fit_depth(const RigData& data, const std::vector<int>& views, RigRe
     MIXRIG_ASSIGN(DepthFit fit, fit_depth_error(depth_samples(data.print, data.pictures,
                                                               report.model, c, views)));
     fit.error.camera = data.set.cameras[c].name;
-    report.calibration.depth_error = fit.error;
+    const bool second = fit.error.camera == kSecondDepthCamera;
+    (second ? report.calibration.depth_error2 : report.calibration.depth_error) = fit.error;
     report.depth = std::move(fit);
     return {};
   }

@@ -13,6 +13,10 @@
 
 namespace mixrig::calibration {
 
+/// Name of a second depth camera in views.toml and calibration.toml.
+inline constexpr const char* kSecondDepthCamera = "tof2";
+
+/// At most one depth camera takes part: its error is one of the unknowns.
 struct RigOptions {
   std::vector<std::string> cameras;  ///< that take part, the target camera first; all if empty
   bool pixels = true;                ///< false: corners alone

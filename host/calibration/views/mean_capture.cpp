@@ -73,16 +73,22 @@ std::optional<device::PanTiltAngles> mean_angles(Captures captures) {
 
 StillView mean_of(Captures captures, double depth_unit_m) {
   std::vector<const Image<Rgb8>*> plates;
-  std::vector<const Image<float>*> depths, amplitudes;
+  std::vector<const Image<float>*> depths, amplitudes, depths2, amplitudes2;
   for (const Capture* c : captures) {
     plates.push_back(&c->plate);
     depths.push_back(&c->depth_m);
     if (!c->amplitude.empty()) amplitudes.push_back(&c->amplitude);
+    if (c->depth2.depth_m.empty() || c->depth2.amplitude.empty()) continue;
+    depths2.push_back(&c->depth2.depth_m), amplitudes2.push_back(&c->depth2.amplitude);
   }
   StillView view;
   view.target = mean_picture(plates);
   view.depth = mean_known(depths, depth_unit_m);
   if (!amplitudes.empty()) view.amplitude = mean_known(amplitudes, 1);
+  if (!depths2.empty()) {
+    view.depth2 = mean_known(depths2, depth_unit_m);
+    view.amplitude2 = mean_known(amplitudes2, 1);
+  }
   view.fisheye = mean_fisheye(captures);
   view.pan_tilt = mean_angles(captures);
   return view;

@@ -14,9 +14,10 @@ namespace mixrig::calibration {
 /// What all cameras of a rig saw while the board stood still.
 struct StillView {
   Image<Rgb8> target;
-  Image<Rgb8> fisheye;             ///< empty where no picture was exposed meanwhile
-  Image<std::uint16_t> amplitude;  ///< counts as the camera's; empty where it has none
-  Image<std::uint16_t> depth;      ///< in steps of `depth_unit_m`, 0 = unknown
+  Image<Rgb8> fisheye;                      ///< empty where no picture was exposed meanwhile
+  Image<std::uint16_t> amplitude;           ///< counts as the camera's; empty where it has none
+  Image<std::uint16_t> depth;               ///< in steps of `depth_unit_m`, 0 = unknown
+  Image<std::uint16_t> amplitude2, depth2;  ///< of a second depth camera; empty where none saw it
   std::optional<device::PanTiltAngles> pan_tilt;  ///< where all captures have one: the mean
 };
 

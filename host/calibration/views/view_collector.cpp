@@ -88,6 +88,11 @@ Result<ViewCollector> ViewCollector::create(const std::filesystem::path& folder,
   files.depth_unit_m =
       info.depth_unit_m > 0 ? std::min(info.depth_unit_m, kFinestUnit_m) : kFinestUnit_m;
   files.depth_kind = info.depth_kind;
+  if (info.tof2) {
+    if (!first.depth2.amplitude.empty()) files.tof2_px = info.tof2->model.size_px();
+    files.depth2_kind = info.tof2->kind;
+    files.depth_unit_m = std::min(files.depth_unit_m, info.tof2->unit_m);
+  }
   files.step_rad = settings.step_rad;
   std::vector<CoveredCamera> cameras{{ViewRole::kTarget, "target", files.target_px}};
   if (files.amplitude) cameras.push_back({ViewRole::kTof, "tof", files.tof_px});

@@ -44,13 +44,16 @@ std::string manifest_of(const ViewFolderInfo& info, int views, bool turned) {
   root.add("camera", camera_table("target", "pinhole", info.target_px, "target/%06d.png"));
   if (info.fisheye_px.area() > 0)
     root.add("camera", camera_table("fisheye", "fisheye", info.fisheye_px, "fisheye/%06d.png"));
-  if (info.amplitude) {
-    Writer tof = camera_table("tof", "pinhole", info.tof_px, "tof/amplitude/%06d.png");
-    tof.set("depth", "tof/depth/%06d.png");
+  const auto add_tof = [&](const std::string& name, Size size, capture::DepthKind kind) {
+    Writer tof =
+        camera_table(name.c_str(), "pinhole", size, (name + "/amplitude/%06d.png").c_str());
+    tof.set("depth", name + "/depth/%06d.png");
     tof.set("depth_unit_m", config::rounded(info.depth_unit_m, kViewDigits));
-    tof.set("depth_kind", info.depth_kind == capture::DepthKind::kZ ? "z" : "distance");
+    tof.set("depth_kind", kind == capture::DepthKind::kZ ? "z" : "distance");
     root.add("camera", std::move(tof));
-  }
+  };
+  if (info.amplitude) add_tof("tof", info.tof_px, info.depth_kind);
+  if (!info.tof2_px.empty()) add_tof("tof2", info.tof2_px, info.depth2_kind);
   if (!turned) return root.text();
   Writer unit;
   unit.set("angles", "ptu.csv");
@@ -85,9 +88,11 @@ Result<void> check_view_board(const BoardSpec& board) {
 
 Result<ViewFolder> ViewFolder::create(const std::filesystem::path& folder, ViewFolderInfo info) {
   MIXRIG_ASSIGN(PartialPath partial, make_partial_folder(folder, "views.toml"));
-  for (const char* part : {"target", "fisheye", "tof/amplitude", "tof/depth"}) {
-    if (part == std::string_view("fisheye") && info.fisheye_px.area() == 0) continue;
-    if (part[0] == 't' && part[1] == 'o' && !info.amplitude) continue;
+  std::vector<const char*> parts = {"target"};
+  if (!info.fisheye_px.empty()) parts.push_back("fisheye");
+  if (info.amplitude) parts.insert(parts.end(), {"tof/amplitude", "tof/depth"});
+  if (!info.tof2_px.empty()) parts.insert(parts.end(), {"tof2/amplitude", "tof2/depth"});
+  for (const char* part : parts) {
     std::error_code failed;
     std::filesystem::create_directories(partial.path() / part, failed);
     if (failed)
@@ -109,6 +114,13 @@ Result<void> ViewFolder::add(const StillView& view) {
   if (info_.amplitude) {
     MIXRIG_TRY(image_io::write_png(file("tof/amplitude"), view.amplitude));
     MIXRIG_TRY(image_io::write_png(file("tof/depth"), view.depth));
+  }
+  if (!info_.tof2_px.empty()) {
+    const Image<std::uint16_t> nothing(info_.tof2_px, std::uint16_t{0});
+    MIXRIG_TRY(image_io::write_png(file("tof2/amplitude"),
+                                   view.amplitude2.empty() ? nothing : view.amplitude2));
+    MIXRIG_TRY(
+        image_io::write_png(file("tof2/depth"), view.depth2.empty() ? nothing : view.depth2));
   }
   angles_.push_back(view.pan_tilt);
   return {};

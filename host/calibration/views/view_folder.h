@@ -20,8 +20,9 @@ struct ViewFolderInfo {
   Size target_px, tof_px;
   Size fisheye_px;        ///< empty: no fisheye
   bool amplitude = true;  ///< false: the depth camera is left out, the board is not seen in it
-  double depth_unit_m = 0.00025;
-  capture::DepthKind depth_kind = capture::DepthKind::kZ;
+  Size tof2_px;           ///< of a second depth camera with amplitude; empty: none
+  double depth_unit_m = 0.00025;  ///< of all depth cameras
+  capture::DepthKind depth_kind = capture::DepthKind::kZ, depth2_kind = capture::DepthKind::kZ;
   double step_rad = 0;  ///< of the pan-tilt unit; 0: not known
 };
 

@@ -17,6 +17,7 @@
 #include "host/render/cpu/mix.h"
 #include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/plate.h"
+#include "host/render/cpu/second_depth.h"
 #include "host/render/cpu/shadow.h"
 #include "host/render/cpu/simd.h"
 #include "host/render/cpu/virtual.h"
@@ -58,6 +59,7 @@ class CpuCompositor final : public Compositor {
 
  private:
   void follow(const FrameInput& input);
+  void draw_depth(const FrameInput& input, StopWatch& watch);
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
@@ -77,6 +79,7 @@ class CpuCompositor final : public Compositor {
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
+  std::optional<SecondDepth> second_depth_;  ///< of a rig with two depth cameras
   KeyScratch key_scratch_;
   VirtualScratch virtual_scratch_;
   PlateScratch plate_scratch_;
@@ -115,6 +118,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
+  if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
@@ -145,10 +149,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
 
   draw_plate(crew_, input.plate, plate_scratch_, plate_);
   watch.lap(Stage::kPlate);
-  correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
-  watch.lap(Stage::kCorrect);
-  warp(crew_, tables_, grid_, warp_scratch_, view_w_);
-  watch.lap(Stage::kWarp);
+  draw_depth(input, watch);
   if (output.wanted & kWarpedDepth) store_warped_depth(output.warped_depth_m);
   watch.lap(Stage::kReadback);
 
@@ -178,9 +179,23 @@ void CpuCompositor::follow(const FrameInput& input) {
     plate_scratch_.see_through(crew_, setup_.target, setup_.view);
     meter_.see_through(setup_);
     if (moving_background_) moving_background_->see_through(setup_);
+    if (second_depth_) second_depth_->set_view(setup_);
   }
   preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
                    place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
+}
+
+/// Passes correct, agree and warp.
+void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
+  const bool two = second_depth_ && !input.tof2_depth_m.empty();
+  if (two)
+    second_depth_->correct_both(crew_, tables_, input.tof_depth_m, input.tof2_depth_m, grid_);
+  else
+    correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
+  watch.lap(Stage::kCorrect);
+  warp(crew_, tables_, grid_, warp_scratch_, view_w_);
+  if (two) second_depth_->add_to(crew_, view_w_);
+  watch.lap(Stage::kWarp);
 }
 
 Result<void> CpuCompositor::collect(FrameOutput& output) {

@@ -203,30 +203,52 @@ TofGrid::TofGrid(Size tof_size) {
 
 void correct(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
              ImageView<const float> depth_m, TofGrid& grid) {
-  const int width = depth_m.size.width;
+  correct_depth(crew, params, tof_ray, depth_m, grid);
+  link_pixels(crew, params, grid.z_m, grid);
+}
+
+namespace {
+
+/// A row of a framed image, from its first pixel on.
+template <typename T>
+auto* inner(T& image, int y) {
+  return image.row(y + kFrame) + kFrame;
+}
+
+template <typename Row>
+void sweep(Crew& crew, int height, Row&& do_row) {
+  crew.rows(height, 32, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) do_row(y);
+  });
+}
+
+}  // namespace
+
+void correct_depth(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
+                   ImageView<const float> depth_m, TofGrid& grid) {
+  const int width = depth_m.size.width, height = depth_m.size.height;
   const Stride stride = grid.z_m.stride();  // of all float grids
-  const auto inner = [](auto& image, int y) { return image.row(y + kFrame) + kFrame; };
-  const auto sweep = [&](auto&& do_row) {
-    crew.rows(depth_m.size.height, 32, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) do_row(y);
-    });
-  };
-  sweep([&](int y) {
+  sweep(crew, height, [&](int y) {
     z_row(depth_m.row(y), tof_ray.row(y), params.depth_is_distance, width, inner(grid.raw_z_m, y));
   });
-  sweep([&](int y) { bend_row(inner(grid.raw_z_m, y), stride, width, inner(grid.bend_m, y)); });
-  sweep([&](int y) {
+  sweep(crew, height,
+        [&](int y) { bend_row(inner(grid.raw_z_m, y), stride, width, inner(grid.bend_m, y)); });
+  sweep(crew, height, [&](int y) {
     step_row(params, inner(grid.raw_z_m, y), inner(grid.bend_m, y), stride, width,
              inner(grid.step_m, y));
     clean_row(inner(grid.raw_z_m, y), inner(grid.step_m, y), stride, width,
               inner(grid.clean_z_m, y));
   });
-  sweep([&](int y) {
+  sweep(crew, height, [&](int y) {
     smooth_row(inner(grid.clean_z_m, y), inner(grid.step_m, y), stride, width, inner(grid.z_m, y),
                inner(grid.w, y));
   });
-  sweep([&](int y) {
-    link_row(inner(grid.z_m, y), inner(grid.step_m, y), stride, width, params.step_min_m,
+}
+
+void link_pixels(Crew& crew, const CorrectParams& params, const Image<float>& z_m, TofGrid& grid) {
+  const int width = z_m.width() - 2 * kFrame, height = z_m.height() - 2 * kFrame;
+  sweep(crew, height, [&](int y) {
+    link_row(inner(z_m, y), inner(grid.step_m, y), z_m.stride(), width, params.step_min_m,
              inner(grid.links, y));
   });
 }

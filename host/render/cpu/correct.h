@@ -18,12 +18,20 @@ struct TofGrid {
   Image<float> step_m;        ///< least depth step around a pixel
   Image<float> clean_z_m;     ///< without stray pixels
   Image<float> z_m, w;        ///< smoothed; w = 1/z, 0 unknown
+  Image<float> agreed_z_m;    ///< after pass agree, 0 unknown; empty without a second camera
   Image<std::uint8_t> links;  ///< Link bits
 };
 
 enum Link : std::uint8_t { kRight = 1, kDown = 2, kDownRight = 4, kDownLeft = 8 };
 
+/// Both halves.
 void correct(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
              ImageView<const float> depth_m, TofGrid& grid);
+
+/// Depths, without their links.
+void correct_depth(Crew& crew, const CorrectParams& params, const Image<glm::vec2>& tof_ray,
+                   ImageView<const float> depth_m, TofGrid& grid);
+/// The links between `z_m`: grid.z_m or grid.agreed_z_m.
+void link_pixels(Crew& crew, const CorrectParams& params, const Image<float>& z_m, TofGrid& grid);
 
 }  // namespace mixrig::render::cpu

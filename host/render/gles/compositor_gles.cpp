@@ -19,6 +19,7 @@
 #include "host/render/gles/people_shadow_pass.h"
 #include "host/render/gles/plate_pass.h"
 #include "host/render/gles/read_back.h"
+#include "host/render/gles/second_depth_pass.h"
 #include "host/render/gles/shadow_pass.h"
 #include "host/render/gles/stage_timer.h"
 #include "host/render/gles/virtual_pass.h"
@@ -89,6 +90,7 @@ class GlesCompositor final : public Compositor {
   PlatePass plate_;
   CorrectPass correct_;
   WarpPass warp_;
+  std::optional<SecondDepthPass> second_depth_;    ///< of a rig with two depth cameras
   std::optional<BackgroundPass> background_pass_;  ///< of a camera that moves
   VirtualPass virtual_;
   ShadowPass shadow_;
@@ -125,6 +127,9 @@ Result<void> GlesCompositor::create_passes() {
   MIXRIG_ASSIGN(plate_, PlatePass::create(tables_));
   MIXRIG_ASSIGN(correct_, CorrectPass::create(tables_));
   MIXRIG_ASSIGN(warp_, WarpPass::create(tables_));
+  if (setup_.tof2) {
+    MIXRIG_ASSIGN(second_depth_, SecondDepthPass::create(setup_, tables_));
+  }
   if (!setup_.background_models.empty()) {
     MIXRIG_ASSIGN(background_pass_, BackgroundPass::create(tables_, setup_, meter_.places()));
     tables_.has_background = true;
@@ -184,12 +189,14 @@ Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) 
 Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   const NeededPasses needed = needed_passes(frame.wanted, setup_);
   StageTimer& timer = *frame.timer;
+  const bool two = second_depth_ && !input.tof2_depth_m.empty();
   {
     const StageScope stage(timer, Stage::kUpload, true);
     follow(input);
     if (!background_pass_) gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
+    if (two) second_depth_->upload_depth(input.tof2_depth_m);
   }
   if (plate_.draws()) {
     const StageScope stage(timer, Stage::kPlate);
@@ -199,11 +206,12 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   if (background_pass_) gain_ = meter_.gain(input.plate);
   {
     const StageScope stage(timer, Stage::kCorrect);
-    correct_.draw();
+    two ? second_depth_->correct_both(correct_) : correct_.draw();
   }
   {
     const StageScope stage(timer, Stage::kWarp);
     warp_.draw(correct_.vertices(), correct_.tof_ray());
+    if (two) second_depth_->add_to(warp_);
   }
   MIXRIG_TRY(draw_objects(timer));
   if (keys() && needed.key) {
@@ -229,6 +237,7 @@ void GlesCompositor::follow(const FrameInput& input) {
     plate_.upload_map(plate_px_);
     meter_.see_through(setup_);
     warp_.set_view(tables_);
+    if (second_depth_) second_depth_->set_view(setup_);
     if (background_pass_) background_pass_->set_view(tables_, setup_);
     if (keys()) key_.set_view(tables_);
     if (has_objects()) light_.set_view(tables_);

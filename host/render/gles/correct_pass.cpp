@@ -34,11 +34,15 @@ Result<CorrectPass> CorrectPass::create(const Tables& tables) {
 
 void CorrectPass::draw() const { draw_into(link_.target); }
 
-void CorrectPass::draw_into(const Target& vertices) const {
+void CorrectPass::draw_depth() const {
   run(to_z_, {&depth_, &ray_});
   run(find_bend_, {&raw_z_});
   run(clean_, {&raw_z_, &bend_});
   run(smooth_, {&clean_z_, &step_});
+}
+
+void CorrectPass::draw_into(const Target& vertices) const {
+  draw_depth();
   run_into(vertices, link_, {&z_, &step_});
 }
 

@@ -13,10 +13,14 @@ class CorrectPass {
   void draw() const;
   /// The same, with the vertices in another texture of their size and format.
   void draw_into(const Target& vertices) const;
+  /// The two halves: depths, and links between z, z_m() or those of pass agree.
+  void draw_depth() const;
+  void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
   /// GL_R32F, metres, 0 unknown: as measured but for what belongs to another surface; smoothed.
   const Texture& clean_z_m() const { return clean_z_; }
   const Texture& z_m() const { return z_; }
+  const Texture& step_m() const { return step_; }
   /// GL_RGBA32F: w, its slopes, links (correct_links.frag).
   const Texture& vertices() const { return vertices_; }
 

@@ -53,7 +53,7 @@ void BoardStudio::render_moment(int number, double time_s, const HeadMotion& hea
   State& s = *state_;
   view.number = number;
   s.coarse_border = true;
-  std::vector<geometry::Pose> color, taps;
+  std::vector<geometry::Pose> color, taps;  // `taps` of the depth camera that is drawn
   if (s.info.options.pan_tilt) {
     const BoardPlace place = s.place_before(head);
     view.pan_rad = place.pan_rad, view.tilt_rad = place.tilt_rad;
@@ -62,12 +62,16 @@ void BoardStudio::render_moment(int number, double time_s, const HeadMotion& hea
   } else {
     view.pan_rad = view.tilt_rad = 0;
     color = s.poses_about(time_s, kBoardExposure_s, kBlurSlices);
-    taps = s.poses_about(time_s + s.sensor.delay_s, s.sensor.exposure_s, 4);
     s.turn_to({});
   }
   view.target_from_board = color[color.size() / 2];
   s.draw_color(s.target, {}, color, number, 1, s.behind_target, view.target);
-  s.draw_tof(taps, view);
+  const auto poses_at = [&](const TofSensor& sensor) {
+    if (!s.info.options.pan_tilt)
+      taps = s.poses_about(time_s + sensor.delay_s, sensor.exposure_s, 4);
+    return State::Poses(taps);
+  };
+  s.draw_tofs(poses_at, view);
 }
 
 void BoardStudio::render_fisheye(int number, double time_s, const HeadMotion& head,

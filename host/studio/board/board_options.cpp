@@ -54,15 +54,16 @@ BoardInfo board_info_of(const BoardOptions& o) {
   BoardInfo info;
   info.name = fmt::format("board {}, {}", o.seed, name(o.rig));
   info.options = o;
-  info.rig = rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance);
+  info.rig = rig_of_seed(o.rig, o.seed, o.size_px, o.tolerance, o.second_tof);
+  if (o.second_tof) info.name += fmt::format("+{}", name(*o.second_tof));
   if (o.fisheye_px != info.rig.fisheye.size_px)
     info.rig.fisheye = scaled(info.rig.fisheye, o.fisheye_px);
   if (o.lens_error_px > 0) info.rig.target = with_lens_error(info.rig.target, o.lens_error_px);
-  TofSensor& tof = info.rig.tof;
-  if (o.depth_error_m)
-    set_depth_error(tof, *o.depth_error_m);
-  else if (!o.raw_depth)
-    tof.wiggle_rad *= tof.wiggle_left;
+  for (TofSensor* tof : {&info.rig.tof, info.rig.tof2 ? &*info.rig.tof2 : nullptr})
+    if (tof != nullptr && o.depth_error_m)
+      set_depth_error(*tof, *o.depth_error_m);
+    else if (tof != nullptr && !o.raw_depth)
+      tof->wiggle_rad *= tof->wiggle_left;
   return info;
 }
 

@@ -76,24 +76,25 @@ BoardStudio::State::State(const BoardOptions& o, const TraceDevice& device)
       board(device),
       target(o.size_px, pinhole_rays(info.rig.target), o.blur_px),
       fisheye(info.rig.fisheye.size_px, fisheye_rays(info.rig.fisheye), o.blur_px),
-      tof(info.rig.tof.optics.size_px, pinhole_rays(info.rig.tof.optics), o.blur_px),
+      tof(noisier(info.rig.tof, o.noise), pinhole_rays(info.rig.tof.optics), o.blur_px, 0xB070F0),
       behind_target(o.size_px),
-      behind_fisheye(info.rig.fisheye.size_px),
-      behind_tof(info.rig.tof.optics.size_px) {
+      behind_fisheye(info.rig.fisheye.size_px) {
   const StudioOptions options;
   const Layout layout = make_layout(options);
   rest = geometry::look_at(layout.eye_m, layout.look_at_m, Eigen::Vector3d::UnitZ());
   Mesh shell = unoccluding_room(layout.eye_m.cast<float>()), sheet = build_board(o.board);
   room.set(shell);
   board.set(sheet);
-  sensor = noisier(info.rig.tof, o.noise);
+  if (const auto& second = info.rig.tof2)
+    tof2.emplace(noisier(*second, o.noise), pinhole_rays(second->optics), o.blur_px, 0xB071F1);
 }
 
 void BoardStudio::State::turn_to(const BoardPlace& place) {
   world_from_target = rest * rest_from_turned(info.rig.pan_tilt, place.pan_rad, place.tilt_rad);
   if (place.pan_rad == pan_rad && place.tilt_rad == tilt_rad) return;
   pan_rad = place.pan_rad, tilt_rad = place.tilt_rad;
-  behind_target.forget(), behind_fisheye.forget(), behind_tof.forget();
+  behind_target.forget(), behind_fisheye.forget(), tof.behind.forget();
+  if (tof2) tof2->behind.forget();
 }
 
 }  // namespace mixrig::studio

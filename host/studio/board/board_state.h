@@ -19,6 +19,21 @@ namespace mixrig::studio {
 
 constexpr int kBoardBand = 8;  ///< rows of a picture that a thread draws at once
 
+/// A depth camera before the board.
+struct BoardTof {
+  BoardTof(const TofSensor& sensor_of, const RayFunction& rays, double blur_px,
+           std::uint64_t salt_of)
+      : sensor(sensor_of),
+        camera(sensor_of.optics.size_px, rays, blur_px),
+        behind(sensor_of.optics.size_px),
+        salt(salt_of) {}
+  TofSensor sensor;
+  BoardCamera camera;
+  BehindBoard<Echo> behind;
+  std::uint64_t salt;  ///< of its noise
+  std::array<std::vector<Echo>, 4> taps;
+};
+
 struct BoardStudio::State {
   using Poses = std::span<const geometry::Pose>;
   static constexpr double kFar_m = 2e-3;  ///< of a board that moves far within an exposure
@@ -30,7 +45,16 @@ struct BoardStudio::State {
   void draw_color(BoardCamera& camera, const geometry::Pose& target_from_camera, Poses poses,
                   int number, int salt, BehindBoard<Vec3>& behind, Image<Rgb8>& picture);
   /// `poses` at the four taps, or one for all.
-  void draw_tof(Poses poses, BoardView& view);
+  void draw_tof(BoardTof& of, Poses poses, int number, Image<float>& distance_m,
+                Image<float>& amplitude);
+  /// All depth cameras; `poses_at` gives the poses for a sensor.
+  template <typename PosesAt>
+  void draw_tofs(const PosesAt& poses_at, BoardView& view) {
+    draw_tof(tof, poses_at(tof.sensor), view.number, view.tof_distance_m, view.tof_amplitude);
+    if (tof2)
+      draw_tof(*tof2, poses_at(tof2->sensor), view.number, view.tof2_distance_m,
+               view.tof2_amplitude);
+  }
   /// The outline of a board that may move tells nothing; one that moves far within an exposure is
   /// blurred by more than its samples show.
   SampleSteps steps_of(Poses poses) const {
@@ -45,11 +69,12 @@ struct BoardStudio::State {
   }
   std::vector<geometry::Pose> poses_about(double time_s, double exposure_s, int slices) const;
   BoardPlace place_before(const HeadMotion& head) const;
-  Echo board_echo(const BoardPixel& p, std::size_t index, int x, int y,
+  Echo board_echo(BoardTof& of, const BoardPixel& p, std::size_t index, int x, int y,
                   const geometry::Pose& world_from_tof);
   void turn_to(const BoardPlace& place);
-  Echo background_echo(const Eigen::Vector3f& ray, const geometry::Pose& world_from_tof) const;
-  float with_depth_error(const TofValue& value, int x, int y) const;
+  Echo background_echo(const TofSensor& sensor, const Eigen::Vector3f& ray,
+                       const geometry::Pose& world_from_tof) const;
+  float with_depth_error(const TofSensor& sensor, const TofValue& value, int x, int y) const;
 
   BoardInfo info;
   Light light;
@@ -58,18 +83,17 @@ struct BoardStudio::State {
   BoardPattern pattern;
   Crew crew;
   TraceScene room, board;
-  BoardCamera target, fisheye, tof;
+  BoardCamera target, fisheye;
+  BoardTof tof;
+  std::optional<BoardTof> tof2;
   BehindBoard<Vec3> behind_target, behind_fisheye;
-  BehindBoard<Echo> behind_tof;
   double pan_rad = 0, tilt_rad = 0;
   bool coarse_border = false;  ///< of moments
   geometry::Pose rest;         ///< world_from_target at pan = tilt = 0
   geometry::Pose world_from_target;
-  TofSensor sensor;
   NormalTable normal;
   std::vector<BoardPixel> pixels;
   std::vector<Vec3> light_sum;
-  std::array<std::vector<Echo>, 4> taps;
 };
 
 }  // namespace mixrig::studio

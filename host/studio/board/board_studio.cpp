@@ -31,7 +31,7 @@ void BoardStudio::render(int number, BoardView& view) {
   s.draw_color(s.target, {}, pose, number, 1, s.behind_target, view.target);
   s.draw_color(s.fisheye, s.info.rig.target_from_fisheye, pose, number, 2, s.behind_fisheye,
                view.fisheye);
-  s.draw_tof(pose, view);
+  s.draw_tofs([&](const TofSensor&) { return pose; }, view);
 }
 
 }  // namespace mixrig::studio

@@ -21,6 +21,7 @@ struct HandMotion {
 
 struct BoardOptions {
   RigPreset rig = RigPreset::kKinect2;
+  std::optional<RigPreset> second_tof;  ///< as StudioOptions::second_tof
   unsigned seed = 1;
   int views = 20;            ///< 1..500
   Size size_px{1280, 1024};  ///< target camera, 64..4096 a side
@@ -45,17 +46,18 @@ struct BoardOptions {
 struct BoardInfo {
   std::string name;  ///< "board 3, kinect2"
   BoardOptions options;
-  Rig rig;  ///< rig.tof.wiggle_rad as it is in the views
+  Rig rig;  ///< wiggle_rad of its depth cameras as it is in the views
 };
 
 /// The measurements of all sensors while nothing moves.
 struct BoardView {
   int number = 0;  ///< 1-based
   Image<Rgb8> target, fisheye;
-  Image<float> tof_distance_m;       ///< along the ray, multiple of the depth unit; 0 = unknown
-  Image<float> tof_amplitude;        ///< counts, 65535 = full well of a tap
-  double pan_rad = 0, tilt_rad = 0;  ///< as the encoders report, multiple of the step
-  geometry::Pose target_from_board;  ///< truth
+  Image<float> tof_distance_m;  ///< along the ray, multiple of the depth unit; 0 = unknown
+  Image<float> tof_amplitude;   ///< counts, 65535 = full well of a tap
+  Image<float> tof2_distance_m, tof2_amplitude;  ///< of BoardOptions::second_tof
+  double pan_rad = 0, tilt_rad = 0;              ///< as the encoders report, multiple of the step
+  geometry::Pose target_from_board;              ///< truth
 };
 
 /// Renders views in any order. The bytes of a view depend on the options only. In every fifth view

@@ -40,6 +40,8 @@ Calibration whole() {
   error.error_m = {0.01, -0.01, 0.003};
   error.place_m = {1e-3, 0, 0, 0, 2e-3};
   all.depth_error = error;
+  all.depth_error2 = error;
+  all.depth_error2->camera = "tof2";
   PanTilt unit;
   unit.tilt.direction = Eigen::Vector3d::UnitX();
   unit.tilt.scale = 1.0001;
@@ -72,6 +74,9 @@ TEST(CalibrationFile, ReadsBackTheBitsThatItWrote) {
   EXPECT_EQ(read->pose("fisheye"), nullptr);
   EXPECT_EQ(read->depth_error->error_m, before.depth_error->error_m);
   EXPECT_EQ(read->depth_error->place_m, before.depth_error->place_m);
+  ASSERT_TRUE(read->depth_error2);
+  EXPECT_EQ(read->depth_error2->camera, "tof2");
+  EXPECT_EQ(read->depth_error2->error_m, before.depth_error2->error_m);
   EXPECT_EQ(read->pan_tilt->tilt.scale, 1.0001);
   EXPECT_EQ(read->pan_tilt->tilt.step_rad, 0.0009);
   EXPECT_EQ(read->pan_tilt->covariance.rows(), 9);

@@ -88,6 +88,48 @@ TEST_F(CalibratedSourceTest, ReportsWhatIsMissingInOneLine) {
   EXPECT_NE(error().find("\"other\""), std::string::npos);
 }
 
+/// A box of which a second depth camera has the same depth.
+class TwoDepthSource final : public CaptureSource {
+ public:
+  TwoDepthSource() : box_(5, 6), info_(box_.info()) { info_.tof2.emplace().model = info_.tof; }
+  const SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, Capture& capture) override {
+    MIXRIG_ASSIGN(const bool there, box_.read(number, capture));
+    capture.depth2.depth_m = capture.depth_m;
+    return there;
+  }
+  Result<void> read_truth(int, Truth&) override { return {}; }
+
+ private:
+  test::BoxSource box_;
+  SourceInfo info_;
+};
+
+TEST_F(CalibratedSourceTest, ASecondDepthCameraHasItsOwnLensPlaceAndError) {
+  const auto open_two = [&] {
+    EXPECT_TRUE(calibration_file::write_calibration(file(), known_));
+    return with_calibration(std::make_unique<TwoDepthSource>(), file());
+  };
+  EXPECT_NE(open_two().error().context.find("\"tof2\" is missing"), std::string::npos);
+  known_.cameras.push_back(
+      {"tof2", geometry::CameraModel{{{64, 48}, 55, 56, 31, 23}, {}}, {}, 0, 0, 0, {}});
+  EXPECT_NE(open_two().error().context.find("target_from: \"tof2\""), std::string::npos);
+  known_.poses.push_back({"tof2", {Eigen::Quaterniond::Identity(), {0.07, 0, 0}}, {}, 0, 0, {}});
+  known_.depth_error2 = calibration_file::DepthError{};
+  known_.depth_error2->knots_m = {1, 5}, known_.depth_error2->error_m = {0.03, 0.03};
+  EXPECT_NE(open_two().error().context.find("depth_error2: is of camera \"tof\""),
+            std::string::npos);
+  known_.depth_error2->camera = "tof2";
+  const auto source = open_two();
+  ASSERT_TRUE(source) << source.error().context;
+  EXPECT_EQ((*source)->info().tof2->model.pinhole.fx_px, 55);
+  EXPECT_EQ((*source)->info().tof2->target_from_tof.translation_m.x(), 0.07);
+  Capture frame;
+  ASSERT_TRUE((*source)->read(1, frame));
+  EXPECT_NEAR(frame.depth2.depth_m.at(31, 23), 3 - 0.03, 1e-6);
+  EXPECT_EQ(frame.depth_m.at(31, 23), 3) << "the first one has no error";
+}
+
 TEST_F(CalibratedSourceTest, RefusesAFisheye) {
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(8);
   parameters.head<4>() << 20, 20, 31.5, 23.5;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/live/depth_phases.h"
+
 namespace mixrig::live {
 namespace {
 
@@ -48,6 +50,106 @@ cx = 639.5
 cy = 511.5
 distortion = [0.1, -0.2, 0.0, 0.0]
 )";
+
+/// Two depth cameras on lines of their own; the second one's line has the phase.
+std::string two_depth_cameras(const std::string& phase_ms, const std::string& exposures = {}) {
+  return R"(
+format = 1
+[trigger]
+uri = "mcu:/dev/ttyACM0"
+[[trigger.line]]
+line = 0
+divider = 4
+[[trigger.line]]
+line = 1
+divider = 4
+phase_ms = )" +
+         phase_ms + R"(
+[[depth]]
+uri = "aravis:left"
+trigger_line = 0
+)" + exposures +
+         R"(
+[[depth]]
+uri = "aravis:right"
+trigger_line = 1
+unit_m = 0.0005
+)" + exposures +
+         R"(
+[tof2]
+size_px = [640, 480]
+fx = 500.0
+fy = 500.0
+cx = 319.5
+cy = 239.5
+)";
+}
+
+TEST(RigConfig, HoldsTwoDepthCameras) {
+  const auto rig = parse_rig(two_depth_cameras("20", "exposure_ms = 16"), "rig.toml");
+  ASSERT_TRUE(rig) << to_line(rig.error());
+  ASSERT_TRUE(rig->depth && rig->depth2);
+  EXPECT_EQ(rig->depth->name, "depth");
+  EXPECT_EQ(rig->depth2->name, "depth2");
+  EXPECT_EQ(rig->depth2->uri, "aravis:right");
+  EXPECT_EQ(rig->depth2_steps.unit_m, 0.0005);
+  EXPECT_FALSE(rig->depth_steps.unit_m);
+  ASSERT_TRUE(rig->tof2);
+  EXPECT_EQ(rig->tof2->pinhole.fx_px, 500);
+  const DepthPhases phases = depth_phases(*rig);
+  EXPECT_TRUE(phases.known);
+  EXPECT_FALSE(phases.overlap);
+  EXPECT_EQ(phases.apart, 20ms);
+  const auto again = parse_rig(rig_text(*rig), "again.toml");
+  ASSERT_TRUE(again) << to_line(again.error());
+  ASSERT_TRUE(again->depth2);
+  EXPECT_EQ(again->depth2->trigger_line, 1);
+  EXPECT_EQ(again->depth2_steps.unit_m, 0.0005);
+  EXPECT_EQ(again->depth->uri, "aravis:left");
+}
+
+TEST(RigConfig, DepthCamerasThatExposeAtTheSameTimeAreRefused) {
+  for (const auto& [phase_ms, exposures] :
+       {std::pair("0", ""), std::pair("40", ""), std::pair("15.9", "exposure_ms = 16"),
+        std::pair("24.1", "exposure_ms = 16")}) {
+    const auto rig = parse_rig(two_depth_cameras(phase_ms, exposures), "rig.toml");
+    ASSERT_FALSE(rig) << phase_ms;
+    EXPECT_NE(to_line(rig.error()).find("expose at the same time"), std::string::npos)
+        << to_line(rig.error());
+  }
+  for (const char* phase_ms : {"16", "24", "136"})
+    EXPECT_TRUE(parse_rig(two_depth_cameras(phase_ms, "exposure_ms = 16"), "rig.toml")) << phase_ms;
+}
+
+TEST(RigConfig, ItSaysWhereItCannotTellWhetherDepthCamerasExposeAtTheSameTime) {
+  const auto apart = parse_rig(two_depth_cameras("20"), "rig.toml");
+  ASSERT_TRUE(apart) << to_line(apart.error());
+  EXPECT_FALSE(depth_phases(*apart).known);
+  EXPECT_NE(depth_phases(*apart).line.find("exposure_ms"), std::string::npos);
+  const auto free =
+      parse_rig("format = 1\n[[depth]]\nuri = \"v4l2:a\"\n[[depth]]\nuri = \"v4l2:b\"\n", "r");
+  ASSERT_TRUE(free) << to_line(free.error());
+  EXPECT_FALSE(depth_phases(*free).known);
+  EXPECT_NE(depth_phases(*free).line.find("runs free"), std::string::npos);
+}
+
+/// Periods of 30 and 40 ms come at all multiples of 10 ms apart.
+TEST(RigConfig, DepthCamerasOfDifferentRatesMeetAtAllMultiplesOfTheCommonPeriod) {
+  std::string text = two_depth_cameras("5", "exposure_ms = 4");
+  text.replace(text.find("divider = 4"), 11, "divider = 3");
+  EXPECT_TRUE(parse_rig(text, "rig.toml"));
+  text = two_depth_cameras("5", "exposure_ms = 6");
+  text.replace(text.find("divider = 4"), 11, "divider = 3");
+  EXPECT_FALSE(parse_rig(text, "rig.toml"));
+}
+
+TEST(RigConfig, AThirdDepthCameraIsRefused) {
+  std::string text = "format = 1\n";
+  for (int i = 0; i < 3; ++i) text += "[[depth]]\nuri = \"v4l2:a\"\n";
+  const auto rig = parse_rig(text, "rig.toml");
+  ASSERT_FALSE(rig);
+  EXPECT_NE(to_line(rig.error()).find("at most two"), std::string::npos) << to_line(rig.error());
+}
 
 TEST(RigConfig, HoldsTheEncodersOfALens) {
   const std::string with = "format = 1\n[lens]\nuri = \"freed:0.0.0.0:6301,2\"\ndelay_ms = 12.5\n";

@@ -53,6 +53,18 @@ TEST(Errors, OfAPerfectFrameAreZeroOrUndefined) {
   EXPECT_EQ(e.object_psnr_db, std::nullopt);
 }
 
+TEST(Errors, WhatTheDepthCameraDoesNotSeeIsJudgedByItself) {
+  Frame f({8, 1});
+  for (int x = 0; x < 4; ++x) f.labels.at(x, 0) = 0;
+  f.depth.at(0, 0) = 2.05F, f.depth.at(1, 0) = 0, f.depth.at(2, 0) = 3, f.depth.at(3, 0) = 1;
+  const Errors e = f.errors();
+  EXPECT_EQ(e.hidden_pct, 50.0);
+  EXPECT_EQ(e.hidden_bad_pct, 75.0) << "unknown or off";
+  EXPECT_EQ(e.hidden_wrong_pct, 50.0) << "known and off";
+  EXPECT_EQ(e.depth_bad_pct, 0.0);
+  EXPECT_EQ(Frame({4, 4}).errors().hidden_bad_pct, std::nullopt);
+}
+
 TEST(Errors, OfNoFrameAreUndefined) {
   const Errors e = errors_of({});
   EXPECT_EQ(e.depth_mae_mm, std::nullopt);

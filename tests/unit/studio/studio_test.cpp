@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/studio/rig.h"
 #include "host/studio/sensors/lens.h"
 
 namespace mixrig::studio {
@@ -107,6 +108,72 @@ Reach around(const Image<float>& distance_m, const Eigen::Vector2d& px) {
       if (d > 0) reach = {std::min(reach.low, d), std::max(reach.high, d)};
     }
   return reach;
+}
+
+/// Pixels whose distance is not that of the view's true depth, of those that it sees.
+double wrong_share(const TofInfo& tof, const Image<float>& distance_m, const StudioInfo& info,
+                   const Truth& truth, std::uint8_t bit) {
+  const geometry::Pose tof_from_target = geometry::inverse(tof.target_from_tof);
+  int wrong = 0, known = 0;
+  for (int y = 2; y < truth.labels.height() - 2; ++y)
+    for (int x = 2; x < truth.labels.width() - 2; ++x) {
+      if ((truth.labels.at(x, y) & bit) == 0) continue;
+      const double z = truth.depth_m.at(x, y);
+      const Eigen::Vector3d p =
+          tof_from_target * Eigen::Vector3d((x - info.view.cx_px) / info.view.fx_px * z,
+                                            (y - info.view.cy_px) / info.view.fy_px * z, z);
+      const Reach reach = around(distance_m, project(tof.optics, p));
+      if (reach.low > reach.high) continue;
+      ++known;
+      wrong += p.norm() < reach.low - 0.08 || p.norm() > reach.high + 0.08;
+    }
+  EXPECT_GT(known, 1000);
+  return static_cast<double>(wrong) / known;
+}
+
+TEST(Studio, a_second_depth_camera_sees_what_the_first_does_not_and_changes_nothing_else) {
+  StudioOptions options = small();
+  options.tolerance = 1;
+  auto one = Studio::create(options);
+  options.second_tof = RigPreset::kHelios2;
+  auto two = Studio::create(options);
+  ASSERT_TRUE(one && two);
+  Frame first, both;
+  Truth truth, truth2;
+  const int number = one->info().frames;
+  one->render(number, first, &truth);
+  two->render(number, both, &truth2);
+  for (int y = 0; y < first.tof_distance_m.height(); ++y)
+    for (int x = 0; x < first.tof_distance_m.width(); ++x)
+      ASSERT_EQ(both.tof_distance_m.at(x, y), first.tof_distance_m.at(x, y));
+  const StudioInfo& info = two->info();
+  ASSERT_TRUE(info.tof2);
+  const auto beside = [](const TofInfo& tof) -> Eigen::Vector2d {
+    return tof.target_from_tof.translation_m.head<2>();
+  };
+  EXPECT_LT(beside(info.tof).dot(beside(*info.tof2)), -0.003) << "on the other side";
+  EXPECT_LT(wrong_share(*info.tof2, both.tof2_distance_m, info, truth2, Truth::kTof2Sees), 0.03);
+  int only_first = 0, only_second = 0;
+  for (int y = 0; y < truth2.labels.height(); ++y)
+    for (int x = 0; x < truth2.labels.width(); ++x) {
+      const std::uint8_t label = truth2.labels.at(x, y);
+      ASSERT_EQ(label & ~Truth::kTof2Sees, truth.labels.at(x, y));
+      only_first += (label & Truth::kTofSees) != 0 && (label & Truth::kTof2Sees) == 0;
+      only_second += (label & Truth::kTofSees) == 0 && (label & Truth::kTof2Sees) != 0;
+    }
+  EXPECT_GT(only_first, 20);
+  EXPECT_GT(only_second, 20);
+}
+
+/// The times in which they send light do not meet, not even with the next frame's.
+TEST(Studio, two_depth_cameras_expose_one_after_the_other) {
+  for (const RigPreset first : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2})
+    for (const RigPreset second : {RigPreset::kSr3000, RigPreset::kKinect2, RigPreset::kHelios2}) {
+      const TofSensor a = tof_sensor(first), b = second_sensor(second, first);
+      const double before_s = a.delay_s - b.delay_s;
+      EXPECT_GT(before_s, 0.5 * (a.exposure_s + b.exposure_s));
+      EXPECT_GT(1 / kFrameRate_hz - before_s, 0.5 * (a.exposure_s + b.exposure_s));
+    }
 }
 
 // Independent of the renderer's ToF rays: uses the true depth of the view and its definition.

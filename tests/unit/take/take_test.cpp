@@ -73,6 +73,59 @@ TEST_P(TakeRoundTrip, FramesAndCalibrationComeBackInAnyOrder) {
   EXPECT_EQ(reader->read(13, frame).error().code, ErrorCode::kNotFound);
 }
 
+TEST_P(TakeRoundTrip, ASecondDepthCameraComesBack) {
+  const test::TemporaryFolder folder;
+  const Size size{9, 7};
+  TakeInfo info = made_info();
+  info.depth.delay_s = 0.006;
+  info.tof2 = capture::SecondDepthCamera{
+      .model = {{size, 8, 8.5, 4, 3}, geometry::Lens({0.1, 0, 0, 0, 0, 0, 0, 0})},
+      .target_from_tof = {Eigen::Quaterniond::Identity(), {0.08, 0, 0.01}},
+      .kind = capture::DepthKind::kDistance,
+      .noise = {0.004, 0.002, 0.001},
+      .unit_m = 0.0005,
+      .offset_m = 0.01,
+      .unknown = 65535,
+      .amplitude_is_light = true};
+  info.depth2 = SecondDepthStream{StreamInfo{}, StreamInfo{}};
+  info.depth2->depth.delay_s = -0.014;
+  auto writer = TakeWriter::create(folder / "take", info, GetParam());
+  ASSERT_TRUE(writer) << writer.error().context;
+  for (int number = 1; number <= 3; ++number) {
+    capture::Capture frame = made_frame(number);
+    if (number != 2) {  // a frame without it
+      frame.depth2.depth_m.reset(size, 2 + 0.25F * static_cast<float>(number));
+      frame.depth2.amplitude.reset(size, 100.0F * static_cast<float>(number));
+      frame.depth2.depth_m.at(3, 2) = 0;
+    }
+    ASSERT_TRUE(writer->write(frame));
+  }
+  ASSERT_TRUE(writer->finish());
+  auto reader = TakeReader::open(folder / "take");
+  ASSERT_TRUE(reader) << reader.error().context;
+  ASSERT_TRUE(reader->info().tof2);
+  const capture::SecondDepthCamera& read = *reader->info().tof2;
+  EXPECT_EQ(read.model.pinhole, info.tof2->model.pinhole);
+  EXPECT_EQ(read.model.lens.coefficients(), info.tof2->model.lens.coefficients());
+  EXPECT_EQ(read.kind, info.tof2->kind);
+  EXPECT_EQ(read.noise.linear, 0.002);
+  EXPECT_EQ(read.offset_m, 0.01);
+  EXPECT_TRUE(read.amplitude_is_light);
+  EXPECT_TRUE(read.target_from_tof.matrix().isApprox(info.tof2->target_from_tof.matrix(), 1e-12));
+  capture::Capture frame;
+  for (const int number : {1, 3, 2}) {
+    ASSERT_TRUE(reader->read(number, frame));
+    EXPECT_EQ(frame.status_of(capture::Stream::kDepth2), capture::StreamStatus::kFresh);
+    EXPECT_EQ(frame.depth_mid_exposure - frame.mid_exposure, std::chrono::milliseconds(6));
+    EXPECT_EQ(frame.depth2.mid_exposure - frame.mid_exposure, -std::chrono::milliseconds(14));
+    ASSERT_EQ(frame.depth2.depth_m.size(), size);
+    const float z = number == 2 ? 0 : 2 + 0.25F * static_cast<float>(number);
+    EXPECT_NEAR(frame.depth2.depth_m.at(8, 6), z, 1e-6);
+    EXPECT_EQ(frame.depth2.depth_m.at(3, 2), 0);
+    EXPECT_EQ(frame.depth2.amplitude.at(0, 0), number == 2 ? 0 : 100 * number);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, TakeRoundTrip,
                          ::testing::Values(StreamFormat::kPng, StreamFormat::kMatroska),
                          [](const auto& row) {
