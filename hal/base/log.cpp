@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "hal/base/clock.h"
+#include "hal/base/recent_log.h"
 
 namespace mixrig {
 namespace {

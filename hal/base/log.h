@@ -2,9 +2,7 @@
 // Log lines to stderr, one category per folder. Never called per frame on the live path.
 #pragma once
 
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace mixrig {
 
@@ -14,8 +12,6 @@ enum class LogLevel { kInfo, kWarning };
 void set_log_level(LogLevel level);
 /// Writes one line "level category: message" to stderr. Thread-safe.
 void log(LogLevel level, std::string_view category, std::string_view message);
-/// The last 50 lines that were written, "level category: message", the newest last. Thread-safe.
-std::vector<std::string> recent_log_lines();
 
 inline void log_info(std::string_view c, std::string_view m) { log(LogLevel::kInfo, c, m); }
 inline void log_warning(std::string_view c, std::string_view m) { log(LogLevel::kWarning, c, m); }

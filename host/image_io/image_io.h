@@ -35,10 +35,6 @@ Result<void> write_png(const std::filesystem::path& path, ImageView<const std::u
 /// The bytes of a PNG file. Errors: kIo for an image without pixels.
 Result<std::string> encode_png(ImageView<const Rgb8> image);
 
-/// The bytes of a baseline JPEG, colour at half the resolution; quality 1 to 100.
-/// Errors: kIo for an image without pixels or larger than 16384 a side.
-Result<std::string> encode_jpeg(ImageView<const Rgb8> image, int quality);
-
 /// One channel of an EXR file, 32-bit float.
 struct Channel {
   std::string name;

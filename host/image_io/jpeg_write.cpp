@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // JPEG encoding with libjpeg. It reports errors by longjmp, so functions that call setjmp have no
 // local variables with destructors.
+#include "host/image_io/jpeg_write.h"
+
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -9,7 +11,6 @@
 #include <jpeglib.h>
 
 #include "host/image_io/codecs.h"
-#include "host/image_io/image_io.h"
 
 namespace mixrig::image_io {
 namespace {

@@ -11,10 +11,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string text_of_message(const json& message) {
-  return message.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 json failed(const std::string& action, const std::string& why) {
   return {{"action", action}, {"success", false}, {"error", why}};
 }
@@ -25,7 +21,7 @@ json property_names(const std::set<std::string, std::less<>>& parts) {
   return names;
 }
 
-std::size_t hash_of(const json& value) { return std::hash<std::string>{}(text_of_message(value)); }
+std::size_t hash_of(const json& value) { return std::hash<std::string>{}(to_text(value)); }
 
 /// The part of "/objects"; empty for none.
 std::string part_of(const json& property) {
@@ -96,7 +92,7 @@ std::string Subscriptions::answer(std::string_view message, const json& state, d
   if (!request || !request->is_object()) {
     answer["data"] =
         failed("", request ? "the message is no JSON object" : to_line(request.error()));
-    return text_of_message(answer);
+    return to_text(answer);
   }
   const auto id = request->find("id");
   if (id != request->end() && id->is_number_integer()) answer["id"] = *id;
@@ -106,7 +102,7 @@ std::string Subscriptions::answer(std::string_view message, const json& state, d
   answer["data"] =
       fine ? handle(*data, state, host_ms)
            : failed("", "a message is {\"type\": \"request\", \"data\": {\"action\": ...}}");
-  return text_of_message(answer);
+  return to_text(answer);
 }
 
 std::vector<std::string> Subscriptions::changed(const json& state) {
@@ -121,15 +117,15 @@ std::vector<std::string> Subscriptions::changed(const json& state) {
 }
 
 std::string opened_message() {
-  return text_of_message({{"type", "event"}, {"data", {{"action", "websocketOpened"}}}});
+  return to_text({{"type", "event"}, {"data", {{"action", "websocketOpened"}}}});
 }
 
 std::string changed_message(std::string_view part, const json& value) {
-  return text_of_message({{"type", "event"},
-                          {"data",
-                           {{"action", "propertyValueChanged"},
-                            {"property", "/" + std::string(part)},
-                            {"value", value}}}});
+  return to_text({{"type", "event"},
+                  {"data",
+                   {{"action", "propertyValueChanged"},
+                    {"property", "/" + std::string(part)},
+                    {"value", value}}}});
 }
 
 }  // namespace mixrig::page

@@ -49,6 +49,10 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
+std::string to_text(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 Result<nlohmann::json> parse_json(std::string_view text) {
   if (!is_shallow(text)) return Error{ErrorCode::kUsage, "the body is too deep: at most 8 levels"};
   auto json = nlohmann::json::parse(text, nullptr, false);

@@ -17,6 +17,8 @@ namespace mixrig::page {
 
 bool is_utf8(std::string_view text);
 
+/// On one line; bytes that are no UTF-8 become U+FFFD.
+std::string to_text(const nlohmann::json& json);
 /// JSON of an untrusted text, at most 8 deep. Errors: kUsage.
 Result<nlohmann::json> parse_json(std::string_view text);
 

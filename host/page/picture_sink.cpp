@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "host/image_io/image_io.h"
+#include "host/image_io/jpeg_write.h"
 #include "host/report/picture.h"
 
 namespace mixrig::page {

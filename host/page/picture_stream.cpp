@@ -116,7 +116,7 @@ void PictureStream::write(const Buffers& buffers, bool last) {
           self->patience_.cancel();
           boost::system::error_code ignored;
           self->stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-          if (error) self->stream_.close();
+          self->stream_.close();
           return;
         }
         self->send_newest();

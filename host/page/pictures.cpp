@@ -23,15 +23,11 @@ PicturePtr Pictures::newest(View view) const {
 }
 
 void Pictures::put(View view, std::shared_ptr<Picture> picture) {
-  std::function<void(View)> on_new;
-  {
-    const std::lock_guard lock(mutex_);
-    PicturePtr& newest = newest_[index(view)];
-    picture->serial = newest ? newest->serial + 1 : 1;
-    newest = std::move(picture);
-    on_new = on_new_;
-  }
-  if (on_new) on_new(view);
+  const std::lock_guard lock(mutex_);
+  PicturePtr& newest = newest_[index(view)];
+  picture->serial = newest ? newest->serial + 1 : 1;
+  newest = std::move(picture);
+  if (on_new_) on_new_(view);
 }
 
 void Pictures::set_on_new(std::function<void(View)> on_new) {

@@ -37,7 +37,8 @@ class Pictures {
   /// Null before the first one.
   PicturePtr newest(View view) const;
   void put(View view, std::shared_ptr<Picture> picture);
-  /// Called on the thread of put(), after it. Must not wait.
+  /// Called on the thread of put(). Must neither wait nor call this object. After
+  /// set_on_new({}) it is not called any more.
   void set_on_new(std::function<void(View)> on_new);
 
   /// Frozen: the pictures stay as they are.

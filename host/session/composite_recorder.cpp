@@ -48,9 +48,9 @@ Result<void> CompositeRecorder::start(const std::string& name, const std::string
   if (!code) fs::create_directory(path.path(), code);
   if (code)
     return system_error(ErrorCode::kIo, "cannot make folder " + wanted.string(), code.value());
-  MIXRIG_ASSIGN(files_, output::FilesSink::create(
-                            path.path(), session_.source->info(), session_.setup.view,
-                            {.format = output::OutputFormat::kVideo}));
+  MIXRIG_ASSIGN(files_,
+                output::FilesSink::create(path.path(), session_.source->info(), session_.setup.view,
+                                          {.format = output::OutputFormat::kVideo}));
   path_.emplace(std::move(path));
   state_ = {};
   state_.on = true, state_.name = used, state_.notes = notes;

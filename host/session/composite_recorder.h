@@ -26,8 +26,8 @@ class CompositeRecorder {
   CompositeRecorder(const CompositeRecorder&) = delete;
   CompositeRecorder& operator=(const CompositeRecorder&) = delete;
 
-  /// An empty name: the first of "take 1", "take 2", ... that is free. Errors: kUsage where the name
-  /// is taken, kData while another one runs; kIo.
+  /// An empty name: the first of "take 1", "take 2", ... that is free. Errors: kUsage where the
+  /// name is taken, kData while another one runs; kIo.
   Result<void> start(const std::string& name, const std::string& notes);
   /// Errors: kData where none runs; kIo.
   Result<void> stop();

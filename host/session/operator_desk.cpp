@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "hal/base/log.h"
+#include "hal/base/recent_log.h"
 #include "host/session/change_sink.h"
 
 namespace mixrig::session {
@@ -35,7 +35,8 @@ page::StreamState stream_state(const capture::StreamReport& report) {
   state.frames = health.frames;
   state.lost = health.lost + health.overrun + report.pairing.missing;
   state.ok = health.state == device::DeviceState::kStreaming;
-  if (!state.ok) state.what_to_do = "delivers nothing: check cable and power; mixrig diag says more";
+  if (!state.ok)
+    state.what_to_do = "delivers nothing: check cable and power; mixrig diag says more";
   return state;
 }
 

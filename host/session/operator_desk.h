@@ -18,9 +18,9 @@
 namespace mixrig::session {
 
 struct DeskOptions {
-  std::filesystem::path takes;             ///< folder that recordings go to
-  std::atomic<int>* requests = nullptr;    ///< to accept changes of the room; may be null
-  bool live = false;                       ///< devices; else a recording that is played
+  std::filesystem::path takes;           ///< folder that recordings go to
+  std::atomic<int>* requests = nullptr;  ///< to accept changes of the room; may be null
+  bool live = false;                     ///< devices; else a recording that is played
 };
 
 /// Knows of the run what its sinks are given. `session` and `clock` outlive it; it outlives its

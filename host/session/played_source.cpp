@@ -11,8 +11,8 @@ class PlayedSource final : public capture::CaptureSource {
   PlayedSource(std::unique_ptr<capture::CaptureSource> source, Clock& clock)
       : source_(std::move(source)), clock_(clock), info_(source_->info()), frames_(info_.frames) {
     constexpr double kUnknownRate_hz = 25;
-    period_ = Duration(static_cast<Duration::rep>(
-        1e9 / (info_.rate_hz > 0 ? info_.rate_hz : kUnknownRate_hz)));
+    period_ = Duration(
+        static_cast<Duration::rep>(1e9 / (info_.rate_hz > 0 ? info_.rate_hz : kUnknownRate_hz)));
     info_.frames = capture::kEndless;
     info_.has_truth = info_.true_poses = false;
   }

@@ -155,8 +155,8 @@ Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) 
   }
   if (set.preview) return {};
   MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), set.name));
-  MIXRIG_ASSIGN(text, scene::with_object(text, session_.scene.path, set.name,
-                                         {pose, set.scale, set.hidden}));
+  MIXRIG_ASSIGN(
+      text, scene::with_object(text, session_.scene.path, set.name, {pose, set.scale, set.hidden}));
   return write_file(session_.scene.path, text);
 }
 

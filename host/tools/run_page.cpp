@@ -16,7 +16,8 @@ void add_page_options(Command command, PageArguments& arguments) {
                   "(port 0: one that is free); a recording is played at its rate, again and again")
       .value_if_left_out("127.0.0.1:8437");
   command
-      .add_option("--record-to", arguments.takes, "folder that the page's recordings are written to")
+      .add_option("--record-to", arguments.takes,
+                  "folder that the page's recordings are written to")
       .show_default();
 }
 
@@ -28,9 +29,8 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   options.judge = false;
   options.scene = std::make_shared<session::SceneFollower>(session, true);
   PageRun run;
-  std::atomic<int>* const requests = options.watch_room.value_or(true)
-                                         ? &CountSignals::count()
-                                         : nullptr;
+  std::atomic<int>* const requests =
+      options.watch_room.value_or(true) ? &CountSignals::count() : nullptr;
   run.desk = std::make_unique<session::OperatorDesk>(
       session, options.scene, clock,
       session::DeskOptions{.takes = arguments.takes, .requests = requests, .live = live});

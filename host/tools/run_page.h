@@ -28,8 +28,8 @@ struct PageRun {
   std::unique_ptr<page::Server> server;
 };
 
-/// A recording is played at its rate from now on, again and again, and is not judged. Adds sinks and
-/// the scene's follower to `options`; says on stderr where the page is. `session` and `clock`
+/// A recording is played at its rate from now on, again and again, and is not judged. Adds sinks
+/// and the scene's follower to `options`; says on stderr where the page is. `session` and `clock`
 /// outlive it. Errors: those of page::parse_listen and page::Server::start.
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
                           session::RunOptions& options);
