@@ -14,6 +14,7 @@ struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
 
+  bool operator==(const Pose&) const = default;
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation_m; }
   /// c_from_b * b_from_a = c_from_a.
   Pose operator*(const Pose& right) const {

@@ -140,6 +140,13 @@ struct FrameLens {
 /// lens do. Pure.
 geometry::Pinhole view_through(const CompositorSetup& setup, const geometry::Pinhole& target);
 
+/// Light of one frame, in place of that of the setup. A lamp that is dark in the setup stays dark.
+struct FrameLight {
+  glm::vec3 ambient{0.3F};
+  float exposure = 1.0F;
+  std::span<const glm::vec3> intensity{};  ///< of the first lamps; the others keep theirs
+};
+
 struct FrameInput {
   ImageView<const Rgb8> plate;         ///< sRGB, distorted, size of `target`
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
@@ -147,6 +154,8 @@ struct FrameInput {
   std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
   /// Of the first objects of the setup, from this frame on; empty: they stay where they are.
   std::span<const geometry::Pose> world_from_object{};
+  /// From this frame on; absent: the light stays as it is.
+  std::optional<FrameLight> light{};
 };
 
 enum class Stage {

@@ -35,6 +35,17 @@ Result<void> check_lens(const FrameLens& lens, const Tables& tables) {
   return Error{ErrorCode::kData, "compose: the lens of the frame is not finite"};
 }
 
+Result<void> check_light(const FrameLight& light) {
+  const auto is_light = [](const glm::vec3& v) {
+    return v.r >= 0 && v.g >= 0 && v.b >= 0 && std::isfinite(v.r + v.g + v.b);
+  };
+  const bool good = is_light(light.ambient) && light.exposure > 0 &&
+                    std::isfinite(light.exposure) &&
+                    std::all_of(light.intensity.begin(), light.intensity.end(), is_light);
+  if (good) return {};
+  return Error{ErrorCode::kData, "compose: the light of the frame is negative or not finite"};
+}
+
 template <typename T>
 void size_to(Size size, Image<T>& image) {
   if (image.size() != size) image.reset(size);
@@ -51,6 +62,7 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   for (const geometry::Pose& pose : input.world_from_object)
     if (!pose.rotation.coeffs().allFinite() || !pose.translation_m.allFinite())
       return Error{ErrorCode::kData, "compose: the pose of an object is not finite"};
+  if (input.light) MIXRIG_TRY(check_light(*input.light));
   return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 

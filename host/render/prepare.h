@@ -94,7 +94,7 @@ struct Draw {
 /// stay, so do virtual pixels; shadow maps stay while the objects and their size do
 /// (`lamps[i].map_size_texel`).
 struct FrameParams {
-  bool pose_changed = true;  ///< or view or objects, since the last update(); true at first
+  bool pose_changed = true;  ///< or view, objects or light, since the last update(); true at first
   bool maps_changed = true;  ///< shadow maps must be drawn again
   bool room_changed = true;  ///< `room_share` was made since the last update()
   KeyPassParams key;
@@ -114,15 +114,19 @@ KeyBy key_by(const CompositorSetup& setup);
 /// Moves the first objects of `setup`. False where they stand there already. Pure but for `setup`.
 bool place_objects(std::span<const geometry::Pose> world_from_object, CompositorSetup& setup);
 
+/// Sets the light of `setup`. False where it is the same. Pure but for `setup`.
+bool set_light(const std::optional<FrameLight>& light, CompositorSetup& setup);
+
 /// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
 class FramePreparer {
  public:
   explicit FramePreparer(const CompositorSetup& setup);
   /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
   /// first call only, which finds out what the real room hides of the lamps.
-  /// With `objects_moved` the objects of the setup stand elsewhere.
+  /// With `objects_moved` the objects of the setup stand elsewhere, with `light_changed` its light
+  /// is another.
   void update(const geometry::Pose& world_from_target, bool view_changed = false,
-              bool objects_moved = false);
+              bool objects_moved = false, bool light_changed = false);
   const FrameParams& params() const { return params_; }
   const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
 

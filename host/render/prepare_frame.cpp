@@ -25,6 +25,9 @@ constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
 /// Between a lamp and the objects they are no nearer to it than this part of the way.
 constexpr double kPeopleNearPart = 0.4;
 
+/// Intensity of a lamp that a frame turns off: it keeps its maps.
+constexpr float kFaintest = 1e-12F;
+
 glm::dmat4 world_from(const VirtualObject& object) {
   glm::dmat4 m = to_glm(object.world_from_object.matrix());
   for (int column = 0; column < 3; ++column) m[column] *= object.scale;
@@ -115,6 +118,21 @@ bool place_objects(std::span<const geometry::Pose> world_from_object, Compositor
     pose = next, moved = true;
   }
   return moved;
+}
+
+bool set_light(const std::optional<FrameLight>& light, CompositorSetup& setup) {
+  if (!light) return false;
+  Light& to = setup.light;
+  bool changed = to.ambient != light->ambient || to.exposure != light->exposure;
+  to.ambient = light->ambient, to.exposure = light->exposure;
+  const std::size_t count = std::min(light->intensity.size(), to.lamps.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    glm::vec3& intensity = to.lamps[i].intensity;
+    const glm::vec3 wanted = glm::max(light->intensity[i], glm::vec3(kFaintest));
+    if (intensity == glm::vec3(0) || intensity == wanted) continue;
+    intensity = wanted, changed = true;
+  }
+  return changed;
 }
 
 /// Boxes of the objects, and the maps of the lamps around those that cast shadows.
@@ -300,8 +318,8 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
 }
 
 void FramePreparer::update(const geometry::Pose& world_from_target, bool view_changed,
-                           bool objects_moved) {
-  params_.pose_changed = !has_pose_ || view_changed || objects_moved ||
+                           bool objects_moved, bool light_changed) {
+  params_.pose_changed = !has_pose_ || view_changed || objects_moved || light_changed ||
                          world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
                          world_from_target.translation_m != last_pose_.translation_m;
   params_.maps_changed = params_.room_changed = false;
@@ -311,6 +329,7 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
     map_size_ = 0;  // they are drawn again
     if (!people_fits_.empty() && people_around_objects(setup_)) people_fits_[0].near_m = 0;
   }
+  params_.light = {setup_.light.ambient, setup_.light.exposure};
   update_room(world_from_target);
   has_pose_ = true;
   last_pose_ = world_from_target;

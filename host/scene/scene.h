@@ -48,6 +48,7 @@ struct ObjectPhysics {
   double mass_kg = 1, bounce = 0.6, friction = 0.5, drag = 0.1;
   bool is_ball = false;                   ///< instead of the convex hulls of its parts
   Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< at first, world
+  bool operator==(const ObjectPhysics&) const = default;
 };
 
 struct Object {
@@ -57,6 +58,7 @@ struct Object {
   geometry::Pose world_from_object;
   double scale = 1.0;
   bool casts_shadow = true;
+  bool hidden = false;                   ///< neither seen nor touched; never of a set
   std::optional<ObjectPhysics> physics;  ///< none: it stands still; never of a set
 };
 
@@ -93,6 +95,7 @@ struct MocapSettings {
   int body = 0;                         ///< number of the body; 0: the only one
   bool y_up = true;                     ///< the stream's world; the scene's has z up
   double delay_s = 0;                   ///< from the exposure of a frame to its earliest arrival
+  bool operator==(const MocapSettings&) const = default;
 };
 
 /// How a tracker reaches the time of a plate from the pictures before it.
@@ -109,6 +112,7 @@ struct CameraPoses {
   double smooth_s = 0;                   ///< kTracker: latency for which poses are smoothed
   double max_age_s = 0.1;                ///< an older pose is lost
   WhenLost when_lost = WhenLost::kFreeze;
+  bool operator==(const CameraPoses&) const = default;
 };
 
 /// A box in world axes; real points outside it are cropped (Cortes Reina
@@ -116,6 +120,7 @@ struct CameraPoses {
 struct CaptureVolume {
   Eigen::Vector3d min_m, max_m;
   double floor_tolerance_m = 0.01;  ///< what is lower over the bottom is the floor
+  bool operator==(const CaptureVolume&) const = default;
 };
 
 struct Background {
@@ -124,6 +129,7 @@ struct Background {
   /// Of a scanned room; absent: where the head of pose = "pan_tilt" stands.
   std::optional<geometry::Pose> world_from_base;
   bool open_walls = false;  ///< it does not hide virtual objects
+  bool operator==(const Background&) const = default;
 };
 
 /// What is shown instead of the real background. Without model and picture: nothing.
@@ -145,6 +151,7 @@ struct EventSettings {
   std::string udp;      ///< "HOST:PORT" that gets each event as JSON; empty: none
   std::string osc;      ///< "HOST:PORT" that gets each event as an OSC message; empty: none
   bool people = false;  ///< both get the places of people in each frame too
+  bool operator==(const EventSettings&) const = default;
 };
 
 /// A program that gets the pose and lens of each picture.
@@ -154,6 +161,7 @@ struct PoseOut {
   std::string udp;              ///< "HOST:PORT"
   int camera = 1;               ///< FreeD: 0 to 255; OpenTrackIO's source: 1 to 200
   double sensor_width_mm = 36;  ///< that focal length and sensor of OpenTrackIO are told for
+  bool operator==(const PoseOut&) const = default;
 };
 
 struct Scene {

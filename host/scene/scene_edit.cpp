@@ -160,47 +160,148 @@ Result<std::string> with_lamps(std::string_view text, const std::filesystem::pat
   return edited;
 }
 
+namespace {
+
+constexpr const char* kObjectsAreNoTables =
+    "its objects cannot be changed: write each as a table [[object]], with each key on one line";
+
+/// The lines of a scene, and those of one of its objects.
+struct ObjectText {
+  Scene scene;
+  std::size_t index = 0;
+  Lines lines;
+  Block block;
+};
+
+/// Errors: kFormat, kUsage.
+Result<ObjectText> find_object(std::string_view text, const std::filesystem::path& path,
+                               const std::string& name) {
+  ObjectText found;
+  MIXRIG_ASSIGN(found.scene, parse_scene(text, path, false));
+  const auto& objects = found.scene.objects;
+  std::string names;
+  for (const Object& object : objects) names += (names.empty() ? "" : ", ") + object.name;
+  const auto object =
+      std::find_if(objects.begin(), objects.end(), [&](const auto& o) { return o.name == name; });
+  if (object == objects.end())
+    return Error{ErrorCode::kUsage, path.string() + ": has no object \"" + name + "\": it has " +
+                                        (names.empty() ? "none" : names)};
+  found.index = static_cast<std::size_t>(object - objects.begin());
+  found.lines = lines_of(text);
+  const auto blocks = blocks_of(found.lines, "[[object]]");
+  if (blocks.size() != objects.size()) return cannot_edit(path, kObjectsAreNoTables);
+  found.block = blocks[found.index];
+  return found;
+}
+
+void remove_key(ObjectText& object, std::string_view key) {
+  const auto from = object.lines.begin() + static_cast<std::ptrdiff_t>(object.block.begin) + 1;
+  const auto to = object.lines.begin() + static_cast<std::ptrdiff_t>(object.block.end);
+  const auto left =
+      std::remove_if(from, to, [&](const std::string& line) { return key_of(line) == key; });
+  object.block.end -= static_cast<std::size_t>(to - left);
+  object.lines.erase(left, to);
+}
+
+void set_key(ObjectText& object, std::string_view key, const std::string& line) {
+  const std::size_t before = object.lines.size();
+  set_line(object.lines, object.block, key, line);
+  object.block.end += object.lines.size() - before;
+}
+
+template <typename Value>
+std::string value_line(std::string_view key, const Value& value) {
+  config::Writer table;
+  table.set(key, value);
+  std::string text = table.text();
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+void set_pose(ObjectText& object, const geometry::Pose& pose) {
+  remove_key(object, "yaw_deg");
+  set_key(object, "rotation_xyzw",
+          number_line("rotation_xyzw",
+                      rounded_numbers(Eigen::Vector4d(pose.rotation.coeffs()), kObjectDigits)));
+  set_key(object, "position_m",
+          number_line("position_m", rounded_numbers(pose.translation_m, kObjectDigits)));
+}
+
+bool is_at(const Object& object, const geometry::Pose& pose) {
+  return (object.world_from_object.translation_m - pose.translation_m).norm() <=
+             1e-4 * std::max(1.0, pose.translation_m.norm()) &&
+         object.world_from_object.rotation.angularDistance(pose.rotation) < 1e-4;
+}
+
+}  // namespace
+
+Result<std::string> with_object(std::string_view text, const std::filesystem::path& path,
+                                const std::string& name, const ObjectEdit& edit) {
+  MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
+  if (edit.world_from_object) set_pose(object, *edit.world_from_object);
+  if (edit.scale)
+    set_key(object, "scale", value_line("scale", config::rounded(*edit.scale, kObjectDigits)));
+  if (edit.hidden) set_key(object, "hidden", value_line("hidden", *edit.hidden));
+  std::string edited = text_of_lines(object.lines);
+  const auto check = parse_scene(edited, path, false);
+  if (!check || check->objects.size() != object.scene.objects.size())
+    return cannot_edit(path, kObjectsAreNoTables);
+  const Object& now = check->objects[object.index];
+  if ((edit.world_from_object && !is_at(now, *edit.world_from_object)) ||
+      (edit.hidden && now.hidden != *edit.hidden))
+    return cannot_edit(path, kObjectsAreNoTables);
+  return edited;
+}
+
 Result<std::string> with_object_pose(std::string_view text, const std::filesystem::path& path,
                                      const std::string& name,
                                      const geometry::Pose& world_from_object) {
+  return with_object(text, path, name, {world_from_object, std::nullopt, std::nullopt});
+}
+
+Result<std::string> with_new_object(std::string_view text, const std::filesystem::path& path,
+                                    const Object& object) {
   MIXRIG_ASSIGN(const Scene scene, parse_scene(text, path, false));
-  std::string names;
-  std::size_t index = scene.objects.size();
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + scene.objects[i].name;
-    if (scene.objects[i].name == name && index == scene.objects.size()) index = i;
-  }
-  if (index == scene.objects.size())
-    return Error{ErrorCode::kUsage, path.string() + ": has no object \"" + name + "\": it has " +
-                                        (names.empty() ? "none" : names)};
-  Lines lines = lines_of(text);
-  const auto blocks = blocks_of(lines, "[[object]]");
-  const std::string refused =
-      "its objects cannot be changed: write each as a table [[object]], "
-      "with position_m and rotation_xyzw on one line";
-  if (blocks.size() != scene.objects.size()) return cannot_edit(path, refused);
-  const Block block = blocks[index];
-  const auto remove =
-      std::remove_if(lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1,
-                     lines.begin() + static_cast<std::ptrdiff_t>(block.end),
-                     [](const std::string& line) { return key_of(line) == "yaw_deg"; });
-  const auto end = lines.begin() + static_cast<std::ptrdiff_t>(block.end);
-  const auto removed = static_cast<std::size_t>(end - remove);
-  lines.erase(remove, end);
-  const Block left{block.begin, block.end - removed};
-  set_line(lines, left, "rotation_xyzw",
-           number_line("rotation_xyzw",
-                       rounded_numbers(Eigen::Vector4d(world_from_object.rotation.coeffs()),
-                                       kObjectDigits)));
-  set_line(
-      lines, {left.begin, left.end + 1}, "position_m",
-      number_line("position_m", rounded_numbers(world_from_object.translation_m, kObjectDigits)));
-  std::string edited = text_of_lines(lines);
+  if (std::any_of(scene.objects.begin(), scene.objects.end(),
+                  [&](const Object& o) { return o.name == object.name; }))
+    return Error{ErrorCode::kUsage,
+                 path.string() + ": has an object \"" + object.name + "\": give another name"};
+  config::Writer table;
+  table.set("name", object.name);
+  table.set("model", object.model_path.string());
+  table.set("position_m", rounded_numbers(object.world_from_object.translation_m, kObjectDigits));
+  table.set(
+      "rotation_xyzw",
+      rounded_numbers(Eigen::Vector4d(object.world_from_object.rotation.coeffs()), kObjectDigits));
+  table.set("scale", config::rounded(object.scale, kObjectDigits));
+  std::string edited(text);
+  if (!edited.empty() && edited.back() != '\n') edited += '\n';
+  edited += "\n[[object]]\n" + table.text();
   const auto check = parse_scene(edited, path, false);
-  if (!check || check->objects.size() != scene.objects.size() ||
-      (check->objects[index].world_from_object.translation_m - world_from_object.translation_m)
-              .norm() > 1e-4)
-    return cannot_edit(path, refused);
+  if (!check || check->objects.size() != scene.objects.size() + 1)
+    return cannot_edit(path, kObjectsAreNoTables);
+  return edited;
+}
+
+Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
+                                   const std::string& name) {
+  MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
+  // Its inner tables go with it.
+  Block& block = object.block;
+  while (block.end < object.lines.size()) {
+    const std::string header = header_of(object.lines[block.end]);
+    if (!header.empty() && !header.starts_with("[object.")) break;
+    ++block.end;
+  }
+  while (block.end > block.begin + 1 && block.end < object.lines.size() &&
+         object.lines[block.end - 1].starts_with('#'))
+    --block.end;  // comments before the next table are its own
+  object.lines.erase(object.lines.begin() + static_cast<std::ptrdiff_t>(block.begin),
+                     object.lines.begin() + static_cast<std::ptrdiff_t>(block.end));
+  std::string edited = text_of_lines(object.lines);
+  const auto check = parse_scene(edited, path, false);
+  if (!check || check->objects.size() + 1 != object.scene.objects.size())
+    return cannot_edit(path, kObjectsAreNoTables);
   return edited;
 }
 

@@ -27,4 +27,21 @@ Result<std::string> with_object_pose(std::string_view text, const std::filesyste
                                      const std::string& name,
                                      const geometry::Pose& world_from_object);
 
+/// What of an object can be changed; absent: it stays.
+struct ObjectEdit {
+  std::optional<geometry::Pose> world_from_object;
+  std::optional<double> scale;  ///< 1e-6 to 1e6
+  std::optional<bool> hidden;
+};
+/// The text with an object changed. Errors: as with_object_pose().
+Result<std::string> with_object(std::string_view text, const std::filesystem::path& path,
+                                const std::string& name, const ObjectEdit& edit);
+/// The text with another [[object]] at its end: its name, model (a path as the file is to have it),
+/// pose and scale. Errors: kFormat; kUsage where the name is taken.
+Result<std::string> with_new_object(std::string_view text, const std::filesystem::path& path,
+                                    const Object& object);
+/// The text without an object. Errors: as with_object_pose().
+Result<std::string> without_object(std::string_view text, const std::filesystem::path& path,
+                                   const std::string& name);
+
 }  // namespace mixrig::scene

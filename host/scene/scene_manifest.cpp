@@ -121,6 +121,7 @@ Object read_object(const Table& table, std::size_t number, const std::filesystem
   object.world_from_object = {read_rotation(table), vector(table, "position_m")};
   object.scale = table.number_or("scale", 1.0, {1e-6, 1e6});
   object.casts_shadow = table.boolean_or("casts_shadow", true);
+  object.hidden = table.boolean_or("hidden", false);
   object.physics = read_physics(table.table("physics"));
   read_model(table, folder, load_model, object);
   return object;

@@ -57,6 +57,11 @@ std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
   return poses_;
 }
 
+void ObjectMotion::place(std::size_t object, const geometry::Pose& world_from_object) {
+  poses_[object] = world_from_object;
+  if (number_[object] >= 0) physics_.place(number_[object], world_from_object);
+}
+
 /// With the numbers of the scene's objects.
 void ObjectMotion::keep_hits() {
   const auto hits = physics_.hits();

@@ -21,6 +21,9 @@ class ObjectMotion {
   /// For the compositing thread: where the objects are at a time. The first call takes what stands
   /// in the room, seen from `world_from_camera`. Never waits for more than a copy.
   std::span<const geometry::Pose> advance(double time_s, const geometry::Pose& world_from_camera);
+  /// For the same thread, before advance(): puts an object elsewhere; one that moves goes on from
+  /// there, at rest.
+  void place(std::size_t object, const geometry::Pose& world_from_object);
   bool moves(std::size_t object) const { return moves_[object]; }
   /// For the thread that follows people: hits until that time that were not taken yet.
   void take_hits(double time_s, std::vector<touch::Event>& out);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/session/room_keeper.h"
 
-#include <chrono>
 #include <utility>
 
 #include "host/session/change_sink.h"
@@ -26,43 +25,16 @@ Result<void> RoomKeeper::push(const output::CompositePtr& composite) {
   return {};
 }
 
-Result<RoomKeeper::Next> RoomKeeper::make(std::shared_ptr<KeptBackground> background,
-                                          BackendChoice backend, bool hides) {
-  Next next{std::move(background), std::make_unique<HidingCompositor>()};
-  MIXRIG_TRY(next.compositor->open(next.background->setup, backend, hides));
-  return next;
+std::shared_ptr<const KeptBackground> RoomKeeper::take_learned() {
+  return sink_ != nullptr ? sink_->take_learned() : nullptr;
 }
 
-Result<void> RoomKeeper::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides) {
-  if (sink_ == nullptr) return {};
-  if (!making_.valid()) {
-    auto learned = sink_->take_learned();
-    if (!learned) return {};
-    making_ = std::async(std::launch::async, make, std::move(learned), session_.backend, hides);
-  }
-  using std::chrono::seconds;
-  if (live_ && making_.wait_for(seconds(0)) != std::future_status::ready) return {};
-  const HostTime begin = clock_.now();
-  MIXRIG_ASSIGN(Next next, making_.get());
-  compositor = std::move(next.compositor);
-  in_use_ = std::move(next.background);
-  swap_ms_.add(milliseconds(clock_.now() - begin));
-  return {};
-}
-
-Result<void> RoomKeeper::finish() {
-  if (making_.valid()) making_.wait();
-  return thread_ ? thread_->finish() : Result<void>();
-}
+Result<void> RoomKeeper::finish() { return thread_ ? thread_->finish() : Result<void>(); }
 
 const KeptBackground* RoomKeeper::kept() const {
   return sink_ != nullptr ? sink_->kept() : nullptr;
 }
 
-RoomChangesReport RoomKeeper::report() const {
-  RoomChangesReport report = sink_->report();
-  report.swap_ms = swap_ms_;
-  return report;
-}
+RoomChangesReport RoomKeeper::report() const { return sink_->report(); }
 
 }  // namespace mixrig::session

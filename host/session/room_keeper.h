@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the background of a run alive: a thread that watches, and a compositor that is changed.
+// Keeps the background of a run alive: a thread that watches it.
 #pragma once
 
 #include <filesystem>
-#include <future>
 #include <memory>
 
 #include "host/output/sink_thread.h"
-#include "host/session/hiding_compositor.h"
 #include "host/session/kept_background.h"
 #include "host/session/room_changes_report.h"
 
@@ -27,9 +25,8 @@ class RoomKeeper {
   /// Gives one of five finished frames to the watch, and where a live run loses some, the next one
   /// that there is. Errors: those of an earlier one.
   Result<void> push(const output::CompositePtr& composite);
-  /// Before a frame: where changes were accepted, exchanges the compositor. The new one is made on
-  /// another thread while frames go on with the old one. Errors: those of HidingCompositor::open().
-  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides);
+  /// The background with changes that were accepted since the last call; null: none.
+  std::shared_ptr<const KeptBackground> take_learned();
   /// Ends the watch. Errors: those of the watch.
   Result<void> finish();
   /// After finish(); precondition: is_open().
@@ -37,23 +34,11 @@ class RoomKeeper {
   const KeptBackground* kept() const;
 
  private:
-  /// The setup that a compositor was made of has to outlive it.
-  struct Next {
-    std::shared_ptr<KeptBackground> background;
-    std::unique_ptr<HidingCompositor> compositor;
-  };
-  static Result<Next> make(std::shared_ptr<KeptBackground> background, BackendChoice backend,
-                           bool hides);
-
   const Session& session_;
   const bool live_;
   ChangeSink* sink_ = nullptr;  ///< that of thread_
   int next_look_ = 0;           ///< number of a frame
   std::unique_ptr<output::SinkThread> thread_;
-  std::future<Result<Next>> making_;
-  std::shared_ptr<KeptBackground> in_use_;
-  SystemClock clock_;
-  measure::QuantileSketch swap_ms_;
 };
 
 /// Writes the background that changes were accepted into as a room, or a background of one view, of

@@ -24,6 +24,7 @@
 #include "host/session/people_sink.h"
 #include "host/session/pose_sink.h"
 #include "host/session/room_keeper.h"
+#include "host/session/setup_exchange.h"
 #include "host/session/slip.h"
 #include "host/session/touch_stage.h"
 
@@ -82,6 +83,7 @@ class Runner {
       : session_(session),
         options_(std::move(options)),
         clock_(clock),
+        exchange_(session_, live()),
         judge_(!session.setup.backdrop) {}
 
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
@@ -104,7 +106,9 @@ class Runner {
   Result<std::optional<capture::CaptureItem>> next_item();
   Result<void> open_sinks(FrameRange range);
   Result<void> open_people();
+  Result<void> follow_changes();
   void move_objects(output::Composite& composite);
+  void place_moved_objects();
   Result<void> prepare_frame_poses();
   Result<void> open_baselines();
   render::OutputMask wanted_by_sinks(int number) const;
@@ -122,8 +126,12 @@ class Runner {
   Session& session_;
   RunOptions options_;
   const Clock& clock_;
-  bool hides_ = false;                ///< frames without virtual objects are expected
-  std::optional<RoomKeeper> keeper_;  ///< has what compositor_ was made of
+  bool hides_ = false;  ///< frames without virtual objects are expected
+  std::optional<RoomKeeper> keeper_;
+  SetupExchange exchange_;  ///< has what compositor_ was made of
+  FrameScene frame_scene_;
+  bool scene_differs_ = false;                ///< of the frame: frame_scene_ from the setup
+  std::vector<geometry::Pose> wanted_poses_;  ///< of objects with physics, that they were put at
   std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
   std::optional<pose::FramePoses> poses_;
   HeadWatch head_;
@@ -167,6 +175,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (options_.baselines) MIXRIG_TRY(open_baselines());
   keeper_.emplace(session_, live());
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
+  if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
   report_.backend = backend_of(compositor_->whole());
   report_.renderer = compositor_->whole().renderer();
@@ -256,15 +265,37 @@ Result<void> Runner::open_people() {
   return {};
 }
 
+/// Of the room and of the scene.
+Result<void> Runner::follow_changes() {
+  exchange_.use(keeper_->take_learned());
+  if (options_.scene) exchange_.use(options_.scene->take_edited());
+  MIXRIG_TRY(exchange_.exchange(compositor_, hides_));
+  if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
+  return {};
+}
+
 void Runner::move_objects(output::Composite& composite) {
   composite.world_from_object.clear();
-  if (!motion_) return;
+  if (!motion_) {
+    if (scene_differs_ || exchange_.is_edited())
+      composite.world_from_object = frame_scene_.world_from_object;
+    return;
+  }
+  place_moved_objects();
   if (people_ != nullptr && !live()) people_->wait_until_idle();
   const HostTime begin = clock_.now();
   const auto poses =
       motion_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
   report_.physics_ms.add(milliseconds(clock_.now() - begin));
   composite.world_from_object.assign(poses.begin(), poses.end());
+}
+
+/// Objects with physics go on from where the scene has been changed to put them.
+void Runner::place_moved_objects() {
+  const auto& wanted = frame_scene_.world_from_object;
+  for (std::size_t i = 0; i < std::min(wanted.size(), wanted_poses_.size()); ++i)
+    if (!(wanted[i] == wanted_poses_[i])) motion_->place(i, wanted[i]);
+  wanted_poses_ = wanted;
 }
 
 /// Images that a frame's sinks require; always the matte, for the share of foreground.
@@ -303,7 +334,7 @@ Result<bool> Runner::frame() {
     ended_ = *std::move(fault);
     return false;
   }
-  MIXRIG_TRY(keeper_->exchange(compositor_, hides_));
+  MIXRIG_TRY(follow_changes());
   const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
   const bool inspected = (wanted & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
@@ -327,7 +358,7 @@ Result<bool> Runner::frame() {
 
   // Inspection images cost time that a live frame does not spend: a second, untimed pass.
   if (inspected) MIXRIG_TRY(compose(composite, wanted, composite.images));
-  if (judges()) MIXRIG_TRY(judge(composite, *item->truth));
+  if (judges() && !exchange_.is_edited()) MIXRIG_TRY(judge(composite, *item->truth));
   MIXRIG_TRY(deliver(last_));
   return true;
 }
@@ -391,7 +422,8 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
   images.wanted = wanted;
   return compositor_->compose(
       {composite.capture->plate, composite.capture->depth_m, composite.world_from_target,
-       frame_lens(*composite.capture), composite.world_from_object},
+       frame_lens(*composite.capture), composite.world_from_object,
+       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
       composite.objects_shown, images);
 }
 
@@ -429,7 +461,13 @@ Result<void> Runner::add_last_to_sheet() {
 
 Result<void> Runner::finish_watch() {
   MIXRIG_TRY(keeper_->finish());
-  if (keeper_->is_open()) report_.room_changes = keeper_->report();
+  exchange_.finish();
+  report_.swap_ms = exchange_.swap_ms();
+  if (options_.scene) report_.scene_edits = options_.scene->edits();
+  if (keeper_->is_open()) {
+    report_.room_changes = keeper_->report();
+    report_.room_changes->swap_ms = exchange_.swap_ms();
+  }
   if (!options_.save_room) return {};
   if (keeper_->kept() != nullptr) return save_kept(session_, *keeper_->kept(), *options_.save_room);
   log_warning("session", "--save-room " + options_.save_room->string() +

@@ -13,6 +13,7 @@
 #include "host/output/composite_sink.h"
 #include "host/output/files_sink.h"
 #include "host/session/run_report.h"
+#include "host/session/scene_follower.h"
 #include "host/session/session.h"
 
 namespace mixrig::session {
@@ -32,7 +33,9 @@ struct RunOptions {
   bool baselines = false;  ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
-  ChangeOptions changes;                           ///< which of them become background
+  ChangeOptions changes;  ///< which of them become background
+  /// Whose changes of the scene are composited, of this session; null: a live run makes its own.
+  std::shared_ptr<SceneFollower> scene;
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
 };
@@ -44,13 +47,13 @@ struct RunOptions {
 /// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
 /// Objects with physics move before each frame, by what was seen of people up to the frame before;
 /// a recording waits for that, so that the same take gives the same pictures.
-/// Memory does not grow with the number of frames. The room is watched in a thread of its own
-/// (ChangeSink); the background that changes were accepted into is written at the end, if there is
-/// one.
-/// Errors: kUsage for frames out of range, an OUT that no earlier run made, or baselines of a
-/// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
-/// be read, or where the source ended or was stopped before the first frame; kIo; those of the back
-/// end and of the sinks.
+/// Changes of the scene are composited from the next frames on (SceneFollower); a run that is
+/// judged is judged until then. Memory does not grow with the number of frames. The room is watched
+/// in a thread of its own (ChangeSink); the background that changes were accepted into is written
+/// at the end, if there is one. Errors: kUsage for frames out of range, an OUT that no earlier run
+/// made, or baselines of a source without truth or of a scene that has none (Baselines::open);
+/// kData where a frame cannot be read, or where the source ended or was stopped before the first
+/// frame; kIo; those of the back end and of the sinks.
 Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
                       const ProgressFn& progress);
 

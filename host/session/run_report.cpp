@@ -254,6 +254,13 @@ nlohmann::json to_json(const RunReport& report) {
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
   if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
+  if (report.scene_edits)
+    out["scene_edits"] = {{"taken", report.scene_edits->taken},
+                          {"refused", report.scene_edits->refused},
+                          {"swap_ms", report.swap_ms.count() == 0
+                                          ? nlohmann::json(nullptr)
+                                          : nlohmann::json{{"p50", quantile(report.swap_ms, 0.5)},
+                                                           {"max", quantile(report.swap_ms, 1)}}}};
   if (report.people) out["people"] = to_json(*report.people);
   if (report.events) out["events"] = to_json(*report.events);
   if (!report.pose_outs.empty()) out["pose_out"] = to_json(report.pose_outs);

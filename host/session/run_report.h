@@ -22,6 +22,7 @@
 #include "host/session/pose_errors.h"
 #include "host/session/pose_sink.h"
 #include "host/session/room_changes_report.h"
+#include "host/session/scene_follower.h"
 #include "host/session/slip.h"
 #include "host/session/touch_stage.h"
 
@@ -55,6 +56,8 @@ struct RunReport {
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;                              ///< peak
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
+  std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
+  measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor
   std::optional<PeopleReport> people;             ///< where they were followed
   std::optional<TouchReport> events;              ///< where touching was watched
   measure::QuantileSketch physics_ms;             ///< of a frame, in the compositing thread

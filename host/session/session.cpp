@@ -14,86 +14,13 @@
 namespace mixrig::session {
 namespace {
 
-glm::vec3 to_glm(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-glm::dvec3 to_glm(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-MeshArrays arrays_of(const scene::Mesh& mesh) {
-  MeshArrays arrays;
-  for (const auto& p : mesh.positions_m) arrays.positions_m.push_back(to_glm(p));
-  for (const auto& n : mesh.normals) arrays.normals.push_back(to_glm(n));
-  for (const auto& t : mesh.uv) arrays.uv.emplace_back(t.x(), t.y());
-  return arrays;
-}
-
-render::MeshView view_of(const scene::Mesh& mesh, const scene::Model& model,
-                         const MeshArrays& arrays) {
-  render::MeshView view;
-  view.positions_m = arrays.positions_m;
-  view.normals = arrays.normals;
-  view.uv = arrays.uv;
-  view.indices = mesh.indices;
-  view.base_color = to_glm(mesh.base_color);
-  if (mesh.texture >= 0) view.texture = model.textures[static_cast<std::size_t>(mesh.texture)];
-  view.double_sided = mesh.double_sided;
-  return view;
-}
-
-/// The scene's objects, and the set's model.
-std::vector<const scene::Object*> objects_of(const scene::Scene& scene) {
-  std::vector<const scene::Object*> objects;
-  for (const scene::Object& object : scene.objects) objects.push_back(&object);
-  if (scene.set && scene.set->model) objects.push_back(&*scene.set->model);
-  return objects;
-}
-
-void add_objects(Session& session) {
-  const auto objects = objects_of(session.scene);
-  for (const scene::Object* object : objects)
-    for (const scene::Mesh& mesh : object->model.meshes) session.meshes.push_back(arrays_of(mesh));
-  auto arrays = session.meshes.begin();
-  for (const scene::Object* object : objects) {
-    render::VirtualObject out;
-    for (const scene::Mesh& mesh : object->model.meshes)
-      out.meshes.push_back(view_of(mesh, object->model, *arrays++));
-    out.world_from_object = object->world_from_object;
-    out.scale = object->scale;
-    out.casts_shadow = object->casts_shadow;
-    out.in_set = session.scene.set && session.scene.set->model &&
-                 object == &session.scene.set->model.value();
-    session.setup.objects.push_back(std::move(out));
-  }
-}
-
 /// What replaces the real background, if anything does. The set's picture fills the view.
 void add_set(Session& session) {
-  render::CompositorSetup& setup = session.setup;
-  setup.open_walls = session.scene.background.open_walls;
-  setup.people_cast_shadows = session.scene.light.people_cast;
   if (!session.scene.set) return;
   const Image<Rgb8>& picture = session.scene.set->picture;
-  if (!picture.empty()) session.backdrop = image_io::scaled_to_fill(picture, setup.view.size_px);
-  setup.backdrop = render::Backdrop{session.backdrop};
-  setup.people_cast_shadows = session.scene.set->model.has_value();
-}
-
-void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup) {
-  setup.light.ambient = to_glm(scene.light.ambient);
-  setup.light.exposure = static_cast<float>(scene.light.exposure);
-  for (const scene::Lamp& lamp : scene.light.lamps) {
-    render::Lamp out;
-    out.position_m = to_glm(lamp.position_m);
-    if (lamp.direction) out.direction = to_glm(*lamp.direction);
-    out.size_m = {lamp.size_m.x(), lamp.size_m.y()};
-    out.intensity = to_glm(lamp.intensity);
-    setup.light.lamps.push_back(out);
-  }
-  setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
-  setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
-  setup.key.color = scene.key.color;
-  setup.key.refine = scene.key.refine;
-  if (const auto& volume = scene.capture_volume)
-    setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),
-                         static_cast<float>(volume->floor_tolerance_m)};
+  if (!picture.empty())
+    session.backdrop = image_io::scaled_to_fill(picture, session.setup.view.size_px);
+  session.setup.backdrop = render::Backdrop{session.backdrop};
 }
 
 /// Adds the scene's file and key to an error.
@@ -300,9 +227,9 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
     if (auto fine = check_empty_frames(session->source->info(), *learn); !fine)
       return at_key(*session, "background.learn", std::move(fine).error());
   }
-  add_objects(*session);
+  session->meshes = mesh_arrays(session->scene);
+  set_scene(session->scene, session->meshes, session->setup);
   add_set(*session);
-  add_light_and_key(session->scene, session->setup);
   MIXRIG_TRY(check_poses(*session));
   return session;
 }

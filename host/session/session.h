@@ -22,6 +22,7 @@
 #include "host/scene/scene.h"
 #include "host/session/backend.h"
 #include "host/session/open_source.h"
+#include "host/session/scene_setup.h"
 
 namespace mixrig::session {
 
@@ -38,12 +39,6 @@ struct SessionOptions {
   std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
-};
-
-/// A mesh of the scene in the types of the back ends.
-struct MeshArrays {
-  std::vector<glm::vec3> positions_m, normals;
-  std::vector<glm::vec2> uv;
 };
 
 /// All data that is constant during a run. `setup` points into the other members, so a session

@@ -30,7 +30,7 @@ std::vector<touch::Shape> shapes_of(const scene::Scene& scene) {
   for (const scene::Object& object : scene.objects) {
     std::vector<touch::Triangles> meshes;
     for (const scene::Mesh& mesh : object.model.meshes)
-      meshes.push_back({mesh.positions_m, mesh.indices});
+      if (!object.hidden) meshes.push_back({mesh.positions_m, mesh.indices});
     shapes.push_back(touch::make_shape(meshes, object.scale));
   }
   return shapes;

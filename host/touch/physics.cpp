@@ -58,6 +58,13 @@ std::unique_ptr<btCompoundShape> parts_about(const Shape& shape, const Eigen::Ve
   return compound;
 }
 
+btTransform world_from_middle(const geometry::Pose& world_from_object,
+                              const Eigen::Vector3f& middle_m) {
+  const Eigen::Quaternionf q = world_from_object.rotation.cast<float>();
+  return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()),
+                     to_bt(Eigen::Vector3d(world_from_object * middle_m.cast<double>())));
+}
+
 }  // namespace
 
 struct Physics::State {
@@ -139,9 +146,7 @@ int Physics::add(const Shape& shape, const geometry::Pose& world_from_object, co
   State::Moved object;
   object.middle_m = shape.box_m.center();
   object.moves = body != nullptr;
-  const Eigen::Quaternionf q = world_from_object.rotation.cast<float>();
-  const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()),
-                       to_bt(Eigen::Vector3d(world_from_object * object.middle_m.cast<double>())));
+  const btTransform at = world_from_middle(world_from_object, object.middle_m);
   std::unique_ptr<btCollisionShape> form;
   if (body != nullptr && body->is_ball)
     form = std::make_unique<btSphereShape>(0.5F * shape.box_m.sizes().maxCoeff());
@@ -175,6 +180,20 @@ void Physics::State::add_box(const Eigen::Vector3d& middle_m, const Eigen::Vecto
 
 void Physics::set_velocity(int object, const Eigen::Vector3d& velocity_m_s) {
   state_->objects[static_cast<std::size_t>(object)].body->setLinearVelocity(to_bt(velocity_m_s));
+}
+
+void Physics::place(int object, const geometry::Pose& world_from_object) {
+  State& s = *state_;
+  State::Moved& moved = s.objects[static_cast<std::size_t>(object)];
+  const btTransform at = world_from_middle(world_from_object, moved.middle_m);
+  moved.body->setWorldTransform(at);
+  moved.body->setInterpolationWorldTransform(at);
+  moved.body->setLinearVelocity({0, 0, 0});
+  moved.body->setAngularVelocity({0, 0, 0});
+  s.broadphase.getOverlappingPairCache()->cleanProxyFromPairs(moved.body->getBroadphaseHandle(),
+                                                              &s.dispatcher);
+  s.world.updateSingleAabb(moved.body);
+  s.poses[static_cast<std::size_t>(object)] = world_from_object;
 }
 
 /// What no side covers as runs of cells along x.

@@ -52,6 +52,8 @@ class Physics {
   void set_pushers(std::span<const Pusher> pushers);
   /// Of an object with a body, world axes.
   void set_velocity(int object, const Eigen::Vector3d& velocity_m_s);
+  /// Puts an object elsewhere, at rest.
+  void place(int object, const geometry::Pose& world_from_object);
   /// Goes on to that time; the first call only sets it.
   void advance(double time_s);
   /// Of the last advance(): impacts of objects on the room and on each other, at the time when the

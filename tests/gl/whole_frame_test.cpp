@@ -133,6 +133,34 @@ TEST(WholeFrame, draws_a_moved_object_as_one_that_stood_there) {
   }
 }
 
+/// In the frame in which it changes and after it; a lamp that was turned off comes back.
+TEST(WholeFrame, draws_by_a_changed_light_as_by_one_that_was_so) {
+  RoomSetup room(RoomSetup::Options{}), there(RoomSetup::Options{});
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  expect_agreement(pair, frame);
+  const Image<Rgb8> before = pair.cpu_frame.color;
+  ASSERT_FALSE(room.setup.light.lamps.empty());
+  std::vector<glm::vec3> intensity;
+  for (const render::Lamp& lamp : room.setup.light.lamps)
+    intensity.push_back(0.2F * lamp.intensity);
+  const std::vector<glm::vec3> dark(intensity.size(), glm::vec3(0));
+  frame.light = render::FrameLight{{0.5F, 0.4F, 0.3F}, 0.8F, dark};
+  expect_agreement(pair, frame);
+  frame.light->intensity = intensity;
+  there.setup.light.ambient = frame.light->ambient, there.setup.light.exposure = 0.8F;
+  for (std::size_t i = 0; i < intensity.size(); ++i)
+    there.setup.light.lamps[i].intensity = intensity[i];
+  Pair still = make_pair(there);
+  expect_agreement(still, there.frame());
+  for (int i = 0; i < 2; ++i) {
+    expect_agreement(pair, frame);
+    EXPECT_LT(psnr_db(pair.cpu_frame.color, before), 45) << "it has changed";
+    EXPECT_GE(psnr_db(pair.cpu_frame.color, still.cpu_frame.color), 60);
+    EXPECT_GE(psnr_db(pair.gles_frame.color, still.gles_frame.color), 60);
+  }
+}
+
 /// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
 render::FrameInput volume_frame(RoomSetup& room) {
   Eigen::Matrix3d axes;  // columns: right, down, forward

@@ -180,7 +180,7 @@ void CpuCompositor::follow(const FrameInput& input) {
     if (moving_background_) moving_background_->see_through(setup_);
   }
   preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
-                   place_objects(input.world_from_object, setup_));
+                   place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
 }
 
 Result<void> CpuCompositor::collect(FrameOutput& output) {

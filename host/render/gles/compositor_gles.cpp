@@ -235,7 +235,7 @@ void GlesCompositor::follow(const FrameInput& input) {
     if (people_shadow_) people_shadow_->set_view(tables_);
   }
   preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
-                   place_objects(input.world_from_object, setup_));
+                   place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
 }
 
 /// Only where the camera moves; while the pose stays, so does the background.

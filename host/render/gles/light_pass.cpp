@@ -59,7 +59,6 @@ void upload(const std::vector<LampParams>& from, const BufferHandle& to) {
 
 void set_constants(const Program& program, const CompositorSetup& setup) {
   program.set("lamp_count", static_cast<int>(setup.light.lamps.size()));
-  program.set("ambient", setup.light.ambient);
   const auto blockers = vogel_disc<kBlockerTapCount>();
   const auto shadows = vogel_disc<kShadowTapCount>();
   glUniform2fv(program.location("blocker_taps"), kBlockerTapCount, &blockers[0].x);
@@ -96,7 +95,6 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
     set_constants(step->program, setup);
   pass.set_view(tables);
-  pass.shade_.program.set("exposure", setup.light.exposure);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
   pass.has_people_ = pass.shade_.program.location("has_people");
   pass.lamps_ = make_lamps();
@@ -120,6 +118,9 @@ void LightPass::set_lamps(const FrameParams& params) {
                     &params.room.cell_from_camera);
   }
   upload(params.people_lamps, people_lamps_);
+  for (const Step* step : {&background_, &tiles_, &shade_})
+    step->program.set("ambient", params.light.ambient);
+  shade_.program.set("exposure", params.light.exposure);
 }
 
 Result<void> LightPass::set_room(const FrameParams& params) {

@@ -119,5 +119,71 @@ TEST(SceneEdit, AnObjectsPoseIsReplaced) {
   EXPECT_NE(missing.error().context.find("crate, vase"), std::string::npos);
 }
 
+TEST(SceneEdit, AnObjectIsScaledAndHidden) {
+  const auto text = with_object(kScene, "scene.toml", "crate", {std::nullopt, 0.5, true});
+  ASSERT_TRUE(text) << text.error().context;
+  auto scene = parse_scene(*text, "scene.toml", false);
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->objects[0].scale, 0.5);
+  EXPECT_TRUE(scene->objects[0].hidden);
+  EXPECT_FALSE(scene->objects[1].hidden);
+  EXPECT_NE(text->find("# by eye"), std::string::npos) << "its pose stays as it was written";
+  const auto shown = with_object(*text, "scene.toml", "crate", {std::nullopt, std::nullopt, false});
+  ASSERT_TRUE(shown);
+  scene = parse_scene(*shown, "scene.toml", false);
+  EXPECT_FALSE(scene->objects[0].hidden);
+  EXPECT_EQ(scene->objects[0].scale, 0.5);
+  EXPECT_EQ(with_object(kScene, "scene.toml", "chair", {}).error().code, ErrorCode::kUsage);
+  EXPECT_FALSE(with_object(kScene, "scene.toml", "crate", {std::nullopt, 0.0, std::nullopt}));
+}
+
+TEST(SceneEdit, AnObjectComesAndGoes) {
+  Object lamp;
+  lamp.name = "a \"floor\" lamp", lamp.model_path = "lamp.glb", lamp.scale = 2;
+  lamp.world_from_object.translation_m = {1, 2, 0.25};
+  const auto added = with_new_object(kScene, "scene.toml", lamp);
+  ASSERT_TRUE(added) << added.error().context;
+  const auto scene = parse_scene(*added, "scene.toml", false);
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->objects.size(), 3U);
+  EXPECT_EQ(scene->objects[2].name, lamp.name);
+  EXPECT_EQ(scene->objects[2].world_from_object.translation_m,
+            lamp.world_from_object.translation_m);
+  EXPECT_EQ(with_new_object(*added, "scene.toml", lamp).error().code, ErrorCode::kUsage);
+  const auto removed = without_object(*added, "scene.toml", lamp.name);
+  ASSERT_TRUE(removed) << removed.error().context;
+  const auto before = parse_scene(*removed, "scene.toml", false);
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->objects.size(), 2U);
+  const auto first = without_object(kScene, "scene.toml", "crate");
+  ASSERT_TRUE(first) << first.error().context;
+  EXPECT_EQ(parse_scene(*first, "scene.toml", false)->objects[0].name, "vase");
+  for (const char* kept : {"# my scene", "# empty frames", "# measured", "# typed in"})
+    EXPECT_NE(first->find(kept), std::string::npos) << kept;
+}
+
+TEST(SceneEdit, AnObjectGoesWithItsPhysics) {
+  const std::string text = R"([[object]]
+name = "ball"
+model = "ball.glb"
+position_m = [0, 0, 1]
+
+[object.physics]
+mass_kg = 1.0
+
+# of the second one
+[[object]]
+name = "vase"
+model = "vase.glb"
+position_m = [0, 0, 0]
+)";
+  const auto left = without_object(text, "scene.toml", "ball");
+  ASSERT_TRUE(left) << left.error().context;
+  const auto scene = parse_scene(*left, "scene.toml", false);
+  ASSERT_EQ(scene->objects.size(), 1U);
+  EXPECT_FALSE(scene->objects[0].physics);
+  EXPECT_NE(left->find("# of the second one"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace mixrig::scene

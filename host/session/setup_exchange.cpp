@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/setup_exchange.h"
+
+#include <chrono>
+#include <utility>
+
+#include "host/session/session.h"
+
+namespace mixrig::session {
+
+void SetupExchange::use(std::shared_ptr<const KeptBackground> background) {
+  if (!background) return;
+  background_ = std::move(background), is_due_ = true;
+}
+
+void SetupExchange::use(EditedScenePtr scene) {
+  if (!scene) return;
+  scene_ = std::move(scene), is_due_ = true;
+}
+
+SetupExchange::MadePtr SetupExchange::begin() const {
+  auto made = std::make_unique<Made>();
+  made->background = background_, made->scene = scene_;
+  made->setup = background_ ? background_->setup : session_.setup;
+  if (scene_) set_scene(scene_->scene, scene_->meshes, made->setup);
+  return made;
+}
+
+Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice backend,
+                                                   bool hides) {
+  made->compositor = std::make_unique<HidingCompositor>();
+  MIXRIG_TRY(made->compositor->open(made->setup, backend, hides));
+  return made;
+}
+
+Result<void> SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides) {
+  if (!making_.valid()) {
+    if (!std::exchange(is_due_, false)) return {};
+    making_ = std::async(std::launch::async, make, begin(), session_.backend, hides);
+  }
+  if (live_ && making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+  const HostTime start = clock_.now();
+  MIXRIG_ASSIGN(MadePtr made, making_.get());
+  compositor = std::move(made->compositor);
+  in_use_ = std::move(made);
+  swap_ms_.add(milliseconds(clock_.now() - start));
+  return {};
+}
+
+void SetupExchange::finish() {
+  if (making_.valid()) making_.wait();
+}
+
+const scene::Scene& SetupExchange::scene() const {
+  return is_edited() ? in_use_->scene->scene : session_.scene;
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exchanges the compositor of a run where the background or the scene has changed.
+#pragma once
+
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "hal/base/clock.h"
+#include "host/measure/quantile_sketch.h"
+#include "host/session/hiding_compositor.h"
+#include "host/session/kept_background.h"
+#include "host/session/scene_follower.h"
+
+namespace mixrig::session {
+
+/// For the compositing thread of one run. The new compositor is made in another thread while frames
+/// of a live run go on with the old one; a recording waits, so that the same changes give the same
+/// pictures. Must outlive the compositors that it gives.
+class SetupExchange {
+ public:
+  /// `session` outlives it.
+  SetupExchange(const Session& session, bool live) : session_(session), live_(live) {}
+
+  /// From then on; null: nothing changed.
+  void use(std::shared_ptr<const KeptBackground> background);
+  void use(EditedScenePtr scene);
+  /// Before a frame. Errors: those of HidingCompositor::open().
+  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides);
+  /// Waits for a compositor in the making, which is dropped.
+  void finish();
+
+  /// That the compositor was made of.
+  const scene::Scene& scene() const;
+  bool is_edited() const { return in_use_ && in_use_->scene; }
+  /// Time that a frame lost by an exchange.
+  const measure::QuantileSketch& swap_ms() const { return swap_ms_; }
+
+ private:
+  /// What a compositor was made of has to outlive it.
+  struct Made {
+    std::shared_ptr<const KeptBackground> background;  ///< null: the session's
+    EditedScenePtr scene;                              ///< null: the session's
+    render::CompositorSetup setup;
+    std::unique_ptr<HidingCompositor> compositor;
+  };
+  using MadePtr = std::unique_ptr<Made>;
+  static Result<MadePtr> make(MadePtr made, BackendChoice backend, bool hides);
+  MadePtr begin() const;
+
+  const Session& session_;
+  const bool live_;
+  bool is_due_ = false;
+  std::shared_ptr<const KeptBackground> background_;
+  EditedScenePtr scene_;
+  MadePtr in_use_;
+  std::future<Result<MadePtr>> making_;
+  SystemClock clock_;
+  measure::QuantileSketch swap_ms_;
+};
+
+}  // namespace mixrig::session
