@@ -10,6 +10,7 @@
 
 #include "host/page/event_socket.h"
 #include "host/page/files.h"
+#include "host/page/json_body.h"
 #include "host/page/picture_stream.h"
 
 namespace mixrig::page {
@@ -22,6 +23,7 @@ namespace {
 constexpr std::uint32_t kMostHeader = 8 << 10;
 constexpr std::size_t kMostBuffer = 64 << 10;
 constexpr auto kMostIdle = std::chrono::seconds(30);
+constexpr auto kMostDrain = std::chrono::seconds(2);
 constexpr auto kMostUploadTime = std::chrono::seconds(120);
 
 Method method_of(http::verb verb) {
@@ -123,7 +125,7 @@ void Connection::serve(const Request& request) {
     const nlohmann::json state = hub_.state();
     return send({200,
                  "application/json",
-                 (wanted->part.empty() ? state : state.at(wanted->part)).dump(),
+                 to_text(wanted->part.empty() ? state : state.at(wanted->part)),
                  {}});
   }
   if (const auto* picture = std::get_if<GetPicture>(&route))
@@ -187,6 +189,15 @@ void Connection::act(Action action) {
   });
 }
 
+/// What the client still sends is read for a while, so that the answer is not lost with a reset.
+void Connection::drain() {
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(kMostBuffer),
+                          [self = shared_from_this()](beast::error_code error, std::size_t) {
+                            if (!error) self->drain();
+                          });
+}
+
 void Connection::answer(const Result<void>& done) {
   if (!done) return send(refusal(done.error()));
   send({200, "application/json", R"({"success":true})", {}});
@@ -210,6 +221,8 @@ void Connection::send(const Answer& answer, bool close) {
         if (!close) return self->read_header();
         boost::system::error_code ignored;
         self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+        self->stream_.expires_after(kMostDrain);
+        self->drain();
       });
 }
 

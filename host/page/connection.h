@@ -35,6 +35,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void act(Action action);
   void send(const Answer& answer, bool close = false);
   void answer(const Result<void>& done);
+  void drain();
   bool has_body() const;
 
   Hub& hub_;

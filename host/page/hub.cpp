@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/page/hub.h"
 
+#include <exception>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -8,6 +9,18 @@
 #include "host/page/event_socket.h"
 
 namespace mixrig::page {
+namespace {
+
+/// Folders and memory may throw.
+Result<void> apply(Operator& op, const Command& command) {
+  try {
+    return op.apply(command);
+  } catch (const std::exception& fault) {
+    return Error{ErrorCode::kIo, fault.what()};
+  }
+}
+
+}  // namespace
 
 nlohmann::json Hub::state() const {
   return to_json(op.state(), {view, pictures->frozen(), static_cast<int>(sockets.size())});
@@ -22,7 +35,7 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
     return done({});
   }
   boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
-    auto result = std::make_shared<Result<void>>(op.apply(command));
+    auto result = std::make_shared<Result<void>>(apply(op, command));
     boost::asio::post(io, [this, result, done = std::move(done)] {
       tell();
       done(std::move(*result));

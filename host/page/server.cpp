@@ -2,6 +2,7 @@
 #include "host/page/server.h"
 
 #include <charconv>
+#include <exception>
 #include <thread>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "hal/base/log.h"
 #include "host/page/connection.h"
 #include "host/page/event_socket.h"
 #include "host/page/hub.h"
@@ -63,6 +65,7 @@ struct Server::Impl {
   Result<void> open(const Listen& listen);
   void accept();
   void tell_later();
+  void serve();
 
   Hub hub;
   tcp::acceptor acceptor{hub.io};
@@ -116,6 +119,18 @@ void Server::Impl::tell_later() {
   });
 }
 
+/// What a handler throws (no memory) ends its connection alone.
+void Server::Impl::serve() {
+  for (;;) {
+    try {
+      hub.io.run();
+      return;
+    } catch (const std::exception& fault) {
+      log_warning("page", std::string("a connection failed: ") + fault.what());
+    }
+  }
+}
+
 Server::Impl::~Impl() {
   hub.pictures->set_on_new({});
   hub.io.stop();
@@ -139,7 +154,7 @@ Result<std::unique_ptr<Server>> Server::start(Operator& run, const Clock& clock,
   });
   all->accept();
   all->tell_later();
-  all->thread = std::thread([all] { all->hub.io.run(); });
+  all->thread = std::thread([all] { all->serve(); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 

@@ -17,14 +17,15 @@ CompositeRecorder::~CompositeRecorder() {
   if (files_) (void)finish();
 }
 
-bool CompositeRecorder::is_on() const {
-  const std::lock_guard lock(mutex_);
-  return files_ != nullptr;
+page::RecordingState CompositeRecorder::state() const {
+  const std::lock_guard lock(state_mutex_);
+  return state_;
 }
 
-page::RecordingState CompositeRecorder::state() const {
-  const std::lock_guard lock(mutex_);
-  return state_;
+template <typename Change>
+void CompositeRecorder::change_state(Change&& change) {
+  const std::lock_guard lock(state_mutex_);
+  change(state_);
 }
 
 std::string CompositeRecorder::free_name() const {
@@ -37,7 +38,7 @@ std::string CompositeRecorder::free_name() const {
 Result<void> CompositeRecorder::start(const std::string& name, const std::string& notes) {
   const std::lock_guard lock(mutex_);
   if (files_)
-    return Error{ErrorCode::kData, "\"" + state_.name + "\" is being recorded: stop it first"};
+    return Error{ErrorCode::kData, "\"" + state().name + "\" is being recorded: stop it first"};
   const std::string used = name.empty() ? free_name() : name;
   const fs::path wanted = folder_ / used;
   if (fs::exists(wanted))
@@ -52,9 +53,12 @@ Result<void> CompositeRecorder::start(const std::string& name, const std::string
                 output::FilesSink::create(path.path(), session_.source->info(), session_.setup.view,
                                           {.format = output::OutputFormat::kVideo}));
   path_.emplace(std::move(path));
-  state_ = {};
-  state_.on = true, state_.name = used, state_.notes = notes;
+  change_state([&](page::RecordingState& state) {
+    state = {};
+    state.on = true, state.name = used, state.notes = notes;
+  });
   last_number_ = 0;
+  on_ = true;
   return {};
 }
 
@@ -65,42 +69,53 @@ void CompositeRecorder::write(const output::CompositePtr& composite) {
   const int number = composite->capture->number;
   const double now_s = seconds(composite->capture->mid_exposure.time_since_epoch());
   if (last_number_ == 0) first_s_ = now_s;
-  if (last_number_ > 0) state_.lost += static_cast<std::uint64_t>(number - last_number_ - 1);
+  const int lost = last_number_ > 0 ? number - last_number_ - 1 : 0;
   last_number_ = number;
   if (auto done = files_->write(composite); !done) return give_up(done.error());
-  ++state_.frames;
-  state_.seconds = now_s - first_s_;
+  change_state([&](page::RecordingState& state) {
+    ++state.frames;
+    state.lost += static_cast<std::uint64_t>(lost);
+    state.seconds = now_s - first_s_;
+  });
 }
 
 /// Precondition: mutex_ is held.
 void CompositeRecorder::give_up(const Error& error) {
+  on_ = false;
   files_.reset(), path_.reset();
-  state_.on = false;
-  state_.error = to_line(error);
+  change_state([&](page::RecordingState& state) {
+    state.on = false;
+    state.error = to_line(error);
+  });
 }
 
+/// Precondition: mutex_ is held.
 Result<void> CompositeRecorder::finish() {
+  on_ = false;
+  const page::RecordingState made = state();
   config::Writer table;
-  table.set("name", state_.name).set("notes", state_.notes);
+  table.set("name", made.name).set("notes", made.notes);
   table.set("scene", session_.scene.path.string()).set("source", session_.source->info().name);
-  table.set("frames", static_cast<double>(state_.frames));
-  table.set("lost", static_cast<double>(state_.lost)).set("seconds", state_.seconds);
+  table.set("frames", static_cast<double>(made.frames));
+  table.set("lost", static_cast<double>(made.lost)).set("seconds", made.seconds);
   Result<void> done = files_->finish();
   if (done) done = write_file(path_->path() / "recording.toml", table.text());
   if (done) done = path_->commit();
   if (!done) return give_up(done.error()), done;
   files_.reset(), path_.reset();
-  state_.on = false;
-  state_.folder = (folder_ / state_.name).string();
+  change_state([&](page::RecordingState& state) {
+    state.on = false;
+    state.folder = (folder_ / made.name).string();
+  });
   return {};
 }
 
 Result<void> CompositeRecorder::stop() {
   const std::lock_guard lock(mutex_);
   if (!files_) return Error{ErrorCode::kData, "nothing is being recorded"};
-  if (state_.frames > 0) return finish();
+  if (state().frames > 0) return finish();
   const Error none{ErrorCode::kData,
-                   "\"" + state_.name + "\" has no frame yet: nothing was recorded"};
+                   "\"" + state().name + "\" has no frame yet: nothing was recorded"};
   give_up(none);
   return none;
 }

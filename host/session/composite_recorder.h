@@ -2,6 +2,7 @@
 // Records composites of a run while it goes on, from a start to a stop.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -33,7 +34,8 @@ class CompositeRecorder {
   Result<void> stop();
   /// A frame, while one runs. Frames that are not given, by their numbers, count as lost.
   void write(const output::CompositePtr& composite);
-  bool is_on() const;
+  /// These two never wait for a frame that is being written.
+  bool is_on() const { return on_; }
   page::RecordingState state() const;
   const std::filesystem::path& folder() const { return folder_; }
 
@@ -41,15 +43,20 @@ class CompositeRecorder {
   std::string free_name() const;
   Result<void> finish();
   void give_up(const Error& error);
+  template <typename Change>
+  void change_state(Change&& change);
 
   const Session& session_;
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  std::atomic<bool> on_ = false;
+  std::mutex
+      mutex_;  ///< guards the files and what is counted in them; held while a frame is written
   std::optional<PartialPath> path_;
   std::unique_ptr<output::FilesSink> files_;  ///< null: none runs
-  page::RecordingState state_;
-  int last_number_ = 0;  ///< of the run's frames; 0: none yet
+  int last_number_ = 0;                       ///< of the run's frames; 0: none yet
   double first_s_ = 0;
+  mutable std::mutex state_mutex_;  ///< guards state_; the last to be taken
+  page::RecordingState state_;
 };
 
 }  // namespace mixrig::session
