@@ -15,6 +15,7 @@ class CountSignals {
   ~CountSignals() { std::signal(SIGUSR1, old_); }
   CountSignals(const CountSignals&) = delete;
   CountSignals& operator=(const CountSignals&) = delete;
+  /// Others may count requests too.
   static std::atomic<int>& count() { return count_; }
 
  private:

@@ -9,6 +9,7 @@
 #include "host/tools/command.h"
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
+#include "host/tools/run_page.h"
 #include "host/tools/stop_on_signal.h"
 #include "host/viewfinder/viewfinder.h"
 
@@ -17,6 +18,7 @@ namespace {
 
 struct RunArguments {
   SessionArguments session;
+  PageArguments page;
   std::string out, frames, format = "png", view;
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false, follow_scene = false;
@@ -82,7 +84,11 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
-  if (arguments.follow_scene)
+  PageRun page;
+  if (arguments.page.serves) {
+    MIXRIG_ASSIGN(page, open_page(arguments.page, *session, clock, options));
+  }
+  if (arguments.follow_scene && !arguments.page.serves)
     options.scene = std::make_shared<session::SceneFollower>(*session, false);
   output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
   options.controls = &controls;
@@ -139,8 +145,11 @@ void add_run_command(Command app, Context& context) {
   command.add_flag("--follow-scene", arguments->follow_scene,
                    "composite what is saved to SCENE meanwhile, of a recording, too; live runs do");
   command.add_flag("--no-watch", arguments->no_watch, "do not look for changes of the room");
-  command.callback(
-      [&context, arguments] { context.action = [arguments] { return run(*arguments); }; });
+  add_page_options(command, arguments->page);
+  command.callback([&context, arguments, command] {
+    arguments->page.serves = command.count("--page") > 0;
+    context.action = [arguments] { return run(*arguments); };
+  });
 }
 
 }  // namespace mixrig::tools

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The live picture: a stream of JPEGs, drawn into a canvas, with its age.
+'use strict';
+
+const Picture = {
+  view: '', abort: null, captured_ms: 0, frame: 0, offset_ms: null, offset_error_ms: 0,
+
+  // Host time = performance.now() + offset. The answer that came back soonest tells it best.
+  noteClock(sent_ms, host_ms) {
+    const now_ms = performance.now(), error_ms = (now_ms - sent_ms) / 2;
+    if (this.offset_ms !== null && error_ms > this.offset_error_ms + 0.5) {
+      this.offset_error_ms += 0.05;  // clocks drift: an old one is trusted less and less
+      return;
+    }
+    this.offset_ms = host_ms - (sent_ms + now_ms) / 2;
+    this.offset_error_ms = error_ms;
+  },
+  age_ms() {
+    if (this.offset_ms === null || this.captured_ms === 0) return null;
+    return performance.now() + this.offset_ms - this.captured_ms;
+  },
+
+  show(view) {
+    if (view === this.view) return;
+    this.view = view;
+    if (this.abort) this.abort.abort();
+    this.run(view);
+  },
+
+  async run(view) {
+    while (this.view === view) {
+      this.abort = new AbortController();
+      try {
+        await this.read(view, this.abort.signal);
+      } catch (error) {
+        if (this.view === view) await new Promise(done => setTimeout(done, 500));
+      }
+    }
+  },
+
+  async read(view, signal) {
+    const answer = await fetch(`/api/v1/picture/${view}.mjpeg`, { signal });
+    if (!answer.ok) throw new Error(`picture: ${answer.status}`);
+    const reader = answer.body.getReader();
+    let held = new Uint8Array(0);
+    for (;;) {
+      const { value, done } = await reader.read();
+      if (done) return;
+      const more = new Uint8Array(held.length + value.length);
+      more.set(held);
+      more.set(value, held.length);
+      held = more;
+      let newest = null;
+      for (let part = nextPart(held); part; part = nextPart(held)) {
+        held = held.subarray(part.end);
+        newest = part;
+      }
+      if (newest) await this.draw(newest);
+    }
+  },
+
+  async draw(part) {
+    const bitmap = await createImageBitmap(new Blob([part.bytes], { type: 'image/jpeg' }));
+    const canvas = document.getElementById('canvas');
+    if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+      canvas.width = bitmap.width;
+      canvas.height = bitmap.height;
+    }
+    canvas.getContext('2d').drawImage(bitmap, 0, 0);
+    bitmap.close();
+    this.captured_ms = Number(part.fields['x-captured-ms']);
+    this.frame = Number(part.fields['x-frame']);
+    canvas.dataset.frame = this.frame;
+  },
+};
+
+// {fields, bytes, end} of the first whole part in `held`, or null.
+function nextPart(held) {
+  const limit = Math.min(held.length, 1024);
+  let head_end = -1;
+  for (let i = 0; i + 3 < limit; ++i)
+    if (held[i] === 13 && held[i + 1] === 10 && held[i + 2] === 13 && held[i + 3] === 10) {
+      head_end = i + 4;
+      break;
+    }
+  if (head_end < 0) return null;
+  const fields = {};
+  for (const line of new TextDecoder().decode(held.subarray(0, head_end)).split('\r\n')) {
+    const colon = line.indexOf(':');
+    if (colon > 0) fields[line.slice(0, colon).toLowerCase()] = line.slice(colon + 1).trim();
+  }
+  const length = Number(fields['content-length']);
+  if (!(length >= 0) || held.length < head_end + length + 2) return null;
+  return { fields, bytes: held.subarray(head_end, head_end + length), end: head_end + length + 2 };
+}

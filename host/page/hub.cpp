@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/page/hub.h"
+
+#include <exception>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+#include "host/page/event_socket.h"
+
+namespace mixrig::page {
+namespace {
+
+/// Folders and memory may throw.
+Result<void> apply(Operator& op, const Command& command) {
+  try {
+    return op.apply(command);
+  } catch (const std::exception& fault) {
+    return Error{ErrorCode::kIo, fault.what()};
+  }
+}
+
+}  // namespace
+
+nlohmann::json Hub::state() const {
+  return to_json(op.state(), {view, pictures->frozen(), static_cast<int>(sockets.size())});
+}
+
+void Hub::act(Action action, std::function<void(Result<void>)> done) {
+  if (const auto* select = std::get_if<SelectView>(&action)) view = select->view;
+  if (const auto* freeze = std::get_if<Freeze>(&action)) pictures->freeze(freeze->on);
+  auto* command = std::get_if<Command>(&action);
+  if (command == nullptr) {
+    tell();
+    return done({});
+  }
+  boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
+    auto result = std::make_shared<Result<void>>(apply(op, command));
+    boost::asio::post(io, [this, result, done = std::move(done)] {
+      tell();
+      done(std::move(*result));
+    });
+  });
+}
+
+void Hub::tell() {
+  if (sockets.empty()) return;
+  const nlohmann::json now = state();
+  for (EventSocket* socket : std::set(sockets)) socket->tell(now);
+}
+
+}  // namespace mixrig::page

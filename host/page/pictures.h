@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The newest picture of each view, as JPEG, between the sink that makes them and the clients.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "host/page/views.h"
+#include "host/render/compositor.h"
+
+namespace mixrig::page {
+
+struct Picture {
+  std::string jpeg;
+  std::uint64_t serial = 0;  ///< 1 for the first of its view
+  int frame = 0;             ///< number of the capture
+  HostTime mid_exposure{};   ///< of the plate
+};
+using PicturePtr = std::shared_ptr<const Picture>;
+
+/// Any threads. Holds one picture a view; older ones live while a client is being sent them.
+class Pictures {
+ public:
+  /// While somebody looks at a view, pictures of it are made.
+  void look(View view) { ++lookers_[index(view)]; }
+  void look_away(View view) { --lookers_[index(view)]; }
+  bool is_looked_at(View view) const { return lookers_[index(view)] > 0; }
+  /// Images of the compositor that the views need which somebody looks at; none while frozen.
+  render::OutputMask wanted() const;
+
+  /// Null before the first one.
+  PicturePtr newest(View view) const;
+  void put(View view, std::shared_ptr<Picture> picture);
+  /// Called on the thread of put(). Must neither wait nor call this object. After
+  /// set_on_new({}) it is not called any more.
+  void set_on_new(std::function<void(View)> on_new);
+
+  /// Frozen: the pictures stay as they are.
+  void freeze(bool on) { frozen_ = on; }
+  bool frozen() const { return frozen_; }
+
+ private:
+  static std::size_t index(View view) { return static_cast<std::size_t>(view); }
+
+  std::array<std::atomic<int>, kViews> lookers_{};
+  std::atomic<bool> frozen_ = false;
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::array<PicturePtr, kViews> newest_;
+  std::function<void(View)> on_new_;
+};
+
+}  // namespace mixrig::page

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of a run as JSON: an object of parts, each of which can be subscribed to. Pure.
+#pragma once
+
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "host/page/operator.h"
+#include "host/page/views.h"
+
+namespace mixrig::page {
+
+/// What belongs to the page and not to the run.
+struct PageState {
+  View view = View::kComposite;
+  bool frozen = false;
+  int clients = 0;
+};
+
+/// {"run", "picture", "pose", "recording", "background", "disk", "calibration", "streams",
+/// "objects", "lamps", "log", "view", "freeze", "clients"}: docs/page_openapi.yaml. Numbers are
+/// rounded, so that what is the same is told once.
+nlohmann::json to_json(const State& state, const PageState& page);
+
+/// Whether it is one of the names above.
+bool is_part(std::string_view name);
+const std::vector<std::string_view>& parts();
+
+}  // namespace mixrig::page

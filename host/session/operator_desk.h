@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run as the operator's page sees it.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "host/output/composite_sink.h"
+#include "host/page/operator.h"
+#include "host/session/composite_recorder.h"
+#include "host/session/scene_desk.h"
+
+namespace mixrig::session {
+
+struct DeskOptions {
+  std::filesystem::path takes;           ///< folder that recordings go to
+  std::atomic<int>* requests = nullptr;  ///< to accept changes of the room; may be null
+  bool live = false;                     ///< devices; else a recording that is played
+};
+
+/// Knows of the run what its sinks are given. `session` and `clock` outlive it; it outlives its
+/// sink.
+class OperatorDesk final : public page::Operator {
+ public:
+  OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower, const Clock& clock,
+               DeskOptions options);
+
+  page::State state() const override;
+  Result<void> apply(const page::Command& command) override;
+
+  /// For the run: sees every frame, and records.
+  std::unique_ptr<output::CompositeSink> make_sink();
+  /// For that sink.
+  render::OutputMask wanted() const;
+  void see(const output::CompositePtr& composite);
+
+ private:
+  /// Of the last frame, and of the last second.
+  struct Frames {
+    std::uint64_t count = 0;
+    int number = 0;
+    double frame_ms = 0, delay_ms = 0, fps = 0;
+    HostTime finished{}, second_began{};
+    std::uint64_t second_count = 0;
+    std::string pose = "unknown";
+    bool objects_shown = true, background_possible = false;
+    std::optional<SeenFrom> from;
+  };
+  Frames frames() const;
+  page::CalibrationState calibration() const;
+  std::vector<page::StreamState> streams() const;
+  Result<void> learn_background();
+
+  const Session& session_;
+  const Clock& clock_;
+  const DeskOptions options_;
+  SceneDesk scene_;
+  CompositeRecorder recorder_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  Frames frames_;
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/scene_desk.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include "hal/base/partial_path.h"
+#include "host/config/table.h"
+#include "host/scene/scene_edit.h"
+#include "host/scene/scene_manifest.h"
+
+namespace mixrig::session {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+constexpr std::size_t kMostSceneBytes = std::size_t{1} << 20;
+
+template <typename Named>
+Result<const Named*> named(const std::vector<Named>& all, const std::string& name,
+                           const char* kind) {
+  std::string names;
+  for (const Named& one : all) {
+    if (one.name == name) return &one;
+    names += (names.empty() ? "" : ", ") + one.name;
+  }
+  return Error{ErrorCode::kNotFound, "the scene has no " + std::string(kind) + " \"" + name +
+                                         "\": it has " + (names.empty() ? "none" : names)};
+}
+
+Result<const SeenFrom*> seen(const SeenFrom* from) {
+  if (from != nullptr) return from;
+  return Error{ErrorCode::kData, "no frame was composited yet: try again"};
+}
+
+double turn_of(const geometry::Pose& pose) {
+  const Vector3d x = pose.rotation * Vector3d::UnitX();
+  return std::atan2(x.y(), x.x());
+}
+
+/// "models/NAME.glb" that is free beside the scene; bytes that are no letters become '_'.
+fs::path free_model_path(const fs::path& folder, const std::string& name) {
+  std::string plain;
+  for (const char c : name) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  for (int i = 1;; ++i) {
+    const fs::path path =
+        fs::path("models") / (plain + (i > 1 ? "_" + std::to_string(i) : "") + ".glb");
+    if (!fs::exists(folder / path)) return path;
+  }
+}
+
+}  // namespace
+
+Result<Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at, double level_m) {
+  constexpr double kFarthest_m = 100;
+  const Size size = from.view.size_px;
+  const Eigen::Vector2d px(at.x() * size.width - 0.5, at.y() * size.height - 0.5);
+  const Eigen::Vector2d ray = from.view.unproject(px);
+  const Vector3d sight = from.world_from_view.rotation * Vector3d(ray.x(), ray.y(), 1);
+  const Vector3d& eye = from.world_from_view.translation_m;
+  const double along = (level_m - eye.z()) / sight.z();
+  if (!(along > 0) || !(along * sight.norm() < kFarthest_m))
+    return Error{ErrorCode::kData, "there is no floor under this place of the picture"};
+  return Vector3d(eye + along * sight);
+}
+
+std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from, const Vector3d& p_world) {
+  const Vector3d p = inverse(from.world_from_view) * p_world;
+  if (!(p.z() > 1e-3)) return std::nullopt;
+  const Eigen::Vector2d px = from.view.project(p);
+  const Size size = from.view.size_px;
+  const Eigen::Vector2d at((px.x() + 0.5) / size.width, (px.y() + 0.5) / size.height);
+  if (!at.allFinite() || at.minCoeff() < 0 || at.maxCoeff() > 1) return std::nullopt;
+  return at;
+}
+
+SceneDesk::SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower)
+    : session_(session), follower_(std::move(follower)) {}
+
+const scene::Scene& SceneDesk::shown_scene(const EditedScenePtr& newest) const {
+  return newest ? newest->scene : session_.scene;
+}
+
+/// Those of an older version of the scene are gone: the follower has dropped them.
+SceneDesk::Previews SceneDesk::previews() const {
+  const EditedScenePtr now = follower_->newest();
+  const std::lock_guard lock(mutex_);
+  return previews_.of == now ? previews_ : Previews{now, {}, {}};
+}
+
+/// Precondition: mutex_ is held.
+SceneDesk::Previews& SceneDesk::previews_of_now() {
+  const EditedScenePtr now = follower_->newest();
+  if (previews_.of != now) previews_ = {now, {}, {}};
+  return previews_;
+}
+
+Result<SceneDesk::Written> SceneDesk::written() const {
+  Written written;
+  MIXRIG_ASSIGN(written.text, config::read_text(session_.scene.path, kMostSceneBytes));
+  MIXRIG_ASSIGN(written.scene, scene::parse_scene(written.text, session_.scene.path, false));
+  return written;
+}
+
+Result<std::string> SceneDesk::with_poses(std::string text, const std::string& but_object) const {
+  const Previews shown = previews();
+  for (const auto& [name, pose] : shown.poses) {
+    if (name == but_object) continue;
+    MIXRIG_ASSIGN(text, scene::with_object(text, session_.scene.path, name,
+                                           {pose, std::nullopt, std::nullopt}));
+  }
+  return text;
+}
+
+/// As they are shown.
+std::vector<scene::Lamp> SceneDesk::lamps_of(const scene::Scene& scene) const {
+  const Previews shown = previews();
+  std::vector<scene::Lamp> lamps = scene.light.lamps;
+  for (scene::Lamp& lamp : lamps)
+    if (const auto found = shown.lamps.find(lamp.name); found != shown.lamps.end())
+      lamp.intensity = found->second;
+  return lamps;
+}
+
+Result<geometry::Pose> SceneDesk::wanted_pose(const scene::Object& object,
+                                              const page::SetObject& set,
+                                              const SeenFrom* from) const {
+  const Previews shown = previews();
+  const auto preview = shown.poses.find(object.name);
+  geometry::Pose pose = preview != shown.poses.end() ? preview->second : object.world_from_object;
+  if (set.position_m) pose.translation_m = *set.position_m;
+  if (set.at) {
+    MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
+    MIXRIG_ASSIGN(pose.translation_m, point_on_level(*used, *set.at, pose.translation_m.z()));
+  }
+  if (set.turn_rad)
+    pose.rotation =
+        Eigen::AngleAxisd(*set.turn_rad - turn_of(pose), Vector3d::UnitZ()) * pose.rotation;
+  return pose;
+}
+
+Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) {
+  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const scene::Object* object, named(now.scene.objects, set.name, "object"));
+  if (object->physics && (set.position_m || set.at || set.turn_rad))
+    return Error{ErrorCode::kUnsupported, "\"" + set.name + "\" is moved by physics"};
+  MIXRIG_ASSIGN(const geometry::Pose pose, wanted_pose(*object, set, from));
+  follower_->preview_object(set.name, pose);
+  {
+    const std::lock_guard lock(mutex_);
+    previews_of_now().poses[set.name] = pose;
+  }
+  if (set.preview) return {};
+  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), set.name));
+  MIXRIG_ASSIGN(
+      text, scene::with_object(text, session_.scene.path, set.name, {pose, set.scale, set.hidden}));
+  return write_file(session_.scene.path, text);
+}
+
+Result<void> SceneDesk::apply(const page::AddObject& add, const SeenFrom* from) {
+  MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
+  scene::Object object;
+  object.name = add.name;
+  MIXRIG_ASSIGN(object.model, scene::load_gltf(add.glb));
+  // In the lower middle of the picture, on the floor.
+  MIXRIG_ASSIGN(Vector3d place, point_on_level(*used, {0.5, 0.7}, 0));
+  place.z() = -static_cast<double>(scene::bounds(object.model).min_m.z());
+  object.world_from_object.translation_m = place;
+  const fs::path folder = session_.scene.path.parent_path();
+  object.model_path = free_model_path(folder, add.name);
+  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const std::string text, with_poses(std::move(now.text), ""));
+  std::error_code code;
+  fs::create_directories(folder / "models", code);
+  if (!code) fs::copy_file(add.glb, folder / object.model_path, code);
+  if (code)
+    return system_error(ErrorCode::kIo,
+                        "cannot write '" + (folder / object.model_path).string() + "'",
+                        code.value());
+  auto edited = scene::with_new_object(text, session_.scene.path, object);
+  Result<void> done = edited ? write_file(session_.scene.path, *edited) : edited.error();
+  if (!done) fs::remove(folder / object.model_path, code);
+  return done;
+}
+
+Result<void> SceneDesk::apply(const page::RemoveObject& remove) {
+  MIXRIG_ASSIGN(Written now, written());
+  const auto found = named(now.scene.objects, remove.name, "object");
+  if (!found) return found.error();
+  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), remove.name));
+  MIXRIG_ASSIGN(text, scene::without_object(text, session_.scene.path, remove.name));
+  return write_file(session_.scene.path, text);
+}
+
+Result<void> SceneDesk::write_lamps(std::string text, const std::vector<scene::Lamp>& lamps) const {
+  MIXRIG_ASSIGN(text, with_poses(std::move(text), ""));
+  MIXRIG_ASSIGN(text, scene::with_lamps(text, session_.scene.path, lamps, std::nullopt));
+  return write_file(session_.scene.path, text);
+}
+
+/// A lamp that is off has no intensity; what it had is kept for when it is switched on again.
+Eigen::Vector3f SceneDesk::wanted_intensity(const page::SetLamp& set, const Eigen::Vector3f& old) {
+  Eigen::Vector3f wanted = old;
+  const std::lock_guard lock(mutex_);
+  const bool was_on = old.maxCoeff() > 0;
+  if (set.on == false && was_on) dark_[set.name] = old;
+  if (set.on == true && !was_on)
+    wanted = dark_.contains(set.name) ? dark_[set.name] : Eigen::Vector3f(1, 1, 1);
+  if (set.intensity) wanted = *set.intensity;
+  if (set.on == false) wanted.setZero();
+  previews_of_now().lamps[set.name] = wanted;
+  return wanted;
+}
+
+Result<void> SceneDesk::apply(const page::SetLamp& set) {
+  MIXRIG_ASSIGN(Written now, written());
+  std::vector<scene::Lamp> lamps = lamps_of(now.scene);
+  MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, set.name, "lamp"));
+  scene::Lamp& lamp = lamps[static_cast<std::size_t>(old - lamps.data())];
+  lamp.intensity = wanted_intensity(set, lamp.intensity);
+  follower_->preview_lamp(set.name, lamp.intensity);
+  return set.preview ? Result<void>() : write_lamps(std::move(now.text), lamps);
+}
+
+Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
+  MIXRIG_ASSIGN(Written now, written());
+  std::vector<scene::Lamp> lamps = lamps_of(now.scene);
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(lamps.begin(), lamps.end(), [&](const auto& l) { return l.name == name; });
+  };
+  scene::Lamp lamp;
+  lamp.name = add.name;
+  for (std::size_t i = lamps.size() + 1;
+       lamp.name.empty() || (add.name.empty() && taken(lamp.name)); ++i)
+    lamp.name = "lamp " + std::to_string(i);
+  if (taken(lamp.name))
+    return Error{ErrorCode::kUsage, "there is a lamp \"" + lamp.name + "\": give another name"};
+  lamp.intensity = add.intensity;
+  if (add.position_m) lamp.position_m = *add.position_m;
+  if (add.at) {
+    MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
+    MIXRIG_ASSIGN(lamp.position_m, point_on_level(*used, *add.at, 0));
+    lamp.position_m.z() = add.height_m;
+  }
+  lamps.push_back(lamp);
+  return write_lamps(std::move(now.text), lamps);
+}
+
+Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
+  MIXRIG_ASSIGN(Written now, written());
+  std::vector<scene::Lamp> lamps = lamps_of(now.scene);
+  MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, remove.name, "lamp"));
+  lamps.erase(lamps.begin() + (old - lamps.data()));
+  return write_lamps(std::move(now.text), lamps);
+}
+
+Result<void> SceneDesk::save() {
+  MIXRIG_ASSIGN(Written now, written());
+  const Previews shown = previews();
+  MIXRIG_ASSIGN(std::string edited, with_poses(now.text, ""));
+  if (!shown.lamps.empty()) return write_lamps(std::move(edited), lamps_of(now.scene));
+  return edited == now.text ? Result<void>() : write_file(session_.scene.path, edited);
+}
+
+std::vector<page::ObjectState> SceneDesk::objects(const SeenFrom* from) const {
+  const EditedScenePtr now = follower_->newest();
+  const Previews shown = previews();
+  std::vector<page::ObjectState> states;
+  for (const scene::Object& object : shown_scene(now).objects) {
+    const auto preview = shown.poses.find(object.name);
+    const geometry::Pose& pose =
+        preview != shown.poses.end() ? preview->second : object.world_from_object;
+    page::ObjectState& state = states.emplace_back();
+    state.name = object.name, state.scale = object.scale, state.hidden = object.hidden;
+    state.position_m = pose.translation_m, state.turn_rad = turn_of(pose);
+    state.moves = object.physics.has_value();
+    if (from != nullptr) state.at = place_in_picture(*from, pose.translation_m);
+  }
+  return states;
+}
+
+std::vector<page::LampState> SceneDesk::lamps(const SeenFrom* from) const {
+  const EditedScenePtr now = follower_->newest();
+  const Previews shown = previews();
+  std::vector<page::LampState> states;
+  for (const scene::Lamp& lamp : shown_scene(now).light.lamps) {
+    const auto preview = shown.lamps.find(lamp.name);
+    page::LampState& state = states.emplace_back();
+    state.name = lamp.name, state.position_m = lamp.position_m;
+    state.intensity = preview != shown.lamps.end() ? preview->second : lamp.intensity;
+    state.on = state.intensity.maxCoeff() > 0;
+    if (from != nullptr) state.at = place_in_picture(*from, lamp.position_m);
+  }
+  return states;
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's page of mixrig run.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/page/server.h"
+#include "host/session/operator_desk.h"
+#include "host/session/run.h"
+#include "host/tools/command_line.h"
+
+namespace mixrig::tools {
+
+struct PageArguments {
+  bool serves = false;  ///< --page was given
+  std::string listen, takes = "recordings";
+};
+/// --page and --record-to.
+void add_page_options(Command command, PageArguments& arguments);
+
+/// Serves the page while it lives.
+struct PageRun {
+  std::unique_ptr<session::OperatorDesk> desk;
+  std::unique_ptr<page::Server> server;
+};
+
+/// A recording is played at its rate from now on, again and again, and is not judged. Adds sinks
+/// and the scene's follower to `options`; says on stderr where the page is. `session` and `clock`
+/// outlive it. Errors: those of page::parse_listen and page::Server::start.
+Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
+                          session::RunOptions& options);
+
+}  // namespace mixrig::tools

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run that notes what it is asked for.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "host/page/operator.h"
+
+namespace mixrig::page {
+
+class FakeOperator final : public Operator {
+ public:
+  State state() const override {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+  Result<void> apply(const Command& command) override {
+    std::unique_lock lock(mutex_);
+    commands_.push_back(command);
+    if (const auto* add = std::get_if<AddObject>(&command))
+      upload_bytes_ = std::filesystem::file_size(add->glb);
+    if (std::holds_alternative<LearnBackground>(command)) return refuse_;
+    if (const auto* set = std::get_if<SetLamp>(&command)) state_.lamps[0].on = *set->on;
+    return {};
+  }
+  std::vector<Command> commands() const {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+  void set(const State& state) {
+    const std::lock_guard lock(mutex_);
+    state_ = state;
+  }
+  std::uintmax_t upload_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return upload_bytes_;
+  }
+
+ private:
+  const Result<void> refuse_ = Error{ErrorCode::kUnsupported, "this run has no background"};
+  mutable std::mutex mutex_;
+  State state_;
+  std::vector<Command> commands_;
+  std::uintmax_t upload_bytes_ = 0;
+};
+
+}  // namespace mixrig::page

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/page/route.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace mixrig::page {
+namespace {
+
+int status_of(const Route& route) {
+  const auto* answer = std::get_if<Answer>(&route);
+  return answer != nullptr ? answer->status : 200;
+}
+
+TEST(PageRoute, FilesAndStateAndPictures) {
+  EXPECT_EQ(std::get<GetFile>(route_of(Method::kGet, "/")).name, "index.html");
+  EXPECT_EQ(std::get<GetFile>(route_of(Method::kGet, "/page.js")).name, "page.js");
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/state")).part, "");
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/streams")).part, "streams");
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/objects")).part, "objects");
+  const auto stream = std::get<GetPicture>(route_of(Method::kGet, "/api/v1/picture/key.mjpeg"));
+  EXPECT_TRUE(stream.stream);
+  EXPECT_EQ(stream.view, View::kKey);
+  EXPECT_FALSE(std::get<GetPicture>(route_of(Method::kGet, "/api/v1/picture/matte.jpg")).stream);
+  EXPECT_TRUE(
+      std::holds_alternative<OpenEvents>(route_of(Method::kGet, "/api/v1/event/websocket")));
+}
+
+TEST(PageRoute, WhatIsNotThereIs404AndAWrongMethod405) {
+  for (const char* target :
+       {"/a/b", "/api", "/api/v1", "/api/v2/state", "/api/v1/nothing", "/api/v1/picture/x.jpg",
+        "/api/v1/picture/key.png", "/api/v1/picture/key", "/api/v1/objects/a/b",
+        "/api/v1/record/pause", "/api/v1/state/x", "/api/v1/objects/a%0Ab", "/../etc/passwd"})
+    EXPECT_EQ(status_of(route_of(Method::kGet, target)), 404) << target;
+  EXPECT_EQ(status_of(route_of(Method::kPost, "/")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kPut, "/api/v1/state")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kGet, "/api/v1/record/start")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kDelete, "/api/v1/objects")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kPost, "/api/v1/lamps/a")), 405);
+  EXPECT_EQ(status_of(route_of(Method::kDelete, "/api/v1/picture/key.jpg")), 405);
+}
+
+Result<Action> action(Method method, const char* target, const char* body) {
+  const Route route = route_of(method, target);
+  const auto* change = std::get_if<Change>(&route);
+  if (change == nullptr) return Error{ErrorCode::kNotFound, "no change"};
+  return action_of(*change, body);
+}
+template <typename T>
+T command(Method method, const char* target, const char* body) {
+  return std::get<T>(std::get<Command>(action(method, target, body).value()));
+}
+
+TEST(PageAction, ObjectsArePlaced) {
+  const auto set = command<SetObject>(
+      Method::kPut, "/api/v1/objects/a%20crate",
+      R"({"at": [0.25, 0.5], "turn_deg": 90, "scale": 2, "hidden": true, "preview": true})");
+  EXPECT_EQ(set.name, "a crate");
+  EXPECT_EQ(*set.at, Eigen::Vector2d(0.25, 0.5));
+  EXPECT_NEAR(*set.turn_rad, std::numbers::pi / 2, 1e-12);
+  EXPECT_EQ(set.scale, 2);
+  EXPECT_EQ(set.hidden, true);
+  EXPECT_TRUE(set.preview);
+  EXPECT_FALSE(set.position_m);
+  EXPECT_EQ(command<RemoveObject>(Method::kDelete, "/api/v1/objects/a", "").name, "a");
+  EXPECT_EQ(std::get<Upload>(route_of(Method::kPost, "/api/v1/objects/new")).name, "new");
+}
+
+TEST(PageAction, LampsAreAddedAndDimmed) {
+  const auto set = command<SetLamp>(Method::kPut, "/api/v1/lamps/lamp%201",
+                                    R"({"intensity": [1, 2, 0.5], "on": false})");
+  EXPECT_EQ(*set.intensity, Eigen::Vector3f(1, 2, 0.5F));
+  EXPECT_EQ(set.on, false);
+  const auto add =
+      command<AddLamp>(Method::kPost, "/api/v1/lamps", R"({"at": [0, 1], "height_m": 3})");
+  EXPECT_EQ(add.height_m, 3);
+  EXPECT_FALSE(action(Method::kPost, "/api/v1/lamps", "{}"));
+  EXPECT_EQ(command<RemoveLamp>(Method::kDelete, "/api/v1/lamps/x", "{}").name, "x");
+}
+
+TEST(PageAction, RecordingViewFreezeSceneBackground) {
+  const auto start = command<StartRecording>(Method::kPost, "/api/v1/record/start",
+                                             R"({"name": "scene 1-2", "notes": "good"})");
+  EXPECT_EQ(start.name, "scene 1-2");
+  EXPECT_EQ(start.notes, "good");
+  (void)command<StopRecording>(Method::kPost, "/api/v1/record/stop", "");
+  (void)command<SaveScene>(Method::kPost, "/api/v1/scene/save", "");
+  (void)command<LearnBackground>(Method::kPost, "/api/v1/background/learn", "{}");
+  EXPECT_EQ(
+      std::get<SelectView>(action(Method::kPut, "/api/v1/view", R"({"view":"light"})").value())
+          .view,
+      View::kLight);
+  EXPECT_TRUE(
+      std::get<Freeze>(action(Method::kPut, "/api/v1/freeze", R"({"on":true})").value()).on);
+}
+
+TEST(PageAction, WrongBodiesAreRefusedByTheirKey) {
+  const auto refusal = [](const char* target, const char* body) {
+    const auto result = action(Method::kPut, target, body);
+    return result ? std::string("accepted") : result.error().context;
+  };
+  const char* const object = "/api/v1/objects/a";
+  EXPECT_NE(refusal(object, R"({"at":[0,2]})").find("at is an array"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"at":[0]})").find("at is an array"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"scale":"big"})").find("scale is a number"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"scale":0})").find("scale is a number"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"scale":1e999})").find("body is no JSON"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"sclae":1})").find("sclae is not known"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"at":[0,0],"position_m":[0,0,0]})").find("remove one"),
+            std::string::npos);
+  EXPECT_NE(refusal(object, "[]").find("no JSON object"), std::string::npos);
+  EXPECT_NE(refusal(object, "{").find("no JSON"), std::string::npos);
+  EXPECT_NE(refusal("/api/v1/view", R"({"view":"x"})").find("view is one of"), std::string::npos);
+  EXPECT_NE(refusal("/api/v1/freeze", "{}").find("on is missing"), std::string::npos);
+}
+
+TEST(PageAction, ARecordingCannotLeaveItsFolder) {
+  for (const char* name : {"../a", "a/b", ".hidden", " a", "a ", "a\\b", "\xC3\xA4"}) {
+    const std::string body = nlohmann::json{{"name", name}}.dump();
+    EXPECT_FALSE(action(Method::kPost, "/api/v1/record/start", body.c_str())) << name;
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::page

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/page/server.h"
+
+#include <deque>
+#include <regex>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/progress.h"
+#include "tests/unit/page/fake_operator.h"
+#include "tests/unit/page/raw_client.h"
+
+namespace mixrig::page {
+namespace {
+
+using nlohmann::json;
+using test::comes_true;
+
+class PageServer : public ::testing::Test {
+ protected:
+  PageServer() {
+    State state;
+    state.scene = "scene.toml";
+    state.lamps.push_back({.name = "lamp 1"});
+    run_.set(state);
+    auto server = Server::start(run_, clock_, {"127.0.0.1", 0});
+    if (server) server_ = *std::move(server);
+    sink_ = server_->make_sink();
+  }
+  std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  std::string get(const std::string& target, const std::string& more = "") const {
+    return "GET " + target + " HTTP/1.1\r\nHost: " + host() + "\r\n" + more + "\r\n";
+  }
+  std::string with_body(const std::string& line, const std::string& body,
+                        const std::string& type = "application/json",
+                        const std::string& more = "") const {
+    return line + " HTTP/1.1\r\nHost: " + host() + "\r\nContent-Type: " + type +
+           "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" + more + "\r\n" + body;
+  }
+  RawClient::Response ask(const std::string& request) const {
+    RawClient client(server_->port());
+    client.send(request);
+    return client.response();
+  }
+  /// A frame of the run: the sink is asked and fed as SinkThread does.
+  void frame(int number, Size size = {32, 24}) {
+    if (sink_->wanted(number) == 0) return;
+    auto composite = std::make_shared<output::Composite>();
+    auto capture = std::make_shared<capture::Capture>();
+    capture->number = number;
+    capture->mid_exposure = clock_.now();
+    composite->capture = capture;
+    composite->images.wanted = render::kComposite;
+    composite->images.color.reset(size);
+    for (int y = 0; y < size.height; ++y)  // does not compress
+      for (int x = 0; x < size.width; ++x) {
+        noise_ = noise_ * 1664525U + 1013904223U;
+        composite->images.color.at(x, y) = {static_cast<std::uint8_t>(noise_ >> 24),
+                                            static_cast<std::uint8_t>(noise_ >> 16),
+                                            static_cast<std::uint8_t>(noise_ >> 8)};
+      }
+    ASSERT_TRUE(sink_->write(composite));
+  }
+  std::string upgrade(const std::string& more = "") const {
+    return get("/api/v1/event/websocket",
+               "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                   more);
+  }
+
+  SystemClock clock_;
+  FakeOperator run_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<output::CompositeSink> sink_;
+  unsigned noise_ = 1;
+};
+
+TEST_F(PageServer, ServesPageAndState) {
+  const auto page = ask(get("/"));
+  EXPECT_EQ(page.status, 200);
+  EXPECT_NE(page.body.find("<title>mixrig"), std::string::npos);
+  EXPECT_NE(page.field("Content-Security-Policy").find("default-src 'none'"), std::string::npos);
+  const auto state = ask(get("/api/v1/state"));
+  EXPECT_EQ(json::parse(state.body)["run"]["scene"], "scene.toml");
+  EXPECT_EQ(state.field("Cross-Origin-Resource-Policy"), "same-origin");
+  EXPECT_EQ(json::parse(ask(get("/api/v1/lamps")).body)[0]["name"], "lamp 1");
+  EXPECT_EQ(ask(get("/api/v1/nothing")).status, 404);
+}
+
+TEST_F(PageServer, OneConnectionServesSeveralRequests) {
+  RawClient client(server_->port());
+  for (int i = 0; i < 3; ++i) {
+    client.send(with_body("PUT /api/v1/objects/crate", R"({"at":[0.5,0.5]})"));
+    EXPECT_EQ(client.response().status, 200);
+  }
+  ASSERT_EQ(run_.commands().size(), 3U);
+  EXPECT_EQ(std::get<SetObject>(run_.commands()[2]).name, "crate");
+}
+
+TEST_F(PageServer, WhatTheRunCannotDoIs409WithOneLine) {
+  const auto answer = ask(with_body("POST /api/v1/background/learn", "{}"));
+  EXPECT_EQ(answer.status, 409);
+  EXPECT_EQ(json::parse(answer.body)["error"], "this run has no background");
+}
+
+TEST_F(PageServer, HostileRequestsChangeNothing) {
+  const std::string body = R"({"on":false})";
+  const std::string put = "PUT /api/v1/lamps/lamp%201";
+  EXPECT_EQ(ask(with_body(put, body, "application/json", "Origin: http://evil.example\r\n")).status,
+            403);
+  EXPECT_EQ(ask(with_body(put, body, "text/plain")).status, 415);
+  EXPECT_EQ(ask(with_body(put, body, "application/json", "Sec-Fetch-Site: cross-site\r\n")).status,
+            403);
+  EXPECT_EQ(ask("GET /api/v1/state HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 403);
+  EXPECT_EQ(ask("GET /api/v1/state HTTP/1.1\r\n\r\n").status, 400);
+  EXPECT_EQ(ask(get("/api/v1/state", "Host: evil.example\r\n")).status, 400) << "two Hosts";
+  EXPECT_EQ(ask(get("/api/v1/event/websocket")).status, 426);
+  EXPECT_EQ(ask(upgrade("Origin: http://evil.example\r\n")).status, 403);
+  EXPECT_TRUE(run_.commands().empty());
+}
+
+TEST_F(PageServer, OversizedRequestsAreRefusedAndTheServerLives) {
+  EXPECT_EQ(ask(get("/", "X: " + std::string(9000, 'x') + "\r\n")).status, 431);
+  EXPECT_EQ(ask(with_body("PUT /api/v1/objects/a", std::string(70000, ' '))).status, 413);
+  const std::string huge =
+      "POST /api/v1/objects/a HTTP/1.1\r\nHost: " + host() +
+      "\r\nContent-Type: model/gltf-binary\r\nContent-Length: 99999999999\r\n\r\n";
+  EXPECT_EQ(ask(huge).status, 413);
+  EXPECT_EQ(ask(get("/" + std::string(600, 'a'))).status, 404);
+  EXPECT_EQ(ask(get("/api/v1/state")).status, 200);
+  EXPECT_TRUE(run_.commands().empty());
+}
+
+TEST_F(PageServer, MalformedRequestsAreRefusedAndTheServerLives) {
+  for (const std::string& bytes :
+       {std::string("\r\n\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("\0\1\2\3\r\n\r\n", 8),
+        std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET / HTTP/1.1\r\nHost\r\n\r\n"),
+        std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n", 15)}) {
+    const auto answer = ask(bytes);
+    EXPECT_EQ(answer.status, 400) << bytes;
+  }
+  for (const char* body : {"{", "[]", "{\"at\":[1]}", "{\"x\":1}"})
+    EXPECT_EQ(ask(with_body("PUT /api/v1/objects/a", body)).status, 400) << body;
+  EXPECT_EQ(ask(get("/api/v1/state", "Content-Length: 5\r\n") + "12345").status, 400);
+  {  // gone in the middle of a request
+    RawClient client(server_->port());
+    client.send("PUT /api/v1/objects/a HTTP/1.1\r\nHost: " + host() +
+                "\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{\"at\":");
+  }
+  EXPECT_EQ(ask(get("/api/v1/state")).status, 200);
+  EXPECT_TRUE(run_.commands().empty());
+}
+
+TEST_F(PageServer, AModelIsGivenToTheRunAsAFile) {
+  const std::string bytes(300000, 'g');
+  EXPECT_EQ(ask(with_body("POST /api/v1/objects/new", bytes, "model/gltf-binary")).status, 200);
+  ASSERT_EQ(run_.commands().size(), 1U);
+  const auto add = std::get<AddObject>(run_.commands()[0]);
+  EXPECT_EQ(add.name, "new");
+  EXPECT_EQ(run_.upload_bytes(), bytes.size());
+  EXPECT_FALSE(std::filesystem::exists(add.glb)) << "the temporary file";
+}
+
+TEST_F(PageServer, EachPartOfTheStreamTellsItsFrameAndAge) {
+  RawClient client(server_->port());
+  client.send(get("/api/v1/picture/composite.mjpeg"));
+  EXPECT_NE(client.read_to("\r\n\r\n").find("multipart/x-mixed-replace; boundary=frame"),
+            std::string::npos);
+  for (int number = 10; number < 13; ++number) {
+    frame(number);
+    const std::string head = client.read_to("\r\n\r\n");
+    EXPECT_NE(head.find("X-Frame: " + std::to_string(number)), std::string::npos) << head;
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(head, found, std::regex("X-Age-Ms: ([0-9.]+)")));
+    EXPECT_GE(std::stod(found[1]), 0);
+    ASSERT_TRUE(std::regex_search(head, found, std::regex("Content-Length: ([0-9]+)")));
+    const std::string jpeg = client.read_bytes(std::stoul(found[1]));
+    EXPECT_EQ(jpeg.substr(0, 2), "\xFF\xD8");
+    client.read_bytes(2);
+  }
+  client.close();
+  EXPECT_TRUE(comes_true([&] { return sink_->wanted(1) == 0; })) << "nobody looks any more";
+}
+
+TEST_F(PageServer, ASinglePictureIsANewOne) {
+  RawClient client(server_->port());
+  client.send(get("/api/v1/picture/composite.jpg"));
+  ASSERT_TRUE(comes_true([&] { return sink_->wanted(1) != 0; }));
+  frame(7);
+  const auto picture = client.response();
+  EXPECT_EQ(picture.status, 200);
+  EXPECT_EQ(picture.field("X-Frame"), "7");
+  EXPECT_EQ(picture.field("Content-Type"), "image/jpeg");
+}
+
+TEST_F(PageServer, ASlowClientMissesPicturesAndDelaysNobody) {
+  RawClient slow(server_->port(), 4096);
+  RawClient quick(server_->port());
+  for (RawClient* client : {&slow, &quick}) {
+    client->send(get("/api/v1/picture/composite.mjpeg"));
+    client->read_to("\r\n\r\n");
+  }
+  constexpr int kFrames = 40;
+  for (int number = 1; number <= kFrames; ++number) {  // 300 KB each: more than sockets hold
+    frame(number, {512, 384});
+    const std::string head = quick.read_to("\r\n\r\n");
+    EXPECT_NE(head.find("X-Frame: " + std::to_string(number)), std::string::npos);
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(head, found, std::regex("Content-Length: ([0-9]+)")));
+    quick.read_bytes(std::stoul(found[1]) + 2);
+  }
+  int seen = 0, last = 0;
+  while (last < kFrames) {
+    const std::string head = slow.read_to("\r\n\r\n");
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(head, found, std::regex("X-Frame: ([0-9]+)")));
+    EXPECT_GT(std::stoi(found[1]), last);
+    last = std::stoi(found[1]), ++seen;
+    ASSERT_TRUE(std::regex_search(head, found, std::regex("Content-Length: ([0-9]+)")));
+    slow.read_bytes(std::stoul(found[1]) + 2);
+  }
+  EXPECT_LT(seen, kFrames / 2);
+}
+
+TEST_F(PageServer, BothOfTwoClientsAreToldWhatOneChanges) {
+  RawClient a(server_->port()), b(server_->port());
+  for (RawClient* client : {&a, &b}) {
+    client->send(upgrade("Origin: http://" + host() + "\r\n"));
+    EXPECT_NE(client->read_to("\r\n\r\n").find("101"), std::string::npos);
+    EXPECT_NE(client->message().find("websocketOpened"), std::string::npos);
+    client->send_message(
+        R"({"type":"request","data":{"action":"subscribe","properties":["/lamps","/view"]}})");
+    const json answer = json::parse(client->message());
+    EXPECT_TRUE(answer["data"]["values"]["/lamps"][0]["on"].get<bool>());
+  }
+  EXPECT_EQ(ask(with_body("PUT /api/v1/lamps/lamp%201", R"({"on":false})")).status, 200);
+  EXPECT_EQ(ask(with_body("PUT /api/v1/view", R"({"view":"matte"})")).status, 200);
+  for (RawClient* client : {&a, &b}) {
+    const json lamps = json::parse(client->message());
+    EXPECT_EQ(lamps["data"]["property"], "/lamps");
+    EXPECT_FALSE(lamps["data"]["value"][0]["on"].get<bool>());
+    const json view = json::parse(client->message());
+    EXPECT_EQ(view["data"]["value"], "matte");
+  }
+}
+
+TEST_F(PageServer, ALargeMessageEndsItsSocketAlone) {
+  RawClient a(server_->port()), b(server_->port());
+  for (RawClient* client : {&a, &b}) {
+    client->send(upgrade());
+    client->read_to("\r\n\r\n");
+    EXPECT_FALSE(client->message().empty());
+  }
+  a.send_message(std::string(5000, 'x'));
+  EXPECT_EQ(a.message(), "");
+  b.send_message("no json");
+  EXPECT_FALSE(json::parse(b.message())["data"]["success"].get<bool>());
+}
+
+TEST_F(PageServer, TheSeventeenthConnectionIsTurnedAway) {
+  std::deque<RawClient> clients;
+  for (int i = 0; i < 16; ++i) {
+    clients.emplace_back(server_->port());
+    clients.back().send(get("/api/v1/view"));
+    EXPECT_EQ(clients.back().response().status, 200);
+  }
+  EXPECT_EQ(ask("").status, 503);
+  clients.pop_back();
+  EXPECT_TRUE(comes_true([&] { return ask(get("/api/v1/view")).status == 200; }));
+}
+
+TEST_F(PageServer, AFrozenPictureStays) {
+  RawClient client(server_->port());
+  client.send(get("/api/v1/picture/composite.mjpeg"));
+  client.read_to("\r\n\r\n");
+  frame(1);
+  EXPECT_EQ(ask(with_body("PUT /api/v1/freeze", R"({"on":true})")).status, 200);
+  EXPECT_EQ(sink_->wanted(2), 0U);
+  EXPECT_EQ(ask(get("/api/v1/picture/composite.jpg")).field("X-Frame"), "1");
+  EXPECT_EQ(ask(with_body("PUT /api/v1/freeze", R"({"on":false})")).status, 200);
+  EXPECT_NE(sink_->wanted(2), 0U);
+}
+
+TEST_F(PageServer, EndsWhileClientsAreConnected) {
+  RawClient stream(server_->port()), events(server_->port()), idle(server_->port());
+  stream.send(get("/api/v1/picture/composite.mjpeg"));
+  stream.read_to("\r\n\r\n");
+  events.send(upgrade());
+  events.read_to("\r\n\r\n");
+  server_.reset();
+  stream.read_all();
+  frame(1);  // the sink may outlive it
+}
+
+TEST(PageServerAddress, ATokenIsNeededBeyondTheLoopback) {
+  SystemClock clock;
+  FakeOperator run;
+  const auto server = Server::start(run, clock, {"0.0.0.0", 0});
+  ASSERT_TRUE(server);
+  const std::string url = (*server)->url();
+  const std::size_t at = url.find("/?token=");
+  ASSERT_NE(at, std::string::npos) << url;
+  const std::string token = url.substr(at + 8);
+  const auto ask = [&](const std::string& target, const std::string& more) {
+    RawClient client((*server)->port());
+    client.send("GET " + target + " HTTP/1.1\r\nHost: rig.local:1\r\n" + more + "\r\n");
+    return client.response();
+  };
+  EXPECT_EQ(ask("/", "").status, 401);
+  EXPECT_EQ(ask("/api/v1/state", "Authorization: Bearer " + std::string(32, '0') + "\r\n").status,
+            401);
+  EXPECT_EQ(ask("/api/v1/state", "Authorization: Bearer " + token + "\r\n").status, 200);
+  const auto first = ask("/?token=" + token, "");
+  EXPECT_EQ(first.status, 303);
+  const std::string cookie = first.field("Set-Cookie");
+  EXPECT_EQ(ask("/", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n").status, 200);
+  EXPECT_EQ(ask("/?token=" + std::string(32, '0'), "").status, 401);
+}
+
+TEST(PageServerAddress, ATakenPortIsOneLine) {
+  SystemClock clock;
+  FakeOperator run;
+  const auto first = Server::start(run, clock, {"127.0.0.1", 0});
+  ASSERT_TRUE(first);
+  EXPECT_EQ((*first)->url(), "http://127.0.0.1:" + std::to_string((*first)->port()) + "/");
+  const auto second = Server::start(run, clock, {"127.0.0.1", (*first)->port()});
+  ASSERT_FALSE(second);
+  EXPECT_NE(to_line(second.error()).find("choose another one by --page"), std::string::npos);
+}
+
+TEST(PageServerAddress, IsParsed) {
+  EXPECT_EQ(parse_listen("").value().port, kDefaultPort);
+  EXPECT_EQ(parse_listen("0.0.0.0:0").value().port, 0);
+  EXPECT_EQ(parse_listen("localhost:80").value().address, "127.0.0.1");
+  EXPECT_EQ(parse_listen("[::1]:8080").value().address, "::1");
+  EXPECT_EQ(parse_listen("192.168.1.2").value().port, kDefaultPort);
+  for (const char* bad :
+       {"x", "1.2.3.4:", "1.2.3.4:x", "1.2.3.4:65536", "1.2.3.4:-1", ":80", "::1:80:"})
+    EXPECT_FALSE(parse_listen(bad)) << bad;
+}
+
+}  // namespace
+}  // namespace mixrig::page
