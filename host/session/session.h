@@ -38,6 +38,7 @@ struct SessionOptions {
   std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
+  bool preload = false;                     ///< recordings that a rig plays are read before
 };
 
 /// A mesh of the scene in the types of the back ends.
