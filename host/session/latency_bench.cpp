@@ -15,7 +15,7 @@
 namespace mixrig::session {
 namespace {
 
-constexpr Duration kBeforeFirstFrame = std::chrono::seconds(8);
+constexpr Duration kToStart = std::chrono::seconds(5);
 constexpr double kMostDelay_s = 0.5;
 
 /// Takes what is handed over, as a sink without a screen.
@@ -87,8 +87,10 @@ Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& opti
     return Error{ErrorCode::kData, options.take.string() +
                                        ": the delay is measured against truth at a rate: use a "
                                        "take of mixrig studio"};
+  const HostTime reads = clock.now();
   MIXRIG_TRY(read_motion(*take, *bench));
-  const HostTime begin = clock.now() + kBeforeFirstFrame;
+  // The take is read once more before it plays, without its truth.
+  const HostTime begin = clock.now() + kToStart + 2 * (clock.now() - reads);
   // The player counts from its first frame.
   for (measure::Sample& sample : bench->truth) sample.time_s += seconds(begin.time_since_epoch());
   MIXRIG_ASSIGN(const std::filesystem::path rig, write_played_rig(options, begin));
@@ -96,7 +98,7 @@ Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& opti
                          .source = "rig:" + rig.string(),
                          .view_size = options.view_size,
                          .backend = options.backend};
-  session.clock = &clock, session.stop = &stop;
+  session.clock = &clock, session.stop = &stop, session.preload = true;
   MIXRIG_ASSIGN(bench->session, open_session(session));
   bench->view_px = bench->session->setup.view.size_px;
   return bench;

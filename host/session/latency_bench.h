@@ -45,7 +45,8 @@ struct LatencyReport {
   RunReport run;
 };
 
-/// Opens the session and sets the time of the first frame, a few seconds from now. Errors: those of
+/// Opens the session and reads the take into memory, and sets the time of the first
+/// frame, some seconds from now. Errors: those of
 /// scene and take; kData for a take without truth or rate.
 Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& options, Clock& clock,
                                                       const std::atomic<bool>& stop);

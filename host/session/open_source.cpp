@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hal/base/log.h"
+#include "host/capture/preloaded_source.h"
 #include "host/live/live_capture.h"
 #include "host/live/live_source.h"
 #include "host/session/studio.h"
@@ -34,10 +35,13 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
                    "rig[:RIG.TOML]"};
 }
 
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig) {
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, bool preload) {
   std::vector<live::Recording> recordings;
-  for (const std::string& uri : live::recordings_of(rig))
-    recordings.push_back({uri, open_source(uri)});
+  for (const std::string& uri : live::recordings_of(rig)) {
+    auto source = open_source(uri);
+    if (preload && source) source = capture::preloaded(*std::move(source));
+    recordings.push_back({uri, std::move(source)});
+  }
   return recordings;
 }
 
@@ -77,7 +81,7 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
                                                          const scene::Scene& scene,
                                                          const std::atomic<bool>& stop,
-                                                         Clock& clock) {
+                                                         Clock& clock, bool preload) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (needs_head(scene) && rig.pan_tilt_uri.empty())
@@ -90,7 +94,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
                                          " has no fisheye: add a further [[camera]] with name = "
                                          "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
-                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig))));
+                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, preload))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
                                 live::WhenLost::kGoOn);
 }

@@ -23,7 +23,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
 
 /// Opens the recordings that a rig's take: and studio: devices play. An entry that cannot be opened
 /// holds the error.
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig);
+/// With `preload` they are read into memory first.
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, bool preload = false);
 
 /// All but the first camera and, where wanted, the one named "fisheye".
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
@@ -43,6 +44,6 @@ live::RigConfig without_idle_trigger(live::RigConfig rig);
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
                                                          const scene::Scene& scene,
                                                          const std::atomic<bool>& stop,
-                                                         Clock& clock);
+                                                         Clock& clock, bool preload = false);
 
 }  // namespace mixrig::session

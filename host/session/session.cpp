@@ -40,8 +40,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOpt
   if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri);
   if (options.clock == nullptr || options.stop == nullptr)
     return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
-  return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", scene, *options.stop,
-                  *options.clock);
+  return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", scene, *options.stop, *options.clock,
+                  options.preload);
 }
 
 calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig run: composites a scene into a take.
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -48,7 +49,8 @@ nlohmann::json to_json(const ViewfinderReport& report) {
       {"driver", report.driver}, {"shown", report.shown}, {"replaced", report.replaced}};
   const auto times = [&](const char* key, const measure::QuantileSketch& ms) {
     if (ms.count() == 0) return;
-    out[key] = {{"p50", ms.quantile(0.5)}, {"p95", ms.quantile(0.95)}, {"p99", ms.quantile(0.99)}};
+    const auto at = [&](double q) { return std::round(10 * ms.quantile(q)) / 10; };
+    out[key] = {{"p50", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}};
   };
   times("show_ms", report.show_ms);
   times("delay_ms", report.delay_ms);

@@ -69,6 +69,30 @@ TEST_F(ViewfinderTest, ShowsOrReplacesEveryCompositeAndTheLastOneIsShown) {
   EXPECT_EQ(report_.driver, "dummy, software");
 }
 
+TEST_F(ViewfinderTest, TheLogOfAMeasurementHoldsWhatWasShownWhen) {
+  source_ = std::make_unique<FakeSource>(true);
+  output::ShownLog log;
+  log.empty.reset(kMadeSize, {0, 0, 0});
+  log.reserve(4);
+  auto sink = Viewfinder::create({.title = "test", .picture_px = kMadeSize, .log = &log}, *source_,
+                                 controls_, clock_, report_);
+  ASSERT_TRUE(sink) << to_line(sink.error());
+  auto made = made_composite(7, clock_.now());
+  made->images.color.reset(kMadeSize, {0, 0, 0});
+  for (int y = 0; y < kMadeSize.height; ++y)
+    for (int x = 100; x < 110; ++x) made->images.color.at(x, y) = {200, 200, 200};
+  made->frame_ms = 12;
+  ASSERT_TRUE((*sink)->write(made));
+  ASSERT_TRUE((*sink)->finish());
+  ASSERT_EQ(log.frames.size(), 1U);
+  const output::ShownFrame& frame = log.frames[0];
+  EXPECT_EQ(frame.number, 7);
+  EXPECT_EQ(frame.frame_ms, 12);
+  EXPECT_LE(frame.exposed, frame.handed);
+  EXPECT_LE(frame.handed, frame.shown);
+  EXPECT_NEAR(frame.column.value_or(0), 104, 1e-9) << "every second column";
+}
+
 TEST_F(ViewfinderTest, ItsViewDecidesWhichImagesARunMakes) {
   auto sink = open(View::kMatte);
   ASSERT_TRUE(sink);

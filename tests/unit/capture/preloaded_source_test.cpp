@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/capture/preloaded_source.h"
+
+#include <gtest/gtest.h>
+
+namespace mixrig::capture {
+namespace {
+
+/// Numbered pictures; counts what is read.
+class Numbered final : public CaptureSource {
+ public:
+  Numbered(int frames, int& reads) : reads_(reads) { info_.frames = frames, info_.name = "made"; }
+  const SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, Capture& capture) override {
+    ++reads_;
+    if (number == 13) return Error{ErrorCode::kData, "unlucky"};
+    capture.number = number;
+    capture.plate.reset({4, 3}, {static_cast<std::uint8_t>(number), 0, 0});
+    return true;
+  }
+  Result<void> read_truth(int number, Truth& truth) override {
+    truth.matte.reset({1, 1}, static_cast<std::uint8_t>(number));
+    return {};
+  }
+
+ private:
+  int& reads_;
+  SourceInfo info_;
+};
+
+TEST(PreloadedSourceTest, GivesTheSameCapturesInAnyOrderAndReadsNothingAgain) {
+  int reads = 0;
+  auto source = preloaded(std::make_unique<Numbered>(5, reads));
+  ASSERT_TRUE(source);
+  EXPECT_EQ(reads, 5);
+  Capture capture;
+  for (const int number : {5, 1, 3, 3}) {
+    ASSERT_TRUE(*(*source)->read(number, capture));
+    EXPECT_EQ(capture.number, number);
+    EXPECT_EQ(capture.plate.at(3, 2).r, number);
+  }
+  EXPECT_FALSE(*(*source)->read(0, capture));
+  EXPECT_FALSE(*(*source)->read(6, capture));
+  EXPECT_EQ(reads, 5);
+  Truth truth;
+  ASSERT_TRUE((*source)->read_truth(2, truth));
+  EXPECT_EQ(truth.matte.at(0, 0), 2);
+}
+
+TEST(PreloadedSourceTest, RefusesWhatHasNoEndOrCannotBeRead) {
+  int reads = 0;
+  const auto endless = preloaded(std::make_unique<Numbered>(kEndless, reads));
+  ASSERT_FALSE(endless);
+  EXPECT_EQ(endless.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(reads, 0);
+  const auto broken = preloaded(std::make_unique<Numbered>(20, reads));
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().context, "unlucky");
+}
+
+}  // namespace
+}  // namespace mixrig::capture
