@@ -16,7 +16,7 @@ namespace {
 
 struct RunArguments {
   SessionArguments session;
-  std::string out, frames, format = "png";
+  std::string out, frames, format = "png", stream;
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false;
   std::string save_room;
@@ -33,6 +33,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
   options.baselines = arguments.baselines;
+  if (!arguments.stream.empty()) options.streams.emplace_back().uri = arguments.stream;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
@@ -73,6 +74,9 @@ void add_run_command(Command app, Context& context) {
       .add_option("--format", arguments->format,
                   "of composite and mixed depth: png, video (Matroska, lossless) or none")
       .one_of({"png", "video", "none"});
+  command.add_option("--stream", arguments->stream,
+                     "where the composite is sent: srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
+                     "v4l2://DEVICE, or a file .mkv or .mov; more by [[stream_out]] of the scene");
   command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
   command.add_flag("--inspect", arguments->inspect,
                    "write warped depth, key and light map as well");
