@@ -96,6 +96,25 @@ void add_light_and_key(const scene::Scene& scene, render::CompositorSetup& setup
                          static_cast<float>(volume->floor_tolerance_m)};
 }
 
+/// The image distance of the lens is that of the view's focal length on the sensor.
+void add_focus(const scene::Scene& scene, render::CompositorSetup& setup) {
+  if (!scene.focus) return;
+  const scene::FocusSettings& wanted = *scene.focus;
+  const double width_px = setup.view.size_px.width;
+  const double image_m = 1e-3 * wanted.sensor_width_mm * setup.view.fx_px / width_px;
+  render::Focus focus;
+  // Of a lens that is sharp far away the image distance is the focal length.
+  const double focal_m =
+      wanted.distance_m > 0 ? 1 / (1 / image_m + 1 / wanted.distance_m) : image_m;
+  focus.aperture_m = static_cast<float>(focal_m / wanted.f_number);
+  focus.distance_m = static_cast<float>(wanted.distance_m);
+  if (wanted.pixel) focus.pixel = {wanted.pixel->first, wanted.pixel->second};
+  focus.most_blur_px =
+      std::min(render::kMostBlur_px, static_cast<float>(0.01 * wanted.most_blur_pct * width_px));
+  focus.fast = wanted.fast;
+  setup.focus = focus;
+}
+
 /// Adds the scene's file and key to an error.
 Error at_key(const Session& session, const char* key, Error error) {
   error.context = session.scene.path.string() + ": " + key + ": " + error.context;
@@ -302,6 +321,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   }
   add_objects(*session);
   add_set(*session);
+  add_focus(session->scene, session->setup);
   add_light_and_key(session->scene, session->setup);
   MIXRIG_TRY(check_poses(*session));
   return session;

@@ -58,6 +58,8 @@ struct Studio::State {
   /// Adds a slice to the rows that are exposed in it, from where the camera is then.
   void add_slice(const CameraPlace& place, double frame_s, int slice);
   void draw_truth(const CameraPlace& place, Truth& truth);
+  /// Of StudioOptions::lens.
+  void draw_through_lens(const CameraPlace& place, Image<Rgb8>& composite);
   bool visible_to_tof(const Vec3& point, const TraceScene& scene) const;
 
   StudioOptions options;
