@@ -110,6 +110,16 @@ struct SecondTof {
   bool depth_is_distance = false;
   geometry::DepthNoise noise;  ///< of one value
 };
+/// Depth of field of a thin lens: a point at z is a disc of diameter fx aperture |1/z - 1/distance|
+/// in the view. Only the cpu back end draws it.
+struct Focus {
+  float distance_m = 0;             ///< of what is sharp; 0: of what is seen at `pixel`
+  std::optional<glm::ivec2> pixel;  ///< of the view
+  float aperture_m = 0;             ///< diameter of the entrance pupil
+  float most_blur_px = 25;          ///< discs are at most as wide, at most kMostBlur_px
+  bool fast = false;                ///< fewer taps
+};
+inline constexpr float kMostBlur_px = 200;
 
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
 /// textures and background, which are borrowed.
@@ -136,6 +146,7 @@ struct CompositorSetup {
   bool open_walls = false;           ///< the background does not hide virtual objects
   std::optional<Backdrop> backdrop;  ///< the real background is not shown
   bool people_cast_shadows = false;  ///< on virtual objects
+  std::optional<Focus> focus;        ///< of the colour; depth and matte stay sharp
 };
 
 /// The lens of one frame, in place of CompositorSetup::target. Its centre of projection lies
@@ -180,6 +191,7 @@ enum class Stage {
   kKey,
   kLight,
   kMix,
+  kFocus,
   kReadback,
   kCount
 };

@@ -138,16 +138,30 @@ Result<void> check_noise(const geometry::DepthNoise& n) {
   return bad("depth noise is negative or not finite");
 }
 
+Result<void> check_focus(const CompositorSetup& setup) {
+  if (!setup.focus) return {};
+  const Focus& focus = *setup.focus;
+  const Size view = setup.view.size_px;
+  if (!(focus.aperture_m > 0) || !(focus.most_blur_px > 0) ||
+      !(focus.most_blur_px <= kMostBlur_px) || !(focus.distance_m >= 0))
+    return bad("the focus has an aperture, blur or distance out of range");
+  if (focus.distance_m == 0 && (!focus.pixel || focus.pixel->x < 0 || focus.pixel->y < 0 ||
+                                focus.pixel->x >= view.width || focus.pixel->y >= view.height))
+    return bad("focus.pixel lies outside the view of " + text(view));
+  return {};
+}
+
 }  // namespace
 
 std::string_view name(Stage stage) {
   constexpr std::array<std::string_view, static_cast<std::size_t>(Stage::kCount)> kNames = {
       "upload", "plate", "correct", "warp", "background", "virtual",
-      "shadow", "key",   "light",   "mix",  "readback"};
+      "shadow", "key",   "light",   "mix",  "focus",      "readback"};
   return kNames[static_cast<std::size_t>(stage)];
 }
 
 Result<void> validate(const CompositorSetup& setup) {
+  MIXRIG_TRY(check_focus(setup));
   MIXRIG_TRY(geometry::validate(setup.target));
   MIXRIG_TRY(geometry::validate(setup.tof));
   MIXRIG_TRY(geometry::validate(geometry::CameraModel{setup.view, {}}));

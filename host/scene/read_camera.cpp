@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scene/read_camera.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "hal/base/angles.h"
 #include "host/calibration_file/tables.h"
 
 namespace mixrig::scene {
@@ -12,17 +15,27 @@ namespace {
 
 using config::Table;
 
-constexpr std::array<const char*, 8> kPoses{"take",     "floor",    "identity",   "fixed",
-                                            "recorded", "pan_tilt", "mocap:HOST", "tracker"};
-constexpr const char* kMocapPrefix = "mocap:";
+constexpr std::array<const char*, 10> kPoses{
+    "take",     "floor",      "identity", "fixed",      "recorded",
+    "pan_tilt", "mocap:HOST", "tracker",  "freed:PORT", "opentrackio:PORT"};
+/// Pose sources that name an address after a colon.
+struct Scheme {
+  PoseSource source;
+  const char *name, *missing;
+};
+constexpr std::array<Scheme, 3> kSchemes{
+    {{PoseSource::kMocap, "mocap", "names no server: write \"mocap:\" and its name or address"},
+     {PoseSource::kFreeD, "freed", "names no port: write \"freed:[HOST:]PORT[,CAMERA]\""},
+     {PoseSource::kOpenTrack, "opentrackio",
+      "names no port: write \"opentrackio:[HOST:]PORT[,SOURCE]\""}}};
 constexpr double kMs = 1e-3;
 
-/// A key of [camera] that belongs to one pose source.
+/// A key of [camera] that belongs to one pose source, or to several.
 struct OwnKey {
   const char* key;
   PoseSource of;
 };
-constexpr std::array<OwnKey, 10> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
+constexpr std::array<OwnKey, 20> kOwnKeys{{{"trajectory", PoseSource::kRecorded},
                                            {"time_offset_s", PoseSource::kRecorded},
                                            {"world_from_target", PoseSource::kFixed},
                                            {"world_from_base", PoseSource::kPanTilt},
@@ -30,6 +43,16 @@ constexpr std::array<OwnKey, 10> kOwnKeys{{{"trajectory", PoseSource::kRecorded}
                                            {"body", PoseSource::kMocap},
                                            {"up", PoseSource::kMocap},
                                            {"delay_ms", PoseSource::kMocap},
+                                           {"delay_ms", PoseSource::kFreeD},
+                                           {"delay_ms", PoseSource::kOpenTrack},
+                                           {"world_from_tracker", PoseSource::kFreeD},
+                                           {"world_from_tracker", PoseSource::kOpenTrack},
+                                           {"sigma_mm", PoseSource::kFreeD},
+                                           {"sigma_mm", PoseSource::kOpenTrack},
+                                           {"sigma_deg", PoseSource::kFreeD},
+                                           {"sigma_deg", PoseSource::kOpenTrack},
+                                           {"rate_hz", PoseSource::kFreeD},
+                                           {"stamps", PoseSource::kOpenTrack},
                                            {"predict", PoseSource::kTracker},
                                            {"smooth_ms", PoseSource::kTracker}}};
 
@@ -38,23 +61,49 @@ Eigen::Vector3d corner(const Table& box, const char* key) {
   return {v[0], v[1], v[2]};
 }
 
-PoseSource read_source(const Table& table, MocapSettings& mocap) {
+PoseSource read_source(const Table& table, CameraPoses& camera) {
   const std::string text = table.text_or("pose", "take");
-  if (!text.starts_with(kMocapPrefix))
-    return static_cast<PoseSource>(table.one_of("pose", {kPoses.begin(), kPoses.end()}, 0));
-  mocap.server = text.substr(std::string(kMocapPrefix).size());
-  if (mocap.server.empty() || mocap.server == "HOST")
-    table.fail("pose", "names no server: write \"mocap:\" and its name or address");
-  return PoseSource::kMocap;
+  for (const Scheme& scheme : kSchemes) {
+    const std::string prefix = std::string(scheme.name) + ":";
+    if (!text.starts_with(prefix)) continue;
+    const std::string address = text.substr(prefix.size());
+    if (address.empty() || address == "HOST" || address == "PORT")
+      table.fail("pose", scheme.missing);
+    (scheme.source == PoseSource::kMocap ? camera.mocap.server : camera.stream.address) = address;
+    return scheme.source;
+  }
+  return static_cast<PoseSource>(table.one_of("pose", {kPoses.begin(), kPoses.end()}, 0));
 }
 
 /// Keys of another pose source: the scene would name two.
 void refuse_others(const Table& table, PoseSource source) {
-  for (const OwnKey& own : kOwnKeys)
-    if (own.of != source && table.has(own.key))
-      table.fail(own.key, std::string("belongs to pose = \"") + name(own.of) +
-                              "\", but pose is \"" + name(source) +
-                              "\": two pose sources, remove one");
+  for (const OwnKey& own : kOwnKeys) {
+    const auto is_used = [&](const OwnKey& other) {
+      return other.of == source && std::string_view(other.key) == own.key;
+    };
+    if (table.has(own.key) && std::none_of(kOwnKeys.begin(), kOwnKeys.end(), is_used))
+      return table.fail(own.key, std::string("belongs to pose = \"") + name(own.of) +
+                                     "\", but pose is \"" + name(source) +
+                                     "\": two pose sources, remove one");
+  }
+}
+
+void read_stream(const Table& table, TrackerStream& stream, PoseSource source) {
+  stream.world_from_tracker = calibration_file::parse_pose(table.table("world_from_tracker"));
+  stream.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
+  stream.rate_hz = table.number_or("rate_hz", 0, {1, 1000});
+  stream.system_stamps = table.one_of("stamps", {"arrival", "system"}, 0) == 1;
+  if (table.has("sigma_mm")) stream.sigma_m = kMs * table.number("sigma_mm", {0, 1e4});
+  if (table.has("sigma_deg")) stream.sigma_rad = kDeg * table.number("sigma_deg", {0, 90});
+  if (stream.sigma_m.has_value() != stream.sigma_rad.has_value())
+    table.fail(stream.sigma_m ? "sigma_mm" : "sigma_deg",
+               "given alone: give both sigma_mm and sigma_deg, or none");
+  if (stream.system_stamps && table.has("delay_ms"))
+    table.fail("delay_ms", "given beside stamps = \"system\", which need none: remove it");
+  if (source == PoseSource::kFreeD && !table.has("rate_hz"))
+    table.fail("rate_hz",
+               "missing: FreeD has no time stamps, give the rate at which the head sends, such as "
+               "50.0 or 59.94");
 }
 
 void read_own_keys(const Table& table, const std::filesystem::path& folder, PoseSource source,
@@ -70,7 +119,8 @@ void read_own_keys(const Table& table, const std::filesystem::path& folder, Pose
     mocap.constellation = config::path_at(table, "constellation", folder);
   mocap.body = table.integer_or("body", 0, {0, 1e9});
   mocap.y_up = table.one_of("up", {"y", "z"}, 0) == 0;
-  mocap.delay_s = kMs * table.number_or("delay_ms", 0, {0, 1e4});
+  read_stream(table, camera.stream, source);
+  mocap.delay_s = camera.stream.delay_s;
   camera.predict = static_cast<Predict>(table.one_of("predict", {"velocity", "head", "both"}, 0));
   camera.smooth_s = kMs * table.number_or("smooth_ms", 0, {0, 500});
   if (!mocap.constellation.empty() && table.has("body"))
@@ -86,12 +136,14 @@ void read_own_keys(const Table& table, const std::filesystem::path& folder, Pose
 }  // namespace
 
 const char* name(PoseSource source) {
-  return source == PoseSource::kMocap ? "mocap" : kPoses[static_cast<std::size_t>(source)];
+  for (const Scheme& scheme : kSchemes)
+    if (scheme.source == source) return scheme.name;
+  return kPoses[static_cast<std::size_t>(source)];
 }
 
 void read_camera(const Table& table, const std::filesystem::path& folder, Scene& scene) {
   CameraPoses& camera = scene.camera;
-  scene.pose_source = read_source(table, camera.mocap);
+  scene.pose_source = read_source(table, camera);
   refuse_others(table, scene.pose_source);
   read_own_keys(table, folder, scene.pose_source, camera);
   camera.max_age_s = kMs * table.number_or("max_age_ms", camera.max_age_s / kMs, {0, 1e6});

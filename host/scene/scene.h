@@ -81,7 +81,18 @@ struct Light {
   std::vector<Lamp> lamps;
 };
 
-enum class PoseSource { kTake, kFloor, kIdentity, kFixed, kRecorded, kPanTilt, kMocap, kTracker };
+enum class PoseSource {
+  kTake,
+  kFloor,
+  kIdentity,
+  kFixed,
+  kRecorded,
+  kPanTilt,
+  kMocap,
+  kTracker,
+  kFreeD,
+  kOpenTrack
+};
 /// The word of scene.toml: "pan_tilt".
 const char* name(PoseSource source);
 
@@ -98,6 +109,18 @@ struct MocapSettings {
   bool operator==(const MocapSettings&) const = default;
 };
 
+/// A camera tracker that sends FreeD or OpenTrackIO while the scene runs.
+struct TrackerStream {
+  std::string address;                ///< "[HOST:]PORT[,NUMBER]", of this machine or of a group
+  geometry::Pose world_from_tracker;  ///< both with z up
+  double delay_s = 0;                 ///< from the exposure of a sample to its earliest arrival
+  double rate_hz = 0;                 ///< FreeD: of the sender
+  bool system_stamps = false;         ///< OpenTrackIO: stamps are of this machine's system clock
+  /// Standard deviations that the tracker's maker states; none: the poses have no covariance.
+  std::optional<double> sigma_m, sigma_rad;
+  bool operator==(const TrackerStream&) const = default;
+};
+
 /// How a tracker reaches the time of a plate from the pictures before it.
 enum class Predict { kVelocity, kHead, kBoth };
 
@@ -108,6 +131,7 @@ struct CameraPoses {
   geometry::Pose world_from_target;      ///< kFixed
   geometry::Pose world_from_base;        ///< kPanTilt: the foot of the head
   MocapSettings mocap;                   ///< kMocap
+  TrackerStream stream;                  ///< kFreeD, kOpenTrack
   Predict predict = Predict::kVelocity;  ///< kTracker
   double smooth_s = 0;                   ///< kTracker: latency for which poses are smoothed
   double max_age_s = 0.1;                ///< an older pose is lost
@@ -164,6 +188,38 @@ struct PoseOut {
   bool operator==(const PoseOut&) const = default;
 };
 
+/// Pictures for another program, while the scene runs.
+struct StreamOut {
+  enum class Picture : std::uint8_t {
+    kFill,     ///< the composite
+    kKey,      ///< what covers: of a set that is partly transparent its share, else people
+    kDepth,    ///< mixed depth, 16 bits of millimetres, 0 unknown
+    kFillKey,  ///< composite and key side by side
+    kAlpha,    ///< composite with the key as alpha
+    kDepth2d,  ///< composite and nearness side by side, for 3DTV
+    kStereo    ///< left and right view side by side
+  };
+  enum class Codec : std::uint8_t { kAuto, kFfv1, kH264, kProres, kRaw };
+  std::string uri;  ///< srt://, rtp://HOST:PORT, shm://PATH, v4l2://PATH, or a file .mkv or .mov
+  Picture picture = Picture::kFill;
+  Codec codec = Codec::kAuto;
+  double eye_m = 0.065;           ///< stereo: between the two views
+  double screen_m = 3;            ///< stereo: distance that is seen on the screen
+  double most_disparity_pct = 3;  ///< stereo: of the width, before and behind the screen
+  double near_m = 1, far_m = 6;   ///< 2d+depth: nearness 255 and 0, linear in 1 / z
+  bool operator==(const StreamOut&) const = default;
+};
+
+/// Depth of field.
+struct FocusSettings {
+  double distance_m = 0;                     ///< of what is sharp; 0: by `pixel`
+  std::optional<std::pair<int, int>> pixel;  ///< of the view: what is seen there is sharp
+  double f_number = 2.8;                     ///< focal length over diameter of the aperture
+  double sensor_width_mm = 36;               ///< that the view's width is
+  double most_blur_pct = 4;                  ///< diameter, of the width
+  bool fast = false;                         ///< the rung: fewer taps
+};
+
 struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
@@ -178,6 +234,8 @@ struct Scene {
   bool follow_people = false;           ///< in a run
   std::optional<EventSettings> events;  ///< in a run; people are followed for them
   std::vector<PoseOut> pose_outs;       ///< in a run
+  std::vector<StreamOut> stream_outs;   ///< in a run
+  std::optional<FocusSettings> focus;
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

@@ -35,6 +35,7 @@ std::string fixed_changes(const Scene& from, const Scene& to) {
   note(from.follow_people == to.follow_people, "people");
   note(from.events == to.events, "events");
   note(from.pose_outs == to.pose_outs, "pose_out");
+  note(from.stream_outs == to.stream_outs, "stream_out");
   return keys;
 }
 

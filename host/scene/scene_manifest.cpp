@@ -10,6 +10,7 @@
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
 #include "host/scene/read_camera.h"
+#include "host/scene/read_outputs.h"
 
 namespace mixrig::scene {
 namespace {
@@ -244,6 +245,9 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   scene.events = read_events(root.table("events"));
   for (const Table& table : root.tables("pose_out"))
     scene.pose_outs.push_back(read_pose_out(table));
+  for (const Table& table : root.tables("stream_out"))
+    scene.stream_outs.push_back(read_stream_out(table));
+  scene.focus = read_focus(root.table("focus"));
   MIXRIG_TRY(document.finish());
   return scene;
 }

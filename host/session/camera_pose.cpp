@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/calibration_file/calibration.h"
+#include "host/pose/camera_stream.h"
 #include "host/pose/fixed_poses.h"
 #include "host/pose/mocap_poses.h"
 #include "host/pose/pan_tilt_poses.h"
@@ -124,8 +125,38 @@ Result<pose::MocapOptions> mocap_options(const Session& session) {
                                  "mixrig calibrate external --calibration, and name its "
                                  "calibration.toml by `calibration` or --calibration",
                                  session.calibration.where));
-  pose::set_body(options, *body);
+  options.mount = pose::mount_of(*body);
   return options;
+}
+
+/// Without the pose of a body in the calibration the tracked camera is the target camera.
+Result<pose::CameraStreamOptions> stream_options(const Session& session) {
+  if (!is_live(session))
+    return at_camera(session, "pose", ErrorCode::kUsage,
+                     "a live tracker cannot belong to a recording: use pose = \"recorded\"");
+  const scene::TrackerStream& wanted = session.scene.camera.stream;
+  pose::CameraStreamOptions options;
+  options.address = wanted.address;
+  options.world_from_tracker = wanted.world_from_tracker;
+  options.delay_s = wanted.delay_s;
+  options.most_ahead_s = session.scene.camera.max_age_s;
+  options.rate_hz = wanted.rate_hz;
+  options.system_stamps = wanted.system_stamps;
+  if (wanted.sigma_m && wanted.sigma_rad) options.noise = {*wanted.sigma_rad, *wanted.sigma_m};
+  if (session.calibration.file.empty()) return options;
+  MIXRIG_ASSIGN(const calibration_file::Calibration known,
+                calibration_file::read_calibration(session.calibration.file));
+  if (const auto* body = known.pose("body")) options.mount = pose::mount_of(*body);
+  return options;
+}
+
+Poses stream_poses(const Session& session, const Clock& clock) {
+  MIXRIG_ASSIGN(pose::CameraStreamOptions options, stream_options(session));
+  auto poses = session.scene.pose_source == scene::PoseSource::kFreeD
+                   ? pose::open_freed_poses(std::move(options), clock)
+                   : pose::open_opentrack_poses(std::move(options), clock);
+  if (!poses) return at_camera(session, "pose", poses.error().code, poses.error().context);
+  return poses;
 }
 
 Poses mocap_poses(const Session& session, const Clock& clock) {
@@ -151,6 +182,9 @@ Poses make_poses(const Session& session, const Clock* clock) {
       return pan_tilt_poses(session);
     case scene::PoseSource::kTracker:
       return tracker_poses(session);
+    case scene::PoseSource::kFreeD:
+    case scene::PoseSource::kOpenTrack:
+      return stream_poses(session, *clock);
     case scene::PoseSource::kMocap:
       break;
   }
@@ -164,6 +198,10 @@ Result<void> check_poses(Session& session) {
   if (wanted == scene::PoseSource::kFloor) return {};
   if (wanted == scene::PoseSource::kMocap) {
     if (auto fine = mocap_options(session); !fine) return std::move(fine).error();
+    return {};
+  }
+  if (wanted == scene::PoseSource::kFreeD || wanted == scene::PoseSource::kOpenTrack) {
+    if (auto fine = stream_options(session); !fine) return std::move(fine).error();
     return {};
   }
   MIXRIG_ASSIGN(session.poses, make_poses(session, nullptr));

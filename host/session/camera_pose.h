@@ -14,7 +14,7 @@ namespace mixrig::session {
 
 /// What can be known before the first frame is composited: that the chain is calibrated, the
 /// trajectory is readable and overlaps the take in time, the source has angles or poses. Makes
-/// session.poses except for pose = "floor" and "mocap:HOST", which prepare_poses() makes.
+/// session.poses except for pose = "floor" and those of a network, which prepare_poses() makes.
 /// Errors: kFormat, kData, kUsage, with the scene's file and key; those of the files.
 Result<void> check_poses(Session& session);
 

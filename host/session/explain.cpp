@@ -100,6 +100,9 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
       {"key", view, key_reason(setup, frame.key.by)},
       {"light", view, light_reason(setup, maps, keyed)},
       {"mix", view, mix_reason(setup)},
+      {"focus", setup.focus ? view : "-",
+       setup.focus ? "depth of field of a thin lens, by mixed depth"
+                   : "not run: the scene has no [focus]"},
       {"readback", view, "results from the device that draws"},
   };
 }

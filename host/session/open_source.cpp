@@ -60,6 +60,8 @@ live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
   // A pose that does not follow the head watches it: a head that turns then ends the run.
   const bool head = scene.pose_source != scene::PoseSource::kRecorded &&
                     scene.pose_source != scene::PoseSource::kMocap &&
+                    scene.pose_source != scene::PoseSource::kFreeD &&
+                    scene.pose_source != scene::PoseSource::kOpenTrack &&
                     (scene.pose_source != scene::PoseSource::kTracker || needs_head(scene));
   leave_out_cameras(rig, scene.pose_source == scene::PoseSource::kTracker);
   if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");

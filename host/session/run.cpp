@@ -14,6 +14,7 @@
 #include "host/capture/capture_reader.h"
 #include "host/output/sheet_sink.h"
 #include "host/output/sink_thread.h"
+#include "host/output/stream_sink.h"
 #include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
 #include "host/session/contact_points.h"
@@ -72,6 +73,7 @@ bool has_true_poses(const Session& session) {
   const bool own = session.scene.camera.trajectory.empty();
   const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
                               used == PoseSource::kMocap || used == PoseSource::kTracker ||
+                              used == PoseSource::kFreeD || used == PoseSource::kOpenTrack ||
                               (used == PoseSource::kRecorded && !own);
   return from_elsewhere && session.source->info().true_poses;
 }
@@ -105,6 +107,9 @@ class Runner {
   }
   Result<std::optional<capture::CaptureItem>> next_item();
   Result<void> open_sinks(FrameRange range);
+  double stream_rate_hz() const;
+  Result<void> check_streams();
+  Result<void> open_streams();
   Result<void> open_people();
   Result<void> follow_changes();
   void move_objects(output::Composite& composite);
@@ -143,6 +148,7 @@ class Runner {
   bool drained_ = false;                    ///< the reader has no more
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
+  RunReport report_;                   ///< sinks write into it
   Sinks sinks_;
   std::unique_ptr<ObjectMotion> motion_;  ///< null: no object has physics
   FrameTimes times_;
@@ -161,7 +167,6 @@ class Runner {
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
   std::string ended_ = "end of the source";
-  RunReport report_;
 };
 
 Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
@@ -175,6 +180,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (!on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_background(session_, progress));
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
+  MIXRIG_TRY(open_streams());
   MIXRIG_TRY(prepare_frame_poses());
   if (options_.baselines) MIXRIG_TRY(open_baselines());
   keeper_.emplace(session_, live());
@@ -250,7 +256,41 @@ Result<void> Runner::open_sinks(FrameRange range) {
       return Error{poses.error().code, session_.scene.path.string() + ": " + poses.error().context};
     add(*std::move(poses));
   }
+  MIXRIG_TRY(check_streams());
   return open_people();
+}
+
+double Runner::stream_rate_hz() const {
+  const double rate_hz = session_.source->info().rate_hz;
+  return rate_hz > 0 ? rate_hz : 25;
+}
+
+Result<void> Runner::check_streams() {
+  auto& streams = options_.streams;
+  streams.insert(streams.begin(), session_.scene.stream_outs.begin(),
+                 session_.scene.stream_outs.end());
+  for (const scene::StreamOut& out : streams)
+    MIXRIG_TRY(output::StreamSink::check(out, session_.setup.view.size_px, stream_rate_hz()));
+  report_.stream_outs.resize(streams.size());
+  return {};
+}
+
+/// After the background: what a stereo pair shows behind people is of it.
+Result<void> Runner::open_streams() {
+  const render::CompositorSetup& setup = session_.setup;
+  const bool transparent = setup.backdrop && setup.backdrop->picture.empty();
+  for (std::size_t i = 0; i < options_.streams.size(); ++i) {
+    const scene::StreamOut& out = options_.streams[i];
+    output::RoomBehind behind;
+    if (out.picture == scene::StreamOut::Picture::kStereo && !setup.backdrop)
+      behind = output::room_behind(setup.background);
+    MIXRIG_ASSIGN(auto sink,
+                  output::StreamSink::create(out, setup.view.size_px, stream_rate_hz(), transparent,
+                                             std::move(behind), report_.stream_outs[i]));
+    sinks_.push_back(std::make_unique<output::SinkThread>(
+        std::move(sink), live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate()));
+  }
+  return {};
 }
 
 /// In a thread of their own, as other sinks.

@@ -31,7 +31,8 @@ struct RunOptions {
   std::optional<bool> follow_people;
   /// Of 1970, at host time 0: poses are sent to the programs that the scene names.
   std::optional<std::int64_t> epoch_ns;
-  bool baselines = false;  ///< judge plain composites beside it
+  std::vector<scene::StreamOut> streams;  ///< in addition to those of the scene
+  bool baselines = false;                 ///< judge plain composites beside it
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
   ChangeOptions changes;  ///< which of them become background

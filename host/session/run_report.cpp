@@ -232,6 +232,20 @@ std::string error_table(const RunReport& report) {
          error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
 }
 
+nlohmann::json to_json(const output::StreamOutReport& stream) {
+  nlohmann::json out{{"uri", stream.uri},
+                     {"picture", stream.picture},
+                     {"size_px", {stream.size.width, stream.size.height}},
+                     {"frames", stream.frames},
+                     {"dropped", stream.dropped}};
+  const auto& pair = stream.stereo;
+  if (const std::uint64_t all = pair.seen + pair.behind + pair.guessed; all > 0)
+    out["stereo"] = {
+        {"behind_pct", 100.0 * static_cast<double>(pair.behind) / static_cast<double>(all)},
+        {"guessed_pct", 100.0 * static_cast<double>(pair.guessed) / static_cast<double>(all)}};
+  return out;
+}
+
 }  // namespace
 
 double fps(const RunReport& report) {
@@ -276,6 +290,8 @@ nlohmann::json to_json(const RunReport& report) {
   if (report.people) out["people"] = to_json(*report.people);
   if (report.events) out["events"] = to_json(*report.events);
   if (!report.pose_outs.empty()) out["pose_out"] = to_json(report.pose_outs);
+  for (const output::StreamOutReport& stream : report.stream_outs)
+    out["stream_out"].push_back(to_json(stream));
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(

@@ -14,6 +14,7 @@
 #include "host/measure/errors.h"
 #include "host/measure/quantile_sketch.h"
 #include "host/output/sink_thread.h"
+#include "host/output/stream_sink.h"
 #include "host/pose/frame_poses.h"
 #include "host/render/compositor.h"
 #include "host/session/baselines.h"
@@ -62,6 +63,7 @@ struct RunReport {
   std::optional<TouchReport> events;              ///< where touching was watched
   measure::QuantileSketch physics_ms;             ///< of a frame, in the compositing thread
   std::vector<PoseOutReport> pose_outs;           ///< in the order of the scene
+  std::vector<output::StreamOutReport> stream_outs;
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };

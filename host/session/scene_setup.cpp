@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/session/scene_setup.h"
 
+#include <algorithm>
+
 namespace mixrig::session {
 namespace {
 
@@ -66,6 +68,26 @@ render::Light light_of(const scene::Light& light) {
   return out;
 }
 
+/// The image distance of the lens is that of the view's focal length on the sensor.
+void set_focus(const scene::Scene& scene, render::CompositorSetup& setup) {
+  setup.focus.reset();
+  if (!scene.focus) return;
+  const scene::FocusSettings& wanted = *scene.focus;
+  const double width_px = setup.view.size_px.width;
+  const double image_m = 1e-3 * wanted.sensor_width_mm * setup.view.fx_px / width_px;
+  render::Focus focus;
+  // Of a lens that is sharp far away the image distance is the focal length.
+  const double focal_m =
+      wanted.distance_m > 0 ? 1 / (1 / image_m + 1 / wanted.distance_m) : image_m;
+  focus.aperture_m = static_cast<float>(focal_m / wanted.f_number);
+  focus.distance_m = static_cast<float>(wanted.distance_m);
+  if (wanted.pixel) focus.pixel = {wanted.pixel->first, wanted.pixel->second};
+  focus.most_blur_px =
+      std::min(render::kMostBlur_px, static_cast<float>(0.01 * wanted.most_blur_pct * width_px));
+  focus.fast = wanted.fast;
+  setup.focus = focus;
+}
+
 }  // namespace
 
 std::vector<MeshArrays> mesh_arrays(const scene::Scene& scene) {
@@ -78,6 +100,7 @@ std::vector<MeshArrays> mesh_arrays(const scene::Scene& scene) {
 void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
                render::CompositorSetup& setup) {
   set_objects(scene, meshes, setup);
+  set_focus(scene, setup);
   setup.light = light_of(scene.light);
   setup.open_walls = scene.background.open_walls;
   setup.people_cast_shadows = scene.set ? scene.set->model.has_value() : scene.light.people_cast;

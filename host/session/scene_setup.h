@@ -21,7 +21,8 @@ struct MeshArrays {
 /// Of the scene's objects, then of the set's model; of hidden objects too.
 std::vector<MeshArrays> mesh_arrays(const scene::Scene& scene);
 
-/// Sets objects, light and key of `setup`; it borrows scene and meshes. Hidden objects have no mesh
+/// Sets objects, light, key and focus of `setup`, whose view is known; it borrows scene and meshes.
+/// Hidden objects have no mesh
 /// there, so that the others keep their numbers. Precondition: mesh_arrays(scene) made `meshes`.
 void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
                render::CompositorSetup& setup);

@@ -9,6 +9,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "host/stream/freed.h"
+#include "host/stream/udp_receiver.h"
 
 namespace mixrig::stream {
 
@@ -34,21 +35,18 @@ class FreeDReceiver {
   /// Port 0 takes a free one. Errors: kUsage for an address that is no IPv4, kDevice where the port
   /// cannot be opened.
   static Result<FreeDReceiver> open(const FreeDAddress& address);
-  FreeDReceiver(FreeDReceiver&& other) noexcept;
-  FreeDReceiver& operator=(FreeDReceiver&& other) noexcept;
-  ~FreeDReceiver();
 
   /// Waits for one datagram, `timeout` at most; nullopt where none came or it was not of the
   /// camera. Errors: kDevice where the socket fails.
   Result<std::optional<FreeDPacket>> next(Duration timeout);
   const FreeDCounts& counts() const { return counts_; }
-  int port() const { return port_; }
+  int port() const { return socket_.port(); }
 
  private:
-  FreeDReceiver(int fd, int port, std::optional<int> camera)
-      : fd_(fd), port_(port), camera_(camera) {}
+  FreeDReceiver(UdpReceiver socket, std::optional<int> camera)
+      : socket_(std::move(socket)), camera_(camera) {}
 
-  int fd_ = -1, port_ = 0;
+  UdpReceiver socket_;
   std::optional<int> camera_;
   FreeDCounts counts_;
 };

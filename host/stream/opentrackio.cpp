@@ -8,33 +8,15 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
+#include "host/stream/opentrackio_bytes.h"
 
 namespace mixrig::stream {
 namespace {
 
 using nlohmann::json;
+using namespace opentrack_bytes;
 
-constexpr std::array<char, 4> kMagic{'O', 'T', 'r', 'k'};
-constexpr std::size_t kEncodingAt = 5, kSequenceAt = 6, kOffsetAt = 8, kLengthAt = 12;
-constexpr std::size_t kFletcherAt = 14;
-constexpr std::uint16_t kLastBit = 0x8000;
 constexpr std::int64_t kNs = 1'000'000'000;
-
-void put_big(std::uint32_t value, std::size_t count, std::byte* to) {
-  for (std::size_t i = 0; i < count; ++i)
-    to[i] = static_cast<std::byte>(value >> (8 * (count - 1 - i)) & 0xFF);
-}
-
-/// Fletcher's checksum modulo 256, over all but the bytes that hold it.
-std::uint16_t fletcher16(std::span<const std::byte> datagram) {
-  unsigned sum = 0, sums = 0;
-  for (std::size_t i = 0; i < datagram.size(); ++i) {
-    if (i == kFletcherAt || i == kFletcherAt + 1) continue;
-    sum = (sum + std::to_integer<unsigned>(datagram[i])) % 256;
-    sums = (sums + sum) % 256;
-  }
-  return static_cast<std::uint16_t>(sums << 8 | sum);
-}
 
 std::string urn_of(const Uuid& id) {
   std::string text = "urn:uuid:";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenTrackIO 1.0.1 (SMPTE RIS OSVP): a camera's pose and lens, a sample for each frame, as JSON or
-// CBOR in UDP datagrams. Written here, not read.
+// CBOR in UDP datagrams, as they are sent; opentrackio_reader.h reads them.
 #pragma once
 
 #include <array>

@@ -85,6 +85,12 @@ Result<void> check(const StudioOptions& o) {
   if (o.window && o.realism.mirror)
     return wrong("window and mirror have one place: drop one of the two");
   MIXRIG_TRY(check_place(o));
+  if (!(o.lens.aperture_m >= 0 && o.lens.aperture_m <= 0.2 && o.lens.focus_m >= 0.1 &&
+        o.lens.focus_m <= 100))
+    return wrong("the lens must have an aperture of 0 to 200 mm and be sharp at 0.1 to 100 m");
+  const Realism& look = o.realism;
+  if (o.lens.aperture_m > 0 && (look.bounce || look.gloss || look.mirror || o.props))
+    return wrong("the thin lens knows the plain look alone: add --plain, leave out --props");
   if (o.threads < 0 || o.threads > 256)
     return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
   return {};
@@ -466,6 +472,7 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
   if (truth == nullptr) return;
   s.trace_person(place, s.view_rays, s.info.view, s.view, true);
   s.draw_truth(place, *truth);
+  if (s.options.lens.aperture_m > 0) s.draw_through_lens(place, truth->composite);
   truth->view.reset();
   if (s.options.zoom > 1) truth->view = s.info.view;
   truth->pupil_shift_m = s.pupil_shift_m;

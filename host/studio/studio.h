@@ -83,6 +83,12 @@ struct ExposureControl {
   }
 };
 
+/// A lens through which the truth's composite is seen; plates are those of a pinhole.
+struct ThinLens {
+  double aperture_m = 0;  ///< diameter, 0..0.2; 0: a pinhole
+  double focus_m = 3;     ///< z that is sharp, 0.1..100
+};
+
 /// Frames of every camera of a take.
 inline constexpr double kFrameRate_hz = 25;
 
@@ -114,6 +120,7 @@ struct StudioOptions {
   std::optional<Eigen::Vector2d> object_m;          ///< of the object on the floor, in place of the
                                                     ///< scenario's; world x y
   double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
+  ThinLens lens;          ///< only in the plain look
   Realism realism;        ///< all off: the plain look
   Day day;
 };

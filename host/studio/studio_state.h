@@ -83,6 +83,8 @@ struct Studio::State {
   /// Whether a surface point of the view is seen; `of_room`: it is one of the room.
   bool tof_sees(const TofPlace& at, const Optics& optics, const Vec3& point, int x, int y,
                 bool of_room) const;
+  /// Of StudioOptions::lens.
+  void draw_through_lens(const CameraPlace& place, Image<Rgb8>& composite);
 
   StudioOptions options;
   Layout layout;

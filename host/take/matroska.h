@@ -5,8 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include <gst/gst.h>
-
+#include "host/take/gst_pipeline.h"
 #include "host/take/picture_stream.h"
 
 namespace mixrig::take {
@@ -16,38 +15,6 @@ enum class PixelKind { kRgb8, kGray16 };
 
 /// GStreamer's name of the raw format that FFV1 stores without loss.
 const char* raw_format(PixelKind kind);
-
-struct GstUnref {
-  void operator()(void* object) const { gst_object_unref(object); }
-};
-using GstElementPtr = std::unique_ptr<GstElement, GstUnref>;
-
-/// Builds a pipeline from a fixed description; stops it and frees it at the end.
-class Pipeline {
- public:
-  /// `file` goes to the element named "file". Errors: kUnsupported where a plug-in is missing.
-  static Result<Pipeline> create(const std::string& description, const std::filesystem::path& file);
-  Pipeline(Pipeline&&) noexcept = default;
-  Pipeline& operator=(Pipeline&& other) noexcept;
-  ~Pipeline();
-
-  GstElement* get() const { return pipeline_.get(); }
-  GstElement* element(const char* name) const;
-  /// Errors: kIo with the pipeline's own message.
-  Result<void> play();
-  /// The last error that the pipeline posted, as "WHAT: WHY".
-  Error error(ErrorCode code, const std::string& what) const;
-  bool has_failed() const;
-  /// Waits for a message. Errors: kFormat "cannot VERB FILE" after an error of the pipeline or ten
-  /// seconds without a message.
-  Result<void> wait_for(GstMessageType message, const char* verb) const;
-
- private:
-  explicit Pipeline(GstElementPtr pipeline, std::string name)
-      : pipeline_(std::move(pipeline)), name_(std::move(name)) {}
-  GstElementPtr pipeline_;
-  std::string name_;
-};
 
 /// Opens a file of `count` frames at `rate_hz`. Errors: kNotFound, kUnsupported.
 Result<std::unique_ptr<PictureStream>> open_matroska(const std::filesystem::path& path,

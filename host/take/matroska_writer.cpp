@@ -8,6 +8,12 @@
 
 namespace mixrig::take {
 
+const char* raw_format(PixelKind kind) {
+  // FFV1's RGB is stored by a reversible transform; of the 8-bit channel orders
+  // GStreamer's encoder accepts this one.
+  return kind == PixelKind::kRgb8 ? "BGRx" : "GRAY16_LE";
+}
+
 Result<MatroskaWriter> MatroskaWriter::create(const std::filesystem::path& path, PixelKind kind,
                                               Size size, double rate_hz) {
   const int rate_milli_hz = static_cast<int>(std::lround(rate_hz * 1000.0));

@@ -20,7 +20,7 @@ namespace {
 struct RunArguments {
   SessionArguments session;
   PageArguments page;
-  std::string out, frames, format = "png", view;
+  std::string out, frames, format = "png", view, stream;
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false, follow_scene = false;
   std::string save_room;
@@ -67,6 +67,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
   options.baselines = arguments.baselines;
+  if (!arguments.stream.empty()) options.streams.emplace_back().uri = arguments.stream;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
@@ -125,6 +126,9 @@ void add_run_command(Command app, Context& context) {
                   "plate, key, depth, light or matte; keys change it, H lists them")
       .value_if_left_out("composite")
       .one_of({"composite", "plate", "key", "depth", "light", "matte"});
+  command.add_option("--stream", arguments->stream,
+                     "where the composite is sent: srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
+                     "v4l2://DEVICE, or a file .mkv or .mov; more by [[stream_out]] of the scene");
   command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
   command.add_flag("--inspect", arguments->inspect,
                    "write warped depth, key and light map as well");

@@ -40,7 +40,7 @@ struct StudioArguments {
   bool window = false, sweep_bracket = false;
   std::string eye, look_at, object;
   std::optional<double> pan_deg;
-  double zoom = 1;
+  double zoom = 1, aperture_mm = 0, focus_m = 3;
   bool fisheye = false, raw = false;
   std::string fisheye_size = "640x512";
   studio::Day day;
@@ -130,6 +130,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
   MIXRIG_ASSIGN(options.object_m, parse_floor_place(arguments.object, "--object"));
   options.zoom = arguments.zoom;
+  options.lens = {1e-3 * arguments.aperture_mm, arguments.focus_m};
   options.day = arguments.day;
   options.fisheye = arguments.fisheye;
   options.raw = arguments.raw;
@@ -327,6 +328,10 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--size", arguments->size, "Target camera, WxH");
   command.add_option("--format", arguments->format, "png or mkv");
   command.add_option("--threads", arguments->threads, "0: one per core");
+  command.add_option("--aperture-mm", arguments->aperture_mm,
+                     "The truth's composite through a thin lens of this aperture (slow; with "
+                     "--plain); plates stay sharp. 0: a pinhole");
+  command.add_option("--focus-m", arguments->focus_m, "Distance that is sharp through that lens");
   command.add_flag("--clear-floor", arguments->clear_floor,
                    "No chair at the desk: no furniture in the capture volume");
   command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");

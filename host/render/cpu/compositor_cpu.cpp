@@ -12,6 +12,7 @@
 #include "host/render/cpu/background.h"
 #include "host/render/cpu/correct.h"
 #include "host/render/cpu/draw_quads.h"
+#include "host/render/cpu/focus.h"
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/mix.h"
@@ -89,6 +90,7 @@ class CpuCompositor final : public Compositor {
   std::vector<ShadowMap> shadow_maps_;
   LightLayer light_;
   PeopleShadow people_shadow_;
+  FocusScratch focus_scratch_;
   struct Frame {
     FrameOutput output;
     StageTimes times{};
@@ -137,6 +139,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   StopWatch watch(slot->times);
   FrameOutput& output = slot->output;
   output.wanted = with_needed(wanted);
+  const bool focuses = setup_.focus && (wanted & kColor);
+  if (focuses) output.wanted |= kMixedDepth;
   const NeededPasses needed = needed_passes(output.wanted, setup_);
   // The key writes the matte, wanted or not.
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
@@ -166,6 +170,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   watch.lap(Stage::kLight);
   if (needed.mix) mix(crew_, mix_input(gain, shadows), output);
   watch.lap(Stage::kMix);
+  if (focuses) draw_focus(crew_, *setup_.focus, setup_.view.fx_px, focus_scratch_, output);
+  watch.lap(Stage::kFocus);
   if (output.wanted & kLight) store_light(output.light);
   if (output.wanted & kState) store_state(output.matte, output.state);
   watch.lap(Stage::kReadback);

@@ -379,6 +379,9 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup) {
   MIXRIG_TRY(validate(setup));
+  if (setup.focus)
+    return Error{ErrorCode::kUnsupported,
+                 "[focus] is drawn by the cpu back end alone: use --backend cpu, or remove it"};
   MIXRIG_ASSIGN(EglContext context, EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
   MIXRIG_TRY(compositor->create_passes());

@@ -204,7 +204,7 @@ TEST(TargetSeen, FindsTheConstellationWithACovarianceThatHolds) {
     known.target_from.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(w.norm(), w.normalized())) * turn;
     known.target_from.translation_m += off.tail<3>();
-    set_body(o, known);
+    o.mount = mount_of(known);
     NatNetFrame frame;
     for (const auto& marker : o.constellation->markers_m)
       frame.markers.push_back(

@@ -114,6 +114,23 @@ TEST(Scene, NamesWhereThePoseComesFrom) {
   EXPECT_FALSE(mocap->camera.mocap.y_up);
   EXPECT_DOUBLE_EQ(mocap->camera.mocap.delay_s, 0.03);
 
+  const auto freed = scene_of(
+      "pose = \"freed:0.0.0.0:7000,3\"\nrate_hz = 59.94\ndelay_ms = 20\nsigma_mm = 2\nsigma_deg = "
+      "0.01\nworld_from_tracker = { rotation_xyzw = [0, 0, 0, 1], translation_m = [1, 2, 0] }\n");
+  ASSERT_TRUE(freed) << freed.error().context;
+  EXPECT_EQ(freed->pose_source, PoseSource::kFreeD);
+  EXPECT_STREQ(name(freed->pose_source), "freed");
+  EXPECT_EQ(freed->camera.stream.address, "0.0.0.0:7000,3");
+  EXPECT_DOUBLE_EQ(freed->camera.stream.rate_hz, 59.94);
+  EXPECT_DOUBLE_EQ(freed->camera.stream.delay_s, 0.02);
+  EXPECT_DOUBLE_EQ(*freed->camera.stream.sigma_m, 0.002);
+  EXPECT_NEAR(*freed->camera.stream.sigma_rad, 1.745e-4, 1e-6);
+  EXPECT_EQ(freed->camera.stream.world_from_tracker.translation_m.y(), 2);
+  const auto open = scene_of("pose = \"opentrackio:239.135.1.7:55555\"\nstamps = \"system\"\n");
+  ASSERT_TRUE(open) << open.error().context;
+  EXPECT_EQ(open->pose_source, PoseSource::kOpenTrack);
+  EXPECT_TRUE(open->camera.stream.system_stamps);
+
   const auto tracker = scene_of("pose = \"tracker\"\npredict = \"both\"\nsmooth_ms = 200\n");
   ASSERT_TRUE(tracker) << tracker.error().context;
   EXPECT_EQ(tracker->camera.predict, Predict::kBoth);
@@ -143,6 +160,13 @@ TEST(Scene, RefusesTwoPoseSourcesAndWhatIsMissing) {
       {"pose = \"mocap:\"\n", "names no server"},
       {"pose = \"mocap:a\"\nbody = 2\nconstellation = \"a.toml\"\n", "given beside constellation"},
       {"pose = \"mocap:a\"\ndelay_ms = -1\n", "camera.delay_ms"},
+      {"pose = \"freed:\"\nrate_hz = 50\n", "names no port"},
+      {"pose = \"freed:7000\"\n", "camera.rate_hz\": missing: FreeD has no time stamps"},
+      {"pose = \"freed:7000\"\nrate_hz = 50\nsigma_mm = 1\n", "given alone"},
+      {"pose = \"freed:7000\"\nrate_hz = 50\nstamps = \"system\"\n",
+       "belongs to pose = \"opentrackio\""},
+      {"pose = \"opentrackio:7000\"\nstamps = \"system\"\ndelay_ms = 3\n", "remove it"},
+      {"pose = \"opentrackio:7000\"\nbody = 3\n", "belongs to pose = \"mocap\""},
       {"pose = \"pantilt\"\n", "\"pantilt\" is not known: use one of"},
       {"max_age_mss = 3\n", "not known: did you mean \"max_age_ms\"?"},
       {"max_age_ms = -3\n", "camera.max_age_ms"},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // GStreamer pipelines as owned handles with one-line errors.
-#include "host/take/matroska.h"
+#include "host/take/gst_pipeline.h"
+
+#include <algorithm>
 
 namespace mixrig::take {
 namespace {
@@ -15,27 +17,46 @@ Result<void> start_gstreamer() {
 
 }  // namespace
 
-const char* raw_format(PixelKind kind) {
-  // FFV1's RGB is stored by a reversible transform; of the 8-bit channel orders
-  // GStreamer's encoder accepts this one.
-  return kind == PixelKind::kRgb8 ? "BGRx" : "GRAY16_LE";
+Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what) {
+  MIXRIG_TRY(start_gstreamer());
+  std::vector<std::string> packages;
+  std::string elements;
+  for (const GstNeed& need : needs) {
+    GstElementFactory* const found = gst_element_factory_find(need.element);
+    if (found != nullptr) {
+      gst_object_unref(found);
+      continue;
+    }
+    elements += (elements.empty() ? "" : ", ") + std::string(need.element);
+    if (std::find(packages.begin(), packages.end(), need.package) == packages.end())
+      packages.emplace_back(need.package);
+  }
+  if (packages.empty()) return {};
+  std::string install;
+  for (const std::string& package : packages) install += (install.empty() ? "" : " and ") + package;
+  return Error{ErrorCode::kUnsupported,
+               "cannot write " + what + ": GStreamer has no " + elements + ": install " + install};
 }
 
-Result<Pipeline> Pipeline::create(const std::string& description,
-                                  const std::filesystem::path& file) {
+Result<Pipeline> Pipeline::launch(const std::string& description, std::string name) {
   MIXRIG_TRY(start_gstreamer());
   GError* error = nullptr;
   GstElementPtr pipeline(
       gst_parse_launch_full(description.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
-  if (!pipeline) {
-    const std::string why = error != nullptr ? error->message : "unknown";
-    g_clear_error(&error);
-    return Error{ErrorCode::kUnsupported,
-                 "cannot use Matroska for '" + file.string() + "': " + why +
+  if (pipeline) return Pipeline(std::move(pipeline), std::move(name));
+  const std::string why = error != nullptr ? error->message : "unknown";
+  g_clear_error(&error);
+  return Error{ErrorCode::kUnsupported, why};
+}
+
+Result<Pipeline> Pipeline::create(const std::string& description,
+                                  const std::filesystem::path& file) {
+  auto result = launch(description, file.string());
+  if (!result)
+    return Error{result.error().code,
+                 "cannot use Matroska for '" + file.string() + "': " + result.error().context +
                      ": install gstreamer1.0-plugins-good and gstreamer1.0-libav"};
-  }
-  Pipeline result(std::move(pipeline), file.string());
-  const GstElementPtr end(result.element("file"));
+  const GstElementPtr end(result->element("file"));
   g_object_set(end.get(), "location", file.c_str(), nullptr);
   return result;
 }

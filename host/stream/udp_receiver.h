@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Datagrams that come to a port of this machine, or to a multicast group.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+
+namespace mixrig::stream {
+
+/// Not thread-safe. Nothing allocates after open().
+class UdpReceiver {
+ public:
+  /// `host`: IPv4 address of this machine to listen on, 0.0.0.0 for all, or a multicast group,
+  /// which is joined. Port 0 takes a free one. `protocol` begins the errors: kUsage for an address
+  /// that is no IPv4, kDevice where the port cannot be opened.
+  static Result<UdpReceiver> open(std::string protocol, const std::string& host, int port);
+  UdpReceiver(UdpReceiver&& other) noexcept;
+  UdpReceiver& operator=(UdpReceiver&& other) noexcept;
+  ~UdpReceiver();
+
+  /// Waits for one datagram, `timeout` at most, and gives its bytes in `buffer`; a longer one is
+  /// cut. nullopt where none came. Errors: kDevice where the socket fails.
+  Result<std::optional<std::span<const std::byte>>> next(std::span<std::byte> buffer,
+                                                         Duration timeout);
+  int port() const { return port_; }
+
+ private:
+  UdpReceiver(std::string protocol, int fd, int port)
+      : protocol_(std::move(protocol)), fd_(fd), port_(port) {}
+
+  std::string protocol_;
+  int fd_ = -1, port_ = 0;
+};
+
+/// "[HOST:]PORT[,NUMBER]" after a scheme; a HOST that is missing stays as it was.
+struct ListenAddress {
+  std::string host = "127.0.0.1";  ///< IPv4 of this machine, 0.0.0.0 for all, or of a group
+  int port = 0;
+  std::optional<int> number;
+};
+/// nullopt for another text, a port of 0 or above 65535, a number outside the range. Pure.
+std::optional<ListenAddress> parse_listen_address(std::string_view text, int least_number,
+                                                  int most_number);
+
+}  // namespace mixrig::stream

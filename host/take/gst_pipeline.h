@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// GStreamer pipelines as owned handles with one-line errors.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "hal/base/result.h"
+
+namespace mixrig::take {
+
+/// An element of GStreamer, and the Debian package that has it.
+struct GstNeed {
+  const char *element, *package;
+};
+/// Errors: kUnsupported, naming the packages that are missing for `what`.
+Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what);
+
+struct GstUnref {
+  void operator()(void* object) const { gst_object_unref(object); }
+};
+using GstElementPtr = std::unique_ptr<GstElement, GstUnref>;
+
+/// Builds a pipeline from a fixed description; stops it and frees it at the end.
+class Pipeline {
+ public:
+  /// `name` is that of what it writes, for errors. Errors: kUnsupported with GStreamer's words.
+  static Result<Pipeline> launch(const std::string& description, std::string name);
+  /// `file` goes to the element named "file". Errors: kUnsupported where a plug-in is missing.
+  static Result<Pipeline> create(const std::string& description, const std::filesystem::path& file);
+  Pipeline(Pipeline&&) noexcept = default;
+  Pipeline& operator=(Pipeline&& other) noexcept;
+  ~Pipeline();
+
+  GstElement* get() const { return pipeline_.get(); }
+  GstElement* element(const char* name) const;
+  /// Errors: kIo with the pipeline's own message.
+  Result<void> play();
+  /// The last error that the pipeline posted, as "WHAT: WHY".
+  Error error(ErrorCode code, const std::string& what) const;
+  bool has_failed() const;
+  /// Waits for a message. Errors: kFormat "cannot VERB FILE" after an error of the pipeline or ten
+  /// seconds without a message.
+  Result<void> wait_for(GstMessageType message, const char* verb) const;
+
+ private:
+  explicit Pipeline(GstElementPtr pipeline, std::string name)
+      : pipeline_(std::move(pipeline)), name_(std::move(name)) {}
+  GstElementPtr pipeline_;
+  std::string name_;
+};
+
+}  // namespace mixrig::take

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/output/stream_plan.h"
+
+#include <gtest/gtest.h>
+
+namespace mixrig::output {
+namespace {
+
+using Picture = scene::StreamOut::Picture;
+using Codec = scene::StreamOut::Codec;
+
+Result<StreamPlan> plan(const std::string& uri, Picture picture = Picture::kFill,
+                        Codec codec = Codec::kAuto) {
+  scene::StreamOut out;
+  out.uri = uri, out.picture = picture, out.codec = codec;
+  return plan_stream(out, {640, 480}, 25);
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(StreamPlan, EachAddressHasItsCodecAndPlugIns) {
+  const auto srt = plan("srt://127.0.0.1:7001");
+  ASSERT_TRUE(srt) << srt.error().context;
+  EXPECT_TRUE(has(srt->description, "x264enc") && has(srt->description, "mpegtsmux"));
+  EXPECT_TRUE(has(srt->description, "width=640,height=480,framerate=25000/1000"));
+  EXPECT_FALSE(srt->waits);
+  const auto file = plan("a.mkv", Picture::kAlpha);
+  ASSERT_TRUE(file);
+  EXPECT_TRUE(has(file->description, "format=BGRA") && has(file->description, "avenc_ffv1"));
+  EXPECT_TRUE(file->waits);
+  const auto depth = plan("shm:///tmp/depth", Picture::kDepth);
+  ASSERT_TRUE(depth);
+  EXPECT_TRUE(has(depth->caps, "GRAY16_LE"));
+  const auto rtp = plan("rtp://10.0.0.7:5004", Picture::kStereo);
+  ASSERT_TRUE(rtp);
+  EXPECT_TRUE(has(rtp->description, "width=1280,"));
+  EXPECT_EQ(rtp->port, 5004);
+  EXPECT_TRUE(has(plan("a.mov", Picture::kAlpha)->description, "A444_10LE"));
+  EXPECT_TRUE(has(plan("v4l2:///dev/video7")->description, "v4l2sink"));
+}
+
+TEST(StreamPlan, AListenerWithoutAnAddressHearsThisMachineAlone) {
+  EXPECT_EQ(plan("srt://:7001?mode=listener")->texts.at(0).second,
+            "srt://127.0.0.1:7001?mode=listener");
+}
+
+TEST(StreamPlan, NothingOfTheAddressIsReadAsAPipeline) {
+  const auto evil = plan("shm:///tmp/x ! filesink location=/tmp/y");
+  ASSERT_TRUE(evil);
+  EXPECT_FALSE(has(evil->description, "/tmp/y"));
+}
+
+TEST(StreamPlan, WhatCannotBeCarriedIsOneLine) {
+  struct Row {
+    const char* uri;
+    Picture picture;
+    Codec codec;
+    const char* says;
+  };
+  const Row rows[] = {
+      {"rtmp://a/b", Picture::kFill, Codec::kAuto, "is no stream: give srt://"},
+      {"a.avi", Picture::kFill, Codec::kAuto, "is no stream"},
+      {"rtp://host", Picture::kFill, Codec::kAuto, "names no host and port"},
+      {"rtp://a:70000", Picture::kFill, Codec::kAuto, "names no host and port"},
+      {"srt://a:1", Picture::kDepth, Codec::kH264, "depth has 16 bits"},
+      {"rtp://a:1", Picture::kDepth, Codec::kAuto, "depth has 16 bits"},
+      {"srt://a:1", Picture::kAlpha, Codec::kH264, "no alpha"},
+      {"v4l2:///dev/video1", Picture::kAlpha, Codec::kAuto, "no alpha"},
+      {"rtp://a:1", Picture::kFill, Codec::kFfv1, "RTP carries H.264 or raw"},
+      {"a.mov", Picture::kFill, Codec::kFfv1, "belong together"},
+      {"shm:///a", Picture::kFill, Codec::kH264, "cannot carry codec \"h264\""},
+      {"a.mkv", Picture::kFill, Codec::kRaw, "cannot carry codec \"raw\""},
+  };
+  for (const Row& row : rows) {
+    const auto wrong = plan(row.uri, row.picture, row.codec);
+    ASSERT_FALSE(wrong) << row.uri;
+    EXPECT_EQ(wrong.error().code, ErrorCode::kUsage);
+    EXPECT_TRUE(has(wrong.error().context, row.says)) << wrong.error().context;
+    EXPECT_EQ(wrong.error().context.find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace mixrig::output

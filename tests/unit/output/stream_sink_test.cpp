@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// Streams as ffmpeg and GStreamer's own programs receive them: size, rate, colour, alpha, depth.
+// Without these programs (scripts/setup peers) the tests that need them are skipped.
+#include "host/output/stream_sink.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/child_process.h"
+#include "tests/support/progress.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/udp_listener.h"
+
+namespace mixrig::output {
+namespace {
+
+using Picture = scene::StreamOut::Picture;
+using Codec = scene::StreamOut::Codec;
+
+constexpr Size kBars{320, 96};
+constexpr double kBars_hz = 25;
+
+/// EBU colour bars at 75 %, and what a key and depths may be.
+Rgb8 bar(int x) {
+  constexpr std::array<Rgb8, 8> kColors{{{191, 191, 191},
+                                         {191, 191, 0},
+                                         {0, 191, 191},
+                                         {0, 191, 0},
+                                         {191, 0, 191},
+                                         {191, 0, 0},
+                                         {0, 0, 191},
+                                         {0, 0, 0}}};
+  return kColors[static_cast<std::size_t>(x * 8 / kBars.width)];
+}
+std::uint8_t key_at(int x, int y) { return static_cast<std::uint8_t>(7 * x + 3 * y); }
+std::uint16_t depth_mm(int x, int y) { return static_cast<std::uint16_t>(x * 211 + y * 17); }
+
+CompositePtr bars_frame(int number) {
+  auto capture = std::make_shared<capture::Capture>();
+  capture->number = number;
+  capture->mid_exposure = HostTime(std::chrono::milliseconds(1000 + 40 * number));
+  auto composite = std::make_shared<Composite>();
+  composite->capture = capture;
+  composite->view = {kBars, 300, 300, 159.5, 47.5};
+  auto& images = composite->images;
+  images.color.reset(kBars), images.matte.reset(kBars), images.mixed_depth_m.reset(kBars);
+  for (int y = 0; y < kBars.height; ++y)
+    for (int x = 0; x < kBars.width; ++x) {
+      images.color.at(x, y) = bar(x), images.matte.at(x, y) = key_at(x, y);
+      images.mixed_depth_m.at(x, y) = 1e-3F * static_cast<float>(depth_mm(x, y));
+    }
+  return composite;
+}
+
+bool has_program(const char* name) {
+  return std::system((std::string("command -v ") + name + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+class StreamSinkTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<StreamSink> sink_of(const std::string& uri, Picture picture,
+                                      Codec codec = Codec::kAuto) {
+    scene::StreamOut out;
+    out.uri = uri, out.picture = picture, out.codec = codec;
+    auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_);
+    EXPECT_TRUE(sink) << sink.error().context;
+    return sink ? *std::move(sink) : nullptr;
+  }
+  /// All frames of a file by ffmpeg, as raw bytes.
+  std::string decoded(const std::string& file, const char* format) {
+    const std::string raw = folder_ / "raw";
+    test::ChildProcess ffmpeg(
+        {"ffmpeg", "-y", "-i", file, "-f", "rawvideo", "-pix_fmt", format, raw}, 120);
+    EXPECT_EQ(ffmpeg.wait(), 0);
+    return test::read_bytes(raw);
+  }
+  void write_file(const std::string& file, Picture picture) {
+    const auto sink = sink_of(file, picture);
+    ASSERT_TRUE(sink);
+    for (int i = 1; i <= 10; ++i) ASSERT_TRUE(sink->write(bars_frame(i)));
+    const auto done = sink->finish();
+    ASSERT_TRUE(done) << done.error().context;
+    EXPECT_EQ(report_.frames, 10U);
+    EXPECT_EQ(report_.dropped, 0U);
+  }
+  /// Sends frames until the receiver ends; their number is bounded by the test's limit.
+  void send_to(StreamSink& sink, test::ChildProcess& receiver) {
+    int number = 0;
+    std::optional<int> ended;
+    std::thread waits([&] { ended = receiver.wait(), gone_ = true; });
+    EXPECT_TRUE(test::comes_true([&] {
+      EXPECT_TRUE(sink.write(bars_frame(++number)));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      return gone_.load();
+    }));
+    waits.join();
+    EXPECT_EQ(ended, 0);
+  }
+  /// Greatest difference of RGB to the bars, away from their edges.
+  static int worst_of_bars(const std::string& rgb, std::size_t frame) {
+    int worst = 0;
+    const std::size_t at = frame * 3 * static_cast<std::size_t>(kBars.area());
+    for (int y = 8; y < kBars.height - 8; ++y)
+      for (int x = 0; x < kBars.width; ++x) {
+        if (x % 40 < 8 || x % 40 > 31) continue;
+        const std::size_t i = at + 3 * static_cast<std::size_t>(y * kBars.width + x);
+        const Rgb8 c = bar(x);
+        for (const auto& [k, v] : {std::pair{0, c.r}, {1, c.g}, {2, c.b}})
+          worst = std::max(worst, std::abs(static_cast<std::uint8_t>(rgb[i + k]) - v));
+      }
+    return worst;
+  }
+  static std::string any_port() {
+    const std::string address = test::UdpListener().address();
+    return address.substr(address.find(':') + 1);
+  }
+
+  test::TemporaryFolder folder_;
+  StreamOutReport report_;
+  std::atomic<bool> gone_ = false;
+};
+
+TEST_F(StreamSinkTest, AFileKeepsColourAlphaAndDepthExactly) {
+  if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::size_t area = static_cast<std::size_t>(kBars.area());
+  write_file(folder_ / "fill.mkv", Picture::kFill);
+  EXPECT_EQ(worst_of_bars(decoded(folder_ / "fill.mkv", "rgb24"), 9), 0);
+
+  report_ = {};
+  write_file(folder_ / "alpha.mkv", Picture::kAlpha);
+  const std::string bgra = decoded(folder_ / "alpha.mkv", "bgra");
+  ASSERT_EQ(bgra.size(), 10 * 4 * area);
+  report_ = {};
+  write_file(folder_ / "depth.mkv", Picture::kDepth);
+  const std::string gray = decoded(folder_ / "depth.mkv", "gray16le");
+  ASSERT_EQ(gray.size(), 10 * 2 * area);
+  int wrong_alpha = 0, wrong_depth = 0;
+  for (int y = 0; y < kBars.height; ++y)
+    for (int x = 0; x < kBars.width; ++x) {
+      const std::size_t i = 9 * area + static_cast<std::size_t>(y * kBars.width + x);
+      wrong_alpha += static_cast<std::uint8_t>(bgra[4 * i + 3]) != key_at(x, y) ||
+                     static_cast<std::uint8_t>(bgra[4 * i]) != bar(x).b;
+      const unsigned low = static_cast<std::uint8_t>(gray[2 * i]),
+                     high = static_cast<std::uint8_t>(gray[2 * i + 1]);
+      wrong_depth += (low | high << 8) != depth_mm(x, y);
+    }
+  EXPECT_EQ(wrong_alpha, 0);
+  EXPECT_EQ(wrong_depth, 0);
+}
+
+TEST_F(StreamSinkTest, AProResFileHasTheAlpha) {
+  if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  write_file(folder_ / "alpha.mov", Picture::kAlpha);
+  const std::string rgba = decoded(folder_ / "alpha.mov", "rgba");
+  ASSERT_EQ(rgba.size(), 10U * 4 * static_cast<std::size_t>(kBars.area()));
+  int worst = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kBars.area()); ++i)
+    worst = std::max(worst, std::abs(static_cast<std::uint8_t>(rgba[4 * i + 3]) -
+                                     key_at(static_cast<int>(i) % kBars.width,
+                                            static_cast<int>(i) / kBars.width)));
+  EXPECT_LE(worst, 2);
+}
+
+TEST_F(StreamSinkTest, TimeStampsAreThoseOfMidExposure) {
+  if (!has_program("ffprobe")) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::string file = folder_ / "fill.mkv";
+  const auto sink = sink_of(file, Picture::kFill);
+  ASSERT_TRUE(sink);
+  for (const int number : {1, 2, 3, 7, 8}) ASSERT_TRUE(sink->write(bars_frame(number)));
+  ASSERT_TRUE(sink->finish());
+  test::ChildProcess probe({"ffprobe", "-v", "error", "-show_entries",
+                            "packet=pts_time:stream=width,height,r_frame_rate", "-of", "csv", file},
+                           60, folder_ / "times");
+  EXPECT_EQ(probe.wait(), 0);
+  const std::string said = test::read_bytes(folder_ / "times");
+  for (const char* line : {"packet,0.000000\n", "packet,0.040000\n", "packet,0.080000\n",
+                           "packet,0.240000\n", "packet,0.280000\n", "stream,320,96,25/1\n"})
+    EXPECT_NE(said.find(line), std::string::npos) << line << said;
+}
+
+TEST_F(StreamSinkTest, FfmpegReceivesSrtAndRtp) {
+  if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  for (const char* scheme : {"srt", "rtp"}) {
+    const std::string address = std::string(scheme) + "://127.0.0.1:" + any_port();
+    const std::string raw = folder_ / scheme;
+    const std::string from = address + (scheme[0] == 's' ? "?mode=listener" : "");
+    gone_ = false;
+    test::ChildProcess ffmpeg(
+        {"ffmpeg", "-y", "-v", "error", "-i", from, "-frames:v", "5", "-sws_flags",
+         "accurate_rnd+full_chroma_int", "-f", "rawvideo", "-pix_fmt", "rgb24", raw},
+        100, folder_ / "log");
+    const auto sink = sink_of(address, Picture::kFill);
+    ASSERT_TRUE(sink);
+    send_to(*sink, ffmpeg);
+    const std::string rgb = test::read_bytes(raw);
+    ASSERT_EQ(rgb.size(), 5U * 3 * static_cast<std::size_t>(kBars.area()))
+        << scheme << test::read_bytes(folder_ / "log");
+    EXPECT_LE(worst_of_bars(rgb, 4), 2) << scheme;
+  }
+}
+
+TEST_F(StreamSinkTest, GStreamerReceivesSharedMemory) {
+  if (!has_program("gst-launch-1.0")) GTEST_SKIP() << "gstreamer1.0-tools is not installed";
+  const std::string socket = folder_ / "depth", raw = folder_ / "raw";
+  const auto sink = sink_of("shm://" + socket, Picture::kDepth);
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE(sink->write(bars_frame(1)));
+  test::ChildProcess reader(
+      {"gst-launch-1.0", "-q", "shmsrc", "socket-path=" + socket, "num-buffers=4", "!",
+       "video/x-raw,format=GRAY16_LE,width=320,height=96,framerate=25/1", "!", "filesink",
+       "location=" + raw},
+      100, folder_ / "log");
+  send_to(*sink, reader);
+  const std::string gray = test::read_bytes(raw);
+  ASSERT_EQ(gray.size(), 4U * 2 * static_cast<std::size_t>(kBars.area()))
+      << test::read_bytes(folder_ / "log");
+  int wrong = 0;
+  for (int y = 0; y < kBars.height; ++y)
+    for (int x = 0; x < kBars.width; ++x) {
+      const std::size_t i = 2 * static_cast<std::size_t>(y * kBars.width + x);
+      const unsigned low = static_cast<std::uint8_t>(gray[i]),
+                     high = static_cast<std::uint8_t>(gray[i + 1]);
+      wrong += (low | high << 8) != depth_mm(x, y);
+    }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(StreamSinkTest, AReceiverThatIsNotThereOrTakesNothingCostsPicturesAlone) {
+  const auto sink = sink_of("srt://127.0.0.1:" + any_port(), Picture::kFillKey);
+  ASSERT_TRUE(sink);
+  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(sink->write(bars_frame(i)));
+  ASSERT_TRUE(sink->finish());
+  EXPECT_EQ(report_.frames + report_.dropped, 100U);
+}
+
+TEST_F(StreamSinkTest, AFileThatCannotBeWrittenIsOneLine) {
+  scene::StreamOut out;
+  out.uri = "/nowhere/at/all.mkv";
+  const auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_);
+  bool failed = !sink;
+  for (int i = 1; !failed && i <= 10; ++i) failed = !(*sink)->write(bars_frame(i));
+  if (!failed) failed = !(*sink)->finish();
+  EXPECT_TRUE(failed);
+}
+
+}  // namespace
+}  // namespace mixrig::output
