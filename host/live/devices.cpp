@@ -9,7 +9,7 @@
 
 #include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
-#include "hal/linux/gpiod_lines.h"
+#include "hal/linux/gpiod/gpiod_lines.h"
 #include "hal/linux/kinect2_camera.h"
 #include "hal/linux/libusb_streams.h"
 #include "hal/linux/openni2/openni2_camera.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contracts of all devices, tested with the drivers on kernel devices: v4l2 on vivid and
 // uvcvideo, gpiod on gpio-sim, usb on usbfs, mcu and flir-ptu on cdc_acm.
-#include "hal/linux/gpiod_lines.h"
+#include "hal/linux/gpiod/gpiod_lines.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "host/live/devices.h"

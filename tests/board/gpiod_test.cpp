@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The gpiod driver on the kernel's gpio-sim: edges in with the kernel's stamps, a software trigger.
-#include "hal/linux/gpiod_lines.h"
+#include "hal/linux/gpiod/gpiod_lines.h"
 #include "tests/board/bench.h"
 #include "tests/board/sim_chip.h"
 

@@ -1,43 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only file that uses libgpiod, version 1 (Debian 12); version 2 would be a second such file.
-#include "hal/linux/gpiod_lines.h"
+#include "hal/linux/gpiod/gpiod_lines.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include <gpiod.h>
-
+#include "hal/linux/gpiod/gpiod_calls.h"
 #include "hal/wire/software_trigger.h"
 
 namespace mixrig::device {
 namespace {
 
-constexpr const char* kConsumer = "mixrig";
-constexpr timespec kEdgeWait{0, 100'000'000};
-
-struct CloseChip {
-  void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
-};
-using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
+constexpr Duration kEdgeWait = std::chrono::milliseconds(100);
 
 struct Lines {
-  Chip chip;
-  std::vector<gpiod_line*> lines;  // owned by the chip
+  GpioChipPtr chip;
+  std::vector<unsigned> offsets;
 };
-
-gpiod_line* find_line(gpiod_chip* chip, const std::string& name) {
-  unsigned offset = 0;
-  const auto [stop, fault] = std::from_chars(name.data(), name.data() + name.size(), offset);
-  const bool number = fault == std::errc() && stop == name.data() + name.size();
-  return number ? gpiod_chip_get_line(chip, offset) : gpiod_chip_find_line(chip, name.c_str());
-}
 
 Result<Lines> open_lines(const std::string& text) {
   const auto slash = text.find('/');
@@ -45,17 +29,17 @@ Result<Lines> open_lines(const std::string& text) {
     return Error{ErrorCode::kUsage,
                  "gpiod:" + text + ": must be CHIP/LINE, such as gpiod:gpiochip0/17"};
   Lines found;
-  found.chip.reset(gpiod_chip_open_lookup(text.substr(0, slash).c_str()));
+  found.chip = open_gpio_chip(text.substr(0, slash));
   if (!found.chip)
     return system_error(ErrorCode::kNotFound,
                         "gpiod:" + text + ": chip cannot be opened: see gpiodetect", errno);
   for (std::size_t at = slash + 1; at <= text.size();) {
     const auto comma = std::min(text.find(',', at), text.size());
-    gpiod_line* line = find_line(found.chip.get(), text.substr(at, comma - at));
-    if (line == nullptr)
+    const auto offset = find_gpio_line(*found.chip, text.substr(at, comma - at));
+    if (!offset)
       return Error{ErrorCode::kNotFound, "gpiod:" + text + ": no line '" +
                                              text.substr(at, comma - at) + "': see gpioinfo"};
-    found.lines.push_back(line);
+    found.offsets.push_back(*offset);
     at = comma + 1;
   }
   return found;
@@ -68,7 +52,8 @@ class GpiodInput final : public TriggerInput {
 
   Result<void> start(EdgeSink sink) override {
     if (thread_.joinable()) return Error{ErrorCode::kUsage, uri_ + ": runs already"};
-    if (gpiod_line_request_rising_edge_events(line(), kConsumer) < 0)
+    line_ = watch_gpio_line(*lines_.chip, lines_.offsets.front());
+    if (!line_)
       return system_error(ErrorCode::kDevice, uri_ + ": line cannot be requested: is it in use?",
                           errno);
     sink_ = std::move(sink);
@@ -81,7 +66,7 @@ class GpiodInput final : public TriggerInput {
     stop_ = true;
     if (!thread_.joinable()) return;
     thread_.join();
-    gpiod_line_release(line());
+    line_.reset();
     set_state(DeviceState::kStopped);
   }
   StreamHealth health() const override {
@@ -90,7 +75,6 @@ class GpiodInput final : public TriggerInput {
   }
 
  private:
-  gpiod_line* line() const { return lines_.lines.front(); }
   void set_state(DeviceState state) {
     const std::lock_guard lock(mutex_);
     health_.state = state;
@@ -98,10 +82,10 @@ class GpiodInput final : public TriggerInput {
   void work() {
     std::uint64_t sequence = 0;
     while (!stop_) {
-      const int ready = gpiod_line_event_wait(line(), &kEdgeWait);
-      gpiod_line_event event{};
+      const int ready = wait_for_edge(*line_, kEdgeWait);
       if (ready == 0) continue;
-      if (ready < 0 || gpiod_line_event_read(line(), &event) < 0) {
+      const auto at = ready > 0 ? read_edge(*line_) : std::nullopt;
+      if (!at) {
         // The chip was unplugged: its handle stays invalid when it is plugged in again.
         set_state(DeviceState::kFailed);
         return;
@@ -110,12 +94,12 @@ class GpiodInput final : public TriggerInput {
         const std::lock_guard lock(mutex_);
         ++health_.frames;
       }
-      sink_({sequence++,
-             HostTime(std::chrono::seconds(event.ts.tv_sec) + Duration(event.ts.tv_nsec))});
+      sink_({sequence++, *at});
     }
   }
 
   Lines lines_;
+  GpioLinePtr line_;  ///< while it runs
   std::string uri_;
   EdgeSink sink_;
   std::thread thread_;
@@ -128,29 +112,33 @@ class GpiodOutputs final : public LineOutputs {
  public:
   GpiodOutputs(Lines lines, std::string uri) : lines_(std::move(lines)), uri_(std::move(uri)) {}
 
-  int count() const override { return static_cast<int>(lines_.lines.size()); }
+  int count() const override { return static_cast<int>(lines_.offsets.size()); }
   Result<void> drive(int line, bool high) override {
     const auto i = static_cast<std::size_t>(line);
-    const int done = requested_[i] ? gpiod_line_set_value(lines_.lines[i], high)
-                                   : gpiod_line_request_output(lines_.lines[i], kConsumer, high);
-    if (done < 0)
+    bool done = false;
+    if (driven_[i]) {
+      done = set_level(*driven_[i], high);
+    } else {
+      driven_[i] = drive_gpio_line(*lines_.chip, lines_.offsets[i], high);
+      done = driven_[i] != nullptr;
+    }
+    if (!done)
       return system_error(ErrorCode::kDevice, uri_ + ": a line cannot be driven: is it in use?",
                           errno);
-    requested_[i] = true;
     return {};
   }
 
  private:
   Lines lines_;
   std::string uri_;
-  std::array<bool, kSoftwareChannels> requested_{};
+  std::array<GpioLinePtr, kSoftwareChannels> driven_{};
 };
 
 }  // namespace
 
 Result<std::unique_ptr<TriggerInput>> open_gpiod_input(const std::string& line) {
   MIXRIG_ASSIGN(Lines lines, open_lines(line));
-  if (lines.lines.size() != 1)
+  if (lines.offsets.size() != 1)
     return Error{ErrorCode::kUsage, "gpiod:" + line + ": give one line, not several"};
   return std::unique_ptr<TriggerInput>(
       std::make_unique<GpiodInput>(std::move(lines), "gpiod:" + line));
@@ -158,7 +146,7 @@ Result<std::unique_ptr<TriggerInput>> open_gpiod_input(const std::string& line) 
 
 Result<std::unique_ptr<TriggerMaster>> open_gpiod_trigger(const std::string& text, Clock& clock) {
   MIXRIG_ASSIGN(Lines lines, open_lines(text));
-  if (lines.lines.size() > static_cast<std::size_t>(kSoftwareChannels))
+  if (lines.offsets.size() > static_cast<std::size_t>(kSoftwareChannels))
     return Error{ErrorCode::kUsage,
                  "gpiod:" + text + ": at most " + std::to_string(kSoftwareChannels) + " lines"};
   auto outputs = std::make_unique<GpiodOutputs>(std::move(lines), "gpiod:" + text);

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to this room.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+
+namespace mixrig::device {
+
+/// The number that is all of `text`.
+inline std::optional<unsigned> line_number(const std::string& text) {
+  unsigned number = 0;
+  const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (fault != std::errc() || stop != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace mixrig::device
