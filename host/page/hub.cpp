@@ -12,7 +12,7 @@ namespace mixrig::page {
 namespace {
 
 /// Folders and memory may throw.
-Result<void> apply(Operator& op, const Command& command) {
+Result<void> applied(Operator& op, const Command& command) {
   try {
     return op.apply(command);
   } catch (const std::exception& fault) {
@@ -35,7 +35,7 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
     return done({});
   }
   boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
-    auto result = std::make_shared<Result<void>>(apply(op, command));
+    auto result = std::make_shared<Result<void>>(applied(op, command));
     boost::asio::post(io, [this, result, done = std::move(done)] {
       tell();
       done(std::move(*result));

@@ -114,7 +114,8 @@ std::vector<page::StreamState> OperatorDesk::streams() const {
   std::vector<page::StreamState> states;
   const auto report = session_.source->report();
   if (!report) {
-    states.push_back({.name = session_.source->info().name, .uri = "recording"});
+    page::StreamState& played = states.emplace_back();
+    played.name = session_.source->info().name, played.uri = "recording";
     return states;
   }
   for (const capture::StreamReport& stream : report->streams)

@@ -76,6 +76,9 @@ class Rig:
         with open(self.scene_file, "rb") as file:
             return tomllib.load(file)
 
+    def object(self, name):
+        return next(one for one in self.scene()["object"] if one["name"] == name)
+
     def stop(self):
         self.process.send_signal(signal.SIGINT)
         return self.process.wait(LIMIT_S)
@@ -127,7 +130,7 @@ def has_names(page):
 
 def drags_an_object(page, rig):
     thing = next(o for o in rig.state()["objects"] if o["at"])
-    before = next(o for o in rig.scene()["object"] if o["name"] == thing["name"])["position_m"]
+    before = rig.object(thing["name"])["position_m"]
     handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {thing["name"]}"]')
     stage = by_id(page, "stage").rect
     dx, dy = int(0.08 * stage["width"]), int(0.03 * stage["height"])
@@ -136,7 +139,7 @@ def drags_an_object(page, rig):
     want = [thing["at"][0] + dx / stage["width"], thing["at"][1] + dy / stage["height"]]
 
     def written():
-        now = next(o for o in rig.scene()["object"] if o["name"] == thing["name"])["position_m"]
+        now = rig.object(thing["name"])["position_m"]
         at = next(o for o in rig.state()["objects"] if o["name"] == thing["name"])["at"]
         near = at and max(abs(at[i] - want[i]) for i in (0, 1)) < 0.01
         return near and now != before and now
@@ -147,21 +150,21 @@ def drags_an_object(page, rig):
 
 
 def moves_it_by_keys(page, rig, name):
-    before = next(o for o in rig.scene()["object"] if o["name"] == name)["position_m"]
+    before = rig.object(name)["position_m"]
     page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {name}"]').send_keys(Keys.ARROW_LEFT)
     comes_true("the object moved by a key",
-               lambda: next(o for o in rig.scene()["object"] if o["name"] == name)["position_m"] != before)
+               lambda: rig.object(name)["position_m"] != before)
 
 
 def scales_and_hides_it(page, rig, name):
     scale = field(page, "scale", name)
-    before = rig.scene()["object"][0].get("scale", 1.0)
+    before = rig.object(name).get("scale", 1.0)
     scale.send_keys(Keys.ARROW_UP, Keys.TAB)
-    comes_true("its scale", lambda: rig.scene()["object"][0].get("scale", 1.0) > before)
+    comes_true("its scale", lambda: rig.object(name).get("scale", 1.0) > before)
     hide = field(page, "hide", name)
     for hidden in (True, False):
         hide.click()
-        comes_true(f"hidden {hidden}", lambda: rig.scene()["object"][0].get("hidden", False) == hidden)
+        comes_true(f"hidden {hidden}", lambda: rig.object(name).get("hidden", False) == hidden)
         comes_true("the page knows", lambda: hide.get_attribute("aria-pressed") == str(hidden).lower())
 
 
