@@ -115,6 +115,7 @@ std::optional<Delay> delay_of_motion(std::span<const Sample> truth, std::span<co
   const double after = fit_at(signal, used, delay_s + step_s).correlation;
   const double bend = before - 2 * here + after;
   if (bend < 0) delay_s += std::clamp(0.5 * step_s * (before - after) / bend, -step_s, step_s);
+  delay_s = std::clamp(delay_s, 0.0, most_s);
   const Fit fit = fit_at(signal, used, delay_s);
   const double sigma = sigma_s(signal, used, delay_s, fit);
   if (!(fit.correlation >= kLeastCorrelation) || !(sigma <= most_s / 4)) return std::nullopt;
