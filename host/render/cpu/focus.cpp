@@ -187,7 +187,7 @@ void draw_focus(Crew& crew, const Focus& focus, double fx_px, FocusScratch& s,
   const int tiles_x = (size.width + kTileWide - 1) / kTileWide;
   const int tiles_y = (size.height + kTileHigh - 1) / kTileHigh;
   find_tile_radii(size, tiles_x, tiles_y, margin, s);
-  constexpr int kFastFrom_px = 3;  // the fast rung takes every second tap from twice this radius
+  constexpr int kFastFrom_px = 5;  // the fast rung takes every second tap from twice this radius
   const FocusPass pass{s, blur_px_m, focus.fast ? kFastFrom_px : 1 << 20, tiles_x};
   crew.rows(size.height, kTileHigh, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)

@@ -2,6 +2,7 @@
 // Depth of field against rays through points of a lens, for planes that hide one another.
 #include "host/render/cpu/focus.h"
 
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -133,6 +134,22 @@ TEST(Focus, IsTheLensOnBothSidesOfAnEdgeAndBetterThanANaiveGather) {
     EXPECT_GT(fine, 30);
     EXPECT_GT(fast, 26);
   }
+}
+
+TEST(Focus, TheFastRungIsCloseToTheFineOneWhereDiscsAreWide) {
+  const TwoPlanes scene;
+  Crew crew(1);
+  std::array<FrameOutput, 2> out{sharp_picture(scene), sharp_picture(scene)};
+  Focus focus;
+  focus.distance_m = 1, focus.aperture_m = 0.25F, focus.most_blur_px = 30;
+  for (const bool fast : {false, true}) {
+    FocusScratch scratch;
+    focus.fast = fast;
+    draw_focus(crew, focus, kFx_px, scratch, out[fast]);
+  }
+  const double apart = test::psnr_db(out[0].color, out[1].color);
+  EXPECT_GT(apart, 35);
+  EXPECT_LT(apart, 100) << "fewer taps are taken";
 }
 
 TEST(Focus, ASharpEdgeStaysSharpBeforeABlurredRoom) {

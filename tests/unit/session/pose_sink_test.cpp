@@ -14,7 +14,7 @@ namespace mixrig::session {
 namespace {
 
 using Protocol = scene::PoseOut::Protocol;
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr std::int64_t kEpoch_ns = 1'750'000'000'000'000'000;
 
@@ -31,8 +31,8 @@ std::shared_ptr<output::Composite> frame() {
   return composite;
 }
 
-json sample_in(const std::string& datagram) {
-  return datagram.size() < 16 ? json() : json::parse(datagram.substr(16));
+Json sample_in(const std::string& datagram) {
+  return datagram.size() < 16 ? Json() : Json::parse(datagram.substr(16));
 }
 
 class PoseSinkTest : public ::testing::Test {
@@ -63,7 +63,7 @@ TEST_F(PoseSinkTest, FreeDHasItsSignsAndTheEncoders) {
 TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   const auto sink = sink_of({{Protocol::kOpenTrackJson, listener_.address(), 2, 32}});
   ASSERT_TRUE(sink->write(frame()));
-  const json sample = sample_in(listener_.next());
+  const Json sample = sample_in(listener_.next());
   EXPECT_EQ(sample["sourceNumber"], 2);
   EXPECT_EQ(sample["timing"]["sampleTimestamp"]["seconds"], 1'750'000'004);
   EXPECT_EQ(sample["timing"]["sampleTimestamp"]["nanoseconds"], 800'000'000);
@@ -76,7 +76,7 @@ TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   EXPECT_NEAR(sample["static"]["camera"]["activeSensorPhysicalDimensions"]["height"].get<double>(),
               30, 1e-9);
   ASSERT_TRUE(sink->write(frame()));
-  const json second = sample_in(listener_.next());
+  const Json second = sample_in(listener_.next());
   EXPECT_FALSE(second.contains("static")) << "sent every two seconds";
   EXPECT_NE(second["sampleId"], sample["sampleId"]);
   EXPECT_EQ(second["sourceId"], sample["sourceId"]);
@@ -92,7 +92,7 @@ TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
     capture->mid_exposure += std::chrono::milliseconds(frame_ms);
     composite->capture = capture;
     ASSERT_TRUE((*sink)->write(composite));
-    const json time = sample_in(listener_.next())["timing"]["sampleTimestamp"];
+    const Json time = sample_in(listener_.next())["timing"]["sampleTimestamp"];
     EXPECT_EQ(time["seconds"], 1'750'000'100);
     EXPECT_EQ(time["nanoseconds"], frame_ms * 1'000'000);
   }
@@ -106,7 +106,7 @@ TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
   lost->pose = capture::CameraPose::lost(capture::PoseLoss::kGap);
   ASSERT_TRUE(sink->write(lost));
   EXPECT_TRUE(listener_.next().empty());
-  const json sample = sample_in(other.next());
+  const Json sample = sample_in(other.next());
   EXPECT_EQ(sample["tracker"]["status"], "lost: gap");
   EXPECT_FALSE(sample.contains("transforms"));
   ASSERT_TRUE(sink->finish());
