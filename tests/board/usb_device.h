@@ -13,7 +13,7 @@
 
 namespace mixrig::board {
 
-enum class UsbSpeed { kFull = 2, kHigh = 3 };
+enum class UsbSpeed { kFull = 2, kHigh = 3, kSuper = 5 };
 
 struct UsbDescriptors {
   UsbSpeed speed = UsbSpeed::kHigh;
@@ -27,7 +27,7 @@ struct UsbSetup {
   std::uint16_t value = 0, index = 0, length = 0;
 };
 
-inline constexpr int kUsbStall = -32, kUsbWait = -1;
+inline constexpr int kUsbStall = -32, kUsbWait = -1, kUsbLost = -71;
 
 /// Every method is called on the port's thread; methods for other threads must lock.
 class UsbDevice {
@@ -39,8 +39,9 @@ class UsbDevice {
   virtual int control(const UsbSetup& setup, std::span<std::uint8_t> data) = 0;
   /// Bytes for an OUT endpoint.
   virtual void receive(int /*endpoint*/, std::span<const std::uint8_t> /*bytes*/) {}
-  /// Fills one transfer of an IN endpoint. Returns its bytes, kUsbStall, or kUsbWait while there is
-  /// nothing to send.
+  /// Fills one transfer of an IN endpoint, or one packet of an isochronous transfer. Returns its
+  /// bytes, kUsbStall, or kUsbWait while there is nothing to send; of an isochronous packet also
+  /// kUsbLost. Packets behind kUsbWait in a transfer that has some are empty.
   virtual int transmit(int /*endpoint*/, std::span<std::uint8_t> /*room*/, HostTime /*now*/) {
     return kUsbWait;
   }
@@ -50,6 +51,8 @@ class UsbDevice {
   virtual void clear_halt() {}
   /// The host configured the device: it was plugged in.
   virtual void configured() {}
+  /// The host selected an alternate setting.
+  virtual void selected(int /*interface*/, int /*setting*/) {}
 };
 
 }  // namespace mixrig::board

@@ -22,9 +22,15 @@ namespace {
 constexpr const char* kAttach = "/sys/devices/platform/vhci_hcd.0/attach";
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
 constexpr int kCancelled = -104;  // ECONNRESET, what the kernel expects of an unlinked transfer
-constexpr std::size_t kLongestTransfer = 1 << 20;
+constexpr std::size_t kLongestTransfer = 2 << 20;
+constexpr std::uint32_t kNoPackets = 0xFFFFFFFF, kMostPackets = 1024;
 constexpr std::uint8_t kGetStatus = 0, kClearFeature = 1, kGetDescriptor = 6, kGetConfiguration = 8,
-                       kSetConfiguration = 9, kGetInterface = 10;
+                       kSetConfiguration = 9, kGetInterface = 10, kSetInterface = 11;
+
+/// usbip_iso_packet_descriptor: big-endian words.
+struct IsoPacket {
+  std::uint32_t offset, length, actual, status;
+};
 
 HostTime now() { return SystemClock().now(); }
 
@@ -170,11 +176,28 @@ bool VhciPort::submit(const Header& header) {
     return complete(sequence, std::min(0, done), in ? actual : length, in);
   }
   if (in) {
-    pending_[static_cast<std::size_t>(endpoint)].push_back({sequence, length});
+    Transfer transfer{sequence, length};
+    const std::uint32_t packets = ntohl(header.submit.packets);
+    if (packets != kNoPackets && packets > 0 && !read_packets(packets, length, transfer.packets))
+      return false;
+    pending_[static_cast<std::size_t>(endpoint)].push_back(std::move(transfer));
     return true;
   }
   device_.receive(endpoint, std::span<const std::uint8_t>(buffer_).first(length));
   return complete(sequence, 0, length, false);
+}
+
+/// The lengths of the packets of an isochronous transfer, which follow its header.
+bool VhciPort::read_packets(std::uint32_t count, std::uint32_t length,
+                            std::vector<std::uint32_t>& to) {
+  std::uint64_t sum = 0;
+  for (std::uint32_t i = 0; i < count && count <= kMostPackets; ++i) {
+    IsoPacket packet;
+    if (!read_all(&packet, sizeof packet)) return false;
+    to.push_back(ntohl(packet.length));
+    sum += to.back();
+  }
+  return !to.empty() && sum <= length;
 }
 
 bool VhciPort::unlink(const Header& header) {
@@ -209,6 +232,13 @@ bool VhciPort::pump() {
   for (int endpoint = 1; endpoint < kEndpoints; ++endpoint) {
     auto& queue = pending_[static_cast<std::size_t>(endpoint)];
     while (!queue.empty()) {
+      if (!queue.front().packets.empty()) {
+        bool waits = false;
+        if (!send_packets(endpoint, queue.front(), waits)) return false;
+        if (waits) break;
+        queue.pop_front();
+        continue;
+      }
       const Transfer transfer = queue.front();
       const int done = device_.transmit(endpoint, std::span(buffer_).first(transfer.length), now());
       if (done == kUsbWait) break;
@@ -218,6 +248,36 @@ bool VhciPort::pump() {
     }
   }
   return true;
+}
+
+/// Data without the gaps of short packets, then the packets' descriptors.
+bool VhciPort::send_packets(int endpoint, const Transfer& transfer, bool& waits) {
+  std::vector<IsoPacket> packets;
+  std::size_t offset = 0, sent = 0;
+  std::uint32_t errors = 0;
+  for (const std::uint32_t length : transfer.packets) {
+    int done = waits ? kUsbWait
+                     : device_.transmit(endpoint, std::span(buffer_).subspan(sent, length), now());
+    waits = waits || done == kUsbWait;
+    if (waits && packets.empty()) return true;
+    const bool lost = done == kUsbLost;
+    done = std::max(0, done);
+    errors += lost ? 1 : 0;
+    packets.push_back({htonl(static_cast<std::uint32_t>(offset)), htonl(length),
+                       htonl(static_cast<std::uint32_t>(done)),
+                       htonl(static_cast<std::uint32_t>(lost ? kUsbLost : 0))});
+    offset += length;
+    sent += static_cast<std::size_t>(done);
+  }
+  waits = false;  // this transfer is complete
+  Header reply{};
+  reply.command = htonl(kSubmitted);
+  reply.sequence = htonl(transfer.sequence);
+  reply.answer.actual = htonl(static_cast<std::uint32_t>(sent));
+  reply.answer.packets = htonl(static_cast<std::uint32_t>(packets.size()));
+  reply.answer.errors = htonl(errors);
+  return write_all(&reply, sizeof reply) && write_all(buffer_.data(), sent) &&
+         write_all(packets.data(), packets.size() * sizeof(IsoPacket));
 }
 
 int VhciPort::answer(const UsbSetup& setup, std::span<std::uint8_t> data) {
@@ -237,8 +297,11 @@ int VhciPort::answer(const UsbSetup& setup, std::span<std::uint8_t> data) {
     case kSetConfiguration:
       device_.configured();
       return 0;
+    case kSetInterface:
+      device_.selected(setup.index, setup.value);
+      return 0;
     default:
-      return 0;  // SET_ADDRESS, SET_INTERFACE, SET_FEATURE
+      return 0;  // SET_ADDRESS, SET_FEATURE, SET_ISOCH_DELAY
   }
 }
 

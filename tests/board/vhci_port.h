@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A port of the kernel's virtual USB host controller (vhci_hcd) with a device of this process on
-// it: the usbip protocol over a socket pair (Linux, Documentation/usb/usbip_protocol.rst).
+// it: the usbip protocol over a socket pair (Linux, Documentation/usb/usbip_protocol.rst), with
+// control, bulk and interrupt transfers and isochronous IN transfers.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ namespace mixrig::board {
 /// Needs root and the module vhci-hcd. plug() and unplug() are for one thread.
 class VhciPort {
  public:
-  /// `device` must outlive the port; `number` is 0 to 7.
+  /// `device` must outlive the port; `number` is 0 to 14, of devices of one speed.
   VhciPort(int number, UsbDevice& device);
   ~VhciPort();
   VhciPort(const VhciPort&) = delete;
@@ -36,8 +37,9 @@ class VhciPort {
   struct Transfer {
     std::uint32_t sequence = 0;
     std::uint32_t length = 0;
+    std::vector<std::uint32_t> packets{};  ///< lengths, of an isochronous transfer
   };
-  static constexpr int kEndpoints = 4;
+  static constexpr int kEndpoints = 5;
 
   Result<void> attach(int kernel_end);
   void serve();
@@ -45,11 +47,13 @@ class VhciPort {
   bool write_all(const void* from, std::size_t bytes);
   bool take_request();
   bool submit(const Header& header);
+  bool read_packets(std::uint32_t count, std::uint32_t length, std::vector<std::uint32_t>& to);
   bool unlink(const Header& header);
   int answer(const UsbSetup& setup, std::span<std::uint8_t> data);
   int describe(const UsbSetup& setup, std::span<std::uint8_t> out) const;
   bool complete(std::uint32_t sequence, int status, std::size_t actual, bool with_data);
   bool pump();
+  bool send_packets(int endpoint, const Transfer& transfer, bool& waits);
 
   int number_;
   UsbDevice& device_;

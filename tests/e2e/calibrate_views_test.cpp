@@ -15,14 +15,6 @@ constexpr const char* kBoard = " --board checkerboard:9x6:70mm";
 
 class CalibrateViews : public RefusingCommandTest {};
 
-/// Removes the table [fisheye] of a take.toml.
-void leave_out_fisheye(const std::string& take_toml) {
-  const std::string text = text_of_file(take_toml);
-  const std::size_t begin = text.find("[fisheye]"), end = text.find("\n[", begin);
-  ASSERT_NE(end, std::string::npos);
-  std::ofstream(take_toml) << text.substr(0, begin) << text.substr(end + 1);
-}
-
 TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
   ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario board --hand --rig kinect2 --seed 21 --views 8 --size 320x256"

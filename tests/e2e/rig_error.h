@@ -29,6 +29,14 @@ inline std::string text_of_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Removes the table [fisheye] of a take.toml.
+inline void leave_out_fisheye(const std::string& take_toml) {
+  const std::string text = text_of_file(take_toml);
+  const std::size_t begin = text.find("[fisheye]"), end = text.find("\n[", begin);
+  ASSERT_NE(end, std::string::npos);
+  std::ofstream(take_toml) << text.substr(0, begin) << text.substr(end + 1);
+}
+
 class RefusingCommandTest : public CommandTest {
  protected:
   /// Exit status of a command that is expected to fail; `error_line` gets its error line.

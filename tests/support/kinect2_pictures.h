@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -51,6 +52,23 @@ inline std::vector<std::uint8_t> kinect2_packet(const std::uint8_t* picture, std
       bytes[device::kKinect2PictureBytes + at + i] = static_cast<std::uint8_t>(value >> (8 * i));
   };
   put(8, ticks), put(12, frame), put(16, number), put(20, 298496);
+  return bytes;
+}
+
+/// A colour packet of a JPEG file, exposed for 8 ms.
+inline std::vector<std::uint8_t> kinect2_color_packet(const std::vector<std::uint8_t>& jpeg,
+                                                      std::uint32_t frame, std::uint32_t ticks) {
+  std::vector<std::uint8_t> bytes;
+  const auto put = [&](std::uint32_t v) {
+    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(v >> (8 * i)));
+  };
+  put(frame), put(0x42424242);
+  bytes.insert(bytes.end(), jpeg.begin(), jpeg.end());
+  const auto size = static_cast<std::uint32_t>(bytes.size() + 56);
+  for (const std::uint32_t v : {0x39393939U, frame, 0U, 0U, 0U, ticks}) put(v);
+  put(std::bit_cast<std::uint32_t>(8.0F)), put(0);
+  put(0x42424242), put(size);
+  for (int i = 0; i < 4; ++i) put(0);
   return bytes;
 }
 

@@ -65,16 +65,9 @@ Bytes raw_frame(std::uint32_t number) {
 }
 
 Bytes color_frame(std::uint32_t number) {
-  Bytes bytes;
-  put_u32(bytes, number), put_u32(bytes, 0x42424242);
-  bytes.resize(40000, 0x22);
-  bytes.push_back(0xFF), bytes.push_back(0xD9);
-  const auto size = static_cast<std::uint32_t>(bytes.size() + 56);
-  for (const std::uint32_t v : {0x39393939U, number, 0U, 0U, 0U, 266 * number}) put_u32(bytes, v);
-  put_u32(bytes, std::bit_cast<std::uint32_t>(8.0F)), put_u32(bytes, 0);
-  put_u32(bytes, 0x42424242), put_u32(bytes, size);
-  for (int i = 0; i < 4; ++i) put_u32(bytes, 0);
-  return bytes;
+  Bytes jpeg(40000, 0x22);
+  jpeg.push_back(0xFF), jpeg.push_back(0xD9);
+  return kinect2_color_packet(jpeg, number, 266 * number);
 }
 
 class Kinect2Camera : public ::testing::Test {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sends the stream of a GigE Vision camera: packets as GVSP 2.0 lays them out (leader, data,
+// trailer), pictures with or without chunks, and multi-part payload.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <netinet/in.h>
+
+#include "hal/base/image.h"
+
+namespace mixrig::test {
+
+/// A picture of one pixel format (PFNC code).
+struct GvspPicture {
+  std::uint32_t code = 0;
+  Size size{};
+  std::span<const std::uint8_t> bytes{};
+  std::uint16_t data_type = 1;  ///< of a part: 1 picture, 5 3D picture, 9 confidence
+  std::uint16_t purpose = 0;    ///< of a part: the component
+};
+
+/// Where the host listens, as the camera's registers say it.
+struct GvspHost {
+  std::uint32_t address = 0;  ///< IPv4
+  std::uint16_t port = 0;
+  std::size_t packet_bytes = 0;  ///< with the headers of IP, UDP and GVSP
+};
+
+/// Waits where the receiver's socket on this machine is full, so that no packet is lost on the
+/// loopback interface however slow the receiver is. For one thread.
+class GvspSender {
+ public:
+  GvspSender();
+  ~GvspSender();
+  GvspSender(const GvspSender&) = delete;
+  GvspSender& operator=(const GvspSender&) = delete;
+
+  /// `id` counts from 1 and has 16 bits; `chunks` are appended to the picture's bytes.
+  void send_picture(const GvspHost& host, std::uint16_t id, std::uint64_t stamp_ns,
+                    const GvspPicture& picture, std::span<const std::uint8_t> chunks = {});
+  /// All parts in one block with a 64-bit id, as multi-part payload has to be.
+  void send_parts(const GvspHost& host, std::uint64_t id, std::uint64_t stamp_ns,
+                  std::span<const GvspPicture> parts);
+
+ private:
+  void send(const GvspHost& host, const std::vector<std::uint8_t>& packet);
+  int socket_;
+  std::size_t unread_bytes_ = 0;  ///< sent since the receiver's queue was looked at
+};
+
+}  // namespace mixrig::test
