@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct ShownFrame {
 
 /// Filled by one sink, read when that has finished; what has no room is left out.
 struct ShownLog {
-  Image<Rgb8> empty;  ///< the view without what moves
+  Image<Rgb8> empty;             ///< the view without what moves
+  Image<std::uint8_t> left_out;  ///< not 0: pixels that do not count; may be empty
   std::vector<ShownFrame> frames;
 
   void reserve(std::size_t frames_to_come) { frames.reserve(frames_to_come); }

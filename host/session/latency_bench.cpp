@@ -28,7 +28,7 @@ class LogSink final : public output::CompositeSink {
     const HostTime now = clock_.now();
     const capture::Capture& capture = *composite->capture;
     log_.add({capture.number, capture.mid_exposure, now, now, composite->frame_ms,
-              measure::changed_column(composite->images.color.view(), log_.empty)});
+              measure::changed_column(composite->images.color.view(), log_.empty, log_.left_out)});
     return {};
   }
   Result<void> finish() override { return {}; }
@@ -50,6 +50,21 @@ Result<std::filesystem::path> write_played_rig(const LatencyOptions& options, Ho
   return file;
 }
 
+/// Marks the virtual objects and what is near them: they look a little different in the truth,
+/// which is no motion.
+Image<std::uint8_t> around_objects(const Image<std::uint8_t>& labels) {
+  constexpr int kNear_px = 6;
+  Image<std::uint8_t> out(labels.size(), 0);
+  for (int y = 0; y < labels.height(); ++y)
+    for (int x = 0; x < labels.width(); ++x) {
+      if ((labels.at(x, y) & capture::Truth::kVirtual) == 0) continue;
+      for (int v = std::max(0, y - kNear_px); v < std::min(labels.height(), y + kNear_px + 1); ++v)
+        std::fill(out.row(v) + std::max(0, x - kNear_px),
+                  out.row(v) + std::min(labels.width(), x + kNear_px + 1), std::uint8_t{1});
+    }
+  return out;
+}
+
 /// The motion in the true composites, and the first of them, which is empty.
 Result<void> read_motion(capture::CaptureSource& source, LatencyBench& bench) {
   capture::Capture capture;
@@ -58,8 +73,12 @@ Result<void> read_motion(capture::CaptureSource& source, LatencyBench& bench) {
     MIXRIG_ASSIGN(const bool there, source.read(number, capture));
     if (!there) break;
     MIXRIG_TRY(source.read_truth(number, truth));
-    if (number == 1) bench.log.empty = truth.composite;
-    if (const auto column = measure::changed_column(truth.composite.view(), bench.log.empty))
+    if (number == 1) {
+      bench.log.empty = truth.composite;
+      bench.log.left_out = around_objects(truth.labels);
+    }
+    if (const auto column =
+            measure::changed_column(truth.composite.view(), bench.log.empty, bench.log.left_out))
       bench.truth.push_back({capture.time_s, *column});
   }
   bench.log.reserve(static_cast<std::size_t>(source.info().frames));

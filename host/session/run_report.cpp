@@ -59,9 +59,10 @@ std::string live_line(const capture::SourceReport& live) {
   std::string line = fmt::format("  live: {} frame sets, {} dropped, {} without colour or depth\n",
                                  live.sets, live.dropped_sets, live.left_out);
   if (live.without_depth + live.held_depth > 0)
-    line += fmt::format("  depth was lost: {} frames without, in which nobody is keyed; {} with the "
-                        "depth before\n",
-                        live.without_depth, live.held_depth);
+    line += fmt::format(
+        "  depth was lost: {} frames without, in which nobody is keyed; {} with the "
+        "depth before\n",
+        live.without_depth, live.held_depth);
   return line;
 }
 

@@ -161,7 +161,7 @@ void Viewfinder::Loop::count_shown(const Handed& handed) {
   const capture::Capture& capture = *handed.composite->capture;
   if (output::ShownLog* const log = owner_.options_.log)
     log->add({capture.number, capture.mid_exposure, handed.at, now, handed.composite->frame_ms,
-              measure::changed_column(drawn_, log->empty)});
+              measure::changed_column(drawn_, log->empty, log->left_out)});
   if (!live_) return;
   facts_.delay = now - capture.mid_exposure;
   report.delay_ms.add(milliseconds(*facts_.delay));

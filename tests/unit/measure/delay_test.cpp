@@ -146,6 +146,9 @@ TEST(ChangedColumn, IsTheMiddleOfWhatDiffers) {
     for (int x = 60; x < 80; ++x) picture.at(x, y) = {200, 40, 100};
   for (int x = 0; x < 50; ++x) picture.at(x, 5) = {110, 110, 110};  // noise
   EXPECT_NEAR(*changed_column(picture.view(), empty), 69, 1e-9);
+  Image<std::uint8_t> left_out({100, 40}, 0);
+  for (int y = 0; y < 40; ++y) std::fill_n(left_out.row(y) + 70, 30, std::uint8_t{1});
+  EXPECT_NEAR(*changed_column(picture.view(), empty, left_out), 64, 1e-9);
   Image<Rgbx8> screen({100, 40}, Rgbx8{100, 100, 100, 255});
   EXPECT_FALSE(changed_column(std::as_const(screen).view(), empty)) << "nothing moves";
   screen.at(20, 20) = screen.at(20, 22) = {255, 255, 255, 0};
