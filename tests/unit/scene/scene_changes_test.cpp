@@ -9,7 +9,7 @@
 namespace mixrig::scene {
 namespace {
 
-Scene scene_of(const std::string& text) {
+Scene scene_from(const std::string& text) {
   auto scene = parse_scene(text, "scene.toml", false);
   EXPECT_TRUE(scene) << text;
   return scene ? *std::move(scene) : Scene{};
@@ -19,17 +19,17 @@ const std::string kObject =
     "[[object]]\nname = \"crate\"\nmodel = \"crate.glb\"\nposition_m = [1, 2, 0]\n";
 
 TEST(SceneChanges, ObjectsLightAndKeyAreFollowed) {
-  const Scene from = scene_of(kObject);
+  const Scene from = scene_from(kObject);
   for (const std::string& to :
        {std::string(), kObject + "scale = 2.0\n", kObject + "[light]\nambient = 0.5\n",
         kObject + "[key]\ncolor = false\n", kObject + "[[light.lamp]]\nposition_m = [1, 1, 3]\n"})
-    EXPECT_EQ(fixed_changes(from, scene_of(to)), "") << to;
+    EXPECT_EQ(fixed_changes(from, scene_from(to)), "") << to;
 }
 
 TEST(SceneChanges, OthersAreNamed) {
-  const Scene from = scene_of(kObject);
+  const Scene from = scene_from(kObject);
   const auto changed = [&](const std::string& more) {
-    return fixed_changes(from, scene_of(more + "\n" + kObject));
+    return fixed_changes(from, scene_from(more + "\n" + kObject));
   };
   EXPECT_EQ(changed("[camera]\npose = \"identity\"\n"), "camera");
   EXPECT_EQ(changed("[background]\nlearn = [1, 2]\n"), "background");
@@ -41,13 +41,13 @@ TEST(SceneChanges, OthersAreNamed) {
 }
 
 TEST(SceneChanges, AnObjectThatIsMovedIsTheSame) {
-  const Scene from = scene_of(kObject);
-  EXPECT_TRUE(same_objects(from, scene_of(kObject + "yaw_deg = 30\n")));
+  const Scene from = scene_from(kObject);
+  EXPECT_TRUE(same_objects(from, scene_from(kObject + "yaw_deg = 30\n")));
   for (const char* more : {"scale = 2.0\n", "hidden = true\n", "casts_shadow = false\n",
                            "[object.physics]\nmass_kg = 1\n"})
-    EXPECT_FALSE(same_objects(from, scene_of(kObject + more))) << more;
-  EXPECT_FALSE(same_objects(from, scene_of("")));
-  EXPECT_FALSE(same_objects(from, scene_of(kObject + kObject)));
+    EXPECT_FALSE(same_objects(from, scene_from(kObject + more))) << more;
+  EXPECT_FALSE(same_objects(from, scene_from("")));
+  EXPECT_FALSE(same_objects(from, scene_from(kObject + kObject)));
 }
 
 }  // namespace
