@@ -11,6 +11,7 @@
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod/gpiod_lines.h"
 #include "hal/linux/kinect2_camera.h"
+#include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/libusb_streams.h"
 #include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
@@ -121,6 +122,7 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return std::unique_ptr<device::Camera>(std::move(camera));
   }
   if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
+  if (parts.scheme == "libcamera") return device::open_libcamera(parts.rest, request, clock_);
   if (parts.scheme == "openni2") {
     MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
     return device::openni2_color(std::move(shared), request);
@@ -139,8 +141,8 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color, "
-                 "take:DIR/fisheye or studio:target");
+                 "v4l2:/dev/videoN, libcamera:ID, aravis:ID, openni2:URI, kinect2:SERIAL/color, "
+                 "take:DIR/color, take:DIR/fisheye or studio:target");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(

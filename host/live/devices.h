@@ -39,8 +39,8 @@ class DeviceOpener {
   explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {})
       : clock_(clock), recordings_(std::move(recordings)) {}
 
-  /// v4l2:PATH, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color, take:DIR/fisheye,
-  /// studio:[OPTIONS/]target, studio:OPTIONS/fisheye.
+  /// v4l2:PATH, libcamera:ID, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color,
+  /// take:DIR/fisheye, studio:[OPTIONS/]target, studio:OPTIONS/fisheye.
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
   /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), openni2:URI, usb:VVVV:PPPP, kinect2:SERIAL,
