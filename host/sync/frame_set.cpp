@@ -2,6 +2,7 @@
 #include "host/sync/frame_set.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace mixrig::sync {
@@ -59,7 +60,7 @@ void FrameSetBuilder::emit_first() {
   set.tick = set.frames[0].pairing.tick;
   set.complete = true;
   for (std::size_t i = 1; i < streams_.size(); ++i) {
-    pick(streams_[i], set.tick, set.frames[i]);
+    pick(streams_[i], set.frames[0], set.frames[i]);
     set.complete = set.complete && set.frames[i].frame != nullptr;
   }
   std::move(waiting_.begin() + 1, waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
@@ -70,12 +71,24 @@ void FrameSetBuilder::emit_first() {
   sink_(set);
 }
 
-void FrameSetBuilder::pick(const Stream& stream, std::uint64_t tick, TimedFrame& into) const {
-  std::uint64_t best = static_cast<std::uint64_t>(stream.join.farthest_ticks) + 1;
+/// Of frames equally many ticks away, as those of a stream that is fired half a period apart, the
+/// one exposed nearer in time; the earlier where that is equal too.
+void FrameSetBuilder::pick(const Stream& stream, const TimedFrame& leading,
+                           TimedFrame& into) const {
+  const auto ticks_to = [&](const TimedFrame& frame) {
+    return apart(frame.pairing.tick, leading.pairing.tick);
+  };
+  const auto time_to = [&](const TimedFrame& frame) {
+    return std::chrono::abs(frame.mid_exposure - leading.mid_exposure);
+  };
   for (const TimedFrame& candidate : stream.kept) {
-    if (!candidate.frame || apart(candidate.pairing.tick, tick) >= best) continue;
-    best = apart(candidate.pairing.tick, tick);
-    into = candidate;
+    if (!candidate.frame ||
+        ticks_to(candidate) > static_cast<std::uint64_t>(stream.join.farthest_ticks))
+      continue;
+    const auto rank = [&](const TimedFrame& frame) {
+      return std::tuple(ticks_to(frame), time_to(frame), frame.pairing.tick);
+    };
+    if (!into.frame || rank(candidate) < rank(into)) into = candidate;
   }
 }
 

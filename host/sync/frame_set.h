@@ -71,7 +71,7 @@ class FrameSetBuilder {
   };
   bool all_reached(std::uint64_t tick) const;
   void emit_first();
-  void pick(const Stream& stream, std::uint64_t tick, TimedFrame& into) const;
+  void pick(const Stream& stream, const TimedFrame& leading, TimedFrame& into) const;
 
   std::vector<Stream> streams_;
   FrameSetSink sink_;
