@@ -64,7 +64,8 @@ Result<Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at,
   const double along = (level_m - eye.z()) / sight.z();
   if (!(along > 0) || !(along * sight.norm() < kFarthest_m))
     return Error{ErrorCode::kData, "there is no floor under this place of the picture"};
-  return Vector3d(eye + along * sight);
+  const Vector3d p = eye + along * sight;
+  return Vector3d(p.x(), p.y(), level_m);  // without what rounding left of z
 }
 
 std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from, const Vector3d& p_world) {

@@ -88,7 +88,7 @@ def browser(folder):
     options = Options()
     options.binary_location = shutil.which("chromium")
     for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=1280,860", f"--user-data-dir={folder}/profile"):
+                     "--window-size=1280,1100", f"--user-data-dir={folder}/profile"):
         options.add_argument(argument)
     return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
 
@@ -133,7 +133,7 @@ def drags_an_object(page, rig):
     before = rig.object(thing["name"])["position_m"]
     handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {thing["name"]}"]')
     stage = by_id(page, "stage").rect
-    dx, dy = int(0.08 * stage["width"]), int(0.03 * stage["height"])
+    dx, dy = int(-0.08 * stage["width"]), int(-0.04 * stage["height"])
     ActionChains(page).click_and_hold(handle).move_by_offset(dx // 2, dy // 2).move_by_offset(
         dx - dx // 2, dy - dy // 2).release().perform()
     want = [thing["at"][0] + dx / stage["width"], thing["at"][1] + dy / stage["height"]]
