@@ -25,7 +25,7 @@ class LightPassTest : public GlTest {
     tables_.warp.view = {{32, 32}, {15.5F, 15.5F}};
     tables_.has_background = true;
     tables_.background_normal.reset(kLightView, {0, 0, -127, 0});
-    setup_.light.ambient = glm::vec3(0.25F);
+    params_.light.ambient = glm::vec3(0.25F);
     setup_.light.lamps.resize(1);
     // Lamp at the camera's left, looking along z; its map spans 2 m to either side at 1 m.
     lamp_.position_m = {-0.5F, 0, 0};
@@ -139,7 +139,7 @@ TEST_F(LightPassTest, virtual_surface_is_shaded_by_lamp_and_ambient) {
   params_.draws = {draw_of(panel, tables_.warp.view)};
   params_.virtual_rect = {4, 4, 28, 28};
   params_.lamps[0].map_size_texel = 0;  // no shadow
-  setup_.light.exposure = 0.5F;
+  params_.light.exposure = 0.5F;
   std::vector<GpuMesh> meshes;
   meshes.emplace_back(panel.view);
   auto samples = VirtualPass::create();
