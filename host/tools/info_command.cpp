@@ -139,8 +139,11 @@ void print(const take::TakeInfo& info, const DepthStatistics& depth) {
   if (info.tof2) {
     print_camera("tof2", info.tof2->model);
     print_base("base line2", info.tof2->target_from_tof);
-    std::printf("  time       depth2 is exposed %+.1f ms after depth\n",
-                1e3 * (info.depth2->depth.delay_s - info.depth.delay_s));
+    const double apart_ms = 1e3 * (info.depth2->depth.delay_s - info.depth.delay_s);
+    if (apart_ms != 0)
+      std::printf("  time       depth2 is exposed %+.1f ms after depth\n", apart_ms);
+    else
+      std::printf("  time       of depth2 after depth: not told, or none; see ticks.csv\n");
   }
   std::printf(
       "  depth      %s, steps of %g mm, %.1f %% unknown, %.2f / %.2f / %.2f m "
