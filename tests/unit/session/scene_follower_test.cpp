@@ -185,8 +185,11 @@ TEST_P(SceneFollowerTest, ALampIsDimmedAtOnce) {
   EXPECT_TRUE(kept.at(kLastFrame) == after.at(kLastFrame));
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, SceneFollowerTest, ::testing::Values(render::Backend::kCpu),
-                         [](const auto&) { return "cpu"; });
+INSTANTIATE_TEST_SUITE_P(Backends, SceneFollowerTest,
+                         ::testing::Values(render::Backend::kCpu, render::Backend::kGles),
+                         [](const auto& param) {
+                           return param.param == render::Backend::kCpu ? "cpu" : "gles";
+                         });
 
 /// Its own thread reads the file; a file that is still being written is not read.
 TEST(LiveSceneFollower, ReadsWhatWasSaved) {
