@@ -36,7 +36,7 @@ struct RunOptions {
   /// For changes, where the background can be watched; absent: in live runs.
   std::optional<bool> watch_room;
   ChangeOptions changes;  ///< which of them become background
-  /// Whose changes of the scene are composited, of this session; null: a live run makes its own.
+  /// Whose changes of the scene are composited; null: a live run makes its own.
   std::shared_ptr<SceneFollower> scene;
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   output::RunControls* controls = nullptr;         ///< by an operator; null: nobody
@@ -53,10 +53,11 @@ struct RunOptions {
 /// Changes of the scene are composited from the next frames on (SceneFollower); a run that is
 /// judged is judged until then. Memory does not grow with the number of frames. The room is watched
 /// in a thread of its own (ChangeSink); the background that changes were accepted into is written
-/// at the end, if there is one. Errors: kUsage for frames out of range, an OUT that no earlier run
-/// made, or baselines of a source without truth or of a scene that has none (Baselines::open);
-/// kData where a frame cannot be read, or where the source ended or was stopped before the first
-/// frame; kIo; those of the back end and of the sinks.
+/// at the end, if there is one.
+/// Errors: kUsage for frames out of range, an OUT that no earlier run made, or baselines of a
+/// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
+/// be read, or where the source ended or was stopped before the first frame; kIo; those of the back
+/// end and of the sinks.
 Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
                       const ProgressFn& progress);
 
