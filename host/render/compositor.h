@@ -147,6 +147,9 @@ struct CompositorSetup {
   std::optional<Backdrop> backdrop;  ///< the real background is not shown
   bool people_cast_shadows = false;  ///< on virtual objects
   std::optional<Focus> focus;        ///< of the colour; depth and matte stay sharp
+  /// Of the first frame, where it is known: what is found out once a pose is then found when the
+  /// compositor is made, in its thread, and not in the first frame.
+  std::optional<geometry::Pose> first_pose;
 };
 
 /// The lens of one frame, in place of CompositorSetup::target. Its centre of projection lies

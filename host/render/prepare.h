@@ -143,7 +143,8 @@ class FramePreparer {
  public:
   explicit FramePreparer(const CompositorSetup& setup);
   /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
-  /// first call only, which finds out what the real room hides of the lamps.
+  /// first call only, which finds out what the real room hides of the lamps where the setup has no
+  /// first pose.
   /// With `objects_moved` the objects of the setup stand elsewhere, with `light_changed` its light
   /// is another.
   void update(const geometry::Pose& world_from_target, bool view_changed = false,
@@ -165,6 +166,7 @@ class FramePreparer {
                                 const glm::dmat4& camera_from_world);
   int map_size(const glm::dmat4& camera_from_world) const;
   void update_floor(const glm::dmat4& world_from_camera);
+  void find_room(const geometry::Pose& world_from_target);
   void update_room(const geometry::Pose& world_from_target);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
@@ -173,6 +175,7 @@ class FramePreparer {
   bool has_pose_ = false;
   geometry::Pose last_pose_;
   int map_size_ = 0;
+  bool has_room_ = false;
   RoomShade room_;  ///< of the first pose
   std::vector<MapFit> fits_, people_fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <glm/gtc/matrix_inverse.hpp>
 
@@ -168,6 +169,7 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   key.by = key_by(setup);
   key.noise = noise_params(setup.noise);
   key.noise_factor = setup.key.noise_factor;
+  if (setup.first_pose) find_room(*setup.first_pose);
 }
 
 /// The floor's plane, raised by its tolerance, as inverse depth along the rays of this pose.
@@ -279,14 +281,17 @@ LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int m
 }
 
 /// A still background is where the first pose puts it. Found once: lamps, objects and room stay.
+void FramePreparer::find_room(const geometry::Pose& world_from_target) {
+  if (std::exchange(has_room_, true) || !needs_room_shade(setup_)) return;
+  room_ = make_room_shade(setup_, world_from_target);
+  params_.room_share = room_.share;
+  for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
+    params_.lamps[i].room_layer = room_.layer_of[i];
+}
+
 void FramePreparer::update_room(const geometry::Pose& world_from_target) {
-  if (!has_pose_ && needs_room_shade(setup_)) {
-    room_ = make_room_shade(setup_, world_from_target);
-    params_.room_share = room_.share;
-    params_.room_changed = true;
-    for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
-      params_.lamps[i].room_layer = room_.layer_of[i];
-  }
+  find_room(world_from_target);
+  params_.room_changed = !has_pose_ && needs_room_shade(setup_);
   if (room_.empty()) return;
   const double scale = 1 / room_.cell_m;
   glm::dmat4 cell_from_world(scale);

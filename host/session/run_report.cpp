@@ -274,6 +274,7 @@ nlohmann::json to_json(const RunReport& report) {
     out["live"]["without_depth"] = report.live->without_depth;
     out["live"]["held_depth"] = report.live->held_depth;
     out["live"]["longest_gap_s"] = rounded(report.live->longest_gap_s, 3);
+    out["live"]["before_ready"] = report.before_ready;
     out["live"]["latency_ms"] = {{"p50", quantile(report.latency_ms, 0.5)},
                                  {"p95", quantile(report.latency_ms, 0.95)},
                                  {"p99", quantile(report.latency_ms, 0.99)}};

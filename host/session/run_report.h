@@ -52,6 +52,8 @@ struct RunReport {
   std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
   std::optional<capture::SourceReport> live;  ///< of live devices
   measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
+  std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
+                                              ///< late when the first frame could be made
   PoseReport pose;
   std::optional<LensReport> lens;  ///< of a lens that zooms
   std::vector<output::SinkReport> sinks;

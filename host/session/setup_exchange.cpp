@@ -18,11 +18,13 @@ void SetupExchange::use(EditedScenePtr scene) {
   scene_ = std::move(scene), is_due_ = true;
 }
 
-SetupExchange::MadePtr SetupExchange::begin() const {
+SetupExchange::MadePtr SetupExchange::begin(const std::optional<geometry::Pose>& last_pose) const {
   auto made = std::make_unique<Made>();
   made->background = background_, made->scene = scene_;
   made->setup = background_ ? background_->setup : session_.setup;
   if (scene_) set_scene(scene_->scene, scene_->meshes, made->setup);
+  // The centre of projection of a lens that moves is not that of the pose.
+  if (!made->setup.lens_moves) made->setup.first_pose = last_pose;
   return made;
 }
 
@@ -33,10 +35,11 @@ Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice b
   return made;
 }
 
-Result<void> SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides) {
+Result<void> SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+                                     const std::optional<geometry::Pose>& last_pose) {
   if (!making_.valid()) {
     if (!std::exchange(is_due_, false)) return {};
-    making_ = std::async(std::launch::async, make, begin(), session_.backend, hides);
+    making_ = std::async(std::launch::async, make, begin(last_pose), session_.backend, hides);
   }
   if (live_ && making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
   const HostTime start = clock_.now();

@@ -25,8 +25,10 @@ class SetupExchange {
   /// From then on; null: nothing changed.
   void use(std::shared_ptr<const KeptBackground> background);
   void use(EditedScenePtr scene);
-  /// Before a frame. Errors: those of HidingCompositor::open().
-  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides);
+  /// Before a frame. `last_pose` is that of the frame before: what a compositor finds out once is
+  /// found while it is made. Errors: those of HidingCompositor::open().
+  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+                        const std::optional<geometry::Pose>& last_pose);
   /// Waits for a compositor in the making, which is dropped.
   void finish();
 
@@ -46,7 +48,7 @@ class SetupExchange {
   };
   using MadePtr = std::unique_ptr<Made>;
   static Result<MadePtr> make(MadePtr made, BackendChoice backend, bool hides);
-  MadePtr begin() const;
+  MadePtr begin(const std::optional<geometry::Pose>& last_pose) const;
 
   const Session& session_;
   const bool live_;

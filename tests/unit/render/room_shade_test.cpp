@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "host/render/cpu/compositor_cpu.h"
+#include "host/render/prepare.h"
+#include "tests/support/psnr.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
@@ -137,6 +139,22 @@ TEST(RoomShade, an_object_in_the_shade_is_dark_and_casts_no_second_shadow) {
   EXPECT_NEAR(bright.color.at(px(1.2F, 2.9F), 80).r,
               255 * (1.055 * std::pow(linear, 1 / 2.4) - 0.055), 2);
   EXPECT_LT(*std::min_element(bright.light.row(80), bright.light.row(80) + kRoomView.width), 0.4F);
+}
+
+/// Where the first pose is known the shade is there before the first frame, and is the same.
+TEST(RoomShade, is_found_when_the_compositor_is_made_where_the_first_pose_is_known) {
+  TableRoom room;
+  const render::FrameOutput late = room.compose();
+  EXPECT_TRUE(render::FramePreparer(room.setup).params().room_share.empty());
+  room.setup.first_pose.emplace();
+  render::FramePreparer preparer(room.setup);
+  const auto share = preparer.params().room_share;
+  ASSERT_FALSE(share.empty());
+  preparer.update({});
+  EXPECT_EQ(preparer.params().room_share.data(), share.data()) << "it is not made again";
+  EXPECT_TRUE(preparer.params().room_changed) << "of the first frame";
+  const render::FrameOutput early = room.compose();
+  EXPECT_EQ(psnr_db(early.color, late.color), 100);
 }
 
 }  // namespace

@@ -335,7 +335,12 @@ TEST_F(CameraPoseTest, ATurningHeadUnderAFixedPoseIsRefused) {
 }
 
 TEST_F(CameraPoseTest, ATurningHeadStopsALiveRun) {
-  use(std::make_unique<PosedSource>(20, pan, true));
+  const HostTime later = clock_.now() + std::chrono::hours(1);  // no capture is late
+  const auto turn = [&](Capture& capture) {
+    pan(capture);
+    capture.mid_exposure = later;
+  };
+  use(std::make_unique<PosedSource>(20, turn, true));
   session_.scene.pose_source = PoseSource::kIdentity;
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/session/run_compositor.h"
+
+#include <algorithm>
+
+#include "hal/base/log.h"
+#include "host/session/frame_lens.h"
+
+namespace mixrig::session {
+
+RunCompositor::RunCompositor(const Session& session, RunOptions& options, const Clock& clock,
+                             RunReport& report)
+    : session_(session),
+      options_(options),
+      clock_(clock),
+      report_(report),
+      keeper_(session, live()),
+      exchange_(session, live()) {}
+
+bool RunCompositor::live() const { return session_.source->info().frames == capture::kEndless; }
+
+Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gate) {
+  hides_ = hides, motion_ = motion;
+  MIXRIG_TRY(compositor_->open(session_.setup, session_.backend, hides));
+  if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
+  if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
+  if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_.open(options_.changes, gate));
+  no_depth_m_.reset(session_.setup.tof.size_px());
+  report_.backend = backend_of(compositor_->whole());
+  report_.renderer = compositor_->whole().renderer();
+  report_.size = session_.setup.view.size_px;
+  return {};
+}
+
+Result<void> RunCompositor::follow_changes() {
+  exchange_.use(keeper_.take_learned());
+  if (options_.scene) exchange_.use(options_.scene->take_edited());
+  MIXRIG_TRY(exchange_.exchange(compositor_, hides_, last_pose_));
+  if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
+  return {};
+}
+
+void RunCompositor::move_objects(output::Composite& composite) {
+  composite.world_from_object.clear();
+  if (motion_ == nullptr) {
+    if (scene_differs_ || exchange_.is_edited())
+      composite.world_from_object = frame_scene_.world_from_object;
+    return;
+  }
+  place_moved_objects();
+  const HostTime begin = clock_.now();
+  const auto poses =
+      motion_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
+  report_.physics_ms.add(milliseconds(clock_.now() - begin));
+  composite.world_from_object.assign(poses.begin(), poses.end());
+}
+
+/// Objects with physics go on from where the scene has been changed to put them.
+void RunCompositor::place_moved_objects() {
+  const auto& wanted = frame_scene_.world_from_object;
+  for (std::size_t i = 0; i < std::min(wanted.size(), wanted_poses_.size()); ++i)
+    if (!(wanted[i] == wanted_poses_[i])) motion_->place(i, wanted[i]);
+  wanted_poses_ = wanted;
+}
+
+Result<void> RunCompositor::compose(const output::Composite& composite, render::OutputMask wanted,
+                                    render::FrameOutput& images) {
+  images.wanted = wanted;
+  last_pose_ = composite.world_from_target;
+  const Image<float>& depth_m = composite.capture->depth_m;
+  return compositor_->compose({composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
+                               composite.world_from_target, frame_lens(*composite.capture),
+                               composite.world_from_object, composite.capture->depth2.depth_m,
+                               scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
+                              composite.objects_shown, images);
+}
+
+Result<void> RunCompositor::see(const output::CompositePtr& composite) {
+  return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
+}
+
+Result<void> RunCompositor::finish() {
+  MIXRIG_TRY(keeper_.finish());
+  exchange_.finish();
+  compositor_->close();  // its buffers are not needed beside the sheet's
+  report_.swap_ms = exchange_.swap_ms();
+  if (options_.scene) report_.scene_edits = options_.scene->edits();
+  if (keeper_.is_open()) {
+    report_.room_changes = keeper_.report();
+    report_.room_changes->swap_ms = exchange_.swap_ms();
+  }
+  if (!options_.save_room) return {};
+  if (keeper_.kept() != nullptr) return save_kept(session_, *keeper_.kept(), *options_.save_room);
+  log_warning("session", "--save-room " + options_.save_room->string() +
+                             ": no change was accepted, so that nothing was written");
+  return {};
+}
+
+}  // namespace mixrig::session
