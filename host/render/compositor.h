@@ -213,8 +213,27 @@ inline constexpr OutputMask kWarpedDepth = 16;
 inline constexpr OutputMask kState = 32;  ///< makes the matte too, which decides the states
 inline constexpr OutputMask kLight = 64, kLayer = 128;
 inline constexpr OutputMask kAlpha = 256;
+inline constexpr OutputMask kGpuColor = 512;  ///< kColor where the compositor shares no objects
 inline constexpr OutputMask kComposite = kColor | kMixedDepth | kSegmentedDepth | kMatte;
 inline constexpr OutputMask kAll = kComposite | kWarpedDepth | kState | kLight | kLayer | kAlpha;
+
+/// A composite that stays in the GPU's memory. Any thread; it may outlive its compositor.
+class GpuPicture {
+ public:
+  virtual ~GpuPicture() = default;
+  virtual Size size_px() const = 0;
+  /// Copies it, without waiting for the GPU, into the texture that is bound to GL_TEXTURE_2D: RGBA
+  /// of 8 bits, of the same size, in the context that is current on this thread, which is of the
+  /// share group. Framebuffer bindings stay. Errors: kDevice where the driver refuses, or the
+  /// compositor is no more.
+  virtual Result<void> copy_to_bound_texture() const = 0;
+};
+
+/// The EGL context of a screen, whose objects a gles compositor shares; it outlives that.
+struct GlShare {
+  void* display = nullptr;  ///< EGLDisplay; null: nothing is shared
+  void* context = nullptr;  ///< EGLContext
+};
 
 /// Images of one frame. The wanted ones have the view's size, the others stay as they were: what is
 /// not wanted is not stored, and not computed where nothing else needs it.
@@ -229,6 +248,7 @@ struct FrameOutput {
   Image<float> light;              ///< light map, 0..1
   Image<std::uint8_t> layer;       ///< Layer
   Image<std::uint8_t> alpha;       ///< share that shows anything, 255 = all; `color` is over black
+  std::shared_ptr<const GpuPicture> gpu_color;  ///< the composite, of kGpuColor; null without
 };
 
 /// Time of each stage of one frame, milliseconds; 0 for a stage that did not run.

@@ -69,7 +69,10 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
   return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 
-OutputMask with_needed(OutputMask wanted) { return wanted & kState ? wanted | kMatte : wanted; }
+OutputMask with_needed(OutputMask wanted, bool shares_gpu) {
+  if (wanted & kState) wanted |= kMatte;
+  return (wanted & kGpuColor) && !shares_gpu ? (wanted & ~kGpuColor) | kColor : wanted;
+}
 
 void size_outputs(Size view_size, OutputMask which, FrameOutput& output) {
   for_each_image(output, output, [&](OutputMask bit, auto& image, auto&) {
@@ -87,11 +90,12 @@ void deliver(FrameOutput& from, FrameOutput& to) {
 NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup) {
   const bool has_objects = !setup.objects.empty();
   NeededPasses needed;
-  needed.light = has_objects && (wanted & (kColor | kLight));
+  const OutputMask color = kColor | kGpuColor;
+  needed.light = has_objects && (wanted & (color | kLight));
   // With neither objects nor backdrop the colour is the plate; without objects the light map is 1.
-  const OutputMask without_people = kWarpedDepth | kLight | (setup.backdrop ? 0 : kColor | kAlpha);
+  const OutputMask without_people = kWarpedDepth | kLight | (setup.backdrop ? 0 : color | kAlpha);
   needed.key = needed.light || (wanted & ~without_people);
-  needed.mix = wanted & (kColor | kMixedDepth | kSegmentedDepth | kLayer | kAlpha);
+  needed.mix = wanted & (color | kMixedDepth | kSegmentedDepth | kLayer | kAlpha);
   return needed;
 }
 

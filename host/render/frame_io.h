@@ -10,8 +10,9 @@ namespace mixrig::render {
 /// Errors: kData for pictures of a wrong size and a pose that is not finite.
 Result<void> check_frame(const FrameInput& input, const Tables& tables);
 
-/// Wanted images and those that they are made from: the matte decides the states.
-OutputMask with_needed(OutputMask wanted);
+/// Wanted images and those that they are made from: the matte decides the states. A composite that
+/// is to stay in the GPU's memory, but cannot, is a colour.
+OutputMask with_needed(OutputMask wanted, bool shares_gpu);
 
 /// Calls visit(bit, image of a, image of b) for each image of two frames.
 template <typename A, typename B, typename Visit>

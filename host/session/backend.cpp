@@ -9,10 +9,6 @@
 namespace mixrig::session {
 namespace {
 
-Result<std::unique_ptr<render::Compositor>> make_gles(const render::CompositorSetup& setup) {
-  return render::make_gles_compositor(setup);
-}
-
 /// Whether GL draws on a GPU; opens a context for the test and closes it.
 bool has_gpu() {
   const auto context = render::gles::EglContext::create();
@@ -28,11 +24,14 @@ bool has_gpu() {
 
 }  // namespace
 
+bool takes_gles(const render::CompositorSetup& setup, BackendChoice choice) {
+  return choice.backend == render::Backend::kGles ||
+         (choice.backend == render::Backend::kAuto && !setup.focus && has_gpu());
+}
+
 Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
                                                             BackendChoice choice) {
-  const bool gles = choice.backend == render::Backend::kGles ||
-                    (choice.backend == render::Backend::kAuto && !setup.focus && has_gpu());
-  if (gles) return make_gles(setup);
+  if (takes_gles(setup, choice)) return render::make_gles_compositor(setup, choice.share);
   return render::make_cpu_compositor(setup, choice.threads);
 }
 

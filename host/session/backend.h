@@ -11,8 +11,12 @@ namespace mixrig::session {
 
 struct BackendChoice {
   render::Backend backend = render::Backend::kAuto;
-  int threads = 0;  ///< of the cpu back end; 0 = one per core
+  int threads = 0;          ///< of the cpu back end; 0 = one per core
+  render::GlShare share{};  ///< of the gles back end: with a screen that shows its composites
 };
+
+/// Whether make_compositor() takes the gles back end. Opens a context for the test and closes it.
+bool takes_gles(const render::CompositorSetup& setup, BackendChoice choice);
 
 /// A compositor for `setup`, which must outlive it. kAuto uses gles on a real GPU, and cpu where
 /// there is none, where GL is software, or where gles is not built in.

@@ -188,10 +188,13 @@ Result<void> Runner::open_baselines() {
   return baselines_.emplace().open(session_.setup);
 }
 
-/// Images that a frame is made with; always the matte, for the share of foreground.
+/// Images that a frame is made with; the matte, for the share of foreground, where the composite
+/// does not stay in the GPU's memory.
 render::OutputMask Runner::wanted(int number) const {
   // A recording is composited completely, also without sinks, so that its times are comparable.
-  return (live() ? render::kMatte : render::kComposite) | sinks_.wanted(number);
+  const render::OutputMask by_sinks = sinks_.wanted(number);
+  if (!live()) return render::kComposite | by_sinks;
+  return by_sinks & render::kGpuColor ? by_sinks : by_sinks | render::kMatte;
 }
 
 /// The next capture, once those within the latency of its pose have come too.
@@ -287,8 +290,10 @@ Result<bool> Runner::frame() {
   // every frame has; the images of an inspection come in a second one.
   const bool once = live() && !on_sheet;
   MIXRIG_TRY(compose_timed(composite, once ? images : images & render::kComposite));
-  composite.foreground_pct = foreground_pct(composite.images.matte);
-  report_.foreground_pct.add(composite.foreground_pct);
+  if (composite.images.wanted & render::kMatte) {
+    composite.foreground_pct = foreground_pct(composite.images.matte);
+    report_.foreground_pct.add(composite.foreground_pct);
+  }
 
   if (inspected && !once) MIXRIG_TRY(compositor_.compose(composite, images, composite.images));
   if (judges() && !compositor_.is_edited()) MIXRIG_TRY(judge(composite, *item->truth));

@@ -30,16 +30,18 @@ struct RunArguments {
 using viewfinder::ViewfinderReport;
 
 /// The window of --view, as a further sink.
-Result<void> open_view(const RunArguments& arguments, const session::Session& session,
+Result<void> open_view(const RunArguments& arguments, session::Session& session,
                        output::RunControls& controls, const Clock& clock, ViewfinderReport& report,
                        session::RunOptions& options) {
   if (arguments.view.empty()) return {};
   const viewfinder::ViewfinderOptions view{
       .title = "mixrig: " + session.scene.path.filename().string(),
       .view = viewfinder::view_of(arguments.view).value_or(viewfinder::View::kComposite),
-      .picture_px = session.setup.view.size_px};
+      .picture_px = session.setup.view.size_px,
+      .shares = session::takes_gles(session.setup, session.backend)};
   MIXRIG_ASSIGN(auto sink,
                 viewfinder::Viewfinder::create(view, *session.source, controls, clock, report));
+  session.backend.share = sink->share();
   options.sinks.push_back(std::move(sink));
   return {};
 }

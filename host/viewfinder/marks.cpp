@@ -17,9 +17,10 @@ int brightness(Rgbx8 p) { return (77 * p.r + 150 * p.g + 29 * p.b) >> 8; }
 
 bool saturated(Rgbx8 p) { return std::max({p.r, p.g, p.b}) >= capture::kSaturatedByte; }
 
+std::uint8_t half(int byte) { return static_cast<std::uint8_t>(byte / 2); }
+
 void half_white(Rgbx8& p) {
-  const auto half = [](std::uint8_t byte) { return static_cast<std::uint8_t>((byte + 255) / 2); };
-  p = {half(p.r), half(p.g), half(p.b), 255};
+  p = {half(p.r + 255), half(p.g + 255), half(p.b + 255), half(p.x + 255)};
 }
 
 void level_line(ImageView<Rgbx8> picture, int x0, int x1, int y) {
@@ -82,8 +83,7 @@ void darken(ImageView<Rgbx8> picture, int x, int y, Size size) {
   for (int v = std::max(y, 0); v < bottom; ++v)
     for (int u = std::max(x, 0); u < right; ++u) {
       Rgbx8& p = picture.row(v)[u];
-      p = {static_cast<std::uint8_t>(p.r / 2), static_cast<std::uint8_t>(p.g / 2),
-           static_cast<std::uint8_t>(p.b / 2), 255};
+      p = {half(p.r), half(p.g), half(p.b), half(p.x + 255)};
     }
 }
 

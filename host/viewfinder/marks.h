@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn over a viewfinder's picture. Pure functions on pixels; nothing allocates.
+// What is drawn over a viewfinder's picture. Pure functions on pixels; nothing allocates. The
+// fourth byte is the share that covers what lies below the picture, whose colours are multiplied by
+// it: 255 of a whole picture, 0 where nothing was drawn over one that stays in the GPU.
 #pragma once
 
 #include "hal/base/image.h"

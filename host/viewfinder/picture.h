@@ -30,8 +30,8 @@ struct DepthColors {
 };
 
 /// Makes `picture` that of the view, in the size of its image. False where the composite does not
-/// hold the image, which is so for a frame or two after a change of views; `picture` is as before.
-/// Allocates only when the size changes.
+/// hold the image in its own memory, which is so for a frame or two after a change of views;
+/// `picture` is as before. Allocates only when the size changes.
 bool draw_view(const output::Composite& composite, View view, const DepthColors& depth,
                Image<Rgbx8>& picture);
 

@@ -30,6 +30,7 @@ int Screen::scale() const {
 
 void Screen::line(int x, int& y, std::string_view text, Rgb8 ink) {
   if (text.empty()) return;
+  is_clear_ = false;
   const int s = scale();
   const Size size = text_size(text, s);
   darken(picture_, x - s, y - s, {size.width + 2 * s, size.height + 2 * s});
@@ -39,6 +40,7 @@ void Screen::line(int x, int& y, std::string_view text, Rgb8 ink) {
 
 /// In the largest size up to `scale` that fits.
 void Screen::centred(int y, std::string_view text, int scale, Rgb8 ink) {
+  is_clear_ = false;
   while (scale > 1 && text_size(text, scale).width + 2 * scale > picture_.width()) --scale;
   const Size size = text_size(text, scale);
   const int x = (picture_.width() - size.width) / 2;
@@ -48,10 +50,29 @@ void Screen::centred(int y, std::string_view text, int scale, Rgb8 ink) {
   draw_text(picture_, x, y, text, scale, ink);
 }
 
-void Screen::draw_picture(const output::Composite* composite, const ViewState& state, bool gone) {
+/// Nothing, over a composite that was not read back; null where it was, or is not the view.
+const render::GpuPicture* Screen::clear_over_gpu(const output::Composite& composite, View view) {
+  const render::FrameOutput& images = composite.images;
+  const bool only_there = images.gpu_color != nullptr && (images.wanted & render::kColor) == 0;
+  if (view != View::kComposite || !only_there) return nullptr;
+  const Size size = images.gpu_color->size_px();
+  if (picture_.size() != size) picture_.reset(size);
+  picture_.fill(Rgbx8{0, 0, 0, 0});
+  is_clear_ = true;
+  return images.gpu_color.get();
+}
+
+const render::GpuPicture* Screen::draw_picture(const output::Composite* composite,
+                                               const ViewState& state, bool gone) {
+  is_clear_ = false;
   if (composite == nullptr || gone) {
     if (picture_.empty()) picture_.reset(kWithoutPicture);
-    return draw_placeholder(picture_);
+    draw_placeholder(picture_);
+    return nullptr;
+  }
+  if (const render::GpuPicture* below = clear_over_gpu(*composite, state.view)) {
+    if (state.on(Overlay::kGuides)) draw_guides(picture_), is_clear_ = false;
+    return below;
   }
   const render::FrameOutput& images = composite->images;
   if (state.view == View::kDepth && !range_ && (images.wanted & render::kMixedDepth) != 0) {
@@ -63,12 +84,14 @@ void Screen::draw_picture(const output::Composite* composite, const ViewState& s
     draw_placeholder(picture_);
     TextLine words;
     words.set("no {} of this frame", name(state.view));
-    return centred(picture_.height() / 2, words.view(), 2 * scale(), kInk);
+    centred(picture_.height() / 2, words.view(), 2 * scale(), kInk);
+    return nullptr;
   }
   const bool of_camera = state.view == View::kComposite || state.view == View::kPlate;
   mark_exposure_and_focus(picture_, of_camera && state.on(Overlay::kZebra),
                           of_camera && state.on(Overlay::kPeaking));
   if (state.on(Overlay::kGuides)) draw_guides(picture_);
+  return nullptr;
 }
 
 /// What says that the picture is not live, in the middle; it cannot be switched off.
@@ -165,15 +188,15 @@ void Screen::write_help() {
   }
 }
 
-ImageView<const Rgbx8> Screen::draw(const output::Composite* composite, const ViewState& state,
-                                    const ScreenFacts& facts) {
+Drawn Screen::draw(const output::Composite* composite, const ViewState& state,
+                   const ScreenFacts& facts) {
   const bool gone = freshness(facts.since_last, facts.rate_hz) == Freshness::kGone;
-  draw_picture(composite, state, gone);
+  const render::GpuPicture* const below = draw_picture(composite, state, gone);
   write_warnings(gone ? nullptr : composite, state, facts);
   write_banner(composite, state, facts);
   write_corner(state, facts);
   if (state.on(Overlay::kHelp)) write_help();
-  return picture_;
+  return {picture_, below, is_clear_};
 }
 
 }  // namespace mixrig::viewfinder

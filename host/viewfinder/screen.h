@@ -32,18 +32,28 @@ struct ScreenFacts {
   std::array<TextLine, kSyncLines> sync;  ///< of streams and sets; empty ones are left out
 };
 
+/// What a window shows.
+struct Drawn {
+  ImageView<const Rgbx8> picture;  ///< the fourth byte is the share that covers `below`
+  /// The composite that stays in the GPU's memory, under `picture`; null: `picture` is all.
+  const render::GpuPicture* below = nullptr;
+  bool is_empty = false;  ///< nothing is drawn over `below`
+};
+
 /// Draws into a picture that it keeps. Not thread-safe. Allocates only when the size changes, and
 /// for the range of depth colours when it is set.
 class Screen {
  public:
   /// `composite` may be null: nothing has come yet. The range of depth colours is that of the
   /// first picture drawn after forget_range().
-  ImageView<const Rgbx8> draw(const output::Composite* composite, const ViewState& state,
-                              const ScreenFacts& facts);
+  Drawn draw(const output::Composite* composite, const ViewState& state, const ScreenFacts& facts);
   void forget_range() { range_.reset(); }
 
  private:
-  void draw_picture(const output::Composite* composite, const ViewState& state, bool gone);
+  /// What lies below; null where all of it was drawn here.
+  const render::GpuPicture* draw_picture(const output::Composite* composite, const ViewState& state,
+                                         bool gone);
+  const render::GpuPicture* clear_over_gpu(const output::Composite& composite, View view);
   void write_banner(const output::Composite* composite, const ViewState& state,
                     const ScreenFacts& facts);
   void write_warnings(const output::Composite* composite, const ViewState& state,
@@ -55,6 +65,7 @@ class Screen {
   int scale() const;
 
   Image<Rgbx8> picture_;
+  bool is_clear_ = false;  ///< nothing was drawn over what lies below
   std::optional<DepthColors> range_;
 };
 

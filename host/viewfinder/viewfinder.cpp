@@ -70,7 +70,8 @@ class Viewfinder::Loop {
   ViewState state_;
   ScreenFacts facts_;
   RateMeter rate_;
-  ImageView<const Rgbx8> drawn_;    ///< by screen_
+  Drawn drawn_;                     ///< by screen_
+  bool is_new_ = false;             ///< composite_, since the last picture
   output::CompositePtr composite_;  ///< that is shown
   HostTime last_arrival_{}, last_drawn_{}, asked_{};
   HostTime message_until_{};
@@ -111,6 +112,7 @@ bool Viewfinder::Loop::handle_keys() {
     if (key == '1' + static_cast<char>(View::kDepth)) screen_.forget_range();
   }
   owner_.view_ = state_.view;
+  owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
   return !keys.empty();
 }
 
@@ -119,7 +121,9 @@ void Viewfinder::Loop::take(const Handed& handed, HostTime now) {
   const capture::Capture& capture = *handed.composite->capture;
   if (capture.status_of(capture::Stream::kDepth) != capture::StreamStatus::kMissing)
     last_depth_ = capture.mid_exposure;
-  if (!state_.frozen) composite_ = handed.composite;
+  if (state_.frozen) return;
+  composite_ = handed.composite;
+  is_new_ = true;
 }
 
 void Viewfinder::Loop::ask_devices(HostTime now) {
@@ -149,7 +153,7 @@ Result<void> Viewfinder::Loop::draw() {
   last_drawn_ = owner_.clock_.now();
   find_facts(last_drawn_);
   drawn_ = screen_.draw(composite_.get(), state_, facts_);
-  return window_.show(drawn_);
+  return window_.show(drawn_, std::exchange(is_new_, false));
 }
 
 void Viewfinder::Loop::count_shown(const Handed& handed) {
@@ -161,7 +165,7 @@ void Viewfinder::Loop::count_shown(const Handed& handed) {
   const capture::Capture& capture = *handed.composite->capture;
   if (output::ShownLog* const log = owner_.options_.log)
     log->add({capture.number, capture.mid_exposure, handed.at, now, handed.composite->frame_ms,
-              measure::changed_column(drawn_, log->empty, log->left_out)});
+              measure::changed_column(drawn_.picture, log->empty, log->left_out)});
   if (!live_) return;
   facts_.delay = now - capture.mid_exposure;
   report.delay_ms.add(milliseconds(*facts_.delay));
@@ -188,8 +192,10 @@ Result<std::unique_ptr<Viewfinder>> Viewfinder::create(const ViewfinderOptions& 
   auto answer = opened.get_future();
   // SDL wants one thread for a window's whole life.
   made->thread_ = std::thread([sink = made.get(), opened = std::move(opened)]() mutable {
-    auto window = Window::open(sink->options_.title, sink->options_.picture_px);
+    const ViewfinderOptions& wanted = sink->options_;
+    auto window = Window::open(wanted.title, wanted.picture_px, wanted.shares);
     if (!window) return opened.set_value(window.error());
+    if (wanted.shares && wanted.log == nullptr) sink->share_ = (*window)->share();
     sink->report_.driver = (*window)->driver();
     opened.set_value(std::nullopt);
     const auto done = Loop(*sink, **window).run();
@@ -208,7 +214,11 @@ void Viewfinder::stop() {
   report_.replaced = queue_.dropped();
 }
 
-render::OutputMask Viewfinder::wanted(int) const { return images_of(view_); }
+render::OutputMask Viewfinder::wanted(int) const {
+  const render::OutputMask images = images_of(view_);
+  const bool stays = images == render::kColor && share_.display != nullptr && !reads_pixels_;
+  return stays ? render::kGpuColor : images;
+}
 
 Result<void> Viewfinder::write(const output::CompositePtr& composite) {
   if (failed_) return *error_;

@@ -25,6 +25,7 @@ struct ViewfinderOptions {
   View view = View::kComposite;
   Size picture_px;  ///< size of the window on a desktop
   bool help = false;
+  bool shares = false;              ///< composites may stay in the GPU's memory (Viewfinder::share)
   output::ShownLog* log = nullptr;  ///< for a measurement; must outlive the sink
 };
 
@@ -50,6 +51,10 @@ class Viewfinder final : public output::CompositeSink {
                                                     const Clock& clock, ViewfinderReport& report);
   ~Viewfinder() override;
 
+  /// What the run's compositors share with the window, so that their composites need not be read
+  /// back; empty where SDL draws otherwise, or `shares` was not wanted. They end before the sink.
+  render::GlShare share() const { return share_; }
+
   std::string_view name() const override { return "viewfinder"; }
   render::OutputMask wanted(int number) const override;
   /// Errors: kDevice where the picture could not be shown.
@@ -73,6 +78,8 @@ class Viewfinder final : public output::CompositeSink {
   const Clock& clock_;
   ViewfinderReport& report_;
   std::atomic<View> view_;
+  std::atomic<bool> reads_pixels_ = false;  ///< of the composite, to draw marks of them
+  render::GlShare share_;
   BoundedQueue<Handed, 1> queue_;
   std::atomic<bool> over_ = false;
   std::atomic<bool> failed_ = false;

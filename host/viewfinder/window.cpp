@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <EGL/egl.h>
+#include <GLES3/gl31.h>
 #include <SDL.h>
 
 #include "host/viewfinder/view_state.h"
@@ -48,18 +50,36 @@ char key_of(SDL_Keycode code) {
 
 }  // namespace
 
+/// A picture in the window.
+struct Window::Layer {
+  explicit Layer(SDL_BlendMode mode) : blend(mode) {}
+  Layer(const Layer&) = delete;
+  Layer& operator=(const Layer&) = delete;
+  ~Layer() { drop(); }
+  void drop() {
+    if (texture != nullptr) SDL_DestroyTexture(texture);
+    texture = nullptr;
+  }
+  const SDL_BlendMode blend;
+  SDL_Texture* texture = nullptr;
+  Size px;
+};
+
 struct Window::State {
   SDL_Window* window = nullptr;
   SDL_Renderer* renderer = nullptr;
-  SDL_Texture* texture = nullptr;
-  Size texture_px;
+  Layer whole{SDL_BLENDMODE_NONE};  ///< a picture that is all, or lies below
+  /// Colours are multiplied by their share already.
+  Layer over{SDL_ComposeCustomBlendMode(
+      SDL_BLENDFACTOR_ONE, SDL_BLENDFACTOR_ONE_MINUS_SRC_ALPHA, SDL_BLENDOPERATION_ADD,
+      SDL_BLENDFACTOR_ONE, SDL_BLENDFACTOR_ONE_MINUS_SRC_ALPHA, SDL_BLENDOPERATION_ADD)};
   Keys keys;
 
   State() { keys.reserve(64); }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
-    if (texture != nullptr) SDL_DestroyTexture(texture);
+    whole.drop(), over.drop();  // before their renderer
     if (renderer != nullptr) SDL_DestroyRenderer(renderer);
     if (window != nullptr) SDL_DestroyWindow(window);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
@@ -69,9 +89,13 @@ struct Window::State {
 Window::Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Window::~Window() = default;
 
-Result<std::unique_ptr<Window>> Window::open(const std::string& title, Size picture) {
+Result<std::unique_ptr<Window>> Window::open(const std::string& title, Size picture, bool shares) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the command's
   SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
+  if (shares) {
+    SDL_SetHint(SDL_HINT_VIDEO_X11_FORCE_EGL, "1");
+    SDL_SetHint(SDL_HINT_RENDER_DRIVER, "opengles2");  // SDL_RENDER_DRIVER is stronger
+  }
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
     return sdl_error(
         "there is no screen to show it on: set DISPLAY or WAYLAND_DISPLAY, or on a "
@@ -113,22 +137,55 @@ void Window::toggle_full_screen() {
   SDL_SetWindowFullscreen(state_->window, is ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
-Result<void> Window::show(ImageView<const Rgbx8> picture) {
+render::GlShare Window::share() const {
+  SDL_RendererInfo info{};
+  if (SDL_GetRendererInfo(state_->renderer, &info) != 0 ||
+      std::string_view(info.name) != "opengles2" || eglGetCurrentContext() == EGL_NO_CONTEXT)
+    return {};
+  GLint major = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  if (major < 3) return {};
+  return {eglGetCurrentDisplay(), eglGetCurrentContext()};
+}
+
+Result<void> Window::fit(Layer& layer, Size size) {
+  if (layer.texture != nullptr && layer.px == size) return {};
+  layer.drop();
+  SDL_Renderer* const renderer = state_->renderer;
+  layer.texture = SDL_CreateTexture(renderer, SDL_PIXELFORMAT_ABGR8888, SDL_TEXTUREACCESS_STREAMING,
+                                    size.width, size.height);
+  if (layer.texture == nullptr) return sdl_error("the picture is too large for the screen");
+  layer.px = size;
+  SDL_SetTextureBlendMode(layer.texture, layer.blend);
+  SDL_RenderSetLogicalSize(renderer, size.width, size.height);
+  return {};
+}
+
+Result<void> Window::show(const Drawn& drawn, bool is_new) {
   State& s = *state_;
-  if (s.texture == nullptr || s.texture_px != picture.size) {
-    if (s.texture != nullptr) SDL_DestroyTexture(s.texture);
-    s.texture = SDL_CreateTexture(s.renderer, SDL_PIXELFORMAT_XBGR8888, SDL_TEXTUREACCESS_STREAMING,
-                                  picture.size.width, picture.size.height);
-    if (s.texture == nullptr) return sdl_error("the picture is too large for the screen");
-    s.texture_px = picture.size;
-    SDL_RenderSetLogicalSize(s.renderer, picture.size.width, picture.size.height);
-  }
+  const ImageView<const Rgbx8>& picture = drawn.picture;
   const int pitch = static_cast<int>(picture.stride * static_cast<std::ptrdiff_t>(sizeof(Rgbx8)));
+  Layer& own = drawn.below != nullptr ? s.over : s.whole;
+  bool fine = true;
+  if (drawn.below != nullptr) {
+    MIXRIG_TRY(fit(s.whole, drawn.below->size_px()));
+    if (is_new) {
+      SDL_RenderFlush(s.renderer);
+      fine = SDL_GL_BindTexture(s.whole.texture, nullptr, nullptr) == 0;
+      if (fine) MIXRIG_TRY(drawn.below->copy_to_bound_texture());
+      SDL_GL_UnbindTexture(s.whole.texture);
+    }
+  }
+  if (!drawn.is_empty) {
+    MIXRIG_TRY(fit(own, picture.size));
+    fine = fine && SDL_UpdateTexture(own.texture, nullptr, picture.data, pitch) == 0;
+  }
   SDL_SetRenderDrawColor(s.renderer, 0, 0, 0, 255);
-  if (SDL_UpdateTexture(s.texture, nullptr, picture.data, pitch) != 0 ||
-      SDL_RenderClear(s.renderer) != 0 ||
-      SDL_RenderCopy(s.renderer, s.texture, nullptr, nullptr) != 0)
-    return sdl_error("the picture could not be shown");
+  fine = fine && SDL_RenderClear(s.renderer) == 0 &&
+         SDL_RenderCopy(s.renderer, s.whole.texture, nullptr, nullptr) == 0;
+  if (drawn.below != nullptr && !drawn.is_empty)
+    fine = fine && SDL_RenderCopy(s.renderer, s.over.texture, nullptr, nullptr) == 0;
+  if (!fine) return sdl_error("the picture could not be shown");
   SDL_RenderPresent(s.renderer);
   return {};
 }

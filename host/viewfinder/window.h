@@ -8,6 +8,8 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
+#include "host/render/compositor.h"
+#include "host/viewfinder/screen.h"
 
 namespace mixrig::viewfinder {
 
@@ -19,8 +21,9 @@ class Window {
  public:
   /// Full screen where there is no desktop (SDL's driver KMSDRM), else of the picture's size or as
   /// large as the desktop has room for. The driver is SDL's choice (Wayland, X11, KMSDRM) or that
-  /// of SDL_VIDEODRIVER. Errors: kDevice where no driver can show anything.
-  static Result<std::unique_ptr<Window>> open(const std::string& title, Size picture);
+  /// of SDL_VIDEODRIVER. With `shares`, SDL draws by OpenGL ES where it can. Errors: kDevice where
+  /// no driver can show anything.
+  static Result<std::unique_ptr<Window>> open(const std::string& title, Size picture, bool shares);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -28,13 +31,18 @@ class Window {
   /// Handles what has happened since the last call; the keys that were pressed.
   const Keys& poll();
   void toggle_full_screen();
-  /// Shows a picture of any size, as large as it fits, with black borders. Errors: kDevice.
-  Result<void> show(ImageView<const Rgbx8> picture);
+  /// The context that a compositor can share objects with; empty where SDL draws otherwise.
+  render::GlShare share() const;
+  /// Shows a picture of any size, as large as it fits, with black borders. What lies below is
+  /// copied only if it `is_new`. Errors: kDevice.
+  Result<void> show(const Drawn& drawn, bool is_new);
   /// "x11, software": SDL's driver and renderer.
   std::string driver() const;
 
  private:
   struct State;
+  struct Layer;
+  Result<void> fit(Layer& layer, Size size);
   explicit Window(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

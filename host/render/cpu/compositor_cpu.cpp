@@ -138,7 +138,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   MIXRIG_ASSIGN(Frame* const slot, flight_.push());
   StopWatch watch(slot->times);
   FrameOutput& output = slot->output;
-  output.wanted = with_needed(wanted);
+  output.wanted = with_needed(wanted, false);
   const bool focuses = setup_.focus && (wanted & kColor);
   if (focuses) output.wanted |= kMixedDepth;
   const NeededPasses needed = needed_passes(output.wanted, setup_);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "hal/base/log.h"
 #include "hal/base/parallel.h"
 #include "host/render/exposure.h"
 #include "host/render/frame_io.h"
@@ -13,6 +14,7 @@
 #include "host/render/gles/correct_pass.h"
 #include "host/render/gles/egl_context.h"
 #include "host/render/gles/gl_mesh.h"
+#include "host/render/gles/gpu_colors.h"
 #include "host/render/gles/key_pass.h"
 #include "host/render/gles/light_pass.h"
 #include "host/render/gles/mix_pass.h"
@@ -36,6 +38,8 @@ class GlesCompositor final : public Compositor {
   GlesCompositor(EglContext context, const CompositorSetup& setup);
   ~GlesCompositor() override;
   Result<void> create_passes();
+  /// Composites of kGpuColor stay in the GPU's memory, where the driver can copy them.
+  void share_colors();
   /// The context is current on no thread afterwards.
   void leave_thread() const { context_.release(); }
 
@@ -51,6 +55,7 @@ class GlesCompositor final : public Compositor {
     OutputMask wanted = 0, read = 0;  ///< `read`: what the buffers below hold
     ReadBack color_and_matte, mixed, segmented, warped_w, state, light, layer, alpha;
     Fence done;
+    std::shared_ptr<const GpuPicture> gpu_color;
     std::optional<StageTimer> timer;
   };
 
@@ -99,6 +104,7 @@ class GlesCompositor final : public Compositor {
   LightPass light_;
   MixPass mix_;
   bool has_shadows_ = false;
+  std::optional<GpuColors> gpu_colors_;  ///< where objects are shared with a screen
   InFlight<Frame> flight_;
   StageTimes times_{};
 };
@@ -168,18 +174,26 @@ Result<void> GlesCompositor::create_passes() {
   return {};
 }
 
+void GlesCompositor::share_colors() {
+  if (GpuColors::are_possible())
+    gpu_colors_.emplace(tables_.view_size);
+  else
+    log_info("render", renderer_ + " does not copy between textures: composites are read back");
+}
+
 Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) {
   MIXRIG_TRY(check_frame(input, tables_));
   MIXRIG_TRY(context_.make_current());
   const bool alone = flight_.count() == 0;
   MIXRIG_ASSIGN(Frame* const frame, flight_.push());
-  frame->wanted = with_needed(wanted);
+  frame->wanted = with_needed(wanted, gpu_colors_.has_value());
   frame->timer->begin_frame(alone);
   auto drawn = draw(input, *frame);
   if (!drawn) {
     flight_.drop_last();
     return drawn;
   }
+  if (frame->wanted & kGpuColor) frame->gpu_color = gpu_colors_->copy(mix_.color());
   start_read_back(*frame);
   frame->done.set();
   return {};
@@ -335,6 +349,7 @@ Result<void> GlesCompositor::collect(FrameOutput& output) {
     output.wanted = frame->wanted;
     size_outputs(tables_.view_size, frame->wanted, output);
     MIXRIG_TRY(fetch(*frame, output));
+    output.gpu_color = std::move(frame->gpu_color);
   }
   times_ = frame->timer->finish_frame();
   return {};
@@ -377,14 +392,17 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 
 }  // namespace
 
-Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup) {
+Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup,
+                                                         const GlShare& share) {
   MIXRIG_TRY(validate(setup));
   if (setup.focus)
     return Error{ErrorCode::kUnsupported,
                  "[focus] is drawn by the cpu back end alone: use --backend cpu, or remove it"};
-  MIXRIG_ASSIGN(EglContext context, EglContext::create());
+  MIXRIG_ASSIGN(EglContext context, share.display != nullptr ? EglContext::create_sharing(share)
+                                                             : EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
   MIXRIG_TRY(compositor->create_passes());
+  if (share.display != nullptr) compositor->share_colors();
   compositor->leave_thread();
   return std::unique_ptr<Compositor>(std::move(compositor));
 }

@@ -13,6 +13,7 @@ namespace mixrig::render {
 /// its first frame, which may be another one than this.
 /// Borrows meshes, textures and background of `setup` during the call only. Errors: kData from
 /// validate(setup); kDevice without EGL; kUnsupported where the driver cannot draw the passes.
-Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup);
+Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup,
+                                                         const GlShare& share = {});
 
 }  // namespace mixrig::render

@@ -54,7 +54,7 @@ std::size_t query_devices(std::array<EGLDeviceEXT, 8>& devices) {
       std::clamp<EGLint>(count, 0, static_cast<EGLint>(devices.size())));
 }
 
-EGLContext create_context(EGLDisplay display, const char* extensions) {
+EGLContext create_context(EGLDisplay display, EGLContext shared, const char* extensions) {
   constexpr std::array<EGLint, 7> kConfig = {
       EGL_RENDERABLE_TYPE,   EGL_OPENGL_ES3_BIT, EGL_SURFACE_TYPE, 0,
       EGL_COLOR_BUFFER_TYPE, EGL_RGB_BUFFER,     EGL_NONE};
@@ -65,19 +65,19 @@ EGLContext create_context(EGLDisplay display, const char* extensions) {
   if (!contains_word(extensions, "EGL_KHR_no_config_context") &&
       (!eglChooseConfig(display, kConfig.data(), &config, 1, &count) || count == 0))
     return EGL_NO_CONTEXT;
-  return eglCreateContext(display, config, EGL_NO_CONTEXT, kVersion.data());
+  return eglCreateContext(display, config, shared, kVersion.data());
 }
 
 }  // namespace
 
-Result<EglContext> EglContext::create_on(EGLDisplay display) {
+Result<EglContext> EglContext::create_on(EGLDisplay display, EGLContext shared) {
   if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr))
     return Error{ErrorCode::kDevice, egl_error()};
   const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
   if (!contains_word(extensions, "EGL_KHR_surfaceless_context"))
     return Error{ErrorCode::kUnsupported, "no surfaceless context"};
   eglBindAPI(EGL_OPENGL_ES_API);
-  EglContext made(display, create_context(display, extensions));
+  EglContext made(display, create_context(display, shared, extensions));
   if (made.context_ == EGL_NO_CONTEXT)
     return Error{ErrorCode::kUnsupported, "no OpenGL ES 3.1: " + egl_error()};
   MIXRIG_TRY(made.make_current());
@@ -109,6 +109,13 @@ Result<EglContext> EglContext::create() {
   if (auto made = attempt("default display", eglGetDisplay(EGL_DEFAULT_DISPLAY))) return made;
   return Error{code, "no OpenGL ES 3.1 context through EGL (" + tried +
                          "): install a driver (libegl1, libgl1-mesa-dri) or use --backend cpu"};
+}
+
+Result<EglContext> EglContext::create_sharing(const GlShare& share) {
+  auto made = create_on(share.display, share.context);
+  if (made) return made;
+  return Error{made.error().code, "no OpenGL ES 3.1 context that shares with the screen's (" +
+                                      made.error().context + ")"};
 }
 
 EglContext& EglContext::operator=(EglContext&& other) noexcept {

@@ -9,6 +9,7 @@
 #include <EGL/egl.h>
 
 #include "hal/base/result.h"
+#include "host/render/compositor.h"
 
 namespace mixrig::render::gles {
 
@@ -20,6 +21,8 @@ class EglContext {
   /// makes the first context that holds GLES 3.1 and float colour buffers current. Errors: kDevice
   /// where no display, or kUnsupported where no display offers that; the line names each attempt.
   static Result<EglContext> create();
+  /// One whose objects are those of a screen's context as well. Errors: as create().
+  static Result<EglContext> create_sharing(const GlShare& share);
 
   EglContext(EglContext&& other) noexcept { *this = std::move(other); }
   EglContext& operator=(EglContext&& other) noexcept;
@@ -36,7 +39,7 @@ class EglContext {
 
  private:
   EglContext(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}
-  static Result<EglContext> create_on(EGLDisplay display);
+  static Result<EglContext> create_on(EGLDisplay display, EGLContext shared = EGL_NO_CONTEXT);
 
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;

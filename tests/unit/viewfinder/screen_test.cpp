@@ -61,7 +61,7 @@ class ScreenTest : public ::testing::Test {
     facts_.age = 60ms;
   }
   ImageView<const Rgbx8> draw() {
-    const auto picture = screen_.draw(composite_.get(), state_, facts_);
+    const auto picture = screen_.draw(composite_.get(), state_, facts_).picture;
     keep(picture);
     return picture;
   }
@@ -184,6 +184,67 @@ TEST_F(ScreenTest, DrawsAllOfItAgainWithoutAllocating) {
     for (int i = 0; i < 5; ++i) (void)screen_.draw(composite_.get(), state_, facts_);
     EXPECT_EQ(test::allocations - before, 0) << name(view);
   }
+}
+
+/// A composite that was not read back.
+class OverGpu : public ScreenTest {
+ protected:
+  class Picture final : public render::GpuPicture {
+   public:
+    Size size_px() const override { return {640, 360}; }
+    Result<void> copy_to_bound_texture() const override { return {}; }
+  };
+  OverGpu() {
+    auto there = made_composite();
+    there->images = {};
+    there->images.wanted = render::kGpuColor;
+    there->images.gpu_color = picture_;
+    composite_ = there;
+  }
+  Drawn draw() { return screen_.draw(composite_.get(), state_, facts_); }
+  static int covered(const Drawn& drawn) {
+    int count = 0;
+    for (int y = 0; y < drawn.picture.size.height; ++y)
+      for (int x = 0; x < drawn.picture.size.width; ++x) count += drawn.picture.at(x, y).x > 0;
+    return count;
+  }
+  const std::shared_ptr<const Picture> picture_ = std::make_shared<Picture>();
+};
+
+TEST_F(OverGpu, NothingIsDrawnWhereNothingIsToBeSaid) {
+  const Drawn drawn = draw();
+  EXPECT_EQ(drawn.below, picture_.get());
+  EXPECT_TRUE(drawn.is_empty);
+  EXPECT_EQ(covered(drawn), 0);
+}
+
+TEST_F(OverGpu, LinesCoverHalfAndTextAll) {
+  state_.overlays[static_cast<std::size_t>(Overlay::kGuides)] = true;
+  const Drawn guides = draw();
+  EXPECT_FALSE(guides.is_empty);
+  const Rgbx8 line = guides.picture.at(5, 360 / 3);
+  EXPECT_EQ(line.x, 127) << "the share of the line, whose light is multiplied by it";
+  EXPECT_EQ(line.r, 127);
+  EXPECT_EQ(guides.picture.at(5, 7).x, 0);
+  facts_.message.set("{}", "recording");
+  EXPECT_TRUE(reads(draw().picture, "recording"));
+}
+
+TEST_F(OverGpu, WhatIsOldIsMarkedThenTakenAway) {
+  facts_.since_last = 1s;
+  const Drawn stale = draw();
+  EXPECT_EQ(stale.below, picture_.get());
+  EXPECT_FALSE(stale.is_empty);
+  EXPECT_EQ(stale.picture.at(0, 0).x, 255);
+  facts_.since_last = 10s;
+  const Drawn gone = draw();
+  EXPECT_EQ(gone.below, nullptr);
+  EXPECT_EQ(covered(gone), 640 * 360);
+}
+
+TEST_F(OverGpu, AnotherViewHasItsOwnImage) {
+  state_.view = View::kPlate;
+  EXPECT_EQ(draw().below, nullptr);
 }
 
 }  // namespace

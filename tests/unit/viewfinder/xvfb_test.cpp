@@ -8,11 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "host/render/gles/compositor_gles.h"
 #include "host/viewfinder/viewfinder.h"
 #include "tests/support/child_process.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/threaded_clock.h"
+#include "tests/unit/render/helpers.h"
 #include "tests/unit/viewfinder/made_composite.h"
 
 namespace mixrig::viewfinder {
@@ -71,16 +73,17 @@ class Xvfb {
 
 class XvfbTest : public ::testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { open("software", false); }
+  void open(const char* renderer, bool shares) {
     if (!has_xvfb()) GTEST_SKIP() << "Xvfb is not installed: scripts/setup peers";
     server_.emplace();
     const std::string display = server_->display();
     ASSERT_FALSE(display.empty()) << "Xvfb does not start";
     setenv("DISPLAY", display.c_str(), 1);
     setenv("SDL_VIDEODRIVER", "x11", 1);
-    setenv("SDL_RENDER_DRIVER", "software", 1);
-    auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize}, source_, controls_,
-                                   clock_, report_);
+    setenv("SDL_RENDER_DRIVER", renderer, 1);
+    auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize, .shares = shares},
+                                   source_, controls_, clock_, report_);
     ASSERT_TRUE(made) << to_line(made.error());
     sink_ = *std::move(made);
   }
@@ -143,6 +146,63 @@ TEST_F(XvfbTest, APictureThatNoOtherFollowsIsMarkedThenTakenAwayAndTheNextOneIsL
   EXPECT_TRUE(test::comes_true(middle_is_empty));
   ASSERT_TRUE(sink_->write(made_composite(2, clock_.now())));
   EXPECT_TRUE(test::comes_true([&] { return shows_the_composite(); }));
+}
+
+/// The gles back end's composites, by SDL's OpenGL ES.
+class SharedXvfbTest : public XvfbTest {
+ protected:
+  void SetUp() override {
+    open("opengles2", true);
+    if (IsSkipped() || HasFatalFailure()) return;
+    ASSERT_EQ(report_.driver, "x11, opengles2");
+    ASSERT_NE(sink_->share().display, nullptr) << "SDL's OpenGL ES is of version 3";
+    const render::CompositorSetup setup = test::plain_setup(kMadeSize, 150, {40, 30}, 37);
+    auto made = render::make_gles_compositor(setup, sink_->share());
+    ASSERT_TRUE(made) << to_line(made.error());
+    compositor_ = *std::move(made);
+  }
+  void TearDown() override {
+    compositor_.reset();  // before the window
+    if (sink_) {
+      ASSERT_TRUE(sink_->finish());
+    }
+  }
+  /// A picture of the compositor, which is the plate: no object, no background.
+  output::CompositePtr composited(int shift) {
+    auto made = made_composite(1, clock_.now());
+    Image<Rgb8> plate(kMadeSize);
+    for (int y = 0; y < kMadeSize.height; ++y)
+      for (int x = 0; x < kMadeSize.width; ++x) plate.at(x, y) = made_color(x + shift, y);
+    const Image<float> depth({40, 30}, 2.0F);
+    made->images = {};
+    made->images.wanted = sink_->wanted(1);
+    EXPECT_EQ(made->images.wanted, render::kGpuColor);
+    EXPECT_TRUE(compositor_->compose({plate, depth, {}}, made->images));
+    EXPECT_NE(made->images.gpu_color, nullptr);
+    EXPECT_TRUE(made->images.color.empty()) << "it is not read back";
+    return made;
+  }
+  std::unique_ptr<render::Compositor> compositor_;
+};
+
+TEST_F(SharedXvfbTest, ACompositeThatStaysInTheGpuIsShownPixelByPixel) {
+  ASSERT_TRUE(sink_->write(composited(40)));
+  EXPECT_FALSE(shows_the_composite());
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(sink_->write(composited(7 * i)));
+  ASSERT_TRUE(sink_->write(composited(0)));
+  EXPECT_TRUE(test::comes_true([&] { return shows_the_composite(); }));
+}
+
+TEST_F(SharedXvfbTest, WhatIsOldIsMarkedOverIt) {
+  constexpr Rgb8 kAlarm{255, 90, 70};
+  ASSERT_TRUE(sink_->write(composited(0)));
+  ASSERT_TRUE(test::comes_true([&] { return shows_the_composite(); }));
+  clock_.advance(1s);
+  EXPECT_TRUE(test::comes_true([&] { return corner() == kAlarm; }));
+  const int x = kScreen.width / 2 - 40, y = (kScreen.height - kMadeSize.height) / 2 + 20;
+  EXPECT_EQ(server_->screen().at(x, y), made_color(40, 20)) << "the picture is still below";
+  clock_.advance(10s);
+  EXPECT_TRUE(test::comes_true([&] { return corner() != kAlarm; }));
 }
 
 }  // namespace
