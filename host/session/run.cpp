@@ -121,6 +121,7 @@ class Runner {
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
                        render::FrameOutput& images);
+  std::optional<glm::ivec2> focus_pixel() const;
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
   Result<void> deliver(const output::CompositePtr& composite);
   Result<void> add_last_to_sheet();
@@ -190,6 +191,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (options_.controls != nullptr) {
     options_.controls->can_record = files_ != nullptr;
     options_.controls->can_learn = keeper_->is_open();
+    options_.controls->can_focus = session_.setup.focus.has_value();
   }
   no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(compositor_->whole());
@@ -483,8 +485,18 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m,
-       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
+       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt, focus_pixel()},
       composite.objects_shown, images);
+}
+
+/// That an operator chose, where the scene has a focus and the view that pixel.
+std::optional<glm::ivec2> Runner::focus_pixel() const {
+  const int at = options_.controls != nullptr ? options_.controls->focus_at.load() : -1;
+  const Size view = session_.setup.view.size_px;
+  const glm::ivec2 pixel(at & 0xFFFF, at >> 16);
+  if (at < 0 || !session_.setup.focus || pixel.x >= view.width || pixel.y >= view.height)
+    return std::nullopt;
+  return pixel;
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.

@@ -6,29 +6,10 @@
 #include <cmath>
 
 #include "hal/base/srgb.h"
+#include "host/render/focus_discs.h"
 
 namespace mixrig::render::cpu {
 namespace {
-
-constexpr int kTileWide = 32, kTileHigh = 8;
-constexpr int kAreaSteps = 16;     // of disc_area, to a pixel
-constexpr float kSharp_px = 0.6F;  // discs of this radius and less are one pixel
-
-/// Share of a pixel at distance d that a disc of radius r covers.
-float cover(float d, float r) { return std::clamp(r + 0.5F - d, 0.0F, 1.0F); }
-
-void measure_discs(int most_radius, std::vector<float>& area) {
-  if (!area.empty()) return;
-  area.resize(static_cast<std::size_t>((most_radius + 1) * kAreaSteps + 1));
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const float r = static_cast<float>(i) / kAreaSteps;
-    const int reach = static_cast<int>(std::ceil(r)) + 1;
-    for (int y = -reach; y <= reach; ++y)
-      for (int x = -reach; x <= reach; ++x)
-        area[i] += cover(std::hypot(static_cast<float>(x), static_cast<float>(y)), r);
-    area[i] = std::max(area[i], 1.0F);
-  }
-}
 
 /// Median of the known depths of 5 x 5 pixels, as 1/z; `last` where none is known.
 float focus_w(const Focus& focus, const Image<float>& depth_m, float last) {
@@ -55,7 +36,7 @@ void cut_into_chords(int most_radius, FocusScratch& s) {
     const float r = 0.5F * static_cast<float>(step);
     const int reach = static_cast<int>(std::ceil(r)) + 1;
     const auto of = [r](int x, int y) {
-      return cover(std::hypot(static_cast<float>(x), static_cast<float>(y)), r);
+      return focus_cover(std::hypot(static_cast<float>(x), static_cast<float>(y)), r);
     };
     for (int dy = -reach; dy <= reach; ++dy)
       for (int half = 0; half <= reach; ++half)
@@ -88,8 +69,8 @@ void fill_row(int y, float blur_px_m, float most_radius_px, FocusScratch& s,
     if (depth[x] > 0) last_w = 1 / depth[x];
     w[x] = last_w;
     radius[x] = std::min(blur_px_m * std::abs(last_w - s.focus_w), most_radius_px);
-    if (radius[x] < kSharp_px) radius[x] = 0.5F;
-    share[x] = 1 / s.disc_area[static_cast<std::size_t>(radius[x] * kAreaSteps + 0.5F)];
+    if (radius[x] < kFocusSharpPx) radius[x] = 0.5F;
+    share[x] = 1 / s.disc_area[static_cast<std::size_t>(radius[x] * kFocusAreaSteps + 0.5F)];
     r[x] = share[x] * light[0], g[x] = share[x] * light[1], b[x] = share[x] * light[2];
   }
   for (std::size_t i = 0; i < 4; ++i)
@@ -99,7 +80,8 @@ void fill_row(int y, float blur_px_m, float most_radius_px, FocusScratch& s,
 struct FocusTiles {
   int x = 0, y = 0;
   explicit FocusTiles(Size size)
-      : x((size.width + kTileWide - 1) / kTileWide), y((size.height + kTileHigh - 1) / kTileHigh) {}
+      : x((size.width + kFocusTileWide - 1) / kFocusTileWide),
+        y((size.height + kFocusTileHigh - 1) / kFocusTileHigh) {}
   std::size_t at(int tx, int ty) const { return static_cast<std::size_t>(ty * x + tx); }
 };
 
@@ -107,7 +89,7 @@ struct FocusTiles {
 void measure_tiles(Size size, const FocusTiles& tiles, float blur_px_m, int y, FocusScratch& s) {
   const float *w = s.w.row(y), *above = s.w.row(std::max(0, y - 1)), *radius = s.radius_px.row(y);
   for (int x = 0; x < size.width; ++x) {
-    const std::size_t tile = tiles.at(x / kTileWide, y / kTileHigh);
+    const std::size_t tile = tiles.at(x / kFocusTileWide, y / kFocusTileHigh);
     s.tile_radius_px[tile] = std::max(s.tile_radius_px[tile], radius[x]);
     const float off_w = std::max(std::abs(w[x] - above[x]), std::abs(w[x] - w[std::max(0, x - 1)]));
     if (off_w > focus_step(w[x], blur_px_m)) s.tile_step[tile] = 1;
@@ -117,8 +99,8 @@ void measure_tiles(Size size, const FocusTiles& tiles, float blur_px_m, int y, F
 /// Of the tiles that discs of `most_radius` reach, then of those that the greatest of them reach.
 void look_around(const FocusTiles& tiles, int most_radius, FocusScratch& s) {
   const auto around = [&](int tx, int ty, int reach, auto&& see) {
-    const int wide = (reach + kTileWide - 1) / kTileWide,
-              high = (reach + kTileHigh - 1) / kTileHigh;
+    const int wide = (reach + kFocusTileWide - 1) / kFocusTileWide,
+              high = (reach + kFocusTileHigh - 1) / kFocusTileHigh;
     for (int y = std::max(0, ty - high); y <= std::min(tiles.y - 1, ty + high); ++y)
       for (int x = std::max(0, tx - wide); x <= std::min(tiles.x - 1, tx + wide); ++x)
         see(tiles.at(x, y));
@@ -140,7 +122,7 @@ void prepare(Size size, int margin, FocusScratch& s) {
   for (FocusScratch::Plane* plane : {&s.r, &s.g, &s.b, &s.w, &s.radius_px, &s.share})
     plane->reset(size, margin);
   for (FocusScratch::Plane& plane : s.before) plane.reset(size, margin + 1);
-  measure_discs(margin, s.disc_area);
+  if (s.disc_area.empty()) s.disc_area = focus_disc_areas(margin);
   cut_into_chords(margin, s);
   make_bytes(s.srgb_byte);
   const FocusTiles tiles(size);
@@ -162,26 +144,25 @@ void draw_focus(Crew& crew, const Focus& focus, double fx_px, FocusScratch& s,
                 FrameOutput& output) {
   const Size size = output.color.size();
   const float most_radius_px = 0.5F * focus.most_blur_px;
-  const int margin = static_cast<int>(std::ceil(most_radius_px)) + 1;
+  const int margin = focus_margin(focus);
   prepare(size, margin, s);
   s.focus_w = focus_w(focus, output.mixed_depth_m, s.focus_w);
   const float blur_px_m = 0.5F * static_cast<float>(fx_px) * focus.aperture_m;
   const FocusTiles tiles(size);
-  crew.rows(size.height, kTileHigh, [&](int begin, int end) {
+  crew.rows(size.height, kFocusTileHigh, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) fill_row(y, blur_px_m, most_radius_px, s, output);
   });
-  crew.rows(size.height, kTileHigh, [&](int begin, int end) {
+  crew.rows(size.height, kFocusTileHigh, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) measure_tiles(size, tiles, blur_px_m, y, s);
   });
   look_around(tiles, margin, s);
-  constexpr int kFastFrom_px = 5;
-  const FocusPass pass{s, blur_px_m, focus.fast ? kFastFrom_px : 1 << 20};
-  crew.rows(size.height, kTileHigh, [&](int begin, int end) {
+  const FocusPass pass{s, blur_px_m, focus.fast ? kFocusFastFromPx : 1 << 20};
+  crew.rows(size.height, kFocusTileHigh, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int tx = 0; tx < tiles.x; ++tx) {
-        const std::size_t tile = tiles.at(tx, y / kTileHigh);
-        if (s.near_radius_px[tile] <= kSharp_px) continue;
-        const int x0 = tx * kTileWide, count = std::min(kTileWide, size.width - x0);
+        const std::size_t tile = tiles.at(tx, y / kFocusTileHigh);
+        if (s.near_radius_px[tile] <= kFocusSharpPx) continue;
+        const int x0 = tx * kFocusTileWide, count = std::min(kFocusTileWide, size.width - x0);
         if (s.near_step[tile] != 0)
           gather_focus_row(pass, x0, y, count, s.near_radius_px[tile], output.color);
         else

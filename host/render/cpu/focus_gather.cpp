@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "host/render/constants.h"
 #include "host/render/cpu/focus.h"
 #include "host/render/cpu/simd.h"
 
 namespace mixrig::render::cpu {
 namespace {
-
-constexpr float kNoLight = 1e-5F;
 
 /// Light and share of one layer, a pixel a lane.
 struct FocusLayer {
@@ -54,7 +53,7 @@ void store_lanes(const FocusScratch& s, FloatLanes r, FloatLanes g, FloatLanes b
 /// Before over own over behind; where a layer is empty the others make up for it.
 void resolve(const FocusScratch& s, const FocusLayer& before, const FocusLayer& own,
              const FocusLayer& behind, float weight, int count, Rgb8* to) {
-  const FloatLanes none{}, one = none + 1.0F, least = none + kNoLight;
+  const FloatLanes none{}, one = none + 1.0F, least = none + kFocusNoLight;
   const FloatLanes front = min(weight * before.share, one);
   const FloatLanes middle = min(weight * own.share, one);
   const FloatLanes any_behind = weight * behind.share > least ? one : none;
@@ -95,9 +94,7 @@ struct FocusGather {
 }  // namespace
 
 float focus_step(float w, float blur_px_m) {
-  constexpr float kOneSurface = 0.06F;   // of 1/z: neighbours that are nearer to each other
-  constexpr float kSameBlur_px = 0.75F;  // or whose discs are as alike
-  return std::max(kOneSurface * w, kSameBlur_px / std::max(blur_px_m, 1e-6F));
+  return std::max(kFocusOneSurface * w, kFocusSameBlurPx / std::max(blur_px_m, 1e-6F));
 }
 
 void gather_focus_row(const FocusPass& pass, int x0, int y, int count, float radius_px,
@@ -138,7 +135,7 @@ void blur_focus_row(const FocusPass& pass, int x0, int y, int count, Image<Rgb8>
         }
       }
       const FloatLanes near = max(1.0F - abs(twice - static_cast<float>(k)), none);
-      const FloatLanes share = near / max(sum[3], none + kNoLight);
+      const FloatLanes share = near / max(sum[3], none + kFocusNoLight);
       for (std::size_t i = 0; i < light.size(); ++i) light[i] += share * sum[i];
     }
     store_lanes(s, light[0], light[1], light[2], lanes, to.row(y) + x);
