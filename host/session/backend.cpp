@@ -31,7 +31,7 @@ bool has_gpu() {
 Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
                                                             BackendChoice choice) {
   const bool gles = choice.backend == render::Backend::kGles ||
-                    (choice.backend == render::Backend::kAuto && !setup.focus && has_gpu());
+                    (choice.backend == render::Backend::kAuto && has_gpu());
   if (gles) return make_gles(setup);
   return render::make_cpu_compositor(setup, choice.threads);
 }

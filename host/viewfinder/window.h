@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ class Window {
 
   /// Handles what has happened since the last call; the keys that were pressed.
   const Keys& poll();
+  /// Pixel of the picture that was clicked before the last poll() and after the one before;
+  /// nothing: none.
+  struct Click {
+    int x = 0, y = 0;
+  };
+  std::optional<Click> click() const;
   void toggle_full_screen();
   /// Shows a picture of any size, as large as it fits, with black borders. Errors: kDevice.
   Result<void> show(ImageView<const Rgbx8> picture);
