@@ -11,6 +11,7 @@
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
 #include "host/tools/run_page.h"
+#include "host/tools/service_sink.h"
 #include "host/tools/stop_on_signal.h"
 #include "host/viewfinder/viewfinder.h"
 
@@ -97,6 +98,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.controls = &controls;
   ViewfinderReport shown;
   MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
+  if (auto service = make_service_sink(clock)) options.sinks.push_back(std::move(service));
   MIXRIG_ASSIGN(const session::RunReport report,
                 session::run(*session, std::move(options), clock, progress_bar()));
   std::fputs(session::to_table(report).c_str(), stdout);
