@@ -9,7 +9,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 
 option(MIXRIG_TESTS "Build the tests" ON)
-set(MIXRIG_PROFILE "full" CACHE STRING "full: everything; board: what runs on the rig (no studio, no picture calibration)")
+set(MIXRIG_PROFILE "full" CACHE STRING "full: everything; board: a rig without OpenCV and Embree (no studio, no picture calibration, no learned maps)")
 if(NOT MIXRIG_PROFILE MATCHES "^(full|board)$")
   message(FATAL_ERROR "MIXRIG_PROFILE is '${MIXRIG_PROFILE}': use full or board")
 endif()

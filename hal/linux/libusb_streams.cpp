@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/libusb_streams.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -16,6 +17,26 @@ constexpr std::uint16_t kMicrosoft = 0x045E;
 constexpr std::array<std::uint16_t, 2> kKinect2Products{0x02D8, 0x02C4};
 constexpr std::array<int, 2> kInterfaces{0, 1};  ///< commands and colour; infrared
 constexpr unsigned kStreamsTimeout_ms = 1000;
+
+/// Empty where it cannot be read.
+std::string serial_of(libusb_device* device) {
+  libusb_device_descriptor descriptor{};
+  libusb_device_handle* handle = nullptr;
+  if (libusb_get_device_descriptor(device, &descriptor) != 0 || libusb_open(device, &handle) != 0)
+    return {};
+  std::array<unsigned char, 128> text{};
+  const int n = libusb_get_string_descriptor_ascii(handle, descriptor.iSerialNumber, text.data(),
+                                                   static_cast<int>(text.size()));
+  libusb_close(handle);
+  return {text.begin(), text.begin() + std::max(n, 0)};
+}
+
+bool is_kinect2(libusb_device* device) {
+  libusb_device_descriptor d{};
+  return libusb_get_device_descriptor(device, &d) == 0 && d.idVendor == kMicrosoft &&
+         std::find(kKinect2Products.begin(), kKinect2Products.end(), d.idProduct) !=
+             kKinect2Products.end();
+}
 
 class LibusbKinect2 final : public UsbStreams {
  public:
@@ -37,7 +58,6 @@ class LibusbKinect2 final : public UsbStreams {
  private:
   Result<void> allocate(std::span<const StreamPipe> pipes);
   Result<void> find();
-  std::string serial_of(libusb_device* device);
   static void LIBUSB_CALL on_transfer(libusb_transfer* transfer);
   void give(libusb_transfer* transfer);
   Error failed(const std::string& what, int code) const;
@@ -69,29 +89,13 @@ Result<void> LibusbKinect2::init() {
   return {};
 }
 
-/// Empty where it cannot be read.
-std::string LibusbKinect2::serial_of(libusb_device* device) {
-  libusb_device_descriptor descriptor{};
-  libusb_device_handle* handle = nullptr;
-  if (libusb_get_device_descriptor(device, &descriptor) != 0 || libusb_open(device, &handle) != 0)
-    return {};
-  std::array<unsigned char, 128> text{};
-  const int n = libusb_get_string_descriptor_ascii(handle, descriptor.iSerialNumber, text.data(),
-                                                   static_cast<int>(text.size()));
-  libusb_close(handle);
-  return {text.begin(), text.begin() + std::max(n, 0)};
-}
-
 Result<void> LibusbKinect2::find() {
   libusb_device** list = nullptr;
   const ssize_t count = libusb_get_device_list(context_, &list);
   std::string there;
   std::vector<libusb_device*> fitting;
   for (ssize_t i = 0; i < count; ++i) {
-    libusb_device_descriptor d{};
-    if (libusb_get_device_descriptor(list[i], &d) != 0 || d.idVendor != kMicrosoft ||
-        (d.idProduct != kKinect2Products[0] && d.idProduct != kKinect2Products[1]))
-      continue;
+    if (!is_kinect2(list[i])) continue;
     const std::string serial = serial_of(list[i]);
     there +=
         " " + (serial.empty() ? std::string("(no right to open it: install udev rules)") : serial);
@@ -241,6 +245,19 @@ Result<std::unique_ptr<UsbStreams>> make_libusb_kinect2(const std::string& seria
   auto usb = std::make_unique<LibusbKinect2>(serial);
   MIXRIG_TRY(usb->init());
   return std::unique_ptr<UsbStreams>(std::move(usb));
+}
+
+std::vector<std::string> list_kinect2() {
+  std::vector<std::string> serials;
+  libusb_context* context = nullptr;
+  if (libusb_init(&context) != 0) return serials;
+  libusb_device** list = nullptr;
+  const ssize_t count = libusb_get_device_list(context, &list);
+  for (ssize_t i = 0; i < count; ++i)
+    if (is_kinect2(list[i])) serials.push_back(serial_of(list[i]));
+  if (count >= 0) libusb_free_device_list(list, 1);
+  libusb_exit(context);
+  return serials;
 }
 
 }  // namespace mixrig::device

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hal/device/usb_streams.h"
 
@@ -13,5 +14,7 @@ namespace mixrig::device {
 /// Errors: kIo when libusb does not start. Those of open(): kNotFound; the line lists what is
 /// there.
 Result<std::unique_ptr<UsbStreams>> make_libusb_kinect2(const std::string& serial);
+/// Serial numbers of those that are connected, by USB id; empty of one that may not be opened.
+std::vector<std::string> list_kinect2();
 
 }  // namespace mixrig::device

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/capture/preloaded_source.h"
 
+#include <cmath>
 #include <utility>
 
 namespace mixrig::capture {
@@ -28,7 +29,42 @@ class PreloadedSource final : public CaptureSource {
   const std::vector<Capture> captures_;
 };
 
+/// Goes through a source again and again.
+class RepeatedSource final : public CaptureSource {
+ public:
+  RepeatedSource(std::unique_ptr<CaptureSource> source, int frames)
+      : source_(std::move(source)), info_(source_->info()), frames_(info_.frames) {
+    info_.frames = frames;
+    info_.has_truth = false;
+  }
+
+  const SourceInfo& info() const override { return info_; }
+  Result<bool> read(int number, Capture& capture) override {
+    if (number < 1 || number > info_.frames) return false;
+    const int rounds = (number - 1) / frames_;
+    MIXRIG_ASSIGN(const bool there, source_->read((number - 1) % frames_ + 1, capture));
+    if (!there || rounds == 0) return there;
+    const double later_s = rounds * (frames_ / info_.rate_hz);
+    capture.number = number;
+    capture.time_s += later_s;
+    capture.mid_exposure += Duration(std::llround(1e9 * later_s));
+    return true;
+  }
+  Result<void> read_truth(int /*number*/, Truth& /*truth*/) override {
+    return Error{ErrorCode::kUsage, info_.name + ": a recording that is repeated has no truth"};
+  }
+
+ private:
+  std::unique_ptr<CaptureSource> source_;
+  SourceInfo info_;
+  const int frames_;
+};
+
 }  // namespace
+
+std::unique_ptr<CaptureSource> repeated(std::unique_ptr<CaptureSource> source, int frames) {
+  return std::make_unique<RepeatedSource>(std::move(source), frames);
+}
 
 Result<std::unique_ptr<CaptureSource>> preloaded(std::unique_ptr<CaptureSource> source) {
   const int frames = source->info().frames;

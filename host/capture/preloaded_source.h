@@ -13,4 +13,8 @@ namespace mixrig::capture {
 /// of reading; kUsage for an endless source.
 Result<std::unique_ptr<CaptureSource>> preloaded(std::unique_ptr<CaptureSource> source);
 
+/// `frames` captures of `source`, after its last the first again; their times go on at its rate. It
+/// has no truth. Preconditions: the source has an end, frames and a rate.
+std::unique_ptr<CaptureSource> repeated(std::unique_ptr<CaptureSource> source, int frames);
+
 }  // namespace mixrig::capture

@@ -8,22 +8,11 @@
 namespace mixrig::depth {
 namespace {
 
-constexpr int kColumns = device::kKinect2Depth.width;
-constexpr float kAmplitudePerLight = 4;   ///< counts up to 16320 become 16 bits
 constexpr float kLeastLightSigmas = 2.5;  ///< of darker pixels a phase says little
-constexpr float kMostMisfit = 8;          ///< chi^2 of four degrees of freedom: 0.09 by chance
-constexpr float kLeastMargin = 6;         ///< of chi^2 to the second best wraps
 /// Light that bounces between surfaces adds to the phasor of each frequency up to such a share of
 /// it: phases (in radians) and relative contrasts may differ so much. Of what is left of the fit,
 /// not of its weights.
 constexpr float kBounced = 0.08F;
-constexpr float kAgreeSigmas = 3, kAgreeShare = 0.006F;
-/// Neighbours of 8 that agree: a pixel on the straight edge of a surface has five good ones. Where
-/// most agree, contradicted or not, they see one surface by bounced light, up to a misfit so many
-/// times as large.
-constexpr float kLeastNeighbours = 4, kMostNeighbours = 6, kMostBounced = 4;
-
-using Row = std::array<float, kColumns>;
 
 /// atan2(y, x) in turns, -0.5 to 0.5, to 1.7e-6 rad: octants and an odd polynomial of degree 11
 /// (minimax, by weighted least squares).
@@ -65,7 +54,7 @@ PhaseCamera kinect2_phase_camera(const device::Kinect2Infrared& infrared,
   for (std::size_t f = 0; f < 3; ++f) {
     camera.offset_turns[f].reset(device::kKinect2Depth);
     for (int y = 0; y < device::kKinect2Depth.height; ++y)
-      for (int x = 0; x < kColumns; ++x)
+      for (int x = 0; x < device::kKinect2Depth.width; ++x)
         camera.offset_turns[f].row(y)[x] = static_cast<float>(kTurns * offsets[f].row(y)[x]);
   }
   camera.range_m = {1.875, 9.375, 1.25};
@@ -86,6 +75,7 @@ PhaseDecoder::PhaseDecoder(const PhaseCamera& camera)
           static_cast<float>(camera.phase_floor_turns * camera.phase_floor_turns)),
       light_m_(static_cast<float>(camera.light_x_m)),
       wraps_(static_cast<int>(std::ceil(camera.longest_m / camera.range_m[0]))),
+      bounced_(camera.range_m),
       offset_turns_(camera.offset_turns),
       light_along_m_(size_, 0.0F) {
   for (std::size_t f = 0; f < 3; ++f) {
@@ -98,8 +88,9 @@ PhaseDecoder::PhaseDecoder(const PhaseCamera& camera)
       if (const auto ray = camera.lens.unproject({x, y}))
         light_along_m_.row(y)[x] =
             static_cast<float>(camera.light_x_m * ray->x() / std::sqrt(1 + ray->squaredNorm()));
-  for (Image<float>* image : {&way_m_, &variance_m2_, &misfit_, &margin_, &light_})
-    image->reset(size_);
+  for (Image<float>* image : {&way_m_, &variance_m2_, &misfit_, &margin_, &light_, &fine_m_,
+                              &coarse_m_, &spread_m_, &fine_light_, &first_light_, &surface_})
+    image->reset(size_, 0.0F);
   state_.reset(size_);
 }
 
@@ -161,9 +152,10 @@ void PhaseDecoder::weigh(int y, PhaseRow& row) {
 
 /// The least chi^2 over the wraps of the first frequency, and the second.
 void PhaseDecoder::unwrap(int y, PhaseRow& row) {
-  Row way, misfit, second, variance;
+  Row way, misfit, second, variance, fine, coarse, spread;
   std::copy_n(variance_m2_.row(y), kColumns, variance.begin());
   way.fill(0), misfit.fill(1e30F), second.fill(1e30F);
+  fine.fill(0), coarse.fill(0), spread.fill(0);
   const std::array<float, 3> range = range_m_;
   for (int n = 0; n < wraps_; ++n)
     for (std::size_t x = 0; x < kColumns; ++x) {
@@ -178,11 +170,22 @@ void PhaseDecoder::unwrap(int y, PhaseRow& row) {
       const bool better = left < misfit[x];
       second[x] = better ? misfit[x] : std::min(second[x], left);
       way[x] = better ? d0 + shift : way[x];
+      fine[x] = better ? r2 - shift : fine[x];
+      coarse[x] = better ? r1 - r2 : coarse[x];
+      spread[x] = better ? -r2 : spread[x];
       misfit[x] = better ? left : misfit[x];
     }
   std::copy(way.begin(), way.end(), way_m_.row(y));
   std::copy(misfit.begin(), misfit.end(), misfit_.row(y));
   std::copy(second.begin(), second.end(), margin_.row(y));
+  std::copy(fine.begin(), fine.end(), fine_m_.row(y));
+  std::copy(coarse.begin(), coarse.end(), coarse_m_.row(y));
+  std::copy(spread.begin(), spread.end(), spread_m_.row(y));
+  float *fine_light = fine_light_.row(y), *first_light = first_light_.row(y);
+  for (std::size_t x = 0; x < kColumns; ++x) {
+    fine_light[x] = row.light[2][x] / (row.light[1][x] + 0.01F);
+    first_light[x] = row.light[0][x] / (row.light[1][x] + 0.01F);
+  }
 }
 
 void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
@@ -207,70 +210,13 @@ void PhaseDecoder::decode_row(std::span<const std::uint8_t> pictures, int y) {
   state[0] = state[kColumns - 1] = PixelState::kDark;
 }
 
-/// Neighbours that agree, and the distance from the centre of projection.
-void PhaseDecoder::judge_row(int y, PhaseDepth& out) const {
-  Row sum, weights, agree, beside;
-  const float *way = way_m_.row(y), *variance = variance_m2_.row(y);
-  const PixelState* own = state_.row(y);
-  for (std::size_t x = 0; x < kColumns; ++x) {
-    weights[x] = 1 / variance[x];
-    sum[x] = 0;  // of differences to the pixel's own value, for few digits are lost then
-    agree[x] = beside[x] = 0;
-  }
-  for (int v = std::max(0, y - 1); v <= std::min(size_.height - 1, y + 1); ++v)
-    for (int u = -1; u <= 1; ++u) {
-      if (u == 0 && v == y) continue;
-      const float *near = way_m_.row(v), *near_variance = variance_m2_.row(v);
-      const PixelState* near_state = state_.row(v);
-      for (int x = 1; x < kColumns - 1; ++x) {
-        const float difference = near[x + u] - way[x];
-        const float tolerance =
-            kAgreeSigmas * std::sqrt(variance[x] + near_variance[x + u]) + kAgreeShare * way[x];
-        const bool within = std::abs(difference) < tolerance;
-        const bool agrees = near_state[x + u] == PixelState::kGood && within;
-        const float w = agrees ? 1 / near_variance[x + u] : 0.0F;
-        sum[x] += w * difference;
-        weights[x] += w;
-        agree[x] += agrees ? 1.0F : 0.0F;
-        beside[x] += within ? 1.0F : 0.0F;
-      }
-    }
-  float *distance = out.distance_m.row(y), *sigma = out.sigma_m.row(y),
-        *amplitude = out.amplitude.row(y), *confidence = out.confidence.row(y);
-  PixelState* state = out.state.row(y);
-  const float *light = light_.row(y), *along = light_along_m_.row(y), *misfit = misfit_.row(y),
-              *margin = margin_.row(y);
-  for (std::size_t x = 0; x < kColumns; ++x) {
-    const bool surface = beside[x] >= kMostNeighbours && misfit[x] < kMostBounced * kMostMisfit &&
-                         margin[x] > kLeastMargin;
-    const PixelState good_if =
-        surface || (own[x] == PixelState::kGood && agree[x] >= kLeastNeighbours)
-            ? PixelState::kGood
-            : PixelState::kMixed;
-    const bool decided = own[x] == PixelState::kGood || own[x] == PixelState::kMixed;
-    const PixelState is = decided ? good_if : own[x];
-    const bool measured = is == PixelState::kGood || is == PixelState::kMixed;
-    const float mean = way[x] + (smoothing_ ? sum[x] / weights[x] : 0);
-    const float path = 2 * mean;  // from the light to the surface and back
-    const float r = (path * path - light_m_ * light_m_) / (2 * (path - along[x]));
-    distance[x] = measured && r > 0 ? r : 0.0F;
-    sigma[x] = measured ? std::sqrt(smoothing_ ? 1 / weights[x] : variance[x]) : 0.0F;
-    amplitude[x] = std::min(65535.0F, kAmplitudePerLight * light[x]);
-    // Above a half by how far it is from every limit, below by how far beyond the worst.
-    const float worst =
-        std::max(misfit[x] / (kMostBounced * kMostMisfit), kLeastMargin / (margin[x] + 1e-6F));
-    const float good = 1 - 0.5F * std::min(worst, 1.0F), bad = 0.49F / std::max(worst, 1.0F);
-    confidence[x] = is == PixelState::kGood ? good : is == PixelState::kMixed ? bad : 0.0F;
-    state[x] = is;
-  }
-}
-
 void PhaseDecoder::decode(std::span<const std::uint8_t> pictures, PhaseDepth& out) {
   for (Image<float>* image : {&out.distance_m, &out.sigma_m, &out.amplitude, &out.confidence})
     if (image->size() != size_) image->reset(size_);
   if (out.state.size() != size_) out.state.reset(size_);
   for (int y = 0; y < size_.height; ++y) decode_row(pictures, y);
   for (int y = 0; y < size_.height; ++y) judge_row(y, out);
+  if (bounced_on_) correct_bounced(out);
 }
 
 }  // namespace mixrig::depth

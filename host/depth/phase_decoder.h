@@ -8,6 +8,7 @@
 
 #include "hal/base/image.h"
 #include "hal/wire/kinect2_protocol.h"
+#include "host/depth/bounced_light.h"
 #include "host/geometry/camera_model.h"
 
 namespace mixrig::depth {
@@ -43,7 +44,8 @@ enum class PixelState : std::uint8_t {
 /// Pictures of the camera's size, reused from frame to frame.
 struct PhaseDepth {
   Image<float> distance_m;  ///< along the ray, from the centre of projection; 0 where there is none
-  Image<float> sigma_m;     ///< its standard deviation by the noise of the samples
+  Image<float> sigma_m;     ///< its standard deviation by the noise of the samples, and a third of
+                            ///< what step 5 changed
   Image<float> amplitude;   ///< light that comes back, 0 to 65535
   Image<float> confidence;  ///< 0 to 1; below kLeastConfidence exactly where it is not good
   Image<PixelState> state;
@@ -67,27 +69,39 @@ class PhaseDecoder {
 
   /// `pictures`: kKinect2RawBytes.
   void decode(std::span<const std::uint8_t> pictures, PhaseDepth& out);
+  /// Step 5; on by default.
+  void set_bounced_light(bool on) { bounced_on_ = on; }
   /// The same without step 4's mean: noise as of single pixels.
   void set_smoothing(bool on) { smoothing_ = on; }
 
  private:
+  static constexpr int kColumns = device::kKinect2Depth.width;
+  static constexpr float kMostMisfit = 8;   ///< chi^2 of four degrees of freedom: 0.09 by chance
+  static constexpr float kLeastMargin = 6;  ///< of chi^2 to the second best wraps
+  using Row = std::array<float, kColumns>;
   struct PhaseRow;
+  struct SurfaceMeans;
   void measure_phases(std::span<const std::uint8_t> pictures, int y, PhaseRow& row) const;
   void weigh(int y, PhaseRow& row);
   void unwrap(int y, PhaseRow& row);
   void decode_row(std::span<const std::uint8_t> pictures, int y);
-  void judge_row(int y, PhaseDepth& out) const;
+  void judge_row(int y, PhaseDepth& out);
+  void correct_bounced(PhaseDepth& out) const;
+  void correct_row(int y, const SurfaceMeans& means, PhaseDepth& out) const;
 
   Size size_;
   std::array<float, 3> range_m_, scale_, sigma_scale_;
   float read_variance_, variance_per_light_, floor_variance_turns_, light_m_;
   int wraps_;
-  bool smoothing_ = true;
+  bool smoothing_ = true, bounced_on_ = true;
+  BouncedLight bounced_;
   std::array<Image<float>, 3> offset_turns_;
   Image<float> light_along_m_;  ///< light source along each pixel's ray
   // Of the frame, single pixels.
   Image<float> way_m_, variance_m2_, misfit_, margin_, light_;
   Image<PixelState> state_;
+  // For step 5: 1 and what tells the frequencies apart where a pixel is one of a surface, else 0.
+  Image<float> surface_, fine_m_, coarse_m_, spread_m_, fine_light_, first_light_;
 };
 
 }  // namespace mixrig::depth

@@ -262,7 +262,9 @@ Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
                            camera.info().uri, camera.info().model, rig.file.string())};
 }
 
-Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
+namespace {
+
+Result<Devices> open_all(const RigConfig& rig, DeviceOpener& opener) {
   Devices devices;
   if (rig.play_at) opener.play_at(*rig.play_at);
   if (!rig.trigger_uri.empty()) {
@@ -291,6 +293,17 @@ Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   }
   devices.player = opener.player();
   return devices;
+}
+
+}  // namespace
+
+Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
+  auto devices = open_all(rig, opener);
+  const bool recorded = !recordings_of(rig).empty();  // a recording that is missing is a wrong file
+  if (devices || recorded || devices.error().code != ErrorCode::kNotFound) return devices;
+  Error missing = devices.error();
+  missing.code = ErrorCode::kDevice;
+  return missing;
 }
 
 }  // namespace mixrig::live

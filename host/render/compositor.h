@@ -111,7 +111,7 @@ struct SecondTof {
   geometry::DepthNoise noise;  ///< of one value
 };
 /// Depth of field of a thin lens: a point at z is a disc of diameter fx aperture |1/z - 1/distance|
-/// in the view. Only the cpu back end draws it.
+/// in the view.
 struct Focus {
   float distance_m = 0;             ///< of what is sharp; 0: of what is seen at `pixel`
   std::optional<glm::ivec2> pixel;  ///< of the view
@@ -181,6 +181,9 @@ struct FrameInput {
   ImageView<const float> tof2_depth_m{};
   /// From this frame on; absent: the light stays as it is.
   std::optional<FrameLight> light{};
+  /// In place of the setup's distance: what is seen at this pixel of the view is sharp. Only where
+  /// the setup has a focus.
+  std::optional<glm::ivec2> focus_pixel{};
 };
 
 enum class Stage {

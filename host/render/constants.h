@@ -146,4 +146,22 @@ inline constexpr int kMostFaces = 6;
 /// Metres: an object this far behind the background still touches it; noise of the learned depth.
 inline constexpr float kContactSlackM = 0.02F;
 
+// --- focus
+/// Pixels: discs of this radius and less are one pixel.
+inline constexpr float kFocusSharpPx = 0.6F;
+/// Of 1/z: neighbours that are nearer to each other are one surface.
+inline constexpr float kFocusOneSurface = 0.06F;
+/// Pixels: or those whose discs differ by less in radius.
+inline constexpr float kFocusSameBlurPx = 0.75F;
+/// A layer with a smaller share of a pixel is empty.
+inline constexpr float kFocusNoLight = 1e-5F;
+/// Pixels: the fast rung takes every second tap from twice this radius, every third from three
+/// times.
+inline constexpr int kFocusFastFromPx = 5;
+/// Steps a pixel of the table of disc areas.
+inline constexpr int kFocusAreaSteps = 16;
+/// Pixels of a tile: of the rows of it one greatest disc is known.
+inline constexpr int kFocusTileWide = 32;
+inline constexpr int kFocusTileHigh = 8;
+
 }  // namespace mixrig::render

@@ -66,6 +66,10 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
     if (!pose.rotation.coeffs().allFinite() || !pose.translation_m.allFinite())
       return Error{ErrorCode::kData, "compose: the pose of an object is not finite"};
   if (input.light) MIXRIG_TRY(check_light(*input.light));
+  if (const auto& at = input.focus_pixel;
+      at && (at->x < 0 || at->y < 0 || at->x >= tables.view_size.width ||
+             at->y >= tables.view_size.height))
+    return Error{ErrorCode::kData, "compose: the pixel that is to be sharp lies outside the view"};
   return input.lens ? check_lens(*input.lens, tables) : Result<void>();
 }
 

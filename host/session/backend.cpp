@@ -24,14 +24,14 @@ bool has_gpu() {
 
 }  // namespace
 
-bool takes_gles(const render::CompositorSetup& setup, BackendChoice choice) {
+bool takes_gles(BackendChoice choice) {
   return choice.backend == render::Backend::kGles ||
-         (choice.backend == render::Backend::kAuto && !setup.focus && has_gpu());
+         (choice.backend == render::Backend::kAuto && has_gpu());
 }
 
 Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
                                                             BackendChoice choice) {
-  if (takes_gles(setup, choice)) return render::make_gles_compositor(setup, choice.share);
+  if (takes_gles(choice)) return render::make_gles_compositor(setup, choice.share);
   return render::make_cpu_compositor(setup, choice.threads);
 }
 

@@ -16,7 +16,7 @@ struct BackendChoice {
 };
 
 /// Whether make_compositor() takes the gles back end. Opens a context for the test and closes it.
-bool takes_gles(const render::CompositorSetup& setup, BackendChoice choice);
+bool takes_gles(BackendChoice choice);
 
 /// A compositor for `setup`, which must outlive it. kAuto uses gles on a real GPU, and cpu where
 /// there is none, where GL is software, or where gles is not built in.

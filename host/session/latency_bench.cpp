@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/base/partial_path.h"
 #include "host/measure/motion.h"
 #include "host/measure/percentile.h"
 #include "host/session/open_source.h"
+#include "host/session/played_rig.h"
 
 namespace mixrig::session {
 namespace {
@@ -37,18 +37,6 @@ class LogSink final : public output::CompositeSink {
   output::ShownLog& log_;
   const Clock& clock_;
 };
-
-Result<std::filesystem::path> write_played_rig(const LatencyOptions& options, HostTime begin) {
-  std::error_code ignored;  // writing says what is wrong
-  std::filesystem::create_directories(options.folder, ignored);
-  const std::filesystem::path file = options.folder / "rig.toml";
-  const std::string take = std::filesystem::absolute(options.take).string();
-  MIXRIG_TRY(write_file(
-      file, fmt::format("format = 1\nname = \"played\"\nplay_at_s = {:.6f}\n[[camera]]\nname = "
-                        "\"color\"\nuri = \"take:{}/color\"\n[depth]\nuri = \"take:{}/depth\"\n",
-                        seconds(begin.time_since_epoch()), take, take)));
-  return file;
-}
 
 /// Marks the virtual objects and what is near them: they look a little different in the truth,
 /// which is no motion.
@@ -112,12 +100,13 @@ Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& opti
   const HostTime begin = clock.now() + kToStart + 2 * (clock.now() - reads);
   // The player counts from its first frame.
   for (measure::Sample& sample : bench->truth) sample.time_s += seconds(begin.time_since_epoch());
-  MIXRIG_ASSIGN(const std::filesystem::path rig, write_played_rig(options, begin));
+  MIXRIG_ASSIGN(const std::filesystem::path rig,
+                write_played_rig(options.folder, options.take, begin));
   SessionOptions session{.scene = options.scene,
                          .source = "rig:" + rig.string(),
                          .view_size = options.view_size,
                          .backend = options.backend};
-  session.clock = &clock, session.stop = &stop, session.preload = true;
+  session.clock = &clock, session.stop = &stop, session.play.preload = true;
   MIXRIG_ASSIGN(bench->session, open_session(session));
   bench->view_px = bench->session->setup.view.size_px;
   return bench;

@@ -35,11 +35,12 @@ Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& u
                    "rig[:RIG.TOML]"};
 }
 
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig, bool preload) {
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play) {
   std::vector<live::Recording> recordings;
   for (const std::string& uri : live::recordings_of(rig)) {
     auto source = open_source(uri);
-    if (preload && source) source = capture::preloaded(*std::move(source));
+    if (play.preload && source) source = capture::preloaded(*std::move(source));
+    if (play.frames > 0 && source) source = capture::repeated(*std::move(source), play.frames);
     recordings.push_back({uri, std::move(source)});
   }
   return recordings;
@@ -83,7 +84,7 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
                                                          const scene::Scene& scene,
                                                          const std::atomic<bool>& stop,
-                                                         Clock& clock, bool preload) {
+                                                         Clock& clock, PlayOptions play) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (needs_head(scene) && rig.pan_tilt_uri.empty())
@@ -96,7 +97,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
                                          " has no fisheye: add a further [[camera]] with name = "
                                          "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
-                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, preload))));
+                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, play))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
                                 live::WhenLost::kGoOn);
 }

@@ -21,10 +21,16 @@ namespace mixrig::session {
 /// take.
 Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri);
 
+/// How recordings are played as devices.
+struct PlayOptions {
+  bool preload = false;  ///< they are read into memory first
+  int frames = 0;        ///< they are repeated until they have so many; 0: once
+};
+
 /// Opens the recordings that a rig's take: and studio: devices play. An entry that cannot be opened
 /// holds the error.
-/// With `preload` they are read into memory first.
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig, bool preload = false);
+/// As `play` says.
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play = {});
 
 /// All but the first camera and, where wanted, the one named "fisheye".
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
@@ -44,6 +50,6 @@ live::RigConfig without_idle_trigger(live::RigConfig rig);
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
                                                          const scene::Scene& scene,
                                                          const std::atomic<bool>& stop,
-                                                         Clock& clock, bool preload = false);
+                                                         Clock& clock, PlayOptions play = {});
 
 }  // namespace mixrig::session

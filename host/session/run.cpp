@@ -172,6 +172,7 @@ Result<void> Runner::open_compositor() {
   if (options_.controls != nullptr) {
     options_.controls->can_record = sinks_.has_files();
     options_.controls->can_learn = compositor_.watches_room();
+    options_.controls->can_focus = session_.setup.focus.has_value();
   }
   return {};
 }

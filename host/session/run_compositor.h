@@ -47,6 +47,7 @@ class RunCompositor {
  private:
   bool live() const;
   void place_moved_objects();
+  std::optional<glm::ivec2> focus_pixel() const;
 
   const Session& session_;
   RunOptions& options_;

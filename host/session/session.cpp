@@ -41,7 +41,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOpt
   if (options.clock == nullptr || options.stop == nullptr)
     return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
   return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", scene, *options.stop, *options.clock,
-                  options.preload);
+                  options.play);
 }
 
 calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,

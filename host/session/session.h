@@ -39,7 +39,7 @@ struct SessionOptions {
   std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
-  bool preload = false;                     ///< recordings that a rig plays are read before
+  PlayOptions play{};                       ///< of the recordings that a rig plays
 };
 
 /// All data that is constant during a run. `setup` points into the other members, so a session

@@ -9,6 +9,7 @@
 #include "host/session/bench.h"
 #include "host/session/latency_bench.h"
 #include "host/session/scan_bench.h"
+#include "host/session/soak_bench.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
@@ -20,6 +21,7 @@ namespace {
 struct BenchArguments {
   std::string out = "out/bench", suite = "run", take, calibration, scene, size;
   bool view = false;
+  double minutes = 20, speed = 1;
   session::BenchOptions run;
 };
 
@@ -66,6 +68,26 @@ Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
   return json;
 }
 
+Result<nlohmann::json> bench_soak(const BenchArguments& arguments) {
+  if (arguments.take.empty())
+    return Error{ErrorCode::kUsage, "--suite soak needs --take: a take to play"};
+  session::SoakOptions options{
+      .scene = arguments.scene.empty() ? arguments.take + "/scene.toml" : arguments.scene,
+      .take = arguments.take,
+      .folder = arguments.out,
+      .duration_s = 60 * arguments.minutes,
+      .speed = arguments.speed};
+  if (!arguments.size.empty()) {
+    MIXRIG_ASSIGN(options.view_size, parse_size(arguments.size, "--size"));
+  }
+  const StopOnSignal signals;
+  MIXRIG_ASSIGN(const session::SoakReport report,
+                session::soak(options, StopOnSignal::flag(), progress_bar()));
+  std::fputs(session::to_table(report).c_str(), stdout);
+  if (report.unexplained() <= 0) return session::to_json(report);
+  return Error{ErrorCode::kData, "frames were lost that no counter explains: the table has them"};
+}
+
 Result<nlohmann::json> bench(const BenchArguments& arguments) {
   const std::filesystem::path out = arguments.out;
   const SystemClock clock;
@@ -76,9 +98,10 @@ Result<nlohmann::json> bench(const BenchArguments& arguments) {
     return reported(rungs, out / "speed_against_error.png");
   }
   if (arguments.suite == "latency") return bench_latency(arguments);
+  if (arguments.suite == "soak") return bench_soak(arguments);
   if (arguments.suite != "scan")
     return Error{ErrorCode::kUsage,
-                 "unknown --suite \"" + arguments.suite + "\": use run, scan or latency"};
+                 "unknown --suite \"" + arguments.suite + "\": use run, scan, latency or soak"};
   if (arguments.take.empty())
     return Error{ErrorCode::kUsage,
                  "--suite scan needs --take: a sweep of mixrig studio --scenario sweep"};
@@ -97,16 +120,25 @@ void add_bench_command(Command app, Context& context) {
       .add_option(
           "--suite", arguments->suite,
           "run: the compositor; scan: a room from a sweep; latency: the delay of a take that "
-          "is played in real time as a rig")
+          "is played in real time as a rig; soak: the same for long, again and again")
       .show_default();
   command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
       .show_default();
   command.add_option("--seed", arguments->run.seed, "run: of the studio").show_default();
   command.add_flag("--quick", arguments->run.quick, "run: half the size, fewer frames");
   command.add_option("--take", arguments->take,
-                     "scan: the sweep, latency: the take, with their truth");
-  command.add_option("--scene", arguments->scene, "latency: in place of the take's scene.toml");
-  command.add_option("--size", arguments->size, "latency: WxH to composite at");
+                     "scan: the sweep, latency: the take, with their truth; soak: the take");
+  command.add_option("--minutes", arguments->minutes, "soak: of frames, by their own times")
+      .range(0.05, 1440.0)
+      .show_default();
+  command
+      .add_option("--speed", arguments->speed,
+                  "soak: the clock of devices and pairing runs so many times as fast")
+      .range(1.0, 1000.0)
+      .show_default();
+  command.add_option("--scene", arguments->scene,
+                     "latency, soak: in place of the take's scene.toml");
+  command.add_option("--size", arguments->size, "latency, soak: WxH to composite at");
   command.add_flag("--view", arguments->view,
                    "latency: to the picture in the viewfinder's window; else to the composite");
   command.add_option("--calibration", arguments->calibration,

@@ -25,11 +25,13 @@ Result<nlohmann::json> init(const RigFileArguments& arguments) {
   SystemClock clock;
   const live::RigConfig config = live::discover({.network = !arguments.no_network}, clock);
   MIXRIG_TRY(write_file(arguments.out, live::rig_text(config)));
-  std::printf("%s: %zu cameras, %s depth camera, %s trigger, %s pan-tilt unit\n",
-              arguments.out.c_str(), config.cameras.size(), config.depth ? "a" : "no",
+  const int depth = (config.depth ? 1 : 0) + (config.depth2 ? 1 : 0);
+  std::printf("%s: %zu cameras, %d depth cameras, %s trigger, %s pan-tilt unit\n",
+              arguments.out.c_str(), config.cameras.size(), depth,
               config.trigger_uri.empty() ? "no" : "a", config.pan_tilt_uri.empty() ? "no" : "a");
   return nlohmann::json{{"cameras", config.cameras.size()},
                         {"depth", config.depth.has_value()},
+                        {"depth_cameras", depth},
                         {"trigger", config.trigger_uri},
                         {"pan_tilt", config.pan_tilt_uri}};
 }

@@ -11,6 +11,7 @@
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
 #include "host/tools/run_page.h"
+#include "host/tools/service_sink.h"
 #include "host/tools/stop_on_signal.h"
 #include "host/viewfinder/viewfinder.h"
 
@@ -38,7 +39,7 @@ Result<void> open_view(const RunArguments& arguments, session::Session& session,
       .title = "mixrig: " + session.scene.path.filename().string(),
       .view = viewfinder::view_of(arguments.view).value_or(viewfinder::View::kComposite),
       .picture_px = session.setup.view.size_px,
-      .shares = session::takes_gles(session.setup, session.backend)};
+      .shares = session::takes_gles(session.backend)};
   MIXRIG_ASSIGN(auto sink,
                 viewfinder::Viewfinder::create(view, *session.source, controls, clock, report));
   session.backend.share = sink->share();
@@ -99,6 +100,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.controls = &controls;
   ViewfinderReport shown;
   MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
+  if (auto service = make_service_sink(clock)) options.sinks.push_back(std::move(service));
   MIXRIG_ASSIGN(const session::RunReport report,
                 session::run(*session, std::move(options), clock, progress_bar()));
   std::fputs(session::to_table(report).c_str(), stdout);

@@ -54,6 +54,7 @@ class Viewfinder::Loop {
 
  private:
   bool handle_keys();
+  void focus_at(Window::Click click);
   void obey(Request request);
   void say(std::string_view words);
   void take(const Handed& handed, HostTime now);
@@ -105,15 +106,27 @@ void Viewfinder::Loop::obey(Request request) {
   }
 }
 
+/// The view is shown pixel by pixel.
+void Viewfinder::Loop::focus_at(Window::Click click) {
+  output::RunControls& controls = owner_.controls_;
+  if (!controls.can_focus) return say("the scene has no [focus]");
+  const Size size = drawn_.size;
+  if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
+  controls.focus_at = click.x + 65536 * click.y;
+  say("what was clicked is sharp");
+}
+
 bool Viewfinder::Loop::handle_keys() {
   const Keys& keys = window_.poll();
+  const auto click = window_.click();
+  if (click) focus_at(*click);
   for (const char key : keys) {
     obey(press(key, state_));
     if (key == '1' + static_cast<char>(View::kDepth)) screen_.forget_range();
   }
   owner_.view_ = state_.view;
   owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
-  return !keys.empty();
+  return !keys.empty() || click;
 }
 
 void Viewfinder::Loop::take(const Handed& handed, HostTime now) {

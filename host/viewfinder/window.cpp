@@ -74,6 +74,7 @@ struct Window::State {
       SDL_BLENDFACTOR_ONE, SDL_BLENDFACTOR_ONE_MINUS_SRC_ALPHA, SDL_BLENDOPERATION_ADD,
       SDL_BLENDFACTOR_ONE, SDL_BLENDFACTOR_ONE_MINUS_SRC_ALPHA, SDL_BLENDOPERATION_ADD)};
   Keys keys;
+  std::optional<Window::Click> click;
 
   State() { keys.reserve(64); }
   State(const State&) = delete;
@@ -119,17 +120,22 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, Size pict
 const Keys& Window::poll() {
   Keys& keys = state_->keys;
   keys.clear();
+  state_->click.reset();
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) {
     if (keys.size() == keys.capacity()) break;  // the rest next time
     const bool closed = event.type == SDL_QUIT || (event.type == SDL_WINDOWEVENT &&
                                                    event.window.event == SDL_WINDOWEVENT_CLOSE);
     if (closed) keys.push_back(kEscape);
+    if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT)
+      state_->click = Click{event.button.x, event.button.y};
     if (event.type == SDL_KEYDOWN && event.key.repeat == 0)
       if (const char key = key_of(event.key.keysym.sym); key != '\0') keys.push_back(key);
   }
   return keys;
 }
+
+std::optional<Window::Click> Window::click() const { return state_->click; }
 
 void Window::toggle_full_screen() {
   if (whole_screen()) return;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,12 @@ class Window {
 
   /// Handles what has happened since the last call; the keys that were pressed.
   const Keys& poll();
+  /// Pixel of the picture that was clicked before the last poll() and after the one before;
+  /// nothing: none.
+  struct Click {
+    int x = 0, y = 0;
+  };
+  std::optional<Click> click() const;
   void toggle_full_screen();
   /// The context that a compositor can share objects with; empty where SDL draws otherwise.
   render::GlShare share() const;

@@ -2,17 +2,14 @@
 // Decodes the raw pictures of studio frames and holds them against the truth: error, noise, wrong
 // and missing pixels, CPU time of one thread. usage:
 // phase_bench SCENARIO SEED FIRST LAST [plain|judged] [FOLDER]
-// With FOLDER the frames are left there for another decoder: p0.bin, infrared.bin (as the device
-// sends them), N.raw (ten pictures without footers), N.png; where FOLDER/N.z is there (512x424
-// floats, millimetres along z, mirrored as the device's, 0 unknown) it is judged too.
+// With FOLDER pictures of the frames are left there. Where the build knows a checkout of
+// libfreenect2 (MIXRIG_LIBFREENECT2), its decoder is judged too, on the same packets.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +18,9 @@
 #include "host/depth/phase_decoder.h"
 #include "host/image_io/image_io.h"
 #include "host/studio/studio.h"
+#ifdef MIXRIG_HAS_LIBFREENECT2
+#include "tests/support/libfreenect2/libfreenect2_decoder.h"
+#endif
 
 namespace mixrig {
 namespace {
@@ -101,31 +101,6 @@ std::vector<std::uint8_t> pictures_of(const std::vector<std::uint8_t>& raw) {
   return pictures;
 }
 
-void save(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-}
-
-/// z in the device's picture as distance in ours; empty where the file is not there.
-std::optional<Image<float>> other(const std::filesystem::path& file,
-                                  const geometry::CameraModel& lens) {
-  std::ifstream in(file, std::ios::binary);
-  Image<float> distance(device::kKinect2Depth);
-  std::vector<float> row(static_cast<std::size_t>(distance.width()));
-  for (int y = 0; y < distance.height(); ++y) {
-    if (!in.read(reinterpret_cast<char*>(row.data()),
-                 static_cast<std::streamsize>(row.size() * sizeof(float))))
-      return std::nullopt;
-    for (int x = 0; x < distance.width(); ++x) {
-      const auto ray = lens.unproject({x, y});
-      const float stretch = ray ? static_cast<float>(std::sqrt(1 + ray->squaredNorm())) : 0;
-      distance.at(x, y) = 1e-3F * stretch * row[row.size() - 1 - static_cast<std::size_t>(x)];
-    }
-  }
-  return distance;
-}
-
 /// Distance, error and state side by side.
 Image<Rgb8> picture_of(const depth::PhaseDepth& out, const True& truth) {
   const Size size = out.distance_m.size();
@@ -171,13 +146,13 @@ int bench(int count, char** arguments) {
   if (!offsets || !infrared) return std::fprintf(stderr, "tables cannot be read\n"), 1;
   const depth::PhaseCamera camera = depth::kinect2_phase_camera(*infrared, *offsets);
   depth::PhaseDecoder decoder(camera);
-  if (!folder.empty()) {
-    std::filesystem::create_directories(folder);
-    save(folder / "p0.bin", tables.phase_offsets), save(folder / "infrared.bin", tables.infrared);
-  }
+  if (!folder.empty()) std::filesystem::create_directories(folder);
   Both good, single, with_mixed, others;
   std::array<long, 4> states{};
-  double seconds = 0;
+  double seconds = 0, others_s = 0;
+#ifdef MIXRIG_HAS_LIBFREENECT2
+  test::Libfreenect2Decoder peer(tables.phase_offsets, tables.infrared);
+#endif
   depth::PhaseDepth out;
   studio::Frame frame;
   Image<Rgb8> picture;
@@ -186,7 +161,6 @@ int bench(int count, char** arguments) {
     const True truth = truth_of(frame.tof_true_m);
     const auto pictures = pictures_of(frame.raw);
     if (pictures.empty()) return std::fprintf(stderr, "no frame in the packets\n"), 1;
-    if (!folder.empty()) save(folder / (std::to_string(number) + ".raw"), pictures);
     for (const bool smoothing : {false, true}) {
       decoder.set_smoothing(smoothing);
       const double begin = cpu_s();
@@ -204,10 +178,12 @@ int bench(int count, char** arguments) {
         }
       (smoothing ? good : single).add(out.distance_m, &out.sigma_m, truth);
     }
-    if (const auto z = other(folder / (std::to_string(number) + ".z"), camera.lens))
-      others.add(*z, nullptr, truth);
+#ifdef MIXRIG_HAS_LIBFREENECT2
+    others.add(peer.decode(frame.raw), nullptr, truth);
+    others_s += peer.cpu_s();
+#endif
   }
-  const double ms = 1e3 * seconds / (last - first + 1);
+  const double frames = last - first + 1, ms = 1e3 * seconds / frames;
   std::printf(
       "| decoder | pixels | count | mean abs error, mm | bias, mm | rms, mm | wrong %% | missing "
       "%% "
@@ -215,7 +191,7 @@ int bench(int count, char** arguments) {
   good.print("mixrig", ms);
   single.print("mixrig, single pixels", 0);
   with_mixed.print("mixrig, mixed ones too", 0);
-  if (others.all.pixels > 0) others.print("other", 0);
+  if (others.all.pixels > 0) others.print("libfreenect2", 1e3 * others_s / frames);
   std::printf("good %ld, dark %ld, saturated %ld, mixed %ld\n", states[0], states[1], states[2],
               states[3]);
   return 0;

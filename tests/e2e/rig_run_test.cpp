@@ -245,7 +245,7 @@ TEST_F(RigRun, AMissingRigAndAMissingTakeAreNamed) {
   write_rig("take:" + path("none") + "/color", "take:" + path("none") + "/depth");
   EXPECT_EQ(status("rig:" + path("rig.toml")), 2);
   write_rig("v4l2:/dev/none", "usb:1209:0001");
-  EXPECT_NE(status("rig:" + path("rig.toml")), 0);
+  EXPECT_EQ(status("rig:" + path("rig.toml")), 1) << "it may be plugged in: a service tries again";
   EXPECT_FALSE(fs::exists(path("out")));
 }
 

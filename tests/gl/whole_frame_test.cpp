@@ -356,6 +356,41 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
   expect_agreement(pair, room.frame());
 }
 
+/// By distance, by pixel, by a pixel that the frame names; in the last frame what is far is sharp.
+TEST(WholeFrame, agrees_in_the_depth_of_field_of_a_lens) {
+  for (const bool fast : {false, true}) {
+    RoomSetup room(RoomSetup::Options{});
+    render::Focus& focus = room.setup.focus.emplace();
+    focus.distance_m = 1.5F, focus.aperture_m = 0.2F, focus.most_blur_px = 24, focus.fast = fast;
+    Pair pair = make_pair(room);
+    render::FrameInput frame = room.frame();
+    expect_agreement(pair, frame);
+    EXPECT_GT(time_of(pair, render::Stage::kFocus), 0);
+    const Image<Rgb8> near = pair.gles_frame.color;
+    RoomSetup without(RoomSetup::Options{});
+    Pair sharp = make_pair(without);
+    expect_agreement(sharp, frame);
+    EXPECT_LT(psnr_db(near, sharp.gles_frame.color), 35) << "there is blur";
+    frame.focus_pixel = glm::ivec2(3, 3);
+    expect_agreement(pair, frame);
+    EXPECT_LT(psnr_db(near, pair.gles_frame.color), 40) << "another plane is sharp";
+  }
+}
+
+TEST(WholeFrame, refuses_to_focus_outside_the_view) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.focus.emplace().distance_m = 1.5F;
+  room.setup.focus->aperture_m = 0.02F;
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  frame.focus_pixel = glm::ivec2(-1, 3);
+  for (render::Compositor* c : {pair.cpu.get(), pair.gles.get()}) {
+    const auto refused = c->compose(frame, pair.cpu_frame);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kData);
+  }
+}
+
 TEST(WholeFrame, agrees_with_open_walls) {
   RoomSetup room({.box_m = {0.3, 0.4, 6.0}});  // behind the back wall
   room.setup.open_walls = true;

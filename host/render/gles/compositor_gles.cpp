@@ -9,10 +9,12 @@
 #include "hal/base/log.h"
 #include "hal/base/parallel.h"
 #include "host/render/exposure.h"
+#include "host/render/focus_discs.h"
 #include "host/render/frame_io.h"
 #include "host/render/gles/background_pass.h"
 #include "host/render/gles/correct_pass.h"
 #include "host/render/gles/egl_context.h"
+#include "host/render/gles/focus_pass.h"
 #include "host/render/gles/gl_mesh.h"
 #include "host/render/gles/gpu_colors.h"
 #include "host/render/gles/key_pass.h"
@@ -103,6 +105,7 @@ class GlesCompositor final : public Compositor {
   KeyPass key_;
   LightPass light_;
   MixPass mix_;
+  std::optional<FocusPass> focus_;
   bool has_shadows_ = false;
   std::optional<GpuColors> gpu_colors_;  ///< where objects are shared with a screen
   InFlight<Frame> flight_;
@@ -162,6 +165,9 @@ Result<void> GlesCompositor::create_passes() {
     }
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
+  if (setup_.focus) {
+    MIXRIG_ASSIGN(focus_, FocusPass::create(tables_, setup_));
+  }
   if (glGetError() != GL_NO_ERROR)
     return Error{ErrorCode::kUnsupported,
                  "the OpenGL ES driver (" + renderer_ +
@@ -193,7 +199,8 @@ Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) 
     flight_.drop_last();
     return drawn;
   }
-  if (frame->wanted & kGpuColor) frame->gpu_color = gpu_colors_->copy(mix_.color());
+  if (frame->wanted & kGpuColor)
+    frame->gpu_color = gpu_colors_->copy(focus_ ? focus_->color() : mix_.color());
   start_read_back(*frame);
   frame->done.set();
   return {};
@@ -236,8 +243,15 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   }
   MIXRIG_TRY(draw_light(needed.light, timer));
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
-  const StageScope stage(timer, Stage::kMix);
-  return draw_mix(frame.wanted);
+  const bool colors = frame.wanted & (kColor | kGpuColor), focuses = focus_ && colors;
+  {
+    const StageScope stage(timer, Stage::kMix);
+    MIXRIG_TRY(draw_mix(frame.wanted | (colors ? kColor : 0) | (focuses ? kMixedDepth : 0)));
+  }
+  if (!focuses) return {};
+  const StageScope stage(timer, Stage::kFocus);
+  focus_->draw(focus_of(setup_, input), mix_.color(), mix_.mixed_m());
+  return {};
 }
 
 /// What depends on the lens is made again where it has moved, and only there.
@@ -330,7 +344,8 @@ void GlesCompositor::start_read_back(Frame& frame) {
   if (!keys()) frame.read &= ~kState;
   if (!mix_.has_alpha()) frame.read &= ~kAlpha;
   if (!has_light_map()) frame.read &= ~kLight;
-  if (frame.read & (kColor | kMatte)) frame.color_and_matte.start_rgba(mix_.target(), kMixColor);
+  const Target& colored = focus_ && (frame.read & kColor) ? focus_->target() : mix_.target();
+  if (frame.read & (kColor | kMatte)) frame.color_and_matte.start_rgba(colored, kMixColor);
   if (frame.read & kMixedDepth) frame.mixed.start_float(mix_.target(), kMixDepth);
   if (frame.read & kSegmentedDepth) frame.segmented.start_float(mix_.target(), kMixSegmented);
   if (frame.read & kWarpedDepth) frame.warped_w.start_float(warp_.target(), 0);
@@ -395,9 +410,6 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup,
                                                          const GlShare& share) {
   MIXRIG_TRY(validate(setup));
-  if (setup.focus)
-    return Error{ErrorCode::kUnsupported,
-                 "[focus] is drawn by the cpu back end alone: use --backend cpu, or remove it"};
   MIXRIG_ASSIGN(EglContext context, share.display != nullptr ? EglContext::create_sharing(share)
                                                              : EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);

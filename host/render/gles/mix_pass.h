@@ -31,8 +31,9 @@ class MixPass {
   Result<void> draw(const MixInput& input, OutputMask wanted);
   /// What the last draw() drew into; attachments as MixOutput.
   const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
-  /// The composite of the last draw(), GL_SRGB8_ALPHA8; alpha is the matte.
+  /// Of the last draw() with kColor, GL_SRGB8_ALPHA8; alpha is the matte.
   const Texture& color() const { return color_; }
+  const Texture& mixed_m() const { return mixed_; }  ///< the same with kMixedDepth
   /// Whether parts of the picture may be transparent; else all of it is covered.
   bool has_alpha() const { return !alpha_.size.empty(); }
   const Target& alpha_target() const { return make_alpha_.target; }

@@ -118,5 +118,44 @@ TEST(PhaseDecoder, SmoothingMixesNoSurfaces) {
   EXPECT_NEAR(at_wall, at_step, 0.003);
 }
 
+/// A wall with light that came over others: many ways, the longer the weaker.
+std::vector<Surface> with_tail(double way_m, double share, double further_m) {
+  constexpr int kWays = 400;
+  std::vector<Surface> all{{way_m, 900}};
+  double sum = 0;
+  for (int i = 0; i < kWays; ++i) sum += std::exp(-0.02 * (i + 0.5));
+  for (int i = 0; i < kWays; ++i)
+    all.push_back(
+        {way_m + 0.02 * (i + 0.5) * further_m, 900 * share / sum * std::exp(-0.02 * (i + 0.5))});
+  return all;
+}
+
+TEST(PhaseDecoder, BouncedLightIsTakenOffByWhatItDoesToTheFrequencies) {
+  const std::vector<std::pair<double, double>> tails{
+      {0.2, 0.2}, {0.5, 0.3}, {0.7, 0.6}, {1.2, 0.4}};
+  Scene scene;
+  for (std::size_t i = 0; i < tails.size(); ++i)
+    scene.fill(60 * static_cast<int>(i) + 20, 60 * static_cast<int>(i) + 50,
+               [&](int, int) { return with_tail(2.5, tails[i].first, tails[i].second); });
+  PhaseDecoder decoder(kinect2_phase_camera(scene.lens, scene.offsets));
+  PhaseDepth as_seen;
+  decoder.set_bounced_light(false);
+  decoder.decode(scene.pictures.bytes, as_seen);
+  decoder.set_bounced_light(true);
+  decoder.decode(scene.pictures.bytes, scene.out);
+  double before = 0, after = 0;
+  for (std::size_t i = 0; i < tails.size(); ++i)
+    for (int x = 60 * static_cast<int>(i) + 30; x < 60 * static_cast<int>(i) + 40; ++x) {
+      const auto off = [&](const PhaseDepth& out) {  // the light source moves it by 2 mm at most
+        return std::abs(static_cast<double>(out.distance_m.at(x, 106)) - 2.5);
+      };
+      EXPECT_GT(off(as_seen), 0.03) << i;
+      EXPECT_LT(off(scene.out), 0.75 * off(as_seen)) << i << " " << off(as_seen);
+      before += off(as_seen), after += off(scene.out);
+      EXPECT_EQ(scene.out.state.at(x, 106), PixelState::kGood) << i;
+    }
+  EXPECT_LT(after, 0.45 * before);
+}
+
 }  // namespace
 }  // namespace mixrig::depth

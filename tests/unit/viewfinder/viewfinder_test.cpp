@@ -134,6 +134,23 @@ TEST_F(ViewfinderTest, LearnAndRecordOnlyWhereTheRunCan) {
   EXPECT_TRUE(test::comes_true([&] { return controls_.recording.load(); }));
 }
 
+TEST_F(ViewfinderTest, AClickChoosesWhatIsSharpWhereTheSceneHasAFocus) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE(sink->write(made_composite(1, clock_.now())));
+  const auto click = [] {
+    SDL_Event event{};
+    event.type = SDL_MOUSEBUTTONDOWN;
+    event.button.button = SDL_BUTTON_LEFT;
+    event.button.x = 12, event.button.y = 34;
+    return SDL_PushEvent(&event) == 1;
+  };
+  EXPECT_TRUE(click());
+  controls_.can_focus = true;  // told by the run
+  EXPECT_TRUE(test::comes_true([&] { return click() && controls_.focus_at == 12 + 65536 * 34; }));
+  EXPECT_TRUE(sink->finish());
+}
+
 TEST_F(ViewfinderTest, AsksTheDevicesWhileNothingComesAndARecordingNever) {
   auto sink = open();
   ASSERT_TRUE(sink);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The board's screen and keyboard as a person has them: the emulated display's picture and the
+// emulated keyboard's keys, through screen_peer.py, which runs beside the emulator.
+#pragma once
+
+#include <string>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+
+namespace mixrig::board {
+
+/// Whether this boot has a screen, and the peer runs.
+bool has_screen();
+/// What is on the screen. Errors: kTimeout where the peer does not answer; those of read_png.
+Result<Image<Rgb8>> screenshot();
+/// Presses and releases a key, by its name in QEMU ("2", "q", "spc"). Errors: kTimeout.
+Result<void> press(const std::string& key);
+
+}  // namespace mixrig::board
