@@ -110,7 +110,7 @@ void Viewfinder::Loop::obey(Request request) {
 void Viewfinder::Loop::focus_at(Window::Click click) {
   output::RunControls& controls = owner_.controls_;
   if (!controls.can_focus) return say("the scene has no [focus]");
-  const Size size = drawn_.size;
+  const Size size = drawn_.picture.size;
   if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
   controls.focus_at = click.x + 65536 * click.y;
   say("what was clicked is sharp");

@@ -42,26 +42,6 @@ CopyImage copy_image() {
   return name ? reinterpret_cast<CopyImage>(eglGetProcAddress(name)) : nullptr;
 }
 
-/// A point in the queue of one context that another one waits for. Syncs are shared objects.
-class QueuePoint {
- public:
-  void set() {
-    forget();
-    sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    glFlush();
-  }
-  /// What is queued from now on comes after the point; returns at once.
-  void wait() const {
-    if (sync_ != nullptr) glWaitSync(sync_, 0, GL_TIMEOUT_IGNORED);
-  }
-  void forget() {
-    if (sync_ != nullptr) glDeleteSync(std::exchange(sync_, nullptr));
-  }
-
- private:
-  GLsync sync_ = nullptr;
-};
-
 }  // namespace
 
 /// One of them. Its bytes are sRGB in a format that does not say so: nothing converts them.
@@ -77,6 +57,26 @@ class GpuColor final : public GpuPicture {
   void empty();
 
  private:
+  /// A point in the queue of one context that another one waits for. Syncs are shared objects.
+  class QueuePoint {
+   public:
+    void set() {
+      forget();
+      sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+      glFlush();
+    }
+    /// What is queued from now on comes after the point; returns at once.
+    void wait() const {
+      if (sync_ != nullptr) glWaitSync(sync_, 0, GL_TIMEOUT_IGNORED);
+    }
+    void forget() {
+      if (sync_ != nullptr) glDeleteSync(std::exchange(sync_, nullptr));
+    }
+
+   private:
+    GLsync sync_ = nullptr;
+  };
+
   const Size size_px_;
   mutable std::mutex mutex_;  ///< guards what follows
   Texture texture_;
