@@ -281,6 +281,8 @@ Result<void> Runner::check_streams() {
 Result<void> Runner::open_streams() {
   const render::CompositorSetup& setup = session_.setup;
   const bool transparent = setup.backdrop && setup.backdrop->picture.empty();
+  std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
+  if (live() && options_.epoch_ns) day = output::local_day_at_zero(*options_.epoch_ns);
   for (std::size_t i = 0; i < options_.streams.size(); ++i) {
     const scene::StreamOut& out = options_.streams[i];
     output::RoomBehind behind;
@@ -288,7 +290,7 @@ Result<void> Runner::open_streams() {
       behind = output::room_behind(setup.background);
     MIXRIG_ASSIGN(auto sink,
                   output::StreamSink::create(out, setup.view.size_px, stream_rate_hz(), transparent,
-                                             std::move(behind), report_.stream_outs[i]));
+                                             std::move(behind), report_.stream_outs[i], day));
     sinks_.push_back(std::make_unique<output::SinkThread>(
         std::move(sink), live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate()));
   }
