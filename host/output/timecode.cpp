@@ -38,11 +38,12 @@ Timecode TimecodeCounter::next(HostTime mid_exposure) {
   return timecode_of(first_number_ + later, per_second_);
 }
 
-Duration local_day_at_zero(std::int64_t epoch_ns) {
+Duration local_day_at_zero(std::int64_t epoch_ns, HostTime now) {
   constexpr std::int64_t kNs = 1'000'000'000;
-  const std::time_t now = std::time(nullptr);
+  const auto since_1970_s =
+      static_cast<std::time_t>((epoch_ns + now.time_since_epoch().count()) / kNs);
   std::tm local{};
-  localtime_r(&now, &local);
+  localtime_r(&since_1970_s, &local);
   return Duration(wrapped(epoch_ns + local.tm_gmtoff * kNs, kDay_s * kNs));
 }
 

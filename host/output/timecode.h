@@ -37,8 +37,8 @@ class TimecodeCounter {
   std::int64_t first_number_ = 0;
 };
 
-/// Local time of day at host time 0, by the system's clock and time zone now. `epoch_ns`: host time
-/// 0, since 1970.
-Duration local_day_at_zero(std::int64_t epoch_ns);
+/// Local time of day at host time 0, in the time zone as it is at `now`. `epoch_ns`: host time 0,
+/// since 1970.
+Duration local_day_at_zero(std::int64_t epoch_ns, HostTime now);
 
 }  // namespace mixrig::output

@@ -282,7 +282,8 @@ Result<void> Runner::open_streams() {
   const render::CompositorSetup& setup = session_.setup;
   const bool transparent = setup.backdrop && setup.backdrop->picture.empty();
   std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
-  if (live() && options_.epoch_ns) day = output::local_day_at_zero(*options_.epoch_ns);
+  if (live() && options_.epoch_ns)
+    day = output::local_day_at_zero(*options_.epoch_ns, clock_.now());
   for (std::size_t i = 0; i < options_.streams.size(); ++i) {
     const scene::StreamOut& out = options_.streams[i];
     output::RoomBehind behind;

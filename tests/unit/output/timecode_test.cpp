@@ -42,10 +42,11 @@ TEST(TimecodeCounter, BeginsAtTheTimeOfDay) {
 TEST(LocalDay, FollowsTheTimeZone) {
   ASSERT_EQ(setenv("TZ", "EST5", 1), 0);
   tzset();
-  EXPECT_EQ(local_day_at_zero(0), std::chrono::hours(19));
+  EXPECT_EQ(local_day_at_zero(0, HostTime()), std::chrono::hours(19));
   ASSERT_EQ(setenv("TZ", "UTC0", 1), 0);
   tzset();
-  EXPECT_EQ(local_day_at_zero(86'400'000'000'000 + 1), Duration(1));
+  EXPECT_EQ(local_day_at_zero(86'400'000'000'000 + 1, HostTime(std::chrono::hours(5))),
+            Duration(1));
 }
 
 }  // namespace
