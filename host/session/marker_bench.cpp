@@ -155,7 +155,8 @@ Result<MarkerReport> measure_marker(const MarkerOptions& options, Clock& clock,
   MIXRIG_ASSIGN(const device::TriggerChannel lamp, lamp_of(options, rig, report.exposure_s));
   report.blink_s = lamp.divider * seconds(kMasterTick);
   MIXRIG_ASSIGN(const std::filesystem::path scene, scene_of(options));
-  SessionOptions session_options{.scene = scene, .source = "rig:" + options.rig.string()};
+  SessionOptions session_options;
+  session_options.scene = scene, session_options.source = "rig:" + options.rig.string();
   session_options.clock = &clock, session_options.stop = &stop;
   MIXRIG_ASSIGN(const auto session, open_session(session_options));
   const double rate_hz = std::clamp(session->source->info().rate_hz, 1.0, kMostRate_hz);

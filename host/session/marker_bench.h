@@ -29,13 +29,13 @@ struct MarkerRegion {
 };
 
 struct MarkerOptions {
-  std::filesystem::path rig;    ///< rig.toml, whose [[trigger.line]] has the lamp
-  std::filesystem::path scene;  ///< empty: a scene with nothing in it
-  std::filesystem::path folder;
+  std::filesystem::path rig{};    ///< rig.toml, whose [[trigger.line]] has the lamp
+  std::filesystem::path scene{};  ///< empty: a scene with nothing in it
+  std::filesystem::path folder{};
   int line = -1;          ///< of the lamp
   double exposure_s = 0;  ///< of the camera; 0: exposure_ms of rig.toml
   double duration_s = 20;
-  std::optional<MarkerRegion> region;  ///< of the view that shows the lamp; all of it if absent
+  std::optional<MarkerRegion> region{};  ///< of the view that shows the lamp; all of it if absent
 };
 
 /// What was seen and when the master ticked. Memory is made by the constructor.
