@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct SourceReport {
   std::vector<StreamReport> streams;
   std::uint64_t ticks = 0, ticks_lost = 0, trigger_restarts = 0, trigger_errors = 0;
   double trigger_drift_ppm = 0;
+  std::optional<sync::Tick> newest_tick;  ///< of the master, on host time
   sync::EdgeCounts edges;  ///< of the trigger line that this host reads, where it reads one
   std::uint64_t sets = 0, incomplete_sets = 0;
   std::uint64_t waiting_events = 0;  ///< frames and ticks not paired yet

@@ -33,6 +33,8 @@ SessionReport LiveSession::report() const {
   const std::lock_guard lock(mutex_);
   SessionReport report = counts_;
   report.ticks_lost = devices_.trigger ? ticks_.lost() : 0;
+  if (const auto newest = ticks_.newest(); newest && has_ticks())
+    report.newest_tick = {*newest, ticks_.time_of(*newest).value_or(HostTime())};
   if (edges_) report.edges = edges_->counts();
   report.trigger_drift_ppm = trigger_clock_.drift_ppm();
   report.sets = builder_->sets();

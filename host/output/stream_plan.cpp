@@ -113,10 +113,11 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
       if (carrier == Carrier::kSrt) plan.description += " streamable=true";
       return;
     case Codec::kH264:
+      plan.timecode = true;  // in messages that pic-struct makes and h264parse fills
       need("x264enc", kUgly);
       plan.description +=
           " ! x264enc tune=zerolatency speed-preset=veryfast pass=quant quantizer=16 "
-          "key-int-max=25 ! h264parse";
+          "key-int-max=25 option-string=pic-struct=1 ! h264parse update-timecode=true";
       need("h264parse", kBad);
       if (carrier == Carrier::kMatroska) {
         need("matroskamux", kGood);
@@ -130,6 +131,7 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
       plan.description += " ! rtpmp2tpay";
       return;
     case Codec::kProres:
+      plan.timecode = true;  // a track of its own
       need("videoconvert", kBase), need("avenc_prores_ks", kLibav), need("qtmux", kGood);
       plan.description +=
           fmt::format(" ! videoconvert ! video/x-raw,format={} ! avenc_prores_ks ! qtmux",

@@ -29,9 +29,10 @@ struct StreamPlan {
   std::vector<std::pair<std::string, std::string>> texts;  ///< properties of the end
   std::optional<int> port;                                 ///< property of the end
   std::vector<StreamNeed> needs;
-  bool i420 = false;   ///< pictures are given as I420 (i420.h)
-  bool waits = false;  ///< a file: no frame is left out
-  std::string caps;    ///< of what a receiver without them must be told; empty: it need not
+  bool i420 = false;      ///< pictures are given as I420 (i420.h)
+  bool timecode = false;  ///< the pictures are given theirs: the format has a place for it
+  bool waits = false;     ///< a file: no frame is left out
+  std::string caps;       ///< of what a receiver without them must be told; empty: it need not
 };
 
 /// Errors: kUsage for an address that is none, and a picture that the codec or the address cannot

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <gst/app/gstappsrc.h>
+#include <gst/video/video.h>
 
 #include "hal/base/log.h"
 #include "host/output/i420.h"
@@ -55,7 +56,8 @@ Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double ra
 
 Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& out, Size view,
                                                        double rate_hz, bool transparent,
-                                                       RoomBehind behind, StreamOutReport& report) {
+                                                       RoomBehind behind, StreamOutReport& report,
+                                                       std::optional<Duration> day_at_zero) {
   MIXRIG_ASSIGN(const StreamPlan plan, plan_stream(out, view, rate_hz));
   MIXRIG_TRY(take::check_elements(needs_of(plan), "stream_out \"" + out.uri + "\""));
   std::unique_ptr<StreamSink> sink(
@@ -68,6 +70,8 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& o
   take::GstElementPtr source(pipeline.element("source"));
   MIXRIG_TRY(pipeline.play());
   sink->graph_.reset(new Graph{std::move(pipeline), std::move(source), plan.waits, plan.i420});
+  constexpr double kSlowest_hz = 0.5;
+  if (plan.timecode && rate_hz >= kSlowest_hz) sink->timecode_.emplace(rate_hz, day_at_zero);
   report.uri = out.uri;
   report.picture = output::name(out.picture);
   report.size = stream_size(out.picture, view);
@@ -117,6 +121,12 @@ Result<void> StreamSink::write(const CompositePtr& composite) {
   gst_buffer_unmap(buffer, &map);
   last_ = std::max(exposed - *first_, last_ + Duration(1));
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(last_.count());
+  if (timecode_) {
+    const Timecode at = timecode_->next(exposed);
+    gst_buffer_add_video_time_code_meta_full(buffer, timecode_->per_second(), 1, nullptr,
+                                             GST_VIDEO_TIME_CODE_FLAGS_NONE, at.hours, at.minutes,
+                                             at.seconds, at.frames, 0);
+  }
   GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>(std::llround(1e9 / rate_hz_));
   if (gst_app_src_push_buffer(GST_APP_SRC(graph_->source.get()), buffer) == GST_FLOW_OK)
     ++report_.frames;

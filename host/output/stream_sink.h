@@ -9,6 +9,7 @@
 
 #include "host/output/composite_sink.h"
 #include "host/output/stream_picture.h"
+#include "host/output/timecode.h"
 
 namespace mixrig::output {
 
@@ -28,11 +29,13 @@ class StreamSink final : public CompositeSink {
   /// What can be known before a picture is there. Errors: kUsage (plan_stream()), kUnsupported with
   /// the Debian package of a plug-in that is missing.
   static Result<void> check(const scene::StreamOut& out, Size view, double rate_hz);
+  /// Timecode begins at the time of day, of which `day_at_zero` is that at host time 0, else at 0.
   /// `report` is complete after finish(), and must outlive the sink. Errors: of check(); kIo where
   /// the end cannot be opened.
   static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& out, Size view,
                                                     double rate_hz, bool transparent,
-                                                    RoomBehind behind, StreamOutReport& report);
+                                                    RoomBehind behind, StreamOutReport& report,
+                                                    std::optional<Duration> day_at_zero = {});
   ~StreamSink() override;
   std::string_view name() const override { return "stream"; }
   render::OutputMask wanted(int) const override { return picture_.wanted(); }
@@ -52,7 +55,8 @@ class StreamSink final : public CompositeSink {
   StreamPicture picture_;
   StreamOutReport& report_;
   std::unique_ptr<Graph> graph_;
-  std::vector<std::uint8_t> drawn_;  ///< before it becomes I420
+  std::vector<std::uint8_t> drawn_;          ///< before it becomes I420
+  std::optional<TimecodeCounter> timecode_;  ///< where the format has a place for it
   std::optional<HostTime> first_;
   Duration last_{-1};  ///< time stamp of the last picture
   bool ended_ = false;

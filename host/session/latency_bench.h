@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The delay of a live run, measured: a take of the studio is played in real time as the devices of
-// a rig, and the motion in what is shown is held against the true motion.
+// a rig, and the motion in what is shown is held against that of the same pictures, composited
+// before without haste, at the times when they were exposed.
 #pragma once
 
 #include <filesystem>
@@ -32,8 +33,8 @@ struct LatencyOptions {
 /// A measurement that is set up. Members point into one another: it stays where it is made.
 struct LatencyBench {
   std::unique_ptr<Session> session;
-  std::vector<measure::Sample> truth;  ///< motion at the times of the frames, on the host's clock
-  output::ShownLog log;                ///< to be filled by the sink that shows
+  std::vector<measure::Sample> motion;  ///< at the times of the frames, on the host's clock
+  output::ShownLog log;                 ///< to be filled by the sink that shows
   Size view_px;
 };
 
@@ -45,8 +46,8 @@ struct LatencyReport {
   RunReport run;
 };
 
-/// Opens the session and reads the take into memory, and sets the time of the first
-/// frame, some seconds from now. Errors: those of
+/// Composites the take once, opens the session and reads the take into memory, and sets the time of
+/// the first frame, some seconds from now. Errors: those of
 /// scene and take; kData for a take without truth or rate.
 Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& options, Clock& clock,
                                                       const std::atomic<bool>& stop);

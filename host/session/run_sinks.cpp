@@ -88,6 +88,9 @@ Result<void> RunSinks::check_streams() {
 
 Result<void> RunSinks::open_streams() {
   const render::CompositorSetup& setup = session_.setup;
+  std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
+  if (live() && options_.epoch_ns)
+    day = output::local_day_at_zero(*options_.epoch_ns, clock_.now());
   for (std::size_t i = 0; i < options_.streams.size(); ++i) {
     const scene::StreamOut& out = options_.streams[i];
     output::RoomBehind behind;
@@ -95,7 +98,7 @@ Result<void> RunSinks::open_streams() {
       behind = output::room_behind(setup.background);
     MIXRIG_ASSIGN(auto sink,
                   output::StreamSink::create(out, setup.view.size_px, rate_hz(), is_transparent(),
-                                             std::move(behind), report_.stream_outs[i]));
+                                             std::move(behind), report_.stream_outs[i], day));
     add(std::move(sink));
   }
   return {};

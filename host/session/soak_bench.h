@@ -21,10 +21,10 @@
 namespace mixrig::session {
 
 struct SoakOptions {
-  std::filesystem::path scene, take;
-  std::filesystem::path folder;  ///< rig.toml is written there
-  double duration_s = 1200;      ///< of the frames, by their own times
-  double speed = 1;              ///< the clock of devices and pairing runs so many times as fast
+  std::filesystem::path scene{}, take{};
+  std::filesystem::path folder{};  ///< rig.toml is written there
+  double duration_s = 1200;        ///< of the frames, by their own times
+  double speed = 1;                ///< the clock of devices and pairing runs so many times as fast
   std::optional<Size> view_size{};
   BackendChoice backend{};
 };

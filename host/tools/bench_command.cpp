@@ -8,6 +8,7 @@
 #include "host/image_io/image_io.h"
 #include "host/session/bench.h"
 #include "host/session/latency_bench.h"
+#include "host/session/marker_bench.h"
 #include "host/session/scan_bench.h"
 #include "host/session/soak_bench.h"
 #include "host/tools/command.h"
@@ -22,6 +23,9 @@ struct BenchArguments {
   std::string out = "out/bench", suite = "run", take, calibration, scene, size;
   bool view = false;
   double minutes = 20, speed = 1;
+  std::string rig = "rig.toml", region;
+  int line = -1;
+  double exposure_ms = 0, seconds = 20;
   session::BenchOptions run;
 };
 
@@ -68,6 +72,34 @@ Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
   return json;
 }
 
+/// "X,Y,W,H".
+Result<session::MarkerRegion> parse_region(const std::string& text) {
+  session::MarkerRegion r;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &r.x, &r.y, &r.width, &r.height, &rest) == 4 &&
+      r.x >= 0 && r.y >= 0 && r.width > 0 && r.height > 0)
+    return r;
+  return Error{ErrorCode::kUsage, "--region \"" + text + "\" is not X,Y,W,H in pixels"};
+}
+
+Result<nlohmann::json> bench_marker(const BenchArguments& arguments) {
+  session::MarkerOptions options{.rig = arguments.rig,
+                                 .scene = arguments.scene,
+                                 .folder = arguments.out,
+                                 .line = arguments.line,
+                                 .exposure_s = 1e-3 * arguments.exposure_ms,
+                                 .duration_s = arguments.seconds};
+  if (!arguments.region.empty()) {
+    MIXRIG_ASSIGN(options.region, parse_region(arguments.region));
+  }
+  const StopOnSignal signals;
+  SystemClock clock;
+  MIXRIG_ASSIGN(const session::MarkerReport report,
+                session::measure_marker(options, clock, StopOnSignal::flag()));
+  std::fputs(session::to_table(report).c_str(), stdout);
+  return session::to_json(report);
+}
+
 Result<nlohmann::json> bench_soak(const BenchArguments& arguments) {
   if (arguments.take.empty())
     return Error{ErrorCode::kUsage, "--suite soak needs --take: a take to play"};
@@ -98,10 +130,11 @@ Result<nlohmann::json> bench(const BenchArguments& arguments) {
     return reported(rungs, out / "speed_against_error.png");
   }
   if (arguments.suite == "latency") return bench_latency(arguments);
+  if (arguments.suite == "marker") return bench_marker(arguments);
   if (arguments.suite == "soak") return bench_soak(arguments);
   if (arguments.suite != "scan")
-    return Error{ErrorCode::kUsage,
-                 "unknown --suite \"" + arguments.suite + "\": use run, scan, latency or soak"};
+    return Error{ErrorCode::kUsage, "unknown --suite \"" + arguments.suite +
+                                        "\": use run, scan, latency, marker or soak"};
   if (arguments.take.empty())
     return Error{ErrorCode::kUsage,
                  "--suite scan needs --take: a sweep of mixrig studio --scenario sweep"};
@@ -120,7 +153,9 @@ void add_bench_command(Command app, Context& context) {
       .add_option(
           "--suite", arguments->suite,
           "run: the compositor; scan: a room from a sweep; latency: the delay of a take that "
-          "is played in real time as a rig; soak: the same for long, again and again")
+          "is played in real time as a rig; marker: that of a real rig, by a lamp on a trigger "
+          "line; soak: "
+          "a take played for long, again and again")
       .show_default();
   command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
       .show_default();
@@ -136,8 +171,17 @@ void add_bench_command(Command app, Context& context) {
                   "soak: the clock of devices and pairing runs so many times as fast")
       .range(1.0, 1000.0)
       .show_default();
+  command.add_option("--rig", arguments->rig, "marker: rig.toml").show_default();
+  command.add_option("--line", arguments->line, "marker: trigger line of the lamp");
+  command.add_option("--region", arguments->region,
+                     "marker: X,Y,W,H of the lamp in the composite; all of it if not given");
+  command.add_option("--exposure-ms", arguments->exposure_ms,
+                     "marker: of the camera, in place of exposure_ms in rig.toml");
+  command.add_option("--seconds", arguments->seconds, "marker: to look at the lamp")
+      .range(2.0, 600.0)
+      .show_default();
   command.add_option("--scene", arguments->scene,
-                     "latency, soak: in place of the take's scene.toml");
+                     "latency, soak, marker: in place of the take's scene.toml");
   command.add_option("--size", arguments->size, "latency, soak: WxH to composite at");
   command.add_flag("--view", arguments->view,
                    "latency: to the picture in the viewfinder's window; else to the composite");

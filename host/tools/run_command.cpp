@@ -21,7 +21,7 @@ namespace {
 struct RunArguments {
   SessionArguments session;
   PageArguments page;
-  std::string out, frames, format = "png", view, stream;
+  std::string out, frames, format = "png", view, stream, focus;
   bool layers = false, inspect = false, baselines = false;
   bool watch = false, no_watch = false, accept_changes = false, follow_scene = false;
   std::string save_room;
@@ -29,6 +29,20 @@ struct RunArguments {
 };
 
 using viewfinder::ViewfinderReport;
+
+/// "X,Y" of the view, as RunControls::focus_at.
+Result<int> parse_focus(const std::string& text, const session::Session& session) {
+  int x = 0, y = 0;
+  char rest = 0;
+  const Size view = session.setup.view.size_px;
+  if (!session.setup.focus)
+    return Error{ErrorCode::kUsage, "--focus: the scene has no [focus], which has the lens"};
+  if (std::sscanf(text.c_str(), "%d,%d%c", &x, &y, &rest) == 2 && x >= 0 && y >= 0 &&
+      x < view.width && y < view.height)
+    return x + 65536 * y;
+  return Error{ErrorCode::kUsage,
+               "--focus \"" + text + "\" is no pixel X,Y of the view of " + session::text(view)};
+}
 
 /// The window of --view, as a further sink.
 Result<void> open_view(const RunArguments& arguments, session::Session& session,
@@ -97,6 +111,9 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   if (arguments.follow_scene && !arguments.page.serves)
     options.scene = std::make_shared<session::SceneFollower>(*session, false);
   output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
+  if (!arguments.focus.empty()) {
+    MIXRIG_ASSIGN(controls.focus_at, parse_focus(arguments.focus, *session));
+  }
   options.controls = &controls;
   ViewfinderReport shown;
   MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
@@ -133,6 +150,9 @@ void add_run_command(Command app, Context& context) {
   command.add_option("--stream", arguments->stream,
                      "where the composite is sent: srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
                      "v4l2://DEVICE, or a file .mkv or .mov; more by [[stream_out]] of the scene");
+  command.add_option("--focus", arguments->focus,
+                     "X,Y of the view: what is seen there is sharp, in place of the distance in "
+                     "[focus] of the scene; a click in the window of --view chooses another pixel");
   command.add_flag("--layers", arguments->layers, "write segmented depth and matte as well");
   command.add_flag("--inspect", arguments->inspect,
                    "write warped depth, key and light map as well");

@@ -10,11 +10,14 @@ namespace {
 class Numbered final : public CaptureSource {
  public:
   Numbered(int frames, int& reads) : reads_(reads) { info_.frames = frames, info_.name = "made"; }
+  void set_rate(double hz) { info_.rate_hz = hz; }
   const SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, Capture& capture) override {
     ++reads_;
     if (number == 13) return Error{ErrorCode::kData, "unlucky"};
     capture.number = number;
+    capture.time_s = 0.04 * number;
+    capture.mid_exposure = HostTime(std::chrono::milliseconds(40 * number));
     capture.plate.reset({4, 3}, {static_cast<std::uint8_t>(number), 0, 0});
     return true;
   }
@@ -45,6 +48,26 @@ TEST(PreloadedSourceTest, GivesTheSameCapturesInAnyOrderAndReadsNothingAgain) {
   Truth truth;
   ASSERT_TRUE((*source)->read_truth(2, truth));
   EXPECT_EQ(truth.matte.at(0, 0), 2);
+}
+
+TEST(RepeatedSourceTest, GoesOnInTimeAfterTheLast) {
+  int reads = 0;
+  auto made = std::make_unique<Numbered>(5, reads);
+  made->set_rate(25);
+  const auto source = repeated(std::move(made), 12);
+  EXPECT_EQ(source->info().frames, 12);
+  Capture capture;
+  for (const auto& [number, red] : {std::pair(5, 5), {6, 1}, {12, 2}}) {
+    ASSERT_TRUE(*source->read(number, capture));
+    EXPECT_EQ(capture.number, number);
+    EXPECT_EQ(capture.plate.at(0, 0).r, red);
+    EXPECT_NEAR(capture.time_s, 0.04 * number, 1e-12);
+    EXPECT_EQ(capture.mid_exposure, HostTime(std::chrono::milliseconds(40 * number)));
+  }
+  EXPECT_FALSE(*source->read(13, capture));
+  EXPECT_FALSE(*source->read(0, capture));
+  Truth truth;
+  EXPECT_FALSE(source->read_truth(1, truth));
 }
 
 TEST(PreloadedSourceTest, RefusesWhatHasNoEndOrCannotBeRead) {

@@ -64,7 +64,7 @@ class StreamSinkTest : public ::testing::Test {
                                       Codec codec = Codec::kAuto) {
     scene::StreamOut out;
     out.uri = uri, out.picture = picture, out.codec = codec;
-    auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_);
+    auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_, day_at_zero_);
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
@@ -119,8 +119,41 @@ class StreamSinkTest : public ::testing::Test {
 
   test::TemporaryFolder folder_;
   StreamOutReport report_;
+  std::optional<Duration> day_at_zero_;
   std::atomic<bool> gone_ = false;
 };
+
+/// By ffprobe; the third picture was lost. The first is exposed 1.04 s after host time 0.
+TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
+  if (!has_program("ffprobe")) GTEST_SKIP() << "ffprobe is not installed";
+  const auto probed = [&](const std::string& file, const char* entries) {
+    const std::string text = folder_ / "probed";
+    test::ChildProcess ffprobe(
+        {"ffprobe", "-v", "error", "-show_entries", entries, "-of", "csv=p=0", file}, 120, text);
+    EXPECT_EQ(ffprobe.wait(), 0);
+    return test::read_bytes(text);
+  };
+  const auto write = [&](const std::string& file, Codec codec) {
+    report_ = {};
+    const auto sink = sink_of(file, Picture::kFill, codec);
+    ASSERT_TRUE(sink);
+    for (const int i : {1, 2, 4}) ASSERT_TRUE(sink->write(bars_frame(i)));
+    ASSERT_TRUE(sink->finish());
+  };
+  day_at_zero_ = std::chrono::hours(12) + std::chrono::seconds(59 * 60 + 58);
+  write(folder_ / "fill.mov", Codec::kAuto);
+  EXPECT_NE(probed(folder_ / "fill.mov", "stream_tags=timecode").find("12:59:59:01"),
+            std::string::npos);
+  write(folder_ / "fill.mkv", Codec::kH264);
+  const std::string frames = probed(folder_ / "fill.mkv", "frame_tags=timecode");
+  for (const char* code : {"12:59:59:01", "12:59:59:02", "12:59:59:04"})
+    EXPECT_NE(frames.find(code), std::string::npos) << code << " in " << frames;
+  EXPECT_EQ(frames.find("12:59:59:03"), std::string::npos);
+  day_at_zero_.reset();
+  write(folder_ / "fill.mkv", Codec::kH264);
+  EXPECT_NE(probed(folder_ / "fill.mkv", "frame_tags=timecode").find("00:00:00:03"),
+            std::string::npos);
+}
 
 TEST_F(StreamSinkTest, AFileKeepsColourAlphaAndDepthExactly) {
   if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";

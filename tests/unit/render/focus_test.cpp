@@ -21,6 +21,7 @@ constexpr double kFx_px = 150, kCx_px = 79.5, kCy_px = 47.5, kAperture_m = 0.08;
 struct TwoPlanes {
   double wall_m = 5, board_m = 2;
   float wall_light = 0.6F, board_light = 0.15F;
+  double aperture_m = kAperture_m;
   bool stripes = true;
 
   float light(bool board, double x_m, double y_m) const {
@@ -66,7 +67,7 @@ Image<Rgb8> through_lens(const TwoPlanes& scene, double focus_m) {
     for (int x = kBandFrom; x < kBandTo; ++x) {
       double sum = 0;
       for (int i = 0; i < kRays; ++i) {
-        const double r = 0.5 * kAperture_m * std::sqrt((i + 0.5) / kRays), a = 2.399963 * i;
+        const double r = 0.5 * scene.aperture_m * std::sqrt((i + 0.5) / kRays), a = 2.399963 * i;
         // The pixel has an area of its own.
         const double du = (i * 7 % kRays + 0.5) / kRays - 0.5,
                      dv = (i * 61 % kRays + 0.5) / kRays - 0.5;
@@ -109,7 +110,7 @@ FrameOutput focused(const TwoPlanes& scene, double focus_m, bool fast = false) {
   FrameOutput out = sharp_picture(scene);
   Focus focus;
   focus.distance_m = static_cast<float>(focus_m);
-  focus.aperture_m = static_cast<float>(kAperture_m);
+  focus.aperture_m = static_cast<float>(scene.aperture_m);
   focus.most_blur_px = 40;
   focus.fast = fast;
   draw_focus(crew, focus, kFx_px, scratch, out);
@@ -134,6 +135,60 @@ TEST(Focus, IsTheLensOnBothSidesOfAnEdgeAndBetterThanANaiveGather) {
     EXPECT_GT(fine, 30);
     EXPECT_GT(fast, 26);
   }
+}
+
+/// Discs of up to 23 px; what is compared is 40 px about the edge.
+TEST(Focus, WideDiscsAreTheLensToo) {
+  TwoPlanes scene;
+  scene.aperture_m = 0.51;
+  for (const double focus_m : {2.0, 5.0}) {
+    const Image<Rgb8> truth = part_of(through_lens(scene, focus_m), kBandFrom, kBandTo);
+    const auto psnr_db = [&](const Image<Rgb8>& picture) {
+      return test::psnr_db(part_of(picture, kBandFrom, kBandTo), truth);
+    };
+    const double fine = psnr_db(focused(scene, focus_m).color);
+    const double fast = psnr_db(focused(scene, focus_m, true).color);
+    const double without = psnr_db(sharp_picture(scene).color);
+    std::printf("wide discs, sharp at %.0f m: fine %.1f, fast %.1f, none %.1f dB\n", focus_m, fine,
+                fast, without);
+    EXPECT_GT(fine, without + 3);
+    EXPECT_GT(fine, 28);
+    EXPECT_GT(fast, fine - 3);
+  }
+}
+
+/// A slope without a step is drawn by runs: as by the mean of each pixel's own disc.
+TEST(Focus, ASlopeIsBlurredByEachPixelsOwnDisc) {
+  FrameOutput out;
+  out.color.reset(kLensView), out.mixed_depth_m.reset(kLensView);
+  for (int y = 0; y < kLensView.height; ++y)
+    for (int x = 0; x < kLensView.width; ++x) {
+      out.color.at(x, y) =
+          grey(static_cast<float>(0.4 + 0.3 * std::sin(0.5 * x) * std::cos(0.4 * y)));
+      out.mixed_depth_m.at(x, y) = static_cast<float>(1 / (0.2 + 0.0015 * x + 0.001 * y));
+    }
+  const FrameOutput sharp = out;
+  Crew crew(1);
+  FocusScratch scratch;
+  Focus focus;
+  focus.distance_m = 5, focus.aperture_m = 0.4F, focus.most_blur_px = 40;
+  draw_focus(crew, focus, kFx_px, scratch, out);
+  const auto& linear = linear_of_srgb_bytes();
+  int worst = 0;
+  for (int y = 14; y < kLensView.height - 14; y += 3)
+    for (int x = 14; x < kLensView.width - 14; x += 3) {
+      const double r = 0.5 * kFx_px * 0.4 * std::abs(1 / sharp.mixed_depth_m.at(x, y) - 0.2);
+      double sum = 0, count = 0;
+      for (int j = -13; j <= 13; ++j)
+        for (int i = -13; i <= 13; ++i) {
+          const double part = std::clamp(r + 0.5 - std::hypot(i, j), 0.0, 1.0);
+          sum += part * linear[sharp.color.at(x + i, y + j).g], count += part;
+        }
+      const int expected =
+          r < 0.6 ? sharp.color.at(x, y).g : grey(static_cast<float>(sum / count)).g;
+      worst = std::max(worst, std::abs(expected - out.color.at(x, y).g));
+    }
+  EXPECT_LE(worst, 2) << "radii lie between those of the table";
 }
 
 TEST(Focus, TheFastRungIsCloseToTheFineOneWhereDiscsAreWide) {

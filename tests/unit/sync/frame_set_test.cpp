@@ -59,6 +59,26 @@ TEST_F(FrameSets, TakesTheNearestAndNothingTooFar) {
   EXPECT_EQ(builder_.incomplete(), 1U);
 }
 
+/// 25 Hz; every 500th frame of one stream is lost, every 700th of another.
+TEST_F(FrameSets, EightHoursAreAccountedForFrameByFrame) {
+  constexpr std::uint64_t kFrames = 8 * 3600 * 25;
+  std::uint64_t lost = 0, incomplete = 0;
+  for (std::uint64_t i = 1; i <= kFrames; ++i) {
+    const bool no_lead = i % 500 == 0, no_depth = i % 700 == 0;
+    if (!no_lead) add(0, 4 * i);
+    if (!no_depth) add(1, 4 * i);
+    add(2, 4 * i);
+    lost += no_lead, incomplete += no_depth && !no_lead;
+  }
+  builder_.flush();
+  EXPECT_EQ(builder_.sets(), kFrames - lost);
+  EXPECT_EQ(count_, kFrames - lost);
+  EXPECT_EQ(builder_.incomplete(), incomplete);
+  EXPECT_EQ(builder_.refused(), 0U);
+  const Seen& last = seen_[(count_ - 1) % 512];
+  EXPECT_EQ(last.tick, 4 * (kFrames % 500 == 0 ? kFrames - 1 : kFrames));
+}
+
 TEST_F(FrameSets, ASilentCameraDoesNotDelayTheOthers) {
   for (std::uint64_t tick = 4; tick <= 20; tick += 4) {
     add(0, tick);
