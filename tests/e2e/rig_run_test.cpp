@@ -107,10 +107,10 @@ TEST_F(RigRun, TwoDepthCamerasAreCompositedLiveAsFromTheTake) {
               0);
     std::vector<Image<std::uint16_t>> pictures;
     for (int n = 1; n <= report(out + "/report.json").at("frames").get<int>(); ++n) {
-      auto read = image_io::read_png_gray16(
-          path(out + "/composite/depth/00000" + std::to_string(n) + ".png"));
-      EXPECT_TRUE(read) << n;
-      if (read) pictures.push_back(*std::move(read));
+      Image<std::uint16_t> picture;
+      const std::string name = out + "/composite/depth/00000" + std::to_string(n) + ".png";
+      EXPECT_TRUE(image_io::read_gray16(path(name), picture)) << name;
+      pictures.push_back(std::move(picture));
     }
     return pictures;
   };
