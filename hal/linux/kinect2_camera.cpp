@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order of commands and requests: facts of libfreenect2 (at fd64c5d, libfreenect2.cpp and
-// usb_control.cpp).
 #include "hal/linux/kinect2_camera.h"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/device/stream_count.h"
+#include "hal/linux/kinect2_link.h"
 #include "hal/wire/kinect2_streams.h"
 
 namespace mixrig::device {
@@ -21,54 +19,26 @@ namespace {
 
 constexpr int kKinectBuffers = 10;
 constexpr Duration kKinectWait = std::chrono::milliseconds(100);
-constexpr Duration kKinectLookAgain = std::chrono::milliseconds(250);
 constexpr Duration kKinectSilence = std::chrono::seconds(1);
-constexpr std::uint8_t kCommandOut = 0x02, kCommandIn = 0x81, kColorIn = 0x83, kInfraredIn = 0x84;
-constexpr int kInfraredInterface = 1, kStatusTries = 50;
-constexpr std::uint32_t kMostPage = 0x1C0000;
+constexpr std::uint8_t kColorIn = 0x83, kInfraredIn = 0x84;
 constexpr std::array<StreamPipe, 2> kPipes{StreamPipe{kInfraredIn, true, 60, 8, 0x8400},
                                            StreamPipe{kColorIn, false, 20, 1, 0x4000}};
-// USB 3.1: SET_ISOCH_DELAY of 40 ns; SET_FEATURE U1 and U2; FUNCTION_SUSPEND of interface 0.
-constexpr UsbRequest kIsochronousDelay{0, 49, 40, 0}, kEnableU1{0, 3, 48, 0},
-    kEnableU2{0, 3, 49, 0};
-constexpr UsbRequest kVideoOn{1, 3, 0, 0}, kVideoOff{1, 3, 0, 0x0300};
-
-Kinect2Request page(Kinect2Page number, std::uint32_t most, std::uint32_t least) {
-  return {Kinect2Command::kPage, {static_cast<std::uint32_t>(number)}, 1, most, least};
-}
-Kinect2Request set_mode(std::uint32_t on, std::uint32_t value = 0) {
-  return {Kinect2Command::kSetMode, {on, value}, 4};
-}
-const Kinect2Request kReadStatus{Kinect2Command::kStatus, {0x090000}, 1, 4, 4};
-
 }  // namespace
 
-/// Counter, stamps and health of one of the two streams.
+/// One of the two streams.
 struct KinectStream {
   FrameSink sink;  ///< empty: not started
-  bool first = true, after_restart = false;
-  std::uint32_t last = 0;
-  StreamHealth health;
-
-  void restart() { after_restart = after_restart || !first, first = true; }
-  /// Sets number and flags of a frame and counts what was lost before it.
-  void number(std::uint32_t frame, Frame& out) {
-    out.sequence = frame;
-    if (const std::uint32_t ahead = frame - last; !first && ahead > 1 && ahead < 0x80000000U) {
-      out.flags |= kFrameAfterGap;
-      health.lost += ahead - 1;
-    }
-    if (std::exchange(after_restart, false)) out.flags |= kFrameRestarted;
-    first = false;
-    last = frame;
-  }
+  StreamCount count;
 };
 
 class Kinect2 {
  public:
   Kinect2(std::unique_ptr<UsbStreams> usb, std::string uri, Clock& clock)
-      : usb_(std::move(usb)), uri_(std::move(uri)), clock_(clock) {}
-  ~Kinect2() { stop_thread(); }
+      : usb_(std::move(usb)),
+        uri_(std::move(uri)),
+        clock_(clock),
+        link_(*usb_, uri_, clock),
+        thread_(clock) {}
   Result<void> open(const MakeRawDepthDecoder& make);
 
   Result<void> start(bool depth, FrameSink sink);
@@ -79,10 +49,7 @@ class Kinect2 {
   const DepthInfo& steps() const { return decoder_->depth(); }
 
  private:
-  Result<std::vector<std::uint8_t>> ask(const Kinect2Request& request);
   Result<void> begin_stream();
-  void end_stream();
-  void stop_thread();
   void work();
   void recover(BulkState state);
   void take(const StreamPacket& packet);
@@ -94,10 +61,9 @@ class Kinect2 {
   std::unique_ptr<UsbStreams> usb_;
   std::string uri_;
   Clock& clock_;
+  Kinect2Link link_;
   CameraInfo depth_info_, color_info_;
   std::unique_ptr<RawDepthDecoder> decoder_;
-  std::vector<std::uint8_t> answer_;
-  std::uint32_t sequence_ = 0;
   Kinect2DepthStream depth_stream_;
   Kinect2ColorStream color_stream_;
   FramePool depth_pool_{kKinectBuffers, 2 * kKinect2Depth.area(), 2 * kKinect2Depth.area(),
@@ -106,58 +72,19 @@ class Kinect2 {
   bool streams_ = false;
   HostTime last_bytes_at_{}, now_{};
   std::optional<std::uint64_t> ticks_;
-  std::thread thread_;
-  std::atomic<bool> stop_ = false;
   std::mutex control_;        ///< start and stop of the two cameras
   mutable std::mutex mutex_;  ///< guards what the cameras share with the thread
   KinectStream depth_, color_;
   DepthHealth depth_health_;
-  std::uint64_t returns_ = 0, stalls_ = 0;
+  std::uint64_t stalls_ = 0;
+  DriverThread thread_;
 };
 
-/// Sends a command and reads its answer and its completion.
-Result<std::vector<std::uint8_t>> Kinect2::ask(const Kinect2Request& request) {
-  const std::uint32_t sequence = sequence_++;
-  MIXRIG_TRY(usb_->write(kCommandOut, pack_kinect2_request(request, sequence)));
-  const auto failed = [&](const char* what) {
-    return Error{ErrorCode::kDevice, uri_ + ": command " +
-                                         std::to_string(static_cast<int>(request.command)) + " " +
-                                         what + ": plug the camera in again"};
-  };
-  std::vector<std::uint8_t> answer;
-  if (request.most_answer > 0) {
-    answer.resize(request.most_answer);
-    MIXRIG_ASSIGN(const std::size_t got, usb_->read(kCommandIn, answer));
-    answer.resize(got);
-    if (parse_kinect2_complete(answer) || got < request.least_answer)
-      return failed("was answered with too little");
-  }
-  std::array<std::uint8_t, 16> complete{};
-  MIXRIG_ASSIGN(const std::size_t got, usb_->read(kCommandIn, complete));
-  const auto done = parse_kinect2_complete(std::span<const std::uint8_t>(complete).first(got));
-  if (!done || *done != sequence) return failed("was not completed");
-  return answer;
-}
-
 Result<void> Kinect2::open(const MakeRawDepthDecoder& make) {
-  MIXRIG_TRY(usb_->open());
-  MIXRIG_TRY(usb_->request(kIsochronousDelay));
-  MIXRIG_TRY(usb_->set_alternate(kInfraredInterface, 0));
-  MIXRIG_TRY(usb_->request(kEnableU1));
-  MIXRIG_TRY(usb_->request(kEnableU2));
-  MIXRIG_TRY(usb_->request(kVideoOn));
-  MIXRIG_ASSIGN(auto bytes, ask({Kinect2Command::kFirmware, {}, 0, 0x200, 60}));
-  MIXRIG_ASSIGN(const std::string firmware, parse_kinect2_firmware(bytes));
-  MIXRIG_ASSIGN(bytes, ask(page(Kinect2Page::kSerial, 0x80, 2)));
-  MIXRIG_ASSIGN(const std::string serial, parse_kinect2_serial(bytes));
-  MIXRIG_ASSIGN(bytes, ask(page(Kinect2Page::kInfrared, kMostPage, 92)));
-  MIXRIG_ASSIGN(const Kinect2Infrared infrared, parse_kinect2_infrared(bytes));
-  MIXRIG_ASSIGN(bytes, ask(page(Kinect2Page::kPhaseOffsets, kMostPage, 1302572)));
-  MIXRIG_ASSIGN(const Kinect2Offsets offsets, parse_kinect2_offsets(bytes));
-  MIXRIG_TRY(usb_->request(kVideoOff));
+  MIXRIG_ASSIGN(const Kinect2Description told, link_.describe());
   depth_info_.uri = uri_;
-  depth_info_.model = "Kinect v2, firmware " + firmware;
-  depth_info_.serial = serial;
+  depth_info_.model = "Kinect v2, firmware " + told.firmware;
+  depth_info_.serial = told.serial;
   depth_info_.rate_hz = 30;
   depth_info_.stamp_clock = StampClock::kDevice;
   depth_info_.usb_vendor = 0x045E;
@@ -166,7 +93,7 @@ Result<void> Kinect2::open(const MakeRawDepthDecoder& make) {
   color_info_.uri += "/color";
   color_info_.size = kKinect2Color, color_info_.format = PixelFormat::kMjpeg;
   color_info_.mirrored = true;
-  decoder_ = make(infrared, offsets);
+  decoder_ = make(told.infrared, told.offsets);
   return {};
 }
 
@@ -176,53 +103,26 @@ Result<void> Kinect2::begin_stream() {
   ticks_.reset();
   {
     const std::lock_guard lock(mutex_);
-    depth_.restart(), color_.restart();
+    depth_.count.begin(), color_.count.begin();
   }
-  MIXRIG_TRY(usb_->open());
-  MIXRIG_TRY(usb_->request(kVideoOn));
-  MIXRIG_TRY(ask(set_mode(1, 0x00640064)));
-  MIXRIG_TRY(ask(set_mode(0)));
-  bool ready = false;
-  for (int i = 0; i < kStatusTries && !ready; ++i) {
-    MIXRIG_ASSIGN(const auto bytes, ask(kReadStatus));
-    MIXRIG_ASSIGN(const std::uint32_t status, parse_kinect2_status(bytes));
-    ready = (status & 1) != 0;
-    if (!ready) clock_.sleep_until(clock_.now() + kKinectWait);
-  }
-  if (!ready)
-    return Error{ErrorCode::kDevice, uri_ + ": does not get ready: check its power supply"};
-  MIXRIG_TRY(ask({Kinect2Command::kInitStreams}));
-  MIXRIG_TRY(usb_->set_alternate(kInfraredInterface, 1));
-  MIXRIG_TRY(ask(kReadStatus));
-  MIXRIG_TRY(ask({Kinect2Command::kSetStreaming, {1}, 1}));
+  MIXRIG_TRY(link_.begin());
   MIXRIG_TRY(usb_->submit(kPipes));
   last_bytes_at_ = clock_.now();
   streams_ = false;
   return {};
 }
 
-void Kinect2::end_stream() {
-  usb_->cancel();
-  (void)usb_->set_alternate(kInfraredInterface, 0);
-  for (const Kinect2Request& request :
-       {set_mode(1, 0x00640064), set_mode(0), Kinect2Request{Kinect2Command::kStop},
-        Kinect2Request{Kinect2Command::kSetStreaming, {0}, 1}, set_mode(1), set_mode(0)})
-    if (!ask(request)) break;
-  (void)usb_->request(kVideoOff);
-}
-
 Result<void> Kinect2::start(bool depth, FrameSink sink) {
   const std::lock_guard control(control_);
   KinectStream& stream = depth ? depth_ : color_;
   if (stream.sink) return Error{ErrorCode::kUsage, info(depth).uri + ": the camera runs already"};
-  if (!thread_.joinable()) {
+  if (!thread_.runs()) {
     MIXRIG_TRY(begin_stream());
-    stop_ = false;
-    thread_ = std::thread([this] { work(); });
+    thread_.start([this] { work(); });
   }
   const std::lock_guard lock(mutex_);
   stream.sink = std::move(sink);
-  stream.health.state = DeviceState::kStreaming;
+  stream.count.health.state = DeviceState::kStreaming;
   return {};
 }
 
@@ -234,55 +134,53 @@ void Kinect2::stop(bool depth) {
     KinectStream& stream = depth ? depth_ : color_;
     if (!stream.sink) return;
     stream.sink = nullptr;
-    stream.health.state = DeviceState::kStopped;
+    stream.count.health.state = DeviceState::kStopped;
     last = !depth_.sink && !color_.sink;
   }
-  if (last) stop_thread();
-}
-
-void Kinect2::stop_thread() {
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
+  if (last) thread_.stop();
 }
 
 void Kinect2::work() {
   const StreamSink sink = [this](const StreamPacket& packet) { take(packet); };
-  while (!stop_) {
+  while (!thread_.stopping()) {
     BulkState state = usb_->pump(kKinectWait, sink);
     if (state == BulkState::kFlowing && streams_ && clock_.now() - last_bytes_at_ > kKinectSilence)
       state = BulkState::kStalled;
     if (state != BulkState::kFlowing) recover(state);
   }
-  end_stream();
+  usb_->cancel();
+  link_.end();
 }
 
 void Kinect2::recover(BulkState state) {
   set_state(DeviceState::kLost);
-  log_warning("usb", uri_ + (state == BulkState::kGone ? ": lost; looking for it"
-                                                       : ": stalled; starting it again"));
-  if (state == BulkState::kStalled) {
-    const std::lock_guard lock(mutex_);
-    ++stalls_;
-  }
   usb_->cancel();
   usb_->close();
-  while (!stop_) {
-    if (begin_stream()) {
-      {
-        const std::lock_guard lock(mutex_);
-        ++returns_;
-      }
-      return set_state(DeviceState::kStreaming);
+  const auto again = [this] {
+    if (!begin_stream()) {
+      usb_->close();
+      return false;
     }
-    usb_->close();
-    clock_.sleep_until(clock_.now() + kKinectLookAgain);
+    const std::lock_guard lock(mutex_);
+    for (KinectStream* stream : {&depth_, &color_})
+      if (stream->sink) stream->count.come_back();
+    return true;
+  };
+  if (state == BulkState::kStalled) {
+    log_warning("usb", uri_ + ": stalled; starting it again");
+    {
+      const std::lock_guard lock(mutex_);
+      ++stalls_;
+    }
+    if (again()) return;
   }
+  thread_.find_again("usb", uri_, again);
 }
 
 void Kinect2::set_state(DeviceState state) {
   const std::lock_guard lock(mutex_);
   for (KinectStream* stream : {&depth_, &color_})
-    if (stream->sink) stream->health.state = state;
+    if (stream->sink) stream->count.health.state = state;
 }
 
 /// A sink runs under the lock: stop() returns after its last call.
@@ -295,8 +193,8 @@ void Kinect2::take(const StreamPacket& packet) {
                        [this](const Kinect2RawFrame& raw) { publish_depth(raw); });
   if (packet.endpoint == kColorIn && color_.sink)
     color_stream_.feed(packet.bytes, [this](const Kinect2ColorPacket& c) { publish_color(c); });
-  depth_.health.link_errors = depth_stream_.link_errors();
-  color_.health.link_errors = color_stream_.link_errors();
+  depth_.count.health.link_errors = depth_stream_.link_errors();
+  color_.count.health.link_errors = color_stream_.link_errors();
 }
 
 /// Ticks of 0.125 ms that wrap after 149 hours, on one time line for both streams.
@@ -313,19 +211,18 @@ void Kinect2::publish_depth(const Kinect2RawFrame& raw) {
   Frame frame{.format = PixelFormat::kDepth16,
               .size = kKinect2Depth,
               .stride_bytes = 2 * static_cast<std::size_t>(kKinect2Depth.width),
+              .sequence = raw.frame,
               .device_time = time_of(raw.ticks),
               .received = now_};
-  depth_.number(raw.frame, frame);
-  if (!raw.whole) frame.flags |= kFrameIncomplete, ++depth_.health.incomplete;
+  if (!raw.whole) frame.flags |= kFrameIncomplete;
   FramePool::Draft draft = depth_pool_.take();
-  if (!draft) return void(++depth_.health.overrun);
+  if (!depth_.count.count(frame, static_cast<bool>(draft))) return;
   if (raw.whole) {
     decoder_->decode(raw.pictures, draft.bytes(), draft.amplitude(), draft.confidence());
   } else {
     for (const auto part : {draft.bytes(), draft.amplitude(), draft.confidence()})
       std::fill(part.begin(), part.end(), std::uint8_t{0});
   }
-  ++depth_.health.frames;
   std::uint64_t sum = 0;
   const auto amplitude = draft.amplitude();
   for (std::size_t i = 0; i + 1 < amplitude.size(); i += 2)
@@ -339,21 +236,19 @@ void Kinect2::publish_depth(const Kinect2RawFrame& raw) {
 void Kinect2::publish_color(const Kinect2ColorPacket& packet) {
   Frame frame{.format = PixelFormat::kMjpeg,
               .size = kKinect2Color,
+              .sequence = packet.frame,
               .device_time = time_of(packet.ticks),
               .received = now_,
               .exposure = Duration(static_cast<std::int64_t>(1e6 * packet.exposure_ms))};
-  color_.number(packet.frame, frame);
   FramePool::Draft draft = color_pool_.take();
-  if (!draft) return void(++color_.health.overrun);
+  if (!color_.count.count(frame, static_cast<bool>(draft))) return;
   std::copy(packet.jpeg.begin(), packet.jpeg.end(), draft.bytes().begin());
-  ++color_.health.frames;
   color_.sink(std::move(draft).publish(frame, packet.jpeg.size()));
 }
 
 StreamHealth Kinect2::health(bool depth) const {
   const std::lock_guard lock(mutex_);
-  StreamHealth health = depth ? depth_.health : color_.health;
-  health.returns = returns_;
+  StreamHealth health = depth ? depth_.count.health : color_.count.health;
   health.link_errors += stalls_;
   return health;
 }

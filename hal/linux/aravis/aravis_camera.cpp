@@ -8,13 +8,12 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <thread>
 #include <utility>
 
 #include <arv.h>
 
-#include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/aravis/aravis_chunks.h"
 #include "hal/linux/aravis/aravis_setup.h"
 #include "hal/wire/genicam_buffer.h"
@@ -26,7 +25,6 @@ constexpr int kLibraryBuffers = 8, kBuffers = 10;
 constexpr std::size_t kMostParts = 8;
 constexpr int kSocketBuffer_bytes = 16 << 20;  // the kernel gives at most net.core.rmem_max
 constexpr guint64 kWait_us = 100000;
-constexpr Duration kAravisLookAgain = std::chrono::milliseconds(250);
 
 template <typename T>
 struct Unref {
@@ -38,7 +36,7 @@ using Object = std::unique_ptr<T, Unref<T>>;
 class AravisCamera final : public Camera {
  public:
   AravisCamera(std::string id, const StreamRequest& request, bool depth, Clock& clock)
-      : id_(std::move(id)), request_(request), depth_(depth), clock_(clock) {
+      : id_(std::move(id)), request_(request), depth_(depth), clock_(clock), thread_(clock) {
     info_.uri = "aravis:" + id_;
   }
   ~AravisCamera() override { stop(); }
@@ -79,13 +77,11 @@ class AravisCamera final : public Camera {
   Object<ArvChunkParser> parser_;  ///< of chunks_; for the driver's thread
   std::optional<FramePool> pool_;
   FrameSink sink_;
-  std::thread thread_;
-  std::atomic<bool> stop_ = false, gone_ = false;
-  mutable std::mutex mutex_;  ///< guards health_ and camera_ against set/get
-  StreamHealth health_;
+  std::atomic<bool> gone_ = false;
+  mutable std::mutex mutex_;  ///< guards count_ and camera_ against set/get
+  StreamCount count_;
   std::map<CameraControl, double> settings_;
-  std::optional<std::uint64_t> last_id_;
-  bool restarted_ = false;
+  DriverThread thread_;
 };
 
 Result<void> AravisCamera::open() {
@@ -139,16 +135,15 @@ Result<void> AravisCamera::set_up() {
 }
 
 Result<void> AravisCamera::start(FrameSink sink) {
-  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  if (thread_.runs()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
   sink_ = std::move(sink);
-  last_id_.reset();
   MIXRIG_TRY(start_stream());
   {
     const std::lock_guard lock(mutex_);
-    health_.state = DeviceState::kStreaming;
+    count_.health.state = DeviceState::kStreaming;
+    count_.begin();
   }
-  stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_.start([this] { work(); });
   return {};
 }
 
@@ -181,16 +176,14 @@ void AravisCamera::close_stream() {
 }
 
 void AravisCamera::stop() {
-  stop_ = true;
-  if (!thread_.joinable()) return;
-  thread_.join();
+  if (!thread_.stop()) return;
   close_stream();
   const std::lock_guard lock(mutex_);
-  health_.state = DeviceState::kStopped;
+  count_.health.state = DeviceState::kStopped;
 }
 
 void AravisCamera::work() {
-  while (!stop_) {
+  while (!thread_.stopping()) {
     if (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), kWait_us)) {
       take(buffer);
       arv_stream_push_buffer(stream_.get(), buffer);
@@ -239,23 +232,14 @@ void AravisCamera::take(ArvBuffer* buffer) {
       .received = clock_.now()};
   const bool arrived = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
   if (arrived && parser_) read_aravis_chunks(parser_.get(), buffer, chunks_, frame);
-  const std::uint64_t id = frame.sequence;
   auto draft = pool_->take();
   const DepthUsed used = arrived && draft ? copy(buffer, draft) : DepthUsed();
   const bool whole = used.depth > 0;
   if (!whole) frame.flags |= kFrameIncomplete;
   {
     const std::lock_guard lock(mutex_);
-    if (last_id_ && id > *last_id_ + 1) {
-      health_.lost += id - *last_id_ - 1;
-      frame.flags |= kFrameAfterGap;
-    }
-    last_id_ = id;
-    if (!draft) return void(++health_.overrun);
-    if (!whole) ++health_.incomplete;
-    ++health_.frames;
+    if (!count_.count(frame, static_cast<bool>(draft))) return;
   }
-  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
   const std::size_t bytes = draft.bytes().size();
   sink_(std::move(draft).publish(frame, bytes, used.amplitude, used.confidence));
 }
@@ -263,22 +247,16 @@ void AravisCamera::take(ArvBuffer* buffer) {
 void AravisCamera::come_back() {
   {
     const std::lock_guard lock(mutex_);
-    health_.state = DeviceState::kLost;
+    count_.health.state = DeviceState::kLost;
     stream_.reset();
     camera_.reset();
   }
-  log_warning("aravis", info_.uri + ": lost; looking for it");
-  while (!stop_) {
-    clock_.sleep_until(clock_.now() + kAravisLookAgain);
+  thread_.find_again("aravis", info_.uri, [this] {
     const std::lock_guard lock(mutex_);
-    if (!connect() || !set_up() || !start_stream()) continue;
-    health_.state = DeviceState::kStreaming;
-    ++health_.returns;
-    last_id_.reset();
-    restarted_ = true;
-    log_warning("aravis", info_.uri + ": is back");
-    return;
-  }
+    if (!connect() || !set_up() || !start_stream()) return false;
+    count_.come_back();
+    return true;
+  });
 }
 
 Result<void> AravisCamera::set(CameraControl control, double value) {
@@ -325,7 +303,7 @@ Result<double> AravisCamera::get(CameraControl control) {
 
 StreamHealth AravisCamera::health() const {
   const std::lock_guard lock(mutex_);
-  return health_;
+  return count_.health;
 }
 
 Result<std::unique_ptr<AravisCamera>> open_camera(const std::string& id,

@@ -10,7 +10,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <libcamera/camera.h>
@@ -20,8 +19,8 @@
 #include <libcamera/property_ids.h>
 #include <libcamera/request.h>
 
-#include "hal/base/log.h"
 #include "hal/device/frame_pool.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/libcamera/libcamera_parts.h"
 #include "hal/wire/libcamera_format.h"
 
@@ -31,12 +30,11 @@ namespace {
 constexpr int kLibcameraFrames = 10;
 constexpr unsigned kLibcameraBuffers = 6;
 constexpr Duration kLibcameraWait = std::chrono::milliseconds(100);
-constexpr Duration kLibcameraLookAgain = std::chrono::milliseconds(250);
 
 class LibcameraCamera final : public Camera {
  public:
   LibcameraCamera(std::string id, const StreamRequest& request, Clock& clock)
-      : id_(std::move(id)), request_(request), clock_(clock) {
+      : id_(std::move(id)), request_(request), clock_(clock), thread_(clock) {
     info_.uri = "libcamera:" + id_;
     info_.stamp_clock = StampClock::kHost;
   }
@@ -84,16 +82,14 @@ class LibcameraCamera final : public Camera {
   V4l2Layout layout_;
   std::optional<FramePool> pool_;
   FrameSink sink_;
-  std::thread thread_;
-  std::atomic<bool> stop_ = false, gone_ = false;
+  std::atomic<bool> gone_ = false;
   std::mutex done_mutex_;  ///< guards done_; the library's thread takes it
   std::condition_variable done_changed_;
   std::deque<lc::Request*> done_;
-  mutable std::mutex mutex_;  ///< guards health_ and settings_
-  StreamHealth health_;
+  mutable std::mutex mutex_;  ///< guards count_ and settings_
+  StreamCount count_;
   std::map<CameraControl, double> settings_;
-  std::optional<std::uint32_t> last_sequence_;
-  bool restarted_ = false;
+  DriverThread thread_;
 };
 
 Result<void> LibcameraCamera::open() {
@@ -230,17 +226,16 @@ void LibcameraCamera::put_settings(lc::ControlList& controls) const {
 }
 
 Result<void> LibcameraCamera::start(FrameSink sink) {
-  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  if (thread_.runs()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
   if (!camera_) MIXRIG_TRY(take_hold());
   MIXRIG_TRY(start_stream());
   sink_ = std::move(sink);
   {
     const std::lock_guard lock(mutex_);
-    health_.state = DeviceState::kStreaming;
-    last_sequence_.reset();
+    count_.health.state = DeviceState::kStreaming;
+    count_.begin();
   }
-  stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_.start([this] { work(); });
   return {};
 }
 
@@ -274,12 +269,10 @@ void LibcameraCamera::end_stream() {
 }
 
 void LibcameraCamera::stop() {
-  stop_ = true;
-  if (!thread_.joinable()) return;
-  thread_.join();
+  if (!thread_.stop()) return;
   end_stream();
   const std::lock_guard lock(mutex_);
-  health_.state = DeviceState::kStopped;
+  count_.health.state = DeviceState::kStopped;
 }
 
 /// On the library's thread.
@@ -290,7 +283,7 @@ void LibcameraCamera::completed(lc::Request* request) {
 }
 
 void LibcameraCamera::work() {
-  while (!stop_) {
+  while (!thread_.stopping()) {
     lc::Request* request = nullptr;
     {
       std::unique_lock lock(done_mutex_);
@@ -330,44 +323,30 @@ void LibcameraCamera::take(lc::Request* request) {
   auto draft = pool_->take();
   {
     const std::lock_guard lock(mutex_);
-    if (last_sequence_ && about.sequence > *last_sequence_ + 1) {
-      health_.lost += about.sequence - *last_sequence_ - 1;
-      frame.flags |= kFrameAfterGap;
-    }
-    last_sequence_ = about.sequence;
-    if (frame.flags & kFrameIncomplete) ++health_.incomplete;
-    if (!draft) return void(++health_.overrun);
-    ++health_.frames;
+    if (!count_.count(frame, static_cast<bool>(draft))) return;
   }
-  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
   const std::size_t used = copy_v4l2_picture(layout_, bytes, draft.bytes());
   sink_(std::move(draft).publish(frame, used));
 }
 
-/// Waits until the camera is plugged in again. Logged once, not per try.
+/// Waits until the camera is plugged in again.
 void LibcameraCamera::come_back() {
   {
     const std::lock_guard lock(mutex_);
-    health_.state = DeviceState::kLost;
+    count_.health.state = DeviceState::kLost;
   }
-  log_warning("libcamera", info_.uri + ": lost; looking for it");
   end_stream();
   let_go();
-  while (!stop_) {
-    clock_.sleep_until(clock_.now() + kLibcameraLookAgain);
-    if (!take_hold()) continue;
+  thread_.find_again("libcamera", info_.uri, [this] {
+    if (!take_hold()) return false;
     if (!start_stream()) {
       let_go();
-      continue;
+      return false;
     }
     const std::lock_guard lock(mutex_);
-    health_.state = DeviceState::kStreaming;
-    ++health_.returns;
-    last_sequence_.reset();
-    restarted_ = true;
-    log_warning("libcamera", info_.uri + ": is back");
-    return;
-  }
+    count_.come_back();
+    return true;
+  });
 }
 
 Result<void> LibcameraCamera::set(CameraControl control, double value) {
@@ -395,7 +374,7 @@ Result<double> LibcameraCamera::get(CameraControl control) {
 
 StreamHealth LibcameraCamera::health() const {
   const std::lock_guard lock(mutex_);
-  return health_;
+  return count_.health;
 }
 
 }  // namespace

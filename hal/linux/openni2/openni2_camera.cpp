@@ -20,8 +20,8 @@ Result<void> OpenNi2Device::start(NiChannel& channel, FrameSink sink) {
   const std::lock_guard lock(mutex_);
   if (channel.sink) return Error{ErrorCode::kUsage, uri_ + ": the camera runs already"};
   channel.sink = std::move(sink);
-  channel.last.reset();
-  channel.health.state = DeviceState::kStreaming;
+  channel.count.begin();
+  channel.count.health.state = DeviceState::kStreaming;
   if (!stop_) return {};
   for (const NiChannel& other : channels_)
     if (other.taken && !other.sink) return {};
@@ -31,7 +31,7 @@ Result<void> OpenNi2Device::start(NiChannel& channel, FrameSink sink) {
   if (ready) ready = start_streams();
   if (!ready) {
     channel.sink = nullptr;
-    channel.health.state = DeviceState::kStopped;
+    channel.count.health.state = DeviceState::kStopped;
     return ready;
   }
   stop_ = false;
@@ -57,7 +57,7 @@ void OpenNi2Device::stop(NiChannel& channel) {
   {
     const std::lock_guard lock(mutex_);
     channel.sink = nullptr;
-    channel.health.state = DeviceState::kStopped;
+    channel.count.health.state = DeviceState::kStopped;
     for (const NiChannel& other : channels_)
       if (other.sink) return;
     stop_ = true;
@@ -71,7 +71,7 @@ void OpenNi2Device::stop(NiChannel& channel) {
 
 StreamHealth OpenNi2Device::health(const NiChannel& channel) const {
   const std::lock_guard lock(mutex_);
-  return channel.health;
+  return channel.count.health;
 }
 
 void OpenNi2Device::work() {
@@ -105,20 +105,10 @@ void OpenNi2Device::publish(NiChannel& channel, const OniFrame& frame) {
             .received = clock_.now()};
   const std::lock_guard lock(mutex_);
   if (!channel.sink) return;
-  if (channel.last && out.sequence > *channel.last + 1) {
-    channel.health.lost += out.sequence - *channel.last - 1;
-    out.flags |= kFrameAfterGap;
-  }
-  channel.last = out.sequence;
   auto draft = channel.pool->take();
-  if (!draft) return void(++channel.health.overrun);
-  const bool whole = copy_openni2(frame, channel.mode, draft.bytes());
-  if (!whole) {
-    out.flags |= kFrameIncomplete;
-    ++channel.health.incomplete;
-  }
-  if (std::exchange(channel.restarted, false)) out.flags |= kFrameRestarted;
-  ++channel.health.frames;
+  const bool whole = draft && copy_openni2(frame, channel.mode, draft.bytes());
+  if (!whole) out.flags |= kFrameIncomplete;
+  if (!channel.count.count(out, static_cast<bool>(draft))) return;
   const std::size_t bytes = whole ? draft.bytes().size() : 0;
   channel.sink(std::move(draft).publish(out, bytes));
 }
@@ -126,7 +116,7 @@ void OpenNi2Device::publish(NiChannel& channel, const OniFrame& frame) {
 void OpenNi2Device::set_state(DeviceState state) {
   const std::lock_guard lock(mutex_);
   for (NiChannel& channel : channels_)
-    if (channel.sink) channel.health.state = state;
+    if (channel.sink) channel.count.health.state = state;
 }
 
 void OpenNi2Device::come_back() {
@@ -139,13 +129,11 @@ void OpenNi2Device::come_back() {
       disconnect();
       continue;
     }
-    set_state(DeviceState::kStreaming);
     const std::lock_guard lock(mutex_);
     for (NiChannel& channel : channels_) {
       if (!channel.taken) continue;
-      ++channel.health.returns;
-      channel.last.reset();
-      channel.restarted = true;
+      channel.count.come_back();
+      if (!channel.sink) channel.count.health.state = DeviceState::kStopped;
     }
     log_warning("openni2", uri_ + ": is back");
     return;

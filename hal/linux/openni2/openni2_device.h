@@ -17,6 +17,7 @@
 #include "hal/device/camera.h"
 #include "hal/device/depth_camera.h"
 #include "hal/device/frame_pool.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/openni2/openni2_stream.h"
 
 namespace mixrig::device {
@@ -56,9 +57,7 @@ struct NiChannel {
   std::optional<FramePool> pool{};
   bool taken = false;
   FrameSink sink{};  ///< empty while the camera is stopped
-  StreamHealth health{};
-  std::optional<std::uint64_t> last{};
-  bool restarted = false;
+  StreamCount count{};
 };
 
 class OpenNi2Device : public std::enable_shared_from_this<OpenNi2Device> {

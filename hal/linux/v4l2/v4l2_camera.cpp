@@ -4,19 +4,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "hal/base/log.h"
-
 namespace mixrig::device {
 namespace {
 
 constexpr int kCameraBuffers = 10;
 constexpr Duration kWait = std::chrono::milliseconds(100);
-constexpr Duration kLookAgain = std::chrono::milliseconds(250);
 
 }  // namespace
 
 V4l2Camera::V4l2Camera(std::string path, const StreamRequest& request, Clock& clock)
-    : path_(std::move(path)), request_(request), clock_(clock) {
+    : path_(std::move(path)), request_(request), clock_(clock), thread_(clock) {
   info_.uri = "v4l2:" + path_;
   info_.stamp_clock = StampClock::kHost;
 }
@@ -46,30 +43,28 @@ Result<void> V4l2Camera::set_up() {
 }
 
 Result<void> V4l2Camera::start(FrameSink sink) {
-  if (thread_.joinable()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
+  if (thread_.runs()) return Error{ErrorCode::kUsage, info_.uri + ": the camera runs already"};
   {
     const std::lock_guard lock(mutex_);
     if (!node_.is_open()) MIXRIG_TRY(set_up());
     MIXRIG_TRY(node_.start_streaming());
-    health_.state = DeviceState::kStreaming;
-    last_sequence_.reset();
+    count_.health.state = DeviceState::kStreaming;
+    count_.begin();
   }
   sink_ = std::move(sink);
-  stop_ = false;
-  thread_ = std::thread([this] { work(); });
+  thread_.start([this] { work(); });
   return {};
 }
 
 void V4l2Camera::stop() {
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
+  thread_.stop();
   const std::lock_guard lock(mutex_);
   node_.close();  // start() opens it again: some drivers cannot free single buffers
-  health_.state = DeviceState::kStopped;
+  count_.health.state = DeviceState::kStopped;
 }
 
 void V4l2Camera::work() {
-  while (!stop_) {
+  while (!thread_.stopping()) {
     auto next = node_.next(kWait);
     if (next && *next) {
       take(**next);
@@ -93,47 +88,33 @@ void V4l2Camera::take(const V4l2Picture& picture) {
   auto draft = pool_->take();
   {
     const std::lock_guard lock(mutex_);
-    if (last_sequence_ && picture.sequence > *last_sequence_ + 1) {
-      health_.lost += picture.sequence - *last_sequence_ - 1;
-      frame.flags |= kFrameAfterGap;
-    }
-    last_sequence_ = picture.sequence;
     const auto exposure = settings_.find(CameraControl::kExposure);
     if (exposure != settings_.end())
       frame.exposure = Duration(static_cast<long>(exposure->second * 1e9));
-    if (frame.flags & kFrameIncomplete) ++health_.incomplete;
-    if (!draft) return void(++health_.overrun);
-    ++health_.frames;
+    if (!count_.count(frame, static_cast<bool>(draft))) return;
   }
   if (picture.stamp_is_start) frame.device_time += frame.exposure / 2;
-  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
   const std::size_t used = copy_v4l2_picture(layout_, picture.bytes, draft.bytes());
   sink_(std::move(draft).publish(frame, used));
 }
 
-/// Waits until the device is plugged in again. Logged once, not per try.
+/// Waits until the device is plugged in again.
 void V4l2Camera::come_back() {
   {
     const std::lock_guard lock(mutex_);
     node_.close();
-    health_.state = DeviceState::kLost;
+    count_.health.state = DeviceState::kLost;
   }
-  log_warning("v4l2", info_.uri + ": lost; looking for it");
-  while (!stop_) {
-    clock_.sleep_until(clock_.now() + kLookAgain);
+  thread_.find_again("v4l2", info_.uri, [this] {
     const std::lock_guard lock(mutex_);
-    if (!set_up()) continue;
+    if (!set_up()) return false;
     if (!node_.start_streaming()) {
       node_.close();
-      continue;
+      return false;
     }
-    health_.state = DeviceState::kStreaming;
-    ++health_.returns;
-    last_sequence_.reset();
-    restarted_ = true;
-    log_warning("v4l2", info_.uri + ": is back");
-    return;
-  }
+    count_.come_back();
+    return true;
+  });
 }
 
 const ControlRange* V4l2Camera::range(CameraControl control) const {
@@ -167,7 +148,7 @@ Result<double> V4l2Camera::get(CameraControl control) {
 
 StreamHealth V4l2Camera::health() const {
   const std::lock_guard lock(mutex_);
-  return health_;
+  return count_.health;
 }
 
 }  // namespace mixrig::device

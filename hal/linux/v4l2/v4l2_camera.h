@@ -2,17 +2,16 @@
 // Cameras behind V4L2 nodes: `v4l2:/dev/video0`.
 #pragma once
 
-#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "hal/base/clock.h"
 #include "hal/device/camera.h"
 #include "hal/device/frame_pool.h"
+#include "hal/device/stream_count.h"
 #include "hal/linux/v4l2/v4l2_node.h"
 
 namespace mixrig::device {
@@ -49,14 +48,11 @@ class V4l2Camera final : public Camera {
   V4l2Layout layout_;
   std::optional<FramePool> pool_;
   FrameSink sink_;
-  std::thread thread_;
-  std::atomic<bool> stop_ = false;
-  mutable std::mutex mutex_;  ///< guards node_ against set/get, health_ and settings_
+  mutable std::mutex mutex_;  ///< guards node_ against set/get, count_ and settings_
   V4l2Node node_;
-  StreamHealth health_;
+  StreamCount count_;
   std::map<CameraControl, double> settings_;
-  std::optional<std::uint32_t> last_sequence_;
-  bool restarted_ = false;
+  DriverThread thread_;
 };
 
 }  // namespace mixrig::device

@@ -125,6 +125,11 @@ int FakeV4l2::queue(const v4l2_buffer& buffer) {
 
 int FakeV4l2::dequeue(v4l2_buffer& buffer) {
   if (buffer.type != type()) return fail(EINVAL);
+  if (unplug_after >= 0 && sequence_ == static_cast<std::uint32_t>(unplug_after)) {
+    unplug_after = -1;
+    absent_ = absent_for;
+    return fail(ENODEV);
+  }
   if (pictures.empty() || queued_.empty()) return fail(EAGAIN);
   buffer.index = queued_.front();
   queued_.pop_front();
@@ -161,6 +166,10 @@ int FakeV4l2::extend(const uvc_xu_control_query& query) {
 }
 
 int FakeV4l2::ioctl(unsigned long request, void* argument) {
+  if (absent_ > 0) {
+    if (request == VIDIOC_QUERYCAP && --absent_ == 0) queued_.clear(), sequence_ = 0;
+    return fail(ENODEV);
+  }
   switch (request) {
     case VIDIOC_QUERYCAP:
       return describe(as<v4l2_capability>(argument));

@@ -45,6 +45,8 @@ class FakeV4l2 {
   std::uint32_t colorspace = 0, ycbcr = 0, quantization = 0, transfer = 0;
   /// Bytes of each plane of the pictures to send.
   std::deque<std::vector<std::vector<std::uint8_t>>> pictures;
+  /// Unplugged after so many pictures (-1: never), until it was looked for so often.
+  int unplug_after = -1, absent_for = 0;
 
  private:
   int extend(const uvc_xu_control_query& query);
@@ -60,6 +62,7 @@ class FakeV4l2 {
   int fd_ = -1;
   std::deque<std::uint32_t> queued_;
   std::uint32_t sequence_ = 0;
+  int absent_ = 0;
 };
 
 }  // namespace mixrig::test

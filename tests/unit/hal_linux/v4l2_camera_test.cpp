@@ -147,5 +147,23 @@ TEST_F(V4l2Camera, TheFactoryCalibrationOfARealSenseComesThroughItsExtensionUnit
   EXPECT_NE(to_line(none.error()).find("asking for the factory calibration"), std::string::npos);
 }
 
+TEST_F(V4l2Camera, UnpluggedAndBackItDeliversAgain) {
+  node_.code = V4L2_PIX_FMT_GREY, node_.size = {4, 2}, node_.planes = {{4, 8}};
+  for (std::uint8_t i = 0; i < 5; ++i) node_.pictures.push_back({Bytes(8, i)});
+  node_.unplug_after = 3, node_.absent_for = 2;
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  const auto got = take(*camera, 5);
+  ASSERT_EQ(got.size(), 5U);
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    EXPECT_EQ(got[i].bytes, Bytes(8, static_cast<std::uint8_t>(i)));
+    EXPECT_EQ(got[i].flags, i == 3 ? device::kFrameRestarted : 0U) << i;
+  }
+  const device::StreamHealth health = camera->health();
+  EXPECT_EQ(health.returns, 1U);
+  EXPECT_EQ(health.lost, 0U) << "the counter began anew";
+  EXPECT_EQ(health.frames, 5U);
+}
+
 }  // namespace
 }  // namespace mixrig::test

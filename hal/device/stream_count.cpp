@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/device/stream_count.h"
+
+#include <utility>
+
+#include "hal/base/log.h"
+
+namespace mixrig::device {
+namespace {
+
+constexpr Duration kFindAgain = std::chrono::milliseconds(250);
+
+}  // namespace
+
+void StreamCount::come_back() {
+  health.state = DeviceState::kStreaming;
+  ++health.returns;
+  last_.reset();
+  restarted_ = true;
+}
+
+bool StreamCount::count(Frame& frame, bool has_buffer) {
+  if (last_ && frame.sequence > *last_ + 1) {
+    health.lost += frame.sequence - *last_ - 1;
+    frame.flags |= kFrameAfterGap;
+  }
+  last_ = frame.sequence;
+  if (!has_buffer) {
+    ++health.overrun;
+    return false;
+  }
+  if ((frame.flags & kFrameIncomplete) != 0) ++health.incomplete;
+  if (std::exchange(restarted_, false)) frame.flags |= kFrameRestarted;
+  ++health.frames;
+  return true;
+}
+
+void DriverThread::start(std::function<void()> work) {
+  stop_ = false;
+  thread_ = std::thread(std::move(work));
+}
+
+bool DriverThread::stop() {
+  stop_ = true;
+  if (!thread_.joinable()) return false;
+  thread_.join();
+  return true;
+}
+
+bool DriverThread::find_again(const char* who, const std::string& uri,
+                              const std::function<bool()>& find) {
+  log_warning(who, uri + ": lost; looking for it");
+  while (!stop_) {
+    clock_.sleep_until(clock_.now() + kFindAgain);
+    if (!find()) continue;
+    log_warning(who, uri + ": is back");
+    return true;
+  }
+  return false;
+}
+
+}  // namespace mixrig::device
