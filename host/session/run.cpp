@@ -17,6 +17,7 @@
 #include "host/output/stream_sink.h"
 #include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
+#include "host/session/change_sink.h"
 #include "host/session/contact_points.h"
 #include "host/session/frame_lens.h"
 #include "host/session/hiding_compositor.h"
@@ -188,8 +189,9 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_->open(options_.changes, gate()));
   if (options_.controls != nullptr) {
-    options_.controls->can_record = files_ != nullptr;
+    options_.controls->can_record = files_ != nullptr || options_.controls->records_takes;
     options_.controls->can_learn = keeper_->is_open();
+    options_.controls->can_scan = keeper_->is_open() && ChangeSink::can_scan(session_);
   }
   no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(compositor_->whole());
@@ -390,7 +392,8 @@ Result<bool> Runner::frame() {
     return false;
   }
   MIXRIG_TRY(follow_changes());
-  if (options_.controls != nullptr) recording_ = options_.controls->recording;  // of a whole frame
+  if (options_.controls != nullptr && !options_.controls->records_takes)
+    recording_ = options_.controls->recording;  // of a whole frame
   const render::OutputMask wanted = wanted_by_sinks(item->capture->number);
   const bool inspected = (wanted & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
@@ -479,12 +482,11 @@ Result<void> Runner::compose(const output::Composite& composite, render::OutputM
                              render::FrameOutput& images) {
   images.wanted = wanted;
   const Image<float>& depth_m = composite.capture->depth_m;
-  return compositor_->compose(
-      {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
-       composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
-       composite.capture->depth2.depth_m,
-       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
-      composite.objects_shown, images);
+  return compositor_->compose({composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
+                               composite.world_from_target, frame_lens(*composite.capture),
+                               composite.world_from_object, composite.capture->depth2.depth_m,
+                               scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
+                              composite.objects_shown, images);
 }
 
 /// In images of its own, so that composites which wait for a sink do not hold them.
