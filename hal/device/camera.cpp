@@ -13,6 +13,8 @@ std::string_view name(CameraControl control) {
       return "focus";
     case CameraControl::kWhiteBalance:
       return "white_balance";
+    case CameraControl::kZoom:
+      return "zoom";
   }
   return "unknown";
 }

@@ -57,8 +57,9 @@ enum class CameraControl {
   kGain,          ///< the device's own unit
   kFocus,         ///< the device's own unit; setting it turns autofocus off
   kWhiteBalance,  ///< kelvin; setting it turns automatic white balance off
+  kZoom,          ///< the device's own unit
 };
-inline constexpr int kCameraControls = 4;
+inline constexpr int kCameraControls = 5;
 std::string_view name(CameraControl control);
 
 struct ControlRange {
@@ -102,7 +103,8 @@ struct StreamHealth {
   std::uint64_t returns = 0;      ///< times the device was lost and found again
 };
 
-/// A camera. Methods are for one thread, except health(), which any thread may call.
+/// A camera. Methods are for one thread, except health(), which any thread may call, and set() and
+/// get(), which another one may call between start() and stop().
 class Camera {
  public:
   virtual ~Camera() = default;

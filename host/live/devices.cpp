@@ -249,7 +249,8 @@ Result<void> apply_controls(const CameraConfig& config, device::Camera& camera) 
   MIXRIG_TRY(set(device::CameraControl::kExposure, config.exposure_s));
   MIXRIG_TRY(set(device::CameraControl::kGain, config.gain));
   MIXRIG_TRY(set(device::CameraControl::kFocus, config.focus));
-  return set(device::CameraControl::kWhiteBalance, config.white_balance_k);
+  MIXRIG_TRY(set(device::CameraControl::kWhiteBalance, config.white_balance_k));
+  return set(device::CameraControl::kZoom, config.zoom);
 }
 
 Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,

@@ -89,7 +89,8 @@ Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
 /// Opens and sets up all devices that rig.toml names; stops at the first error. A device that is
 /// not there is kDevice, not kNotFound: it may be plugged in later, rig.toml is not wrong.
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener);
-/// Exposure, gain, focus and white balance as given in rig.toml. Errors: those of Camera::set.
+/// Exposure, gain, focus, white balance and zoom as given in rig.toml. Errors: those of
+/// Camera::set.
 Result<void> apply_controls(const CameraConfig& config, device::Camera& camera);
 
 }  // namespace mixrig::live

@@ -10,7 +10,8 @@
 namespace mixrig::live {
 namespace {
 
-constexpr std::array<device::CameraControl, device::kCameraControls> kControls{
+/// Zoom never adjusts itself.
+constexpr std::array<device::CameraControl, 4> kControls{
     device::CameraControl::kExposure, device::CameraControl::kGain, device::CameraControl::kFocus,
     device::CameraControl::kWhiteBalance};
 
@@ -24,6 +25,8 @@ bool is_fixed(const CameraConfig& config, device::CameraControl control) {
       return config.focus.has_value();
     case device::CameraControl::kWhiteBalance:
       return config.white_balance_k.has_value();
+    case device::CameraControl::kZoom:
+      break;
   }
   return true;
 }

@@ -20,7 +20,7 @@ class LiveSource final : public capture::CaptureSource {
  public:
   LiveSource(RigConfig config, Devices devices, capture::SourceInfo info,
              std::unique_ptr<LensStream> lens, const std::atomic<bool>& stop, Clock& clock,
-             WhenLost when_lost)
+             WhenLost when_lost, std::shared_ptr<CameraSettings> settings)
       : config_(std::move(config)),
         devices_(std::move(devices)),
         info_(std::move(info)),
@@ -31,8 +31,13 @@ class LiveSource final : public capture::CaptureSource {
         when_lost_(when_lost),
         decoder_(config_, devices_,
                  when_lost == WhenLost::kGoOn ? WithoutDepth::kHold : WithoutDepth::kSkip),
-        session_(config_, devices_, clock) {
+        session_(config_, devices_, clock),
+        settings_(std::move(settings)) {
     info_.frames = capture::kEndless;
+  }
+
+  ~LiveSource() override {
+    if (settings_) settings_->end();  // before the cameras stop
   }
 
   const capture::SourceInfo& info() const override { return info_; }
@@ -50,6 +55,7 @@ class LiveSource final : public capture::CaptureSource {
   }
 
  private:
+  Result<void> start();
   Error silence() const;
   bool waits_on();
   void count(const capture::Capture& capture);
@@ -64,6 +70,7 @@ class LiveSource final : public capture::CaptureSource {
   const WhenLost when_lost_;
   SetDecoder decoder_;
   LiveSession session_;
+  std::shared_ptr<CameraSettings> settings_;  ///< null: nobody sets anything
   bool started_ = false;
   std::atomic<std::uint64_t> left_out_ = 0;  ///< sets without colour or depth
   std::atomic<std::uint64_t> without_depth_ = 0, held_depth_ = 0;
@@ -72,6 +79,16 @@ class LiveSource final : public capture::CaptureSource {
   bool silent_ = false;                   ///< and it was said
   bool depth_gone_ = false;               ///< likewise
 };
+
+Result<void> LiveSource::start() {
+  MIXRIG_TRY(session_.start());
+  if (!settings_) return {};
+  std::vector<CameraSettings::Named> cameras;
+  for (std::size_t i = 0; i < devices_.cameras.size(); ++i)
+    cameras.push_back({config_.cameras[i].name, devices_.cameras[i].get()});
+  settings_->follow(std::move(cameras));
+  return {};
+}
 
 /// Why nothing came.
 Error LiveSource::silence() const {
@@ -111,7 +128,7 @@ void LiveSource::count(const capture::Capture& capture) {
 }
 
 Result<bool> LiveSource::read(int number, capture::Capture& capture) {
-  if (!std::exchange(started_, true)) MIXRIG_TRY(session_.start());
+  if (!std::exchange(started_, true)) MIXRIG_TRY(start());
   const HostTime begin = std::max(clock_.now(), config_.play_at.value_or(HostTime()));
   HostTime give_up = begin + kPatience;
   while (!stop_) {
@@ -144,14 +161,14 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
 
 }  // namespace
 
-Result<std::unique_ptr<capture::CaptureSource>> make_live_source(RigConfig config, Devices devices,
-                                                                 const std::atomic<bool>& stop,
-                                                                 Clock& clock, WhenLost when_lost) {
+Result<std::unique_ptr<capture::CaptureSource>> make_live_source(
+    RigConfig config, Devices devices, const std::atomic<bool>& stop, Clock& clock,
+    WhenLost when_lost, std::shared_ptr<CameraSettings> settings) {
   MIXRIG_ASSIGN(capture::SourceInfo info, take_info(config, devices));
   MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
   return std::unique_ptr<capture::CaptureSource>(
       std::make_unique<LiveSource>(std::move(config), std::move(devices), std::move(info),
-                                   std::move(lens), stop, clock, when_lost));
+                                   std::move(lens), stop, clock, when_lost, std::move(settings)));
 }
 
 }  // namespace mixrig::live

@@ -106,6 +106,7 @@ CameraConfig parse_camera(const config::Table& table, const std::string& fallbac
   camera.gain = optional_number(table, "gain", {-1e6, 1e6});
   camera.focus = optional_number(table, "focus", {-1e6, 1e6});
   camera.white_balance_k = optional_number(table, "white_balance_k", {100, 1e5});
+  camera.zoom = optional_number(table, "zoom", {-1e6, 1e6});
   return camera;
 }
 
@@ -199,6 +200,7 @@ Writer camera_table(const CameraConfig& camera) {
   if (camera.gain) table.set("gain", *camera.gain);
   if (camera.focus) table.set("focus", *camera.focus);
   if (camera.white_balance_k) table.set("white_balance_k", *camera.white_balance_k);
+  if (camera.zoom) table.set("zoom", *camera.zoom);
   return table;
 }
 

@@ -45,7 +45,7 @@ struct CameraConfig {
   device::StreamRequest request;
   int trigger_line = -1;  ///< line of the trigger that fires the camera; -1 runs free
   Duration delay{};  ///< from the tick to the stamp: trigger latency, half the exposure, transport
-  std::optional<double> exposure_s, gain, focus, white_balance_k;
+  std::optional<double> exposure_s, gain, focus, white_balance_k, zoom;
   ColorConfig color;  ///< of a [[camera]]
 };
 

@@ -55,6 +55,9 @@ class CompositeSink {
   virtual render::OutputMask wanted(int number) const = 0;
   /// May be slow: a sink of a live run then loses frames. Not called again after an error.
   virtual Result<void> write(const CompositePtr& composite) = 0;
+  /// True where write() takes some milliseconds at most: its thread has the priority of the run, so
+  /// that other programs do not take its time.
+  virtual bool is_quick() const { return false; }
   /// After the last write(). Errors: those of the sink.
   virtual Result<void> finish() = 0;
 };

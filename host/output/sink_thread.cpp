@@ -54,7 +54,7 @@ Result<void> SinkThread::write(const CompositePtr& composite) {
 }
 
 void SinkThread::run() {
-  lower_thread_priority();
+  if (!sink_->is_quick()) lower_thread_priority();
   bool failed = false;
   while (auto composite = queue_.pop()) {
     // After an error the queue is still emptied, so that the compositor does not block.

@@ -30,8 +30,8 @@ enum class WhenFull {
   kWait,        ///< a recording: every frame is written
 };
 
-/// The thread runs at low priority, so that encoding does not take the processor from the
-/// compositor. push() and finish() are for one thread.
+/// The thread runs at low priority, but for a sink that is quick, so that encoding does not take
+/// the processor from the compositor. push() and finish() are for one thread.
 class SinkThread {
  public:
   /// With a gate, each write() of the sink is a piece of work behind it; it must outlive this.

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 
 #include "host/page/event_socket.h"
+#include "host/page/osc_port.h"
 
 namespace mixrig::page {
 namespace {
@@ -23,20 +24,25 @@ Result<void> applied(Operator& op, const Command& command) {
 }  // namespace
 
 nlohmann::json Hub::state() const {
-  return to_json(op.state(), {view, pictures->frozen(), static_cast<int>(sockets.size())});
+  return to_json(op.state(), {controls.view, controls.frozen, static_cast<int>(sockets.size())});
 }
 
 void Hub::act(Action action, std::function<void(Result<void>)> done) {
-  if (const auto* select = std::get_if<SelectView>(&action)) view = select->view;
-  if (const auto* freeze = std::get_if<Freeze>(&action)) pictures->freeze(freeze->on);
+  if (const auto* select = std::get_if<SelectView>(&action)) controls.view = select->view;
+  if (const auto* freeze = std::get_if<Freeze>(&action)) controls.frozen = freeze->on;
   auto* command = std::get_if<Command>(&action);
   if (command == nullptr) {
     tell();
     return done({});
   }
+  constexpr int kMostAtWork = 64;
+  if (at_work >= kMostAtWork)
+    return done(Error{ErrorCode::kData, "64 changes wait to be made: send them more slowly"});
+  ++at_work;
   boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
     auto result = std::make_shared<Result<void>>(applied(op, command));
     boost::asio::post(io, [this, result, done = std::move(done)] {
+      --at_work;
       tell();
       done(std::move(*result));
     });
@@ -44,9 +50,10 @@ void Hub::act(Action action, std::function<void(Result<void>)> done) {
 }
 
 void Hub::tell() {
-  if (sockets.empty()) return;
+  if (sockets.empty() && osc == nullptr) return;
   const nlohmann::json now = state();
   for (EventSocket* socket : std::set(sockets)) socket->tell(now);
+  if (osc != nullptr) osc->tell(now);
 }
 
 }  // namespace mixrig::page

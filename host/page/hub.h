@@ -11,6 +11,7 @@
 #include <boost/asio/thread_pool.hpp>
 
 #include "hal/base/clock.h"
+#include "host/output/run_controls.h"
 #include "host/page/operator.h"
 #include "host/page/pictures.h"
 #include "host/page/request.h"
@@ -20,28 +21,35 @@
 namespace mixrig::page {
 
 class EventSocket;
+class OscPort;
 class PictureStream;
 
 struct Hub {
-  Hub(Operator& run, const Clock& host_clock, std::shared_ptr<Pictures> made)
-      : op(run), clock(host_clock), pictures(std::move(made)) {}
+  Hub(Operator& run, output::RunControls& run_controls, const Clock& host_clock)
+      : op(run),
+        controls(run_controls),
+        clock(host_clock),
+        pictures(std::make_shared<Pictures>(run_controls.frozen)) {}
 
   /// Of the run and the page, now.
   nlohmann::json state() const;
-  /// Runs an action: those of the run in the work thread, one at a time. `done` is called on the
+  /// Runs an action: those of the run in the work thread, one at a time; of more than 64 that wait
+  /// the last are refused (kData). `done` is called on the
   /// server's thread.
   void act(Action action, std::function<void(Result<void>)> done);
-  /// Tells every event socket what changed.
+  /// Tells every event socket, and who sends OSC, what changed.
   void tell();
 
   Operator& op;
+  output::RunControls& controls;
   const Clock& clock;
   const std::shared_ptr<Pictures> pictures;
   Guard guard;
-  View view = View::kComposite;
   int connections = 0;
   std::set<EventSocket*> sockets;
   std::set<PictureStream*> streams;
+  OscPort* osc = nullptr;  ///< null: none is taken
+  int at_work = 0;         ///< commands that are not done yet
   boost::asio::io_context io{1};
   boost::asio::thread_pool work{1};
 };

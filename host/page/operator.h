@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -41,6 +42,18 @@ struct StreamState {
   std::string what_to_do;  ///< empty where it is well
 };
 
+/// A setting of a camera, by the name and in the unit of its key in rig.toml: "exposure_ms",
+/// "gain", "focus", "white_balance_k", "zoom".
+struct CameraValue {
+  std::string name;
+  std::optional<double> value;  ///< absent where the camera does not tell it
+  double minimum = 0, maximum = 0, step = 0;
+};
+struct CameraState {
+  std::string name;
+  std::vector<CameraValue> values;
+};
+
 struct RecordingState {
   bool on = false;
   std::string name, notes;  ///< of the running or the last one
@@ -52,6 +65,13 @@ struct RecordingState {
 };
 
 enum class Verdict : std::uint8_t { kGo, kNoGo, kUnknown };
+/// Of a scan of the room while the run goes on.
+struct ScanState {
+  bool possible = false;
+  int done = 0, total = 0;  ///< looks at the room; total 0: none is at work
+  std::string why_not;      ///< one line, where it is not possible
+};
+
 struct CalibrationState {
   std::string file, why;          ///< which one is used, and why
   std::optional<double> age_s{};  ///< since the file was written
@@ -73,11 +93,13 @@ struct State {
   std::string pose;           ///< "ok", or why it is lost
   bool objects_shown = true;
   RecordingState recording;
-  bool background_possible = false;      ///< changes of the room can be taken into the background
-  std::string background;                ///< what is known about them, one line
+  bool background_possible = false;  ///< changes of the room can be taken into the background
+  std::string background;            ///< what is known about them, one line
+  ScanState scan;
   std::optional<double> disk_free_gb{};  ///< where recordings go
   CalibrationState calibration;
   std::vector<StreamState> streams;
+  std::vector<CameraState> cameras;  ///< those with something to set
   std::vector<ObjectState> objects;
   std::vector<LampState> lamps;
   std::vector<std::string> log;  ///< the last lines, the newest last
@@ -106,16 +128,23 @@ struct SetLamp {
   std::optional<bool> on{};
   bool preview = false;
 };
-/// A lamp above the point of the floor under `at`, or at `position_m`.
+/// A lamp at `position_m`, or by its place in the picture: where the room's surface is seen there,
+/// or at a height along the sight, or above the floor under the place.
 struct AddLamp {
   std::string name;
-  std::optional<Eigen::Vector2d> at{};
   std::optional<Eigen::Vector3d> position_m{};
-  double height_m = 2.4;  ///< above the floor, with `at`
+  std::optional<Eigen::Vector2d> at{};
+  std::optional<double> height_m{}, above_floor_m{};  ///< with `at`, at most one of them
   Eigen::Vector3f intensity{1, 1, 1};
 };
 struct RemoveLamp {
   std::string name;
+};
+/// Values by the keys of rig.toml, in their units.
+struct SetCamera {
+  std::string name;
+  std::vector<std::pair<std::string, double>> values;
+  bool preview = false;  ///< set, but not written into rig.toml
 };
 /// Previews are written into the scene.
 struct SaveScene {};
@@ -125,9 +154,14 @@ struct StartRecording {
 struct StopRecording {};
 /// What changed in the room becomes background.
 struct LearnBackground {};
+/// The whole room is learned anew while it is empty; or that is ended without a result.
+struct ScanRoom {
+  bool on = true;
+};
 
-using Command = std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLamp, RemoveLamp,
-                             SaveScene, StartRecording, StopRecording, LearnBackground>;
+using Command =
+    std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLamp, RemoveLamp, SetCamera,
+                 SaveScene, StartRecording, StopRecording, LearnBackground, ScanRoom>;
 
 /// A run. Any threads.
 class Operator {

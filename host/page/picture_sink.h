@@ -15,6 +15,7 @@ class PictureSink final : public output::CompositeSink {
  public:
   explicit PictureSink(std::shared_ptr<Pictures> pictures) : pictures_(std::move(pictures)) {}
   std::string_view name() const override { return "page"; }
+  bool is_quick() const override { return true; }
   render::OutputMask wanted(int /*number*/) const override { return pictures_->wanted(); }
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override { return {}; }

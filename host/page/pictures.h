@@ -11,7 +11,7 @@
 #include <string>
 
 #include "hal/base/clock.h"
-#include "host/page/views.h"
+#include "host/output/views.h"
 #include "host/render/compositor.h"
 
 namespace mixrig::page {
@@ -24,9 +24,15 @@ struct Picture {
 };
 using PicturePtr = std::shared_ptr<const Picture>;
 
+using output::kViews;
+using output::View;
+
 /// Any threads. Holds one picture a view; older ones live while a client is being sent them.
 class Pictures {
  public:
+  /// While `frozen`, which must outlive it, the pictures stay as they are.
+  explicit Pictures(const std::atomic<bool>& frozen) : frozen_(frozen) {}
+
   /// While somebody looks at a view, pictures of it are made.
   void look(View view) { ++lookers_[index(view)]; }
   void look_away(View view) { --lookers_[index(view)]; }
@@ -41,15 +47,13 @@ class Pictures {
   /// set_on_new({}) it is not called any more.
   void set_on_new(std::function<void(View)> on_new);
 
-  /// Frozen: the pictures stay as they are.
-  void freeze(bool on) { frozen_ = on; }
   bool frozen() const { return frozen_; }
 
  private:
   static std::size_t index(View view) { return static_cast<std::size_t>(view); }
 
   std::array<std::atomic<int>, kViews> lookers_{};
-  std::atomic<bool> frozen_ = false;
+  const std::atomic<bool>& frozen_;
   mutable std::mutex mutex_;  ///< guards what follows
   std::array<PicturePtr, kViews> newest_;
   std::function<void(View)> on_new_;

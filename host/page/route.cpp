@@ -40,6 +40,15 @@ Route picture_route(Method method, const std::string& file) {
   return GetPicture{*view, kind == "mjpeg"};
 }
 
+/// /cameras, /cameras/NAME.
+Route camera_route(Method method, const Parts& rest) {
+  if (rest.empty())
+    return method == Method::kGet ? Route(GetState{"cameras"}) : Route(wrong_method("GET"));
+  if (rest.size() != 1 || !is_name(rest[0])) return no_such();
+  if (method != Method::kPut) return wrong_method("PUT");
+  return Change{method, "cameras", rest[0]};
+}
+
 /// /objects, /objects/NAME, /lamps, /lamps/NAME; a lamp is added by POST /lamps, an object by
 /// POST /objects/NAME.
 Route thing_route(Method method, const std::string& kind, const Parts& rest) {
@@ -64,6 +73,7 @@ Route api_route(Method method, const Parts& parts) {
   const std::string& kind = parts[2];
   const Parts rest(parts.begin() + 3, parts.end());
   if (kind == "objects" || kind == "lamps") return thing_route(method, kind, rest);
+  if (kind == "cameras") return camera_route(method, rest);
   if (kind == "picture" && rest.size() == 1) return picture_route(method, rest[0]);
   if (kind == "event" && rest.size() == 1 && rest[0] == "websocket")
     return method == Method::kGet ? Route(OpenEvents{}) : Route(wrong_method("GET"));
@@ -73,7 +83,8 @@ Route api_route(Method method, const Parts& parts) {
     return post_route(method, kind, rest[0]);
   if (kind == "scene" && rest.size() == 1 && rest[0] == "save")
     return post_route(method, kind, rest[0]);
-  if (kind == "background" && rest.size() == 1 && rest[0] == "learn")
+  if (kind == "background" && rest.size() == 1 &&
+      (rest[0] == "learn" || rest[0] == "scan" || rest[0] == "cancel"))
     return post_route(method, kind, rest[0]);
   if (!rest.empty() || !(kind == "state" || is_part(kind))) return no_such();
   if (method != Method::kGet) return wrong_method("GET");
@@ -101,15 +112,28 @@ Result<Action> set_lamp(const std::string& name, const Body& body) {
   return body.done(Action(Command(set)));
 }
 
+/// Their ranges are the camera's.
+Result<Action> set_camera(const std::string& name, const Body& body) {
+  SetCamera set{.name = name, .values = {}};
+  for (const char* key : {"exposure_ms", "gain", "focus", "white_balance_k", "zoom"})
+    if (const auto value = body.number(key, -1e9, 1e9)) set.values.emplace_back(key, *value);
+  set.preview = body.boolean("preview").value_or(false);
+  if (set.values.empty()) body.fail("exposure_ms", "or another setting is needed");
+  return body.done(Action(Command(set)));
+}
+
 Result<Action> add_lamp(const Body& body) {
   AddLamp add;
   add.name = body.name("name").value_or("");
   add.at = body.numbers<2>("at", 0, 1);
   add.position_m = body.numbers<3>("position_m", -1e4, 1e4);
-  add.height_m = body.number("height_m", 0, 100).value_or(add.height_m);
+  add.height_m = body.number("height_m", -100, 100);
+  add.above_floor_m = body.number("above_floor_m", 0, 100);
   if (const auto v = body.numbers<3>("intensity", 0, 1e6)) add.intensity = v->cast<float>();
   if (add.at.has_value() == add.position_m.has_value())
     body.fail("at", "or position_m says where the lamp is: give one of them");
+  if (int{add.height_m.has_value()} + int{add.above_floor_m.has_value()} > int{add.at.has_value()})
+    body.fail("height_m", "or above_floor_m is given with at: give one of them");
   return body.done(Action(Command(add)));
 }
 
@@ -166,6 +190,7 @@ Result<Action> action_of(const Change& change, std::string_view text) {
   if (change.kind == "objects")
     return remove ? body.done(Action(Command(RemoveObject{change.name})))
                   : set_object(change.name, body);
+  if (change.kind == "cameras") return set_camera(change.name, body);
   if (change.kind == "lamps" && change.name.empty()) return add_lamp(body);
   if (change.kind == "lamps")
     return remove ? body.done(Action(Command(RemoveLamp{change.name})))
@@ -173,7 +198,10 @@ Result<Action> action_of(const Change& change, std::string_view text) {
   if (change.kind == "view") return select_view(body);
   if (change.kind == "freeze") return freeze(body);
   if (change.kind == "scene") return body.done(Action(Command(SaveScene{})));
-  if (change.kind == "background") return body.done(Action(Command(LearnBackground{})));
+  if (change.kind == "background" && change.name == "learn")
+    return body.done(Action(Command(LearnBackground{})));
+  if (change.kind == "background")
+    return body.done(Action(Command(ScanRoom{change.name == "scan"})));
   if (change.name == "start") return start_recording(body);
   return body.done(Action(Command(StopRecording{})));
 }

@@ -8,11 +8,14 @@
 #include <variant>
 
 #include "hal/base/result.h"
+#include "host/output/views.h"
 #include "host/page/operator.h"
 #include "host/page/request.h"
-#include "host/page/views.h"
 
 namespace mixrig::page {
+
+using output::View;
+using output::view_named;
 
 struct GetFile {
   std::string name;  ///< "index.html"
@@ -26,7 +29,7 @@ struct GetPicture {
   bool stream = false;  ///< else one
 };
 struct OpenEvents {};
-/// Of the page itself; the run knows nothing of them.
+/// Of output::RunControls.
 struct SelectView {
   View view = View::kComposite;
 };
@@ -40,8 +43,9 @@ struct Upload {
 /// With a JSON body: command_of() says which command it is.
 struct Change {
   Method method = Method::kPut;
-  std::string kind;  ///< "objects", "lamps", "scene", "record", "background", "view", "freeze"
-  std::string name;  ///< of an object or lamp; "start", "stop", "save", "learn"
+  std::string
+      kind;  ///< "objects", "lamps", "cameras", "scene", "record", "background", "view", "freeze"
+  std::string name;  ///< of an object or lamp; "start", "stop", "save", "learn", "scan", "cancel"
 };
 
 using Route = std::variant<Answer, GetFile, GetState, GetPicture, OpenEvents, Upload, Change>;

@@ -16,6 +16,7 @@
 #include "host/page/connection.h"
 #include "host/page/event_socket.h"
 #include "host/page/hub.h"
+#include "host/page/osc_port.h"
 #include "host/page/picture_sink.h"
 #include "host/page/picture_stream.h"
 
@@ -36,10 +37,9 @@ std::string host_text(const asio::ip::address& address) {
 
 }  // namespace
 
-Result<Listen> parse_listen(std::string_view text) {
-  Listen listen;
-  const Error bad{ErrorCode::kUsage,
-                  "--page " + std::string(text) + ": give ADDRESS:PORT, such as 127.0.0.1:8437"};
+namespace {
+
+Result<Listen> parse_address(std::string_view text, Listen listen, const Error& bad) {
   if (text.empty()) return listen;
   const std::size_t bracket = text.find(']');
   const std::size_t colon = text.find(':', bracket == std::string_view::npos ? 0 : bracket);
@@ -58,11 +58,30 @@ Result<Listen> parse_listen(std::string_view text) {
   return listen;
 }
 
+}  // namespace
+
+Result<Listen> parse_listen(std::string_view text) {
+  return parse_address(text, {},
+                       {ErrorCode::kUsage, "--page " + std::string(text) +
+                                               ": give ADDRESS:PORT, such as 127.0.0.1:8437"});
+}
+
+Result<Listen> parse_osc_listen(std::string_view text) {
+  const bool port_alone =
+      !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  return parse_address(port_alone ? "127.0.0.1:" + std::string(text) : std::string(text),
+                       {"127.0.0.1", kDefaultOscPort},
+                       {ErrorCode::kUsage, "--osc-in " + std::string(text) +
+                                               ": give PORT or ADDRESS:PORT, such as 8438"});
+}
+
 struct Server::Impl {
-  Impl(Operator& run, const Clock& clock) : hub(run, clock, std::make_shared<Pictures>()) {}
+  Impl(Operator& run, output::RunControls& controls, const Clock& clock)
+      : hub(run, controls, clock) {}
   ~Impl();
 
   Result<void> open(const Listen& listen);
+  Result<void> open_osc(const Listen& listen);
   void accept();
   void tell_later();
   void serve();
@@ -70,7 +89,8 @@ struct Server::Impl {
   Hub hub;
   tcp::acceptor acceptor{hub.io};
   asio::steady_timer timer{hub.io};
-  std::string url;
+  OscPort osc{hub};
+  std::string url, osc_text;
   std::uint16_t port = 0;
   std::thread thread;
 };
@@ -92,6 +112,14 @@ Result<void> Server::Impl::open(const Listen& listen) {
   if (wanted.address().is_loopback()) return {};
   hub.guard.token = random_token();
   url += "?token=" + hub.guard.token;
+  return {};
+}
+
+Result<void> Server::Impl::open_osc(const Listen& listen) {
+  MIXRIG_TRY(osc.open(listen));
+  hub.osc = &osc;
+  osc_text = host_text(asio::ip::make_address(listen.address)) + ":" + std::to_string(osc.port()) +
+             ", addresses begin with " + osc.prefix() + "/mixrig/";
   return {};
 }
 
@@ -142,10 +170,12 @@ Server::Impl::~Impl() {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
-Result<std::unique_ptr<Server>> Server::start(Operator& run, const Clock& clock,
-                                              const Listen& listen) {
-  auto impl = std::make_unique<Impl>(run, clock);
+Result<std::unique_ptr<Server>> Server::start(Operator& run, output::RunControls& controls,
+                                              const Clock& clock, const Listen& listen,
+                                              const std::optional<Listen>& osc_in) {
+  auto impl = std::make_unique<Impl>(run, controls, clock);
   MIXRIG_TRY(impl->open(listen));
+  if (osc_in) MIXRIG_TRY(impl->open_osc(*osc_in));
   Impl* const all = impl.get();
   all->hub.pictures->set_on_new([all](View view) {
     asio::post(all->hub.io, [all, view] {
@@ -160,6 +190,8 @@ Result<std::unique_ptr<Server>> Server::start(Operator& run, const Clock& clock,
 
 const std::string& Server::url() const { return impl_->url; }
 std::uint16_t Server::port() const { return impl_->port; }
+const std::string& Server::osc_text() const { return impl_->osc_text; }
+std::uint16_t Server::osc_port() const { return impl_->osc.port(); }
 
 std::unique_ptr<output::CompositeSink> Server::make_sink() const {
   return std::make_unique<PictureSink>(impl_->hub.pictures);

@@ -77,6 +77,18 @@ json list_json(const std::vector<T>& values, F&& one) {
   return array;
 }
 
+/// The values of a camera under the keys of rig.toml, with their ranges.
+json camera_json(const CameraState& c) {
+  json settings = json::array();
+  for (const CameraValue& v : c.values)
+    settings.push_back({{"name", v.name},
+                        {"value", v.value ? json(to_digits(*v.value, 1e-4)) : json()},
+                        {"minimum", to_digits(v.minimum, 1e-4)},
+                        {"maximum", to_digits(v.maximum, 1e-4)},
+                        {"step", v.step}});
+  return {{"name", c.name}, {"settings", settings}};
+}
+
 }  // namespace
 
 json to_json(const State& s, const PageState& page) {
@@ -94,9 +106,15 @@ json to_json(const State& s, const PageState& page) {
       {"pose", {{"state", s.pose}, {"objects_shown", s.objects_shown}}},
       {"recording", recording_json(s.recording)},
       {"background", {{"possible", s.background_possible}, {"text", s.background}}},
+      {"scan",
+       {{"possible", s.scan.possible},
+        {"done", s.scan.done},
+        {"total", s.scan.total},
+        {"why_not", s.scan.why_not}}},
       {"disk", {{"free_gb", s.disk_free_gb ? json(to_digits(*s.disk_free_gb, 0.1)) : json()}}},
       {"calibration", calibration_json(s.calibration)},
       {"streams", list_json(s.streams, stream_json)},
+      {"cameras", list_json(s.cameras, camera_json)},
       {"objects", list_json(s.objects, object_json)},
       {"lamps", list_json(s.lamps, lamp_json)},
       {"log", s.log},
@@ -107,8 +125,8 @@ json to_json(const State& s, const PageState& page) {
 
 const std::vector<std::string_view>& parts() {
   static const std::vector<std::string_view> names{
-      "run",     "picture", "pose",  "recording", "background", "disk",   "calibration",
-      "streams", "objects", "lamps", "log",       "view",       "freeze", "clients"};
+      "run",     "picture", "pose",    "recording", "background", "scan", "disk",   "calibration",
+      "streams", "cameras", "objects", "lamps",     "log",        "view", "freeze", "clients"};
   return names;
 }
 

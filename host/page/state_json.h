@@ -6,21 +6,22 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/output/views.h"
 #include "host/page/operator.h"
-#include "host/page/views.h"
 
 namespace mixrig::page {
 
-/// What belongs to the page and not to the run.
+/// What is shown, and to how many.
+using output::View;
 struct PageState {
   View view = View::kComposite;
   bool frozen = false;
   int clients = 0;
 };
 
-/// {"run", "picture", "pose", "recording", "background", "disk", "calibration", "streams",
-/// "objects", "lamps", "log", "view", "freeze", "clients"}: docs/page_openapi.yaml. Numbers are
-/// rounded, so that what is the same is told once.
+/// {"run", "picture", "pose", "recording", "background", "scan", "disk", "calibration", "streams",
+/// "cameras", "objects", "lamps", "log", "view", "freeze", "clients"}: docs/page_openapi.yaml.
+/// Numbers are rounded, so that what is the same is told once.
 nlohmann::json to_json(const State& state, const PageState& page);
 
 /// Whether it is one of the names above.

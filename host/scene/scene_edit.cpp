@@ -4,74 +4,23 @@
 #include <algorithm>
 #include <vector>
 
+#include "host/config/toml_lines.h"
 #include "host/config/writer.h"
 #include "host/scene/scene_manifest.h"
 
 namespace mixrig::scene {
 namespace {
 
-using Lines = std::vector<std::string>;
+using config::Block;
+using config::blocks_of;
+using config::header_of;
+using config::key_of;
+using config::Lines;
+using config::lines_of;
+using config::set_line;
+using config::text_of_lines;
 
 constexpr int kLampDigits = 6, kObjectDigits = 7;
-
-Lines lines_of(std::string_view text) {
-  Lines lines;
-  while (!text.empty()) {
-    const auto end = std::min(text.find('\n'), text.size());
-    lines.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
-std::string text_of_lines(const Lines& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + '\n';
-  return text;
-}
-
-/// The line without blanks around it and without a comment at its end.
-std::string_view bare(std::string_view line) {
-  line = line.substr(0, line.find('#'));
-  const auto from = line.find_first_not_of(" \t\r");
-  if (from == std::string_view::npos) return {};
-  return line.substr(from, line.find_last_not_of(" \t\r") - from + 1);
-}
-
-/// "[light]" of "[ light ] # ...": the header of a table, without blanks; else empty.
-std::string header_of(std::string_view line) {
-  const std::string_view text = bare(line);
-  if (text.size() < 3 || text.front() != '[' || text.back() != ']') return {};
-  std::string header;
-  for (const char c : text) {
-    if (c == ',' || c == '=') return {};  // an array's row
-    if (c != ' ' && c != '\t') header += c;
-  }
-  return header;
-}
-
-/// The key that a line sets, or empty.
-std::string_view key_of(std::string_view line) {
-  const auto equals = line.find('=');
-  return equals == std::string_view::npos ? std::string_view{} : bare(line.substr(0, equals));
-}
-
-/// Lines [begin, end) of a table; comments and blank lines before the next header are not in it.
-struct Block {
-  std::size_t begin = 0, end = 0;
-};
-
-std::vector<Block> blocks_of(const Lines& lines, std::string_view header) {
-  std::vector<Block> blocks;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (header_of(lines[i]) != header) continue;
-    std::size_t end = i + 1;
-    while (end < lines.size() && header_of(lines[end]).empty()) ++end;
-    while (end > i + 1 && bare(lines[end - 1]).empty()) --end;
-    blocks.push_back({i, end});
-  }
-  return blocks;
-}
 
 template <typename Vector>
 std::vector<double> rounded_numbers(const Vector& v, int digits) {
@@ -98,16 +47,6 @@ std::string number_line(std::string_view key, std::span<const double> values) {
   std::string text = table.text();
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text;
-}
-
-/// Sets a key of a table that is written on one line.
-void set_line(Lines& lines, const Block& block, std::string_view key, const std::string& line) {
-  for (std::size_t i = block.begin + 1; i < block.end; ++i)
-    if (key_of(lines[i]) == key) {
-      lines[i] = line;
-      return;
-    }
-  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1, line);
 }
 
 Error cannot_edit(const std::filesystem::path& path, const std::string& what) {

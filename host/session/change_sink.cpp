@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
+#include "host/output/run_controls.h"
 
 namespace mixrig::session {
 namespace {
@@ -65,6 +66,11 @@ bool ChangeSink::can_watch(const Session& session) {
   return (drawn || still) && !setup.lens_moves;
 }
 
+bool ChangeSink::can_scan(const Session& session) {
+  return can_watch(session) && session.background && session.rooms.empty() &&
+         session.setup.background_models.empty();
+}
+
 Result<std::unique_ptr<ChangeSink>> ChangeSink::create(const Session& session,
                                                        const ChangeOptions& options) {
   std::unique_ptr<ChangeSink> sink(new ChangeSink(session, options));
@@ -118,6 +124,7 @@ Result<void> ChangeSink::write(const output::CompositePtr& composite) {
   const HostTime begin = clock_.now();
   MIXRIG_TRY(look(*composite));
   report_.watch_ms.add(milliseconds(clock_.now() - begin));
+  MIXRIG_TRY(scan(*composite));
   return collect(*composite);
 }
 
@@ -171,14 +178,49 @@ Result<void> ChangeSink::learn() {
   kept_frames_.clear();
   collecting_ = false;
   watch_->accept();
-  kept_ = next;
-  draw_background();
   ++report_.accepted;
+  hand_out(std::move(next));
   report_.learn_ms.add(milliseconds(clock_.now() - begin));
   log_warning("session", "what changed in the room is background from now on");
+  return {};
+}
+
+void ChangeSink::hand_out(std::shared_ptr<KeptBackground> next) {
+  kept_ = next;
+  draw_background();
   const std::lock_guard lock(mutex_);
   learned_ = std::move(next);
+}
+
+/// One look at the whole room, while a scan is asked for.
+Result<void> ChangeSink::scan(const output::Composite& composite) {
+  int left = options_.scan_left != nullptr ? options_.scan_left->load() : 0;
+  if (left <= 0) {
+    scan_.reset(), scan_views_.reset();
+    return {};
+  }
+  if (!scan_) {
+    MIXRIG_ASSIGN(scan_views_, FrameViews::make(session_.setup, {render::Backend::kCpu, 1}));
+    scan_.emplace(session_.setup.view, output::RunControls::kScanLooks);
+  }
+  MIXRIG_ASSIGN(const render::FrameOutput* const seen, scan_views_->of(*composite.capture));
+  MIXRIG_TRY(scan_->add(seen->warped_depth_m, seen->color));
+  if (left == 1) use_scan();
+  (void)options_.scan_left->compare_exchange_strong(left, left - 1);  // else it was ended
   return {};
+}
+
+void ChangeSink::use_scan() {
+  auto learned = scan_->finish();
+  scan_.reset(), scan_views_.reset();
+  if (!learned)
+    return log_warning("session", "the room was not learned: " + to_line(learned.error()));
+  auto next =
+      kept_ ? std::make_shared<KeptBackground>(*kept_) : std::make_shared<KeptBackground>(session_);
+  next->replace_view(*std::move(learned));
+  watch_.reset();  // it knows changes of the old one
+  hand_out(std::move(next));
+  log_warning("session", "the room was learned anew: it is the background from now on");
 }
 
 std::shared_ptr<KeptBackground> ChangeSink::take_learned() {

@@ -29,6 +29,8 @@ class ChangeSink final : public output::CompositeSink {
   /// Whether the session has a background that can be watched: drawn from its place at each pose,
   /// or of a camera that stands still, and a lens that stands still.
   static bool can_watch(const Session& session);
+  /// Whether all of it can be learned anew: one view, of a camera that stands still.
+  static bool can_scan(const Session& session);
   /// `session` is ready to composite and must outlive it. Precondition: can_watch().
   static Result<std::unique_ptr<ChangeSink>> create(const Session& session,
                                                     const ChangeOptions& options);
@@ -53,6 +55,9 @@ class ChangeSink final : public output::CompositeSink {
   void tell();
   Result<void> collect(const output::Composite& composite);
   Result<void> learn();
+  Result<void> scan(const output::Composite& composite);
+  void use_scan();
+  void hand_out(std::shared_ptr<KeptBackground> next);
 
   const Session& session_;
   const ChangeOptions options_;
@@ -67,6 +72,9 @@ class ChangeSink final : public output::CompositeSink {
   std::optional<model::RoomWatch> watch_;
   std::vector<SeenFrame> kept_frames_;
   bool collecting_ = false;
+  /// Of a scan: frames in the whole view.
+  std::optional<FrameViews> scan_views_;
+  std::optional<model::StaticBackgroundBuilder> scan_;
   int requests_done_ = 0;
   std::shared_ptr<KeptBackground> kept_;
   RoomChangesReport report_;

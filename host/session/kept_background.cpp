@@ -43,6 +43,13 @@ void KeptBackground::see() {
   }
 }
 
+void KeptBackground::replace_view(model::StaticBackground learned) {
+  learned.world_from_view = view->world_from_view;
+  view_color = learned_colors(learned.color, learned.color_sigma);
+  view = std::move(learned);
+  see();
+}
+
 std::vector<render::BackgroundModel> KeptBackground::models(
     const geometry::Pose& world_from_view) const {
   if (!setup.background_models.empty() || !view) return setup.background_models;

@@ -31,6 +31,8 @@ struct KeptBackground {
   Image<Rgbx8> view_color;                      ///< of `view`, learned_color()
   render::CompositorSetup setup;
 
+  /// Another view of the room in place of `view`, from the same place. Precondition: there is one.
+  void replace_view(model::StaticBackground learned);
   /// The models that are drawn; of a camera that stands still at `world_from_view` its one view.
   std::vector<render::BackgroundModel> models(const geometry::Pose& world_from_view) const;
 

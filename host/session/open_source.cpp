@@ -81,10 +81,9 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
   return rig;
 }
 
-Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::path& rig_toml,
-                                                         const scene::Scene& scene,
-                                                         const std::atomic<bool>& stop,
-                                                         Clock& clock, PlayOptions play) {
+Result<std::unique_ptr<capture::CaptureSource>> open_rig(
+    const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
+    Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (needs_head(scene) && rig.pan_tilt_uri.empty())
@@ -99,7 +98,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(const std::filesystem::
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, play))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
-                                live::WhenLost::kGoOn);
+                                live::WhenLost::kGoOn, std::move(settings));
 }
 
 }  // namespace mixrig::session

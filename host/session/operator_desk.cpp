@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/session/operator_desk.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "hal/base/log.h"
+#include "hal/base/partial_path.h"
 #include "hal/base/recent_log.h"
-#include "host/session/change_sink.h"
+#include "host/config/table.h"
+#include "host/live/rig_edit.h"
 
 namespace mixrig::session {
 namespace {
@@ -17,6 +21,7 @@ class DeskSink final : public output::CompositeSink {
  public:
   explicit DeskSink(OperatorDesk& desk) : desk_(desk) {}
   std::string_view name() const override { return "operator"; }
+  bool is_quick() const override { return true; }
   render::OutputMask wanted(int /*number*/) const override { return desk_.wanted(); }
   Result<void> write(const output::CompositePtr& composite) override {
     desk_.see(composite);
@@ -53,12 +58,15 @@ std::optional<double> free_gb(fs::path folder) {
 }  // namespace
 
 OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
-                           const Clock& clock, DeskOptions options)
+                           output::RunControls& controls, const Clock& clock, DeskOptions options)
     : session_(session),
+      controls_(controls),
       clock_(clock),
       options_(std::move(options)),
       scene_(session, std::move(follower)),
-      recorder_(session, options_.takes) {}
+      recorder_(session, options_.takes) {
+  controls_.records_takes = true, controls_.recording = false;
+}
 
 std::unique_ptr<output::CompositeSink> OperatorDesk::make_sink() {
   return std::make_unique<DeskSink>(*this);
@@ -69,8 +77,8 @@ render::OutputMask OperatorDesk::wanted() const {
 }
 
 void OperatorDesk::see(const output::CompositePtr& composite) {
+  obey_record_key();
   recorder_.write(composite);
-  const bool can_learn = options_.requests != nullptr && ChangeSink::can_watch(session_);
   const HostTime now = clock_.now();
   const std::lock_guard lock(mutex_);
   Frames& f = frames_;
@@ -81,7 +89,6 @@ void OperatorDesk::see(const output::CompositePtr& composite) {
   f.finished = now;
   f.pose = composite->pose.ok() ? "ok" : std::string(capture::name(composite->pose.loss));
   f.objects_shown = composite->objects_shown;
-  f.background_possible = can_learn;
   f.from = SeenFrom{composite->world_from_target, composite->view};
   const double elapsed_s = seconds(now - f.second_began);
   if (f.count > 1 && elapsed_s < 1) return;
@@ -92,6 +99,26 @@ void OperatorDesk::see(const output::CompositePtr& composite) {
 OperatorDesk::Frames OperatorDesk::frames() const {
   const std::lock_guard lock(mutex_);
   return frames_;
+}
+
+std::vector<page::CameraState> OperatorDesk::cameras() const {
+  std::vector<page::CameraState> states;
+  if (!session_.cameras) return states;
+  for (const live::CameraSetup& camera : session_.cameras->cameras()) {
+    if (camera.settings.empty()) continue;
+    page::CameraState& state = states.emplace_back();
+    state.name = camera.name;
+    for (const live::CameraSetting& setting : camera.settings) {
+      const live::ControlKey key = live::control_key(setting.range.control);
+      page::CameraValue& value = state.values.emplace_back();
+      value.name = key.key;
+      if (setting.value) value.value = *setting.value * key.unit;
+      value.minimum = setting.range.minimum * key.unit;
+      value.maximum = setting.range.maximum * key.unit;
+      value.step = setting.range.step * key.unit;
+    }
+  }
+  return states;
 }
 
 page::CalibrationState OperatorDesk::calibration() const {
@@ -107,6 +134,10 @@ page::CalibrationState OperatorDesk::calibration() const {
   state.verdict = guessed ? page::Verdict::kNoGo : page::Verdict::kGo;
   state.reason = guessed ? "the cameras are guessed: run mixrig calibrate, or name a calibration"
                          : "the cameras are known";
+  if (guessed || !(zoomed_ || focused_)) return state;
+  state.verdict = zoomed_ ? page::Verdict::kNoGo : page::Verdict::kUnknown;
+  state.reason = zoomed_ ? "the zoom was changed since: the calibration is of another lens setting"
+                         : "the focus was changed since: the calibration may not hold";
   return state;
 }
 
@@ -137,25 +168,90 @@ page::State OperatorDesk::state() const {
   if (f.count > 0) state.since_frame_s = seconds(clock_.now() - f.finished);
   state.pose = f.pose, state.objects_shown = f.objects_shown;
   state.recording = recorder_.state();
-  state.background_possible = f.background_possible;
-  state.background = f.background_possible
+  state.background_possible = controls_.can_learn;
+  state.background = state.background_possible
                          ? "what changed in the room and stands still can become background"
                          : "the background of this run is not watched";
+  state.scan = scan_state();
   state.disk_free_gb = free_gb(recorder_.folder());
   state.calibration = calibration();
-  state.streams = streams();
+  state.streams = streams(), state.cameras = cameras();
   state.objects = scene_.objects(from), state.lamps = scene_.lamps(from);
   state.log = recent_log_lines();
   return state;
 }
 
 Result<void> OperatorDesk::learn_background() {
-  if (!frames().background_possible)
+  if (!controls_.can_learn)
     return Error{ErrorCode::kUnsupported,
                  "the background of this run is not watched: its camera or lens moves without a "
                  "scanned room, or it was started with --no-watch"};
-  ++*options_.requests;
+  ++controls_.learn;
   return {};
+}
+
+page::ScanState OperatorDesk::scan_state() const {
+  page::ScanState state;
+  const int left = controls_.scan_left;
+  state.possible = controls_.can_scan;
+  state.total = left > 0 ? output::RunControls::kScanLooks : 0;
+  state.done = state.total - std::max(left, 0);
+  if (!state.possible)
+    state.why_not =
+        "the room can be learned here only of one view that is watched: where the camera "
+        "moves, end the run and use mixrig scan";
+  return state;
+}
+
+Result<void> OperatorDesk::scan_room(bool on) {
+  const page::ScanState now = scan_state();
+  if (!now.possible) return Error{ErrorCode::kUnsupported, now.why_not};
+  if (!on && now.total == 0) return Error{ErrorCode::kData, "the room is not being learned"};
+  controls_.scan_left = on ? output::RunControls::kScanLooks : 0;
+  return {};
+}
+
+/// Null: ends the recording.
+Result<void> OperatorDesk::record(const page::StartRecording* start) {
+  const std::lock_guard lock(record_mutex_);
+  auto done = start != nullptr ? recorder_.start(start->name, start->notes) : recorder_.stop();
+  controls_.recording = told_recording_ = recorder_.is_on();
+  return done;
+}
+
+/// A key begins or ends a recording by the controls; a fault that has ended one is told to them.
+void OperatorDesk::obey_record_key() {
+  const std::unique_lock lock(record_mutex_, std::try_to_lock);
+  if (!lock) return;  // one begins or ends now
+  const bool wanted = controls_.recording;
+  if (wanted != told_recording_ && wanted != recorder_.is_on()) {
+    const auto done = wanted ? recorder_.start("", "") : recorder_.stop();
+    if (!done) log_warning("session", "recording: " + to_line(done.error()));
+  }
+  controls_.recording = told_recording_ = recorder_.is_on();
+}
+
+Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
+  if (!session_.cameras)
+    return Error{ErrorCode::kUnsupported,
+                 "this run has no cameras that can be set: a recording is "
+                 "played"};
+  const std::filesystem::path& rig = session_.source->info().file;
+  constexpr std::size_t kMostRigBytes = std::size_t{1} << 20;
+  MIXRIG_ASSIGN(std::string text, config::read_text(rig, kMostRigBytes));
+  for (const auto& [name, value] : set.values)
+    for (int i = 0; i < device::kCameraControls; ++i) {
+      const auto control = static_cast<device::CameraControl>(i);
+      const live::ControlKey key = live::control_key(control);
+      if (key.key != name) continue;
+      MIXRIG_TRY(session_.cameras->set(set.name, control, value / key.unit));
+      zoomed_ = zoomed_ || control == device::CameraControl::kZoom;
+      focused_ = focused_ || control == device::CameraControl::kFocus;
+      if (set.preview) continue;
+      MIXRIG_ASSIGN(text,
+                    live::with_control(text, rig.string(), set.name, control, value / key.unit));
+    }
+  return set.preview ? Result<void>() : write_file(rig, text);
 }
 
 Result<void> OperatorDesk::apply(const page::Command& command) {
@@ -165,11 +261,15 @@ Result<void> OperatorDesk::apply(const page::Command& command) {
       [&](const auto& c) -> Result<void> {
         using C = std::decay_t<decltype(c)>;
         if constexpr (std::is_same_v<C, page::StartRecording>)
-          return recorder_.start(c.name, c.notes);
+          return record(&c);
         else if constexpr (std::is_same_v<C, page::StopRecording>)
-          return recorder_.stop();
+          return record(nullptr);
+        else if constexpr (std::is_same_v<C, page::SetCamera>)
+          return set_camera(c);
         else if constexpr (std::is_same_v<C, page::LearnBackground>)
           return learn_background();
+        else if constexpr (std::is_same_v<C, page::ScanRoom>)
+          return scan_room(c.on);
         else if constexpr (std::is_same_v<C, page::SaveScene>)
           return scene_.save();
         else if constexpr (requires { scene_.apply(c, from); })

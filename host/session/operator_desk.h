@@ -11,6 +11,7 @@
 
 #include "hal/base/clock.h"
 #include "host/output/composite_sink.h"
+#include "host/output/run_controls.h"
 #include "host/page/operator.h"
 #include "host/session/composite_recorder.h"
 #include "host/session/scene_desk.h"
@@ -18,17 +19,16 @@
 namespace mixrig::session {
 
 struct DeskOptions {
-  std::filesystem::path takes;           ///< folder that recordings go to
-  std::atomic<int>* requests = nullptr;  ///< to accept changes of the room; may be null
-  bool live = false;                     ///< devices; else a recording that is played
+  std::filesystem::path takes;  ///< folder that recordings go to
+  bool live = false;            ///< devices; else a recording that is played
 };
 
-/// Knows of the run what its sinks are given. `session` and `clock` outlive it; it outlives its
-/// sink.
+/// Knows of the run what its sinks are given. `session`, `controls` and `clock` outlive it; it
+/// outlives its sink. The controls' `recording` is that of its recorder, whoever changes it.
 class OperatorDesk final : public page::Operator {
  public:
-  OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower, const Clock& clock,
-               DeskOptions options);
+  OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
+               output::RunControls& controls, const Clock& clock, DeskOptions options);
 
   page::State state() const override;
   Result<void> apply(const page::Command& command) override;
@@ -48,20 +48,30 @@ class OperatorDesk final : public page::Operator {
     HostTime finished{}, second_began{};
     std::uint64_t second_count = 0;
     std::string pose = "unknown";
-    bool objects_shown = true, background_possible = false;
+    bool objects_shown = true;
     std::optional<SeenFrom> from;
   };
   Frames frames() const;
   page::CalibrationState calibration() const;
   std::vector<page::StreamState> streams() const;
+  std::vector<page::CameraState> cameras() const;
+  page::ScanState scan_state() const;
   Result<void> learn_background();
+  Result<void> scan_room(bool on);
+  Result<void> record(const page::StartRecording* start);
+  void obey_record_key();
+  Result<void> set_camera(const page::SetCamera& set);
 
   const Session& session_;
+  output::RunControls& controls_;
   const Clock& clock_;
   const DeskOptions options_;
   SceneDesk scene_;
   CompositeRecorder recorder_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  std::mutex record_mutex_;      ///< guards what follows; held while a recording begins or ends
+  bool told_recording_ = false;  ///< as the controls were told last
+  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< in this run
+  mutable std::mutex mutex_;                            ///< guards what follows
   Frames frames_;
 };
 

@@ -26,6 +26,8 @@ struct ChangeOptions {
   bool accept_all = false;  ///< as soon as a change is certain
   /// Counts the operator's requests to accept what has been found; may be null.
   const std::atomic<int>* requests = nullptr;
+  /// output::RunControls::scan_left, counted down; may be null.
+  std::atomic<int>* scan_left = nullptr;
   model::WatchOptions watch;
 };
 

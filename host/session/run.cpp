@@ -15,6 +15,7 @@
 #include "host/output/contact_sheet.h"
 #include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
+#include "host/session/change_sink.h"
 #include "host/session/contact_points.h"
 #include "host/session/frame_lens.h"
 #include "host/session/judge.h"
@@ -170,8 +171,9 @@ Result<void> Runner::open_compositor() {
   const bool hides = session_.poses->moves() && report_.pose.when_lost == pose::WhenLost::kHide;
   MIXRIG_TRY(compositor_.open(hides, sinks_.motion(), gate()));
   if (options_.controls != nullptr) {
-    options_.controls->can_record = sinks_.has_files();
+    options_.controls->can_record = sinks_.has_files() || options_.controls->records_takes;
     options_.controls->can_learn = compositor_.watches_room();
+    options_.controls->can_scan = compositor_.watches_room() && ChangeSink::can_scan(session_);
     options_.controls->can_focus = session_.setup.focus.has_value();
   }
   return {};
@@ -268,7 +270,8 @@ Result<bool> Runner::frame() {
     return false;
   }
   MIXRIG_TRY(compositor_.follow_changes());
-  if (options_.controls != nullptr) sinks_.set_recording(options_.controls->recording);
+  if (options_.controls != nullptr && !options_.controls->records_takes)
+    sinks_.set_recording(options_.controls->recording);
   const int number = item->capture->number;
   const render::OutputMask images = wanted(number);
   const bool inspected = (images & ~render::kComposite) != 0, on_sheet = sinks_.on_sheet(number);

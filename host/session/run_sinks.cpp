@@ -5,6 +5,7 @@
 
 #include "host/output/sheet_sink.h"
 #include "host/output/stream_sink.h"
+#include "host/output/timecode.h"
 #include "host/session/people_sink.h"
 #include "host/session/pose_sink.h"
 #include "host/session/touch_stage.h"

@@ -54,30 +54,6 @@ fs::path free_model_path(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
-Result<Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at, double level_m) {
-  constexpr double kFarthest_m = 100;
-  const Size size = from.view.size_px;
-  const Eigen::Vector2d px(at.x() * size.width - 0.5, at.y() * size.height - 0.5);
-  const Eigen::Vector2d ray = from.view.unproject(px);
-  const Vector3d sight = from.world_from_view.rotation * Vector3d(ray.x(), ray.y(), 1);
-  const Vector3d& eye = from.world_from_view.translation_m;
-  const double along = (level_m - eye.z()) / sight.z();
-  if (!(along > 0) || !(along * sight.norm() < kFarthest_m))
-    return Error{ErrorCode::kData, "there is no floor under this place of the picture"};
-  const Vector3d p = eye + along * sight;
-  return Vector3d(p.x(), p.y(), level_m);  // without what rounding left of z
-}
-
-std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from, const Vector3d& p_world) {
-  const Vector3d p = inverse(from.world_from_view) * p_world;
-  if (!(p.z() > 1e-3)) return std::nullopt;
-  const Eigen::Vector2d px = from.view.project(p);
-  const Size size = from.view.size_px;
-  const Eigen::Vector2d at((px.x() + 0.5) / size.width, (px.y() + 0.5) / size.height);
-  if (!at.allFinite() || at.minCoeff() < 0 || at.maxCoeff() > 1) return std::nullopt;
-  return at;
-}
-
 SceneDesk::SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower)
     : session_(session), follower_(std::move(follower)) {}
 
@@ -226,6 +202,20 @@ Result<void> SceneDesk::apply(const page::SetLamp& set) {
   return set.preview ? Result<void>() : write_lamps(std::move(now.text), lamps);
 }
 
+Result<Vector3d> SceneDesk::lamp_position(const page::AddLamp& add, const SeenFrom* from) const {
+  constexpr double kBeforeSurface_m = 0.05;  // else the surface would be in its own light
+  if (add.position_m) return *add.position_m;
+  MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
+  if (add.height_m) return point_on_level(*used, *add.at, *add.height_m);
+  if (add.above_floor_m) {
+    MIXRIG_ASSIGN(const Vector3d floor, point_on_level(*used, *add.at, 0));
+    return Vector3d(floor + *add.above_floor_m * Vector3d::UnitZ());
+  }
+  MIXRIG_ASSIGN(const Vector3d surface, point_on_room(session_, *used, *add.at));
+  const Vector3d to_eye = used->world_from_view.translation_m - surface;
+  return Vector3d(surface + kBeforeSurface_m * to_eye.normalized());
+}
+
 Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
   MIXRIG_ASSIGN(Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
@@ -240,12 +230,7 @@ Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
   if (taken(lamp.name))
     return Error{ErrorCode::kUsage, "there is a lamp \"" + lamp.name + "\": give another name"};
   lamp.intensity = add.intensity;
-  if (add.position_m) lamp.position_m = *add.position_m;
-  if (add.at) {
-    MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
-    MIXRIG_ASSIGN(lamp.position_m, point_on_level(*used, *add.at, 0));
-    lamp.position_m.z() = add.height_m;
-  }
+  MIXRIG_ASSIGN(lamp.position_m, lamp_position(add, from));
   lamps.push_back(lamp);
   return write_lamps(std::move(now.text), lamps);
 }

@@ -8,26 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "host/geometry/camera_model.h"
 #include "host/page/operator.h"
+#include "host/session/room_sight.h"
 #include "host/session/scene_follower.h"
 #include "host/session/session.h"
 
 namespace mixrig::session {
-
-/// What the last frame was seen with.
-struct SeenFrom {
-  geometry::Pose world_from_view;
-  geometry::Pinhole view;
-};
-
-/// The point of a horizontal level under a place in the picture (0..1 of width and height). Errors:
-/// kData where the sight does not go down to it within 100 m.
-Result<Eigen::Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at,
-                                       double level_m);
-/// Where a point of the world is in the picture; none behind the camera or outside.
-std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from,
-                                                const Eigen::Vector3d& p_world);
 
 /// The scene file is the truth: a change is written into it whole or not at all, its other text
 /// stays, and the run follows the file. Previews are shown without being written, until the file is
@@ -69,6 +55,7 @@ class SceneDesk {
   Result<void> write_lamps(std::string text, const std::vector<scene::Lamp>& lamps) const;
   Result<geometry::Pose> wanted_pose(const scene::Object& object, const page::SetObject& set,
                                      const SeenFrom* from) const;
+  Result<Eigen::Vector3d> lamp_position(const page::AddLamp& add, const SeenFrom* from) const;
   Eigen::Vector3f wanted_intensity(const page::SetLamp& set, const Eigen::Vector3f& old);
 
   const Session& session_;

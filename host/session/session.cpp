@@ -35,13 +35,14 @@ std::string view_text(const geometry::Pinhole& view) {
 }
 
 Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOptions& options,
-                                                                const scene::Scene& scene) {
+                                                                Session& session) {
   const std::string& uri = options.source;
   if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri);
   if (options.clock == nullptr || options.stop == nullptr)
     return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
-  return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", scene, *options.stop, *options.clock,
-                  options.play);
+  session.cameras = std::make_shared<live::CameraSettings>();
+  return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", session.scene, *options.stop,
+                  *options.clock, options.play, session.cameras);
 }
 
 calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,
@@ -220,7 +221,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   auto session = std::make_unique<Session>();
   session->backend = options.backend;
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
-  MIXRIG_ASSIGN(session->source, open_any_source(options, session->scene));
+  MIXRIG_ASSIGN(session->source, open_any_source(options, *session));
   session->calibration = choose_calibration(options, *session);
   MIXRIG_ASSIGN(session->source,
                 capture::with_calibration(std::move(session->source), session->calibration.file));

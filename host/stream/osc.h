@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Open Sound Control 1.0: messages for show control, one in a datagram. Written here, not read.
+// Open Sound Control 1.0: messages for show control, one in a datagram. Written here; osc_reader.h
+// reads them.
 #pragma once
 
 #include <cstdint>

@@ -1,12 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writing of Matroska streams.
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <gst/app/gstappsrc.h>
 
 #include "host/take/matroska.h"
 
 namespace mixrig::take {
+
+namespace {
+
+/// As long as frames are taken: a busy machine may need longer for them than wait_for() waits.
+void wait_while_taken(GstElement* source, const Pipeline& pipeline) {
+  constexpr auto kMostStill = std::chrono::seconds(10);
+  guint64 left = gst_app_src_get_current_level_bytes(GST_APP_SRC(source));
+  auto since = std::chrono::steady_clock::now();
+  while (left > 0 && !pipeline.has_failed()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    const auto now = std::chrono::steady_clock::now();
+    const guint64 level = gst_app_src_get_current_level_bytes(GST_APP_SRC(source));
+    if (level != left) since = now;
+    if (now - since > kMostStill) return;
+    left = level;
+  }
+}
+
+}  // namespace
 
 const char* raw_format(PixelKind kind) {
   // FFV1's RGB is stored by a reversible transform; of the 8-bit channel orders
@@ -68,6 +89,7 @@ Result<void> MatroskaWriter::write(ImageView<const std::uint16_t> image) {
 }
 
 Result<void> MatroskaWriter::finish() {
+  wait_while_taken(source_.get(), pipeline_);
   gst_app_src_end_of_stream(GST_APP_SRC(source_.get()));
   return pipeline_.wait_for(GST_MESSAGE_EOS, "write");
 }

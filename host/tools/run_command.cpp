@@ -51,7 +51,7 @@ Result<void> open_view(const RunArguments& arguments, session::Session& session,
   if (arguments.view.empty()) return {};
   const viewfinder::ViewfinderOptions view{
       .title = "mixrig: " + session.scene.path.filename().string(),
-      .view = viewfinder::view_of(arguments.view).value_or(viewfinder::View::kComposite),
+      .view = output::view_named(arguments.view).value_or(output::View::kComposite),
       .picture_px = session.setup.view.size_px,
       .shares = session::takes_gles(session.backend)};
   MIXRIG_ASSIGN(auto sink,
@@ -96,6 +96,8 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.changes.accept_all = arguments.accept_changes;
   options.changes.requests = &CountSignals::count();
   if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
+  if (arguments.page.takes_osc && !arguments.page.serves)
+    return Error{ErrorCode::kUsage, "--osc-in needs --page: both work on one state of the run"};
   const StopOnSignal signals;
   const CountSignals accept_requests;
   SystemClock clock;
@@ -104,17 +106,18 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
+  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
+  options.controls = &controls;
+  options.changes.scan_left = &controls.scan_left;
   PageRun page;
   if (arguments.page.serves) {
-    MIXRIG_ASSIGN(page, open_page(arguments.page, *session, clock, options));
+    MIXRIG_ASSIGN(page, open_page(arguments.page, *session, clock, controls, options));
   }
   if (arguments.follow_scene && !arguments.page.serves)
     options.scene = std::make_shared<session::SceneFollower>(*session, false);
-  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
   if (!arguments.focus.empty()) {
     MIXRIG_ASSIGN(controls.focus_at, parse_focus(arguments.focus, *session));
   }
-  options.controls = &controls;
   ViewfinderReport shown;
   MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
   if (auto service = make_service_sink(clock)) options.sinks.push_back(std::move(service));
@@ -178,6 +181,7 @@ void add_run_command(Command app, Context& context) {
   add_page_options(command, arguments->page);
   command.callback([&context, arguments, command] {
     arguments->page.serves = command.count("--page") > 0;
+    arguments->page.takes_osc = command.count("--osc-in") > 0;
     context.action = [arguments] { return run(*arguments); };
   });
 }

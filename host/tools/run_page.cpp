@@ -5,7 +5,6 @@
 
 #include "host/session/played_source.h"
 #include "host/session/scene_follower.h"
-#include "host/tools/count_signals.h"
 
 namespace mixrig::tools {
 
@@ -19,25 +18,33 @@ void add_page_options(Command command, PageArguments& arguments) {
       .add_option("--record-to", arguments.takes,
                   "folder that the page's recordings are written to")
       .show_default();
+  command
+      .add_option("--osc-in", arguments.osc_in,
+                  "take OSC from control surfaces at [ADDRESS:]PORT, 127.0.0.1:8438 if none is "
+                  "given; needs --page")
+      .value_if_left_out("8438");
 }
 
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
-                          session::RunOptions& options) {
+                          output::RunControls& controls, session::RunOptions& options) {
   MIXRIG_ASSIGN(const page::Listen listen, page::parse_listen(arguments.listen));
+  std::optional<page::Listen> osc;
+  if (arguments.takes_osc) {
+    MIXRIG_ASSIGN(osc, page::parse_osc_listen(arguments.osc_in));
+  }
   const bool live = session.source->info().frames == capture::kEndless;
   if (!live) session.source = session::played(std::move(session.source), clock);
   options.judge = false;
   options.scene = std::make_shared<session::SceneFollower>(session, true);
   PageRun run;
-  std::atomic<int>* const requests =
-      options.watch_room.value_or(true) ? &CountSignals::count() : nullptr;
   run.desk = std::make_unique<session::OperatorDesk>(
-      session, options.scene, clock,
-      session::DeskOptions{.takes = arguments.takes, .requests = requests, .live = live});
-  MIXRIG_ASSIGN(run.server, page::Server::start(*run.desk, clock, listen));
+      session, options.scene, controls, clock,
+      session::DeskOptions{.takes = arguments.takes, .live = live});
+  MIXRIG_ASSIGN(run.server, page::Server::start(*run.desk, controls, clock, listen, osc));
   options.sinks.push_back(run.desk->make_sink());
   options.sinks.push_back(run.server->make_sink());
   std::fprintf(stderr, "page: %s\n", run.server->url().c_str());
+  if (osc) std::fprintf(stderr, "osc: %s\n", run.server->osc_text().c_str());
   return run;
 }
 

@@ -16,10 +16,11 @@
 namespace mixrig::tools {
 
 struct PageArguments {
-  bool serves = false;  ///< --page was given
-  std::string listen, takes = "recordings";
+  bool serves = false;     ///< --page was given
+  bool takes_osc = false;  ///< --osc-in was given
+  std::string listen, takes = "recordings", osc_in;
 };
-/// --page and --record-to.
+/// --page, --record-to and --osc-in.
 void add_page_options(Command command, PageArguments& arguments);
 
 /// Serves the page while it lives.
@@ -29,9 +30,9 @@ struct PageRun {
 };
 
 /// A recording is played at its rate from now on, again and again, and is not judged. Adds sinks
-/// and the scene's follower to `options`; says on stderr where the page is. `session` and `clock`
-/// outlive it. Errors: those of page::parse_listen and page::Server::start.
+/// and the scene's follower to `options`; says on stderr where the page is. `session`, `clock`
+/// and `controls` outlive it. Errors: those of page::parse_listen and page::Server::start.
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
-                          session::RunOptions& options);
+                          output::RunControls& controls, session::RunOptions& options);
 
 }  // namespace mixrig::tools

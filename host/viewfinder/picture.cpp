@@ -11,8 +11,6 @@
 namespace mixrig::viewfinder {
 namespace {
 
-constexpr std::array<std::string_view, kViews> kViewNames{"composite", "plate", "key",
-                                                          "depth",     "light", "matte"};
 using Ramp = std::array<Rgbx8, 256>;
 
 Rgbx8 opaque(Rgb8 p) { return {p.r, p.g, p.b, 255}; }
@@ -68,14 +66,6 @@ bool draw_depth(ImageView<const float> depth_m, const DepthColors& colors, Image
 
 }  // namespace
 
-std::string_view name(View view) { return kViewNames[static_cast<std::size_t>(view)]; }
-
-std::optional<View> view_of(std::string_view name) {
-  const auto* const found = std::find(kViewNames.begin(), kViewNames.end(), name);
-  if (found == kViewNames.end()) return std::nullopt;
-  return static_cast<View>(found - kViewNames.begin());
-}
-
 render::OutputMask images_of(View view) {
   switch (view) {
     case View::kComposite:
@@ -88,7 +78,6 @@ render::OutputMask images_of(View view) {
       return render::kLight;
     case View::kPlate:
     case View::kMatte:
-    case View::kCount:
       break;
   }
   return render::kMatte;
@@ -114,7 +103,6 @@ bool draw_view(const output::Composite& composite, View view, const DepthColors&
     case View::kMatte:
       return fill(images.matte.view(), picture, grey);
     case View::kPlate:
-    case View::kCount:
       break;
   }
   return false;

@@ -2,23 +2,16 @@
 // The picture of a view of a composite, as a screen takes it.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string_view>
-
 #include "hal/base/image.h"
 #include "host/output/composite_sink.h"
+#include "host/output/views.h"
 #include "host/render/compositor.h"
 
 namespace mixrig::viewfinder {
 
 /// What the viewfinder shows; keys 1 to 6.
-enum class View : std::uint8_t { kComposite, kPlate, kKey, kDepth, kLight, kMatte, kCount };
-inline constexpr std::size_t kViews = static_cast<std::size_t>(View::kCount);
-
-/// "composite", "plate", "key", "depth", "light", "matte": as --view takes it.
-std::string_view name(View view);
-std::optional<View> view_of(std::string_view name);
+using output::kViews;
+using output::View;
 
 /// The image of the compositor that a view shows. The plate needs none; it asks for the matte,
 /// which every frame makes.

@@ -41,7 +41,8 @@ class Viewfinder::Loop {
       const bool over = owner_.over_;  // read before the queue
       auto handed = owner_.queue_.pop(over ? Duration(0) : kLook);
       if (!handed && over) return {};
-      const bool keys = handle_keys();
+      const bool changed = follow_controls();
+      const bool keys = handle_keys() || changed;
       const HostTime now = owner_.clock_.now();
       if (handed) take(*handed, now);
       if (live_ && now - asked_ >= kAskDevices) ask_devices(now);
@@ -53,6 +54,7 @@ class Viewfinder::Loop {
   }
 
  private:
+  bool follow_controls();
   bool handle_keys();
   void focus_at(Window::Click click);
   void obey(Request request);
@@ -96,9 +98,11 @@ void Viewfinder::Loop::obey(Request request) {
       ++controls.learn;
       return say("what changed in the room becomes background");
     case Request::kRecord:
-      if (!controls.can_record) return say("nothing to record to: start with --out DIR");
+      if (!controls.can_record) return say("nothing to record to: start with --out DIR or --page");
       controls.recording = !controls.recording;
-      return say(controls.recording ? "recording" : "recording paused");
+      return say(controls.recording       ? "recording"
+                 : controls.records_takes ? "recording ended"
+                                          : "recording paused");
     case Request::kFullScreen:
       return window_.toggle_full_screen();
     case Request::kNone:
@@ -116,6 +120,16 @@ void Viewfinder::Loop::focus_at(Window::Click click) {
   say("what was clicked is sharp");
 }
 
+/// True where somebody else has changed what is shown.
+bool Viewfinder::Loop::follow_controls() {
+  const View view = owner_.controls_.view;
+  const bool frozen = owner_.controls_.frozen;
+  const bool changed = view != state_.view || frozen != state_.frozen;
+  if (view != state_.view) screen_.forget_range();
+  state_.view = view, state_.frozen = frozen;
+  return changed;
+}
+
 bool Viewfinder::Loop::handle_keys() {
   const Keys& keys = window_.poll();
   const auto click = window_.click();
@@ -124,9 +138,11 @@ bool Viewfinder::Loop::handle_keys() {
     obey(press(key, state_));
     if (key == '1' + static_cast<char>(View::kDepth)) screen_.forget_range();
   }
-  owner_.view_ = state_.view;
   owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
-  return !keys.empty() || click;
+  if (keys.empty()) return click.has_value();
+  owner_.controls_.view = state_.view;
+  owner_.controls_.frozen = state_.frozen;
+  return true;
 }
 
 void Viewfinder::Loop::take(const Handed& handed, HostTime now) {
@@ -186,12 +202,9 @@ void Viewfinder::Loop::count_shown(const Handed& handed) {
 
 Viewfinder::Viewfinder(const ViewfinderOptions& options, const capture::CaptureSource& source,
                        output::RunControls& controls, const Clock& clock, ViewfinderReport& report)
-    : options_(options),
-      source_(source),
-      controls_(controls),
-      clock_(clock),
-      report_(report),
-      view_(options.view) {}
+    : options_(options), source_(source), controls_(controls), clock_(clock), report_(report) {
+  controls.view = options.view;
+}
 
 Viewfinder::~Viewfinder() { stop(); }
 
@@ -228,7 +241,7 @@ void Viewfinder::stop() {
 }
 
 render::OutputMask Viewfinder::wanted(int) const {
-  const render::OutputMask images = images_of(view_);
+  const render::OutputMask images = images_of(controls_.view);
   const bool stays = images == render::kColor && share_.display != nullptr && !reads_pixels_;
   return stays ? render::kGpuColor : images;
 }

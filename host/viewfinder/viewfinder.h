@@ -38,7 +38,8 @@ struct ViewfinderReport {
   measure::QuantileSketch delay_ms;  ///< live: mid-exposure to shown
 };
 
-/// write() hands the composite to the thread that owns the window, and does not wait for it; that
+/// Shows the view of the controls, and tells them what keys change. write() hands the composite to
+/// the thread that owns the window, and does not wait for it; that
 /// thread draws, shows, handles keys, and goes on while no composite comes: a picture that is old
 /// says so. Closing the window ends the run as Ctrl-C does.
 class Viewfinder final : public output::CompositeSink {
@@ -77,7 +78,6 @@ class Viewfinder final : public output::CompositeSink {
   output::RunControls& controls_;
   const Clock& clock_;
   ViewfinderReport& report_;
-  std::atomic<View> view_;
   std::atomic<bool> reads_pixels_ = false;  ///< of the composite, to draw marks of them
   render::GlShare share_;
   BoundedQueue<Handed, 1> queue_;

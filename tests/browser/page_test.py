@@ -124,7 +124,7 @@ def shows_a_live_picture(page):
 
 
 def has_names(page):
-    for control in page.find_elements(By.CSS_SELECTOR, "button, input, textarea"):
+    for control in page.find_elements(By.CSS_SELECTOR, "button, input, textarea, select"):
         assert control.accessible_name.strip(), control.get_attribute("outerHTML")
 
 
@@ -168,6 +168,77 @@ def scales_and_hides_it(page, rig, name):
         comes_true("the page knows", lambda: hide.get_attribute("aria-pressed") == str(hidden).lower())
 
 
+def turns_it(page, rig, name):
+    before = rig.object(name)
+    field(page, "turn", name).send_keys(*[Keys.ARROW_RIGHT] * 10)
+    comes_true("the turned object", lambda: rig.object(name).get("rotation_xyzw", before) != before.get(
+        "rotation_xyzw", before) and abs(next(o for o in rig.state()["objects"] if o["name"] == name)["turn_deg"]) > 1)
+
+
+def loads_and_removes_a_model(page, rig):
+    model = next((rig.folder / "take").glob("**/*.glb"))
+    copy = rig.folder / "new thing.glb"
+    shutil.copy(model, copy)
+    count = len(rig.scene()["object"])
+    by_id(page, "upload").send_keys(str(copy))
+    comes_true("the new object", lambda: len(rig.scene()["object"]) == count + 1)
+    assert (rig.folder / "take/models/new_thing.glb").exists()
+    removes(page, lambda: comes_true("its controls", lambda: page.find_elements(
+        By.CSS_SELECTOR, '[aria-label="Remove of new thing"], [aria-label="remove of new thing"]'))[0])
+    comes_true("the object is gone", lambda: len(rig.scene()["object"]) == count)
+    comes_true("the run knows", lambda: len(rig.state()["objects"]) == count)
+
+
+def removes(page, button):
+    button().click()
+    page.switch_to.alert.accept()
+
+
+def switches_a_lamp(page, rig):
+    name = rig.scene()["light"]["lamp"][0]["name"]
+    strength = lambda: max(rig.scene()["light"]["lamp"][0]["intensity"])
+    before = strength()
+    for on in (False, True):
+        field(page, "on", name).click()
+        comes_true(f"the lamp {on}", lambda: (strength() > 0) == on)
+        comes_true("the page knows", lambda: field(page, "on", name).get_attribute("aria-pressed") == str(on).lower())
+    assert abs(strength() - before) < 1e-4, "it has what it had"
+
+
+def colors_a_lamp(page, rig):
+    name = rig.scene()["light"]["lamp"][0]["name"]
+    page.execute_script(
+        "const c = document.querySelector(arguments[0]); c.value = '#ff0000';"
+        "c.dispatchEvent(new Event('change'))", f'[aria-label="color of {name}"]')
+
+    def red():
+        r, g, b = rig.scene()["light"]["lamp"][0]["intensity"]
+        return g + b < 0.01 * r
+    comes_true("the red lamp", red)
+
+
+def removes_a_lamp(page, rig):
+    lamps = rig.scene()["light"]["lamp"]
+    removes(page, lambda: field(page, "remove", lamps[-1]["name"]))
+    comes_true("the lamp is gone", lambda: len(rig.scene()["light"]["lamp"]) == len(lamps) - 1)
+
+
+def takes_changes(page):
+    by_id(page, "learn").click()
+    comes_true("that nothing waits", lambda: "waits to be accepted" in by_id(page, "log").text)
+
+
+def saves(page, rig):
+    with_preview = json.dumps({"turn_deg": 77, "preview": True}).encode()
+    name = rig.scene()["object"][0]["name"]
+    request = urllib.request.Request(rig.url + f"api/v1/objects/{name}", with_preview,
+                                     {"Content-Type": "application/json"}, method="PUT")
+    urllib.request.urlopen(request, timeout=30)
+    before = rig.scene_file.read_text()
+    by_id(page, "save").click()
+    comes_true("the saved preview", lambda: rig.scene_file.read_text() != before)
+
+
 def dims_a_lamp(page, rig):
     lamp = rig.scene()["light"]["lamp"][0]
     strength = field(page, "strength", lamp["name"])
@@ -179,12 +250,40 @@ def dims_a_lamp(page, rig):
     print(f"dimmed {lamp['name']}: {lamp['intensity']} -> {comes_true('the dimmed lamp', dimmed)}")
 
 
+def adds_a_lamp_where_it_is_seen(page, rig):
+    """On the wall in the upper middle of the picture, by the learned room."""
+    count = len(rig.scene()["light"]["lamp"])
+    page.find_element(By.CSS_SELECTOR, '#lamp-where option[value=""]').click()
+    by_id(page, "add-lamp").click()
+    ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
+        -0.35 * by_id(page, "stage").rect["height"])).click().perform()
+    comes_true("the lamp on the wall", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
+    lamp = rig.state()["lamps"][-1]
+    assert lamp["at"] and abs(lamp["at"][0] - 0.5) < 0.02 and abs(lamp["at"][1] - 0.15) < 0.02, lamp
+    print(f"a lamp where the wall is seen: {lamp['position_m']}")
+
+
 def adds_a_lamp(page, rig):
     count = len(rig.scene()["light"]["lamp"])
+    page.find_element(By.CSS_SELECTOR, '#lamp-where option[value="above_floor_m"]').click()
     by_id(page, "add-lamp").click()
     ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
         0.4 * by_id(page, "stage").rect["height"])).click().perform()
     comes_true("the added lamp", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
+
+
+def learns_the_room(page, rig):
+    """All of the background anew, while the run goes on; once ended in the middle."""
+    def begins():
+        by_id(page, "scan").click()
+        comes_true("progress", lambda: by_id(page, "scan-progress").is_displayed())
+    begins()
+    by_id(page, "scan").click()
+    comes_true("the end of it", lambda: rig.state()["scan"]["total"] == 0)
+    begins()
+    comes_true("looks", lambda: rig.state()["scan"]["done"] > 2)
+    comes_true("the learned room", lambda: "learned anew" in by_id(page, "log").text)
+    assert rig.state()["scan"]["total"] == 0
 
 
 def records(page, rig, mixrig):
@@ -204,6 +303,99 @@ def records(page, rig, mixrig):
     # The name is taken now: the page says so.
     by_id(page, "record").click()
     comes_true("the refusal", lambda: "exists" in by_id(page, "message").text)
+
+
+class LiveRig(Rig):
+    """Cameras of the studio as devices: their exposure can be set."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "live"
+        self.folder.mkdir()
+        self.scene_file = self.folder / "scene.toml"
+        self.scene_file.write_text('[camera]\npose = "identity"\n')
+        studio = 'uri = "studio:sweep,7,sr3000,,64x48/'
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\n{studio}target"\n'
+                                 f'exposure_ms = 8.0  # at rest\n[depth]\n{studio}tof"\n'
+                                 f'[pan_tilt]\n{studio}head"\n')
+        self.log = open(self.folder / "log", "w+")
+        self.start(mixrig)
+
+    def start(self, mixrig):
+        self.process = subprocess.Popen(
+            [mixrig, "run", self.scene_file, "--source", f"rig:{self.rig_file}", "--backend", "cpu", "--page",
+             "127.0.0.1:0", "--record-to", self.folder / "recordings"], stderr=self.log, stdout=subprocess.DEVNULL)
+        self.url = comes_true("the page's address", self.address)
+
+    def exposure_ms(self):
+        with open(self.rig_file, "rb") as file:
+            return tomllib.load(file)["camera"][0]["exposure_ms"]
+
+
+def sets_the_exposure(page, mixrig, folder):
+    rig = LiveRig(mixrig, folder)
+    try:
+        page.get(rig.url)
+        comes_true("the cameras", lambda: by_id(page, "cameras-panel").is_displayed())
+        has_names(page)
+        bright = comes_true("a picture", lambda: brightness(page))
+        number = field(page, "exposure, ms as number", "color")
+        comes_true("the value", lambda: number.get_attribute("value") == "8")
+        number.clear()
+        number.send_keys("2", Keys.TAB)
+        comes_true("the exposure in rig.toml", lambda: rig.exposure_ms() == 2)
+        assert "# at rest" in rig.rig_file.read_text()
+        comes_true("a darker picture", lambda: brightness(page) < 0.7 * bright)
+        assert rig.state()["cameras"][0]["settings"][0]["value"] == 2
+        assert rig.stop() == 0, rig.text()
+        rig.log.truncate(0)
+        rig.start(mixrig)
+        comes_true("the exposure after a restart", lambda: (rig.state()["cameras"] or [{"settings": [{"value": 0}]}])
+                   [0]["settings"][0]["value"] == 2)
+        print(f"exposure 8 -> 2 ms: brightness {bright:.0f} -> below {0.7 * bright:.0f}, kept over a restart")
+    finally:
+        rig.process.kill()
+
+
+class HalfLost(LiveRig):
+    """The depth camera's recording ends long before that of the colour camera."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "lost"
+        self.folder.mkdir()
+        self.scene_file = self.folder / "scene.toml"
+        self.scene_file.write_text('[camera]\npose = "identity"\n')
+        for name, frames in (("long", 300), ("short", 10)):
+            subprocess.run([mixrig, "studio", self.folder / name, "--plain", "--scenario", "walk", "--rig", "sr3000",
+                            "--seed", "7", "--size", "64x48", "--frames", str(frames)], check=True,
+                           stdout=subprocess.DEVNULL)
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
+                                 f'[depth]\nname = "depth"\nuri = "take:{self.folder}/short/depth"\n')
+        self.log = open(self.folder / "log", "w+")
+        self.start(mixrig)
+
+
+def shows_a_lost_device(page, mixrig, folder):
+    rig = HalfLost(mixrig, folder)
+    try:
+        page.get(rig.url)
+        line = comes_true("the lost depth camera", lambda: [
+            one.text for one in page.find_elements(By.CSS_SELECTOR, "#streams .bad") if "depth" in one.text])
+        assert "check cable" in line[0], line
+        assert age_ms(page) is not None
+        print(f"a lost device: {line[0]}")
+    finally:
+        rig.process.kill()
+
+
+def brightness(page):
+    return page.execute_script(
+        "if (!Picture.frame) return 0;"
+        "const c = document.getElementById('canvas');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let sum = 0; for (let i = 0; i < d.length; i += 4) sum += d[i] + d[i + 1] + d[i + 2];"
+        "return 4 * sum / 3 / d.length")
 
 
 def freezes(page):
@@ -262,12 +454,23 @@ def main():
                 time.sleep(1)
                 page.save_screenshot(sys.argv[2])
             scales_and_hides_it(page, rig, name)
+            turns_it(page, rig, name)
+            loads_and_removes_a_model(page, rig)
+            saves(page, rig)
             dims_a_lamp(page, rig)
+            switches_a_lamp(page, rig)
+            colors_a_lamp(page, rig)
             adds_a_lamp(page, rig)
+            adds_a_lamp_where_it_is_seen(page, rig)
+            removes_a_lamp(page, rig)
+            takes_changes(page)
+            learns_the_room(page, rig)
             records(page, rig, mixrig)
             freezes(page)
             two_pages_agree(page)
             says_when_the_rig_is_gone(page, rig)
+            sets_the_exposure(page, mixrig, folder)
+            shows_a_lost_device(page, mixrig, folder)
         finally:
             page.quit()
             rig.process.kill()

@@ -2,6 +2,7 @@
 // A program started by a test; it ends with the test, or after a time limit.
 #pragma once
 
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,15 @@ class ChildProcess {
 
   /// timeout(1) passes SIGINT and SIGTERM on.
   void signal(int number) const { kill(pid_, number); }
+
+  /// Of the program itself; 0 where it has ended, or has not begun.
+  pid_t program() const {
+    const std::string self = std::to_string(pid_);
+    std::ifstream children("/proc/" + self + "/task/" + self + "/children");
+    pid_t child = 0;
+    children >> child;
+    return child;
+  }
 
   /// Exit status; 124 where the limit ended it.
   int wait() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exposure, gain, focus, white balance and hardware trigger of a V4L2 node.
+// Exposure, gain, focus, white balance, zoom and hardware trigger of a V4L2 node.
 #include <array>
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace mixrig::device {
 namespace {
 
-/// A control, the control that selects its manual mode, and the unit of its steps.
+/// A control, the control that selects its manual mode (0: none), and the unit of its steps.
 struct Mapped {
   CameraControl control;
   std::uint32_t id;
@@ -26,6 +26,7 @@ constexpr std::array<Mapped, kCameraControls> kMapped = {{
     {CameraControl::kFocus, V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_FOCUS_AUTO, 0, 1},
     {CameraControl::kWhiteBalance, V4L2_CID_WHITE_BALANCE_TEMPERATURE, V4L2_CID_AUTO_WHITE_BALANCE,
      0, 1},
+    {CameraControl::kZoom, V4L2_CID_ZOOM_ABSOLUTE, 0, 0, 1},
 }};
 const Mapped& mapped(CameraControl control) { return kMapped[static_cast<std::size_t>(control)]; }
 
@@ -66,7 +67,7 @@ bool V4l2Node::write_control(std::uint32_t id, std::int32_t value) const {
 Result<void> V4l2Node::set(CameraControl control, double value) {
   const Mapped& m = mapped(control);
   // May fail: a camera without the automatic mode has no control to turn it off.
-  (void)write_control(m.automatic_id, m.manual_value);
+  if (m.automatic_id != 0) (void)write_control(m.automatic_id, m.manual_value);
   if (!write_control(m.id, static_cast<std::int32_t>(std::lround(value / m.unit))))
     return failed("setting a control");
   return {};

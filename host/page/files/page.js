@@ -116,7 +116,18 @@ const show = {
     el('background').textContent = b.text;
     el('learn').disabled = !b.possible;
   },
+  scan(s) {
+    el('scan').disabled = !s.possible;
+    el('scan').textContent = s.total ? 'Cancel' : 'Learn the empty room';
+    el('scan-progress').hidden = !s.total;
+    el('scan-progress').value = s.total ? s.done / s.total : 0;
+    el('scan-state').textContent = s.total ? `${s.done} of ${s.total} looks: leave the set empty` : s.why_not;
+  },
   objects(list) { showThings('objects', list, makeObject, updateObject); showHandles(); },
+  cameras(list) {
+    el('cameras-panel').hidden = list.length === 0;
+    showThings('cameras', list, makeCamera, updateCamera);
+  },
   lamps(list) { showThings('lamps', list, makeLamp, updateLamp); showHandles(); },
   disk: showHealth, calibration: showHealth, pose: showHealth, run: showHealth,
   streams(list) {
@@ -239,6 +250,32 @@ function updateLamp(block, l) {
   setValue(part(block, 'color'), color_text(l));
 }
 
+// ---- cameras: by the keys of rig.toml
+const setting_names = { exposure_ms: 'exposure, ms', gain: 'gain', focus: 'focus',
+  white_balance_k: 'white balance, K', zoom: 'zoom' };
+function makeCamera(c) {
+  const put = body => askNewest('camera ' + c.name, 'PUT', thing_path('cameras', c.name), body);
+  const rows = c.settings.map(s => {
+    const label = setting_names[s.name] || s.name;
+    const range = { min: s.minimum, max: s.maximum, step: s.step || 'any' };
+    const slider = field(label, c.name, make('input', { type: 'range', ...range,
+      oninput: e => put({ [s.name]: Number(e.target.value), preview: true }),
+      onchange: e => put({ [s.name]: Number(e.target.value) }) }));
+    const number = field(`${label} as number`, c.name, make('input', { type: 'number', ...range, step: 'any',
+      onchange: e => put({ [s.name]: Number(e.target.value) }) }));
+    return make('div', { className: 'row' }, make('span', { className: 'hint' }, label), slider, number);
+  });
+  return make('div', { className: 'thing' }, make('b', {}, c.name), ...rows);
+}
+function updateCamera(block, c) {
+  for (const s of c.settings) {
+    const label = setting_names[s.name] || s.name;
+    if (s.value === null) continue;
+    setValue(part(block, label), s.value);
+    setValue(part(block, `${label} as number`), Number(s.value.toPrecision(6)));
+  }
+}
+
 // ---- the picture: marks of objects and lamps
 function place(handle, at) {
   handle.style.left = `${100 * at[0]}%`;
@@ -308,12 +345,16 @@ function makeHandle(o) {
 el('stage').addEventListener('click', async e => {
   if (!adding_lamp || e.target.closest('.handle')) return;
   setAddingLamp(false);
-  await ask('POST', 'lamps', { at: at_of(e), height_m: Number(el('lamp-height').value) });
+  const where = el('lamp-where').value;
+  const body = { at: at_of(e) };
+  if (where) body[where] = Number(el('lamp-height').value);
+  await ask('POST', 'lamps', body);
 });
 function setAddingLamp(on) {
   adding_lamp = on;
   el('add-lamp').setAttribute('aria-pressed', on);
-  el('add-lamp').textContent = on ? 'Click on the floor' : 'Add by click';
+  el('add-lamp').textContent = on
+    ? (el('lamp-where').value === 'above_floor_m' ? 'Click on the floor' : 'Click on the light') : 'Add by click';
 }
 
 // The age grows until a new picture comes: a picture that stands never looks live.
@@ -343,7 +384,13 @@ el('record').addEventListener('click', () => state.recording && state.recording.
   ? ask('POST', 'record/stop')
   : ask('POST', 'record/start', { name: el('take-name').value.trim(), notes: el('take-notes').value }));
 el('save').addEventListener('click', () => ask('POST', 'scene/save'));
+el('scan').addEventListener('click', () =>
+  ask('POST', state.scan && state.scan.total ? 'background/cancel' : 'background/scan'));
 el('learn').addEventListener('click', () => ask('POST', 'background/learn'));
+el('lamp-where').addEventListener('change', () => {
+  el('lamp-height').disabled = !el('lamp-where').value;
+  setAddingLamp(adding_lamp);
+});
 el('add-lamp').addEventListener('click', () => setAddingLamp(!adding_lamp));
 el('upload').addEventListener('change', async e => {
   const file = e.target.files[0];

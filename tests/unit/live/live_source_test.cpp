@@ -33,8 +33,10 @@ class LiveSourceTest : public ::testing::Test {
                                            std::make_unique<test::MadeRecording>(frames))});
     DeviceOpener opener(clock_, std::move(recordings));
     MIXRIG_ASSIGN(Devices devices, open_devices(config, std::move(opener)));
-    return make_live_source(std::move(config), std::move(devices), stop_, clock_);
+    return make_live_source(std::move(config), std::move(devices), stop_, clock_, WhenLost::kEnd,
+                            settings_);
   }
+  std::shared_ptr<CameraSettings> settings_;
   test::SteppedClock clock_;
   std::atomic<bool> stop_ = false;
 };
@@ -88,6 +90,19 @@ TEST_F(LiveSourceTest, AConsumerThatIsLateLosesFramesAndTheReportSaysHowMany) {
   const capture::SourceReport report = *(*source)->report();
   EXPECT_EQ(report.sets, 20U);
   EXPECT_EQ(report.dropped_sets + static_cast<std::uint64_t>(read), 20U);
+}
+
+TEST_F(LiveSourceTest, ItsCamerasCanBeSetWhileItRuns) {
+  settings_ = std::make_shared<CameraSettings>();
+  auto source = open(1000);
+  ASSERT_TRUE(source);
+  EXPECT_TRUE(settings_->cameras().empty()) << "nothing runs yet";
+  capture::Capture frame;
+  ASSERT_TRUE(*(*source)->read(1, frame));
+  ASSERT_EQ(settings_->cameras().size(), 1U);
+  EXPECT_EQ(settings_->cameras()[0].name, "color");
+  source->reset();
+  EXPECT_TRUE(settings_->cameras().empty());
 }
 
 TEST_F(LiveSourceTest, StopEndsIt) {

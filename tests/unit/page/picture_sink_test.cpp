@@ -31,7 +31,8 @@ Image<Rgb8> ramp() {
 }
 
 TEST(PagePictures, NothingIsMadeWhileNobodyLooks) {
-  auto pictures = std::make_shared<Pictures>();
+  std::atomic<bool> frozen = false;
+  auto pictures = std::make_shared<Pictures>(frozen);
   PictureSink sink(pictures);
   EXPECT_EQ(sink.wanted(1), 0U);
   ASSERT_TRUE(sink.write(composite_of(ramp(), 1)));
@@ -40,16 +41,17 @@ TEST(PagePictures, NothingIsMadeWhileNobodyLooks) {
   EXPECT_EQ(sink.wanted(1), render::kColor);
   pictures->look(View::kLight);
   EXPECT_EQ(sink.wanted(1), render::kColor | render::kLight);
-  pictures->freeze(true);
+  frozen = true;
   EXPECT_EQ(sink.wanted(1), 0U);
-  pictures->freeze(false);
+  frozen = false;
   pictures->look_away(View::kLight);
   pictures->look_away(View::kComposite);
   EXPECT_EQ(sink.wanted(1), 0U);
 }
 
 TEST(PagePictures, TheJpegShowsTheComposite) {
-  auto pictures = std::make_shared<Pictures>();
+  std::atomic<bool> frozen = false;
+  auto pictures = std::make_shared<Pictures>(frozen);
   PictureSink sink(pictures);
   pictures->look(View::kComposite);
   ASSERT_TRUE(sink.write(composite_of(ramp(), 5)));
@@ -70,7 +72,8 @@ TEST(PagePictures, TheJpegShowsTheComposite) {
 }
 
 TEST(PagePictures, EachViewIsMadeOfItsImage) {
-  auto pictures = std::make_shared<Pictures>();
+  std::atomic<bool> frozen = false;
+  auto pictures = std::make_shared<Pictures>(frozen);
   PictureSink sink(pictures);
   for (const View view : {View::kPlate, View::kDepth, View::kMatte, View::kKey})
     pictures->look(view);

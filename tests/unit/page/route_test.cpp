@@ -76,8 +76,28 @@ TEST(PageAction, LampsAreAddedAndDimmed) {
   const auto add =
       command<AddLamp>(Method::kPost, "/api/v1/lamps", R"({"at": [0, 1], "height_m": 3})");
   EXPECT_EQ(add.height_m, 3);
-  EXPECT_FALSE(action(Method::kPost, "/api/v1/lamps", "{}"));
+  EXPECT_FALSE(add.above_floor_m);
+  EXPECT_EQ(
+      command<AddLamp>(Method::kPost, "/api/v1/lamps", R"({"at": [0, 1], "above_floor_m": 2})")
+          .above_floor_m,
+      2);
+  for (const char* bad : {"{}", R"({"height_m": 2})", R"({"at": [0, 1], "position_m": [0, 0, 0]})",
+                          R"({"at": [0, 1], "height_m": 2, "above_floor_m": 2})",
+                          R"({"position_m": [0, 0, 0], "height_m": 2})"})
+    EXPECT_FALSE(action(Method::kPost, "/api/v1/lamps", bad)) << bad;
   EXPECT_EQ(command<RemoveLamp>(Method::kDelete, "/api/v1/lamps/x", "{}").name, "x");
+}
+
+TEST(PageAction, CamerasAreSetByTheKeysOfRigToml) {
+  const auto set = command<SetCamera>(Method::kPut, "/api/v1/cameras/color",
+                                      R"({"exposure_ms": 8, "zoom": 100, "preview": true})");
+  EXPECT_EQ(set.name, "color");
+  EXPECT_EQ(set.values,
+            (std::vector<std::pair<std::string, double>>{{"exposure_ms", 8}, {"zoom", 100}}));
+  EXPECT_TRUE(set.preview);
+  for (const char* bad : {"{}", R"({"exposure_s": 1})", R"({"gain": "high"})"})
+    EXPECT_FALSE(action(Method::kPut, "/api/v1/cameras/color", bad)) << bad;
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/cameras")).part, "cameras");
 }
 
 TEST(PageAction, RecordingViewFreezeSceneBackground) {

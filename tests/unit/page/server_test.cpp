@@ -24,7 +24,7 @@ class PageServer : public ::testing::Test {
     state.scene = "scene.toml";
     state.lamps.push_back({.name = "lamp 1"});
     run_.set(state);
-    auto server = Server::start(run_, clock_, {"127.0.0.1", 0});
+    auto server = Server::start(run_, controls_, clock_, {"127.0.0.1", 0});
     if (server) server_ = *std::move(server);
     sink_ = server_->make_sink();
   }
@@ -71,6 +71,9 @@ class PageServer : public ::testing::Test {
 
   SystemClock clock_;
   FakeOperator run_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<int> learn_ = 0;
+  output::RunControls controls_{.stop = stop_, .learn = learn_};
   std::unique_ptr<Server> server_;
   std::unique_ptr<output::CompositeSink> sink_;
   unsigned noise_ = 1;
@@ -296,7 +299,10 @@ TEST_F(PageServer, EndsWhileClientsAreConnected) {
 TEST(PageServerAddress, ATokenIsNeededBeyondTheLoopback) {
   SystemClock clock;
   FakeOperator run;
-  const auto server = Server::start(run, clock, {"0.0.0.0", 0});
+  std::atomic<bool> stop = false;
+  std::atomic<int> learn = 0;
+  output::RunControls controls{.stop = stop, .learn = learn};
+  const auto server = Server::start(run, controls, clock, {"0.0.0.0", 0});
   ASSERT_TRUE(server);
   const std::string url = (*server)->url();
   const std::size_t at = url.find("/?token=");
@@ -321,10 +327,13 @@ TEST(PageServerAddress, ATokenIsNeededBeyondTheLoopback) {
 TEST(PageServerAddress, ATakenPortIsOneLine) {
   SystemClock clock;
   FakeOperator run;
-  const auto first = Server::start(run, clock, {"127.0.0.1", 0});
+  std::atomic<bool> stop = false;
+  std::atomic<int> learn = 0;
+  output::RunControls controls{.stop = stop, .learn = learn};
+  const auto first = Server::start(run, controls, clock, {"127.0.0.1", 0});
   ASSERT_TRUE(first);
   EXPECT_EQ((*first)->url(), "http://127.0.0.1:" + std::to_string((*first)->port()) + "/");
-  const auto second = Server::start(run, clock, {"127.0.0.1", (*first)->port()});
+  const auto second = Server::start(run, controls, clock, {"127.0.0.1", (*first)->port()});
   ASSERT_FALSE(second);
   EXPECT_NE(to_line(second.error()).find("choose another one by --page"), std::string::npos);
 }

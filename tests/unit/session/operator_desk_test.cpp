@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording played as a live source, and composites recorded from it.
+// A recording played as a live source, composites recorded from it, and what keys and the page
+// share.
+#include "host/session/operator_desk.h"
+
 #include <gtest/gtest.h>
 
+#include "hal/fake/fake_camera.h"
 #include "host/session/composite_recorder.h"
 #include "host/session/played_source.h"
 #include "host/take/take_source.h"
+#include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::session {
@@ -114,10 +119,128 @@ TEST_F(Recorder, WithoutANameTakesAreNumberedAndWithoutAFrameThereIsNone) {
   EXPECT_EQ(recorder_.state().name, "take 2");
 }
 
+TEST_F(Recorder, FramesThatComeFasterThanTheyAreWrittenAllAreInTheTake) {
+  ASSERT_TRUE(recorder_.start("fast", ""));
+  for (int number = 1; number <= 200; ++number) recorder_.write(frame(number));
+  EXPECT_EQ(recorder_.state().frames, 200U);
+  ASSERT_TRUE(recorder_.stop());
+  EXPECT_EQ(recorder_.state().lost, 0U);
+  const auto source = take::TakeReader::open(folder_.path() / "takes/fast/composite");
+  ASSERT_TRUE(source) << to_line(source.error());
+  EXPECT_EQ(source->info().frames, 200);
+}
+
+TEST_F(Recorder, AFaultWhileItIsWrittenEndsItAndIsTold) {
+  ASSERT_TRUE(recorder_.start("a", ""));
+  recorder_.write(frame(1));
+  auto other = std::make_shared<output::Composite>(*frame(2));
+  other->images.color.reset({8, 8});  // of another size: it cannot be encoded
+  recorder_.write(other);
+  EXPECT_TRUE(test::comes_true([&] { return !recorder_.is_on(); }));
+  EXPECT_NE(recorder_.state().error, "");
+  EXPECT_FALSE(recorder_.stop());
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "takes/a"));
+  ASSERT_TRUE(recorder_.start("b", "")) << "the next one runs";
+  recorder_.write(frame(3));
+  EXPECT_TRUE(recorder_.stop());
+}
+
 TEST_F(Recorder, AFaultEndsTheRecordingAlone) {
   std::ofstream(folder_.path() / "takes") << "a file in the way";
   EXPECT_FALSE(recorder_.start("a", ""));
   EXPECT_FALSE(recorder_.is_on());
+}
+
+class OperatorDeskTest : public Recorder {
+ protected:
+  OperatorDeskTest() {
+    std::ofstream(folder_.path() / "scene.toml") << "[camera]\npose = \"take\"\n";
+    session_.scene = scene::load_scene(folder_.path() / "scene.toml").value();
+    desk_ = std::make_unique<OperatorDesk>(
+        session_, std::make_shared<SceneFollower>(session_, false), controls_, clock_,
+        DeskOptions{.takes = folder_.path() / "takes"});
+  }
+  ManualClock clock_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<int> learn_ = 0;
+  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  std::unique_ptr<OperatorDesk> desk_;
+};
+
+TEST_F(OperatorDeskTest, AKeyAndThePageBeginAndEndTheSameRecording) {
+  EXPECT_TRUE(controls_.records_takes);
+  EXPECT_FALSE(controls_.recording);
+  desk_->see(frame(1));
+  controls_.recording = true;  // the key
+  desk_->see(frame(2));
+  EXPECT_TRUE(desk_->state().recording.on);
+  EXPECT_EQ(desk_->apply(page::StartRecording{}).error().code, ErrorCode::kData);
+  EXPECT_TRUE(controls_.recording);
+  ASSERT_TRUE(desk_->apply(page::StopRecording{}));
+  EXPECT_FALSE(controls_.recording) << "the key is told";
+  ASSERT_TRUE(desk_->apply(page::StartRecording{"b", ""}));
+  EXPECT_TRUE(controls_.recording);
+  desk_->see(frame(3));
+  controls_.recording = false;
+  desk_->see(frame(4));
+  EXPECT_FALSE(desk_->state().recording.on);
+  EXPECT_EQ(desk_->state().recording.folder, (folder_.path() / "takes/b").string());
+}
+
+TEST_F(OperatorDeskTest, TheBackgroundIsLearnedWhereTheRunSaysThatItCan) {
+  EXPECT_EQ(desk_->apply(page::LearnBackground{}).error().code, ErrorCode::kUnsupported);
+  controls_.can_learn = true;
+  EXPECT_TRUE(desk_->state().background_possible);
+  EXPECT_TRUE(desk_->apply(page::LearnBackground{}));
+  EXPECT_EQ(learn_, 1);
+}
+
+TEST_F(OperatorDeskTest, ARecordingHasNoCamerasToSet) {
+  EXPECT_TRUE(desk_->state().cameras.empty());
+  EXPECT_EQ(desk_->apply(page::SetCamera{"color", {{"gain", 2}}}).error().code,
+            ErrorCode::kUnsupported);
+}
+
+/// Its file is a rig.toml.
+class OfARig final : public capture::CaptureSource {
+ public:
+  explicit OfARig(const std::filesystem::path& rig) { info_.name = "rig", info_.file = rig; }
+  const capture::SourceInfo& info() const override { return info_; }
+  Result<bool> read(int, capture::Capture&) override { return false; }
+  Result<void> read_truth(int, capture::Truth&) override { return {}; }
+
+ private:
+  capture::SourceInfo info_;
+};
+
+TEST_F(OperatorDeskTest, ASettingOfACameraIsInForceAndInRigToml) {
+  const auto rig = folder_.path() / "rig.toml";
+  const std::string text = "format = 1\n# ours\n[[camera]]\nname = \"color\"\nuri = \"fake:\"\n";
+  std::ofstream(rig) << text;
+  session_.source = std::make_unique<OfARig>(rig);
+  fake::FakeCamera camera(clock_,
+                          {.uri = "fake:",
+                           .size = {16, 12},
+                           .format = device::PixelFormat::kRgb8,
+                           .controls = {{device::CameraControl::kExposure, 1e-3, 0.04, 1e-3},
+                                        {device::CameraControl::kZoom, 100, 400, 1}}});
+  session_.calibration.origin = calibration_file::CalibrationOrigin::kFile;
+  session_.cameras = std::make_shared<live::CameraSettings>();
+  session_.cameras->follow({{"color", &camera}});
+  ASSERT_TRUE(desk_->apply(page::SetCamera{"color", {{"exposure_ms", 8}}, true}));
+  EXPECT_EQ(test::read_bytes(rig), text) << "a preview is not written";
+  EXPECT_EQ(desk_->state().cameras.at(0).values.at(0).value, 8);
+  EXPECT_EQ(desk_->state().cameras.at(0).values.at(0).maximum, 40);
+  EXPECT_EQ(desk_->apply(page::SetCamera{"color", {{"exposure_ms", 80}}}).error().code,
+            ErrorCode::kUsage);
+  ASSERT_TRUE(desk_->apply(page::SetCamera{"color", {{"exposure_ms", 10}}}));
+  EXPECT_NE(test::read_bytes(rig).find("exposure_ms = 10"), std::string::npos);
+  EXPECT_NE(test::read_bytes(rig).find("# ours"), std::string::npos);
+  EXPECT_NE(desk_->state().calibration.verdict, page::Verdict::kNoGo);
+  ASSERT_TRUE(desk_->apply(page::SetCamera{"color", {{"zoom", 200}}}));
+  EXPECT_EQ(desk_->state().calibration.verdict, page::Verdict::kNoGo) << "of another lens setting";
+  session_.cameras->end();
+  EXPECT_EQ(camera.get(device::CameraControl::kExposure).value(), 0.01);
 }
 
 }  // namespace

@@ -148,6 +148,45 @@ TEST_P(RoomKeeperTest, AnOrderBeforeAnythingIsFoundIsNone) {
   EXPECT_EQ(report.room_changes->accepted, 0);
 }
 
+TEST_P(RoomKeeperTest, AScanLearnsAllOfTheRoomAnew) {
+  std::atomic<int> left = output::RunControls::kScanLooks;
+  options_.changes.scan_left = &left;
+  options_.save_room = root_ / "after";
+  const RunReport report = run_it();
+  EXPECT_EQ(left, 0);
+  EXPECT_NEAR(pct(60), kBox_pct, 1.0) << "still looking";
+  EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
+  const auto saved = model::load_static_background(root_ / "after");
+  ASSERT_TRUE(saved) << saved.error().context;
+  EXPECT_NEAR(saved->depth_m.at(32, 24), 2, 0.005F);
+  EXPECT_NEAR(saved->depth_m.at(4, 4), 3, 0.005F);
+}
+
+/// Ends a scan after some frames.
+class EndsScan final : public output::CompositeSink {
+ public:
+  explicit EndsScan(std::atomic<int>& left) : left_(left) {}
+  std::string_view name() const override { return "ends"; }
+  render::OutputMask wanted(int) const override { return render::kMatte; }
+  Result<void> write(const output::CompositePtr& composite) override {
+    if (composite->capture->number == 60) left_ = 0;
+    return {};
+  }
+  Result<void> finish() override { return {}; }
+
+ private:
+  std::atomic<int>& left_;
+};
+
+TEST_P(RoomKeeperTest, AScanThatIsEndedChangesNothing) {
+  std::atomic<int> left = output::RunControls::kScanLooks;
+  options_.changes.scan_left = &left;
+  options_.sinks.push_back(std::make_unique<EndsScan>(left));
+  (void)run_it();
+  EXPECT_EQ(left, 0);
+  EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
+}
+
 TEST_P(RoomKeeperTest, WhatSwaysIsNotAccepted) {
   options_.changes.accept_all = true;
   const RunReport report = run_it(true);

@@ -178,7 +178,7 @@ TEST_F(Desk, TwoChangesInARowAreBothInTheFile) {
 
 TEST_F(Desk, LampsAreAddedAboveAClickAndRemoved) {
   page::AddLamp add;
-  add.at = Eigen::Vector2d(0.5, 0.5), add.height_m = 3;
+  add.at = Eigen::Vector2d(0.5, 0.5), add.above_floor_m = 3;
   ASSERT_TRUE(desk_->apply(add, &from_));
   ASSERT_EQ(written().light.lamps.size(), 3U);
   EXPECT_LT((written().light.lamps[2].position_m - Eigen::Vector3d(0, 2, 3)).norm(), 1e-5);
@@ -187,6 +187,38 @@ TEST_F(Desk, LampsAreAddedAboveAClickAndRemoved) {
   ASSERT_TRUE(desk_->apply(page::RemoveLamp{"key"}));
   ASSERT_EQ(written().light.lamps.size(), 2U);
   EXPECT_EQ(written().light.lamps[0].name, "fill");
+}
+
+TEST_F(Desk, ALampIsPutAtAHeightAlongTheSight) {
+  page::AddLamp add;
+  add.at = Eigen::Vector2d(0.5, 0.5), add.height_m = 1;
+  ASSERT_TRUE(desk_->apply(add, &from_));
+  EXPECT_LT((written().light.lamps[2].position_m - Eigen::Vector3d(0, 1, 1)).norm(), 1e-5);
+  add.height_m = 3;
+  EXPECT_EQ(desk_->apply(add, &from_).error().code, ErrorCode::kData) << "the sight goes down";
+}
+
+TEST_F(Desk, ALampIsPutWhereItIsSeenInTheRoom) {
+  page::AddLamp add;
+  add.at = Eigen::Vector2d(0.5, 0.5);
+  EXPECT_EQ(desk_->apply(add, &from_).error().code, ErrorCode::kUnsupported) << "no room is known";
+  // A wall across the sight, 1.5 m away, with a hole in the middle as a lamp makes it.
+  session_.setup.view = from_.view;
+  session_.setup.tof = {from_.view, {}};
+  model::StaticBackground& wall = session_.background.emplace();
+  wall.view = from_.view;
+  wall.depth_m.reset(wall.view.size_px, 1.5F);
+  wall.depth_sigma_m.reset(wall.view.size_px, 0.01F);
+  wall.color.reset(wall.view.size_px, Rgbf{0.5F, 0.5F, 0.5F});
+  wall.color_sigma.reset(wall.view.size_px, 0.01F);
+  for (int y = 46; y < 55; ++y)
+    for (int x = 46; x < 55; ++x) wall.depth_m.at(x, y) = 0;
+  ASSERT_TRUE(desk_->apply(add, &from_));
+  const Eigen::Vector3d lamp = written().light.lamps[2].position_m;
+  const Eigen::Vector3d sight(0, std::sqrt(0.5), -std::sqrt(0.5));
+  EXPECT_LT((lamp - (Eigen::Vector3d(0, 0, 2) + 1.45 * sight)).norm(), 0.01) << lamp.transpose();
+  wall.depth_m.reset(wall.view.size_px, 0.0F);
+  EXPECT_EQ(desk_->apply(add, &from_).error().code, ErrorCode::kData);
 }
 
 TEST_F(Desk, AModelIsCopiedBesideTheSceneAndStandsOnTheFloor) {

@@ -70,10 +70,10 @@ TEST(ViewPicture, AnImageThatIsNotThereLeavesThePicture) {
 TEST(ViewPicture, EveryViewHasANameAndAsksForAnImage) {
   for (std::size_t i = 0; i < kViews; ++i) {
     const auto view = static_cast<View>(i);
-    EXPECT_EQ(view_of(name(view)), view);
+    EXPECT_EQ(output::view_named(name(view)), view);
     EXPECT_NE(images_of(view), 0U);
   }
-  EXPECT_EQ(view_of("colour"), std::nullopt);
+  EXPECT_EQ(output::view_named("colour"), std::nullopt);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures that the page can show.
+// The pictures of a run that an operator can look at.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-namespace mixrig::page {
+namespace mixrig::output {
 
 enum class View : std::uint8_t { kComposite, kPlate, kKey, kDepth, kLight, kMatte };
 inline constexpr std::size_t kViews = 6;
@@ -21,4 +21,4 @@ inline std::optional<View> view_named(std::string_view text) {
   return std::nullopt;
 }
 
-}  // namespace mixrig::page
+}  // namespace mixrig::output

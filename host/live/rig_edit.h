@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Changes of a rig.toml that leave the rest of its text as it is. Pure.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "hal/base/result.h"
+#include "hal/device/camera.h"
+
+namespace mixrig::live {
+
+/// The key of rig.toml that fixes a control, and its unit: value in the file = unit * value of
+/// device::Camera::set().
+struct ControlKey {
+  std::string_view key;
+  double unit = 1;
+};
+ControlKey control_key(device::CameraControl control);
+
+/// The text with a control of the [[camera]] `camera` fixed at `value` (as device::Camera::set()).
+/// `name` is that of the file, for errors. Errors: kFormat where the text is no rig or its cameras
+/// are not tables [[camera]] of their own; kNotFound where there is no such camera.
+Result<std::string> with_control(std::string_view text, const std::string& name,
+                                 const std::string& camera, device::CameraControl control,
+                                 double value);
+
+}  // namespace mixrig::live
