@@ -8,12 +8,12 @@
 
 namespace mixrig::board {
 
-bool wait_until(const std::function<bool()>& done, Duration timeout) {
+bool wait_until(const std::function<bool()>& done, Duration timeout, Duration look) {
   SystemClock clock;
   const HostTime end = clock.now() + timeout;
   while (!done()) {
     if (clock.now() > end) return false;
-    clock.sleep_until(clock.now() + 2ms);
+    clock.sleep_until(clock.now() + look);
   }
   return true;
 }

@@ -23,8 +23,9 @@ inline constexpr Duration kTimeout = 20s;
 /// A device must deliver again within this time after it was plugged in again.
 inline constexpr Duration kRecovery = 2s;
 
-/// Waits until `done` holds; false when it never did.
-bool wait_until(const std::function<bool()>& done, Duration timeout = kTimeout);
+/// Waits until `done` holds, asked every `look`; false when it never did.
+bool wait_until(const std::function<bool()>& done, Duration timeout = kTimeout,
+                Duration look = 2ms);
 
 /// The recorded data of a stream's frames.
 class Frames {

@@ -5,7 +5,7 @@ for module in vhci-hcd uvcvideo cdc-acm xhci-pci ftdi_sio configfs; do
   modprobe $module || { echo "board: no module $module"; exit 1; }
 done
 modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0 || exit 1
-mountpoint -q /sys/kernel/config || mount -t configfs none /sys/kernel/config || exit 1
+grep -q ' /sys/kernel/config ' /proc/mounts || mount -t configfs none /sys/kernel/config || exit 1
 insmod /host/modules/irq_sim.ko && insmod /host/modules/gpio-sim.ko || exit 1
 sysctl -qp /host/70-mixrig.conf
 echo 64 >/sys/module/usbcore/parameters/usbfs_memory_mb  # as docs/kinect2.md asks

@@ -3,6 +3,7 @@
 // emulated keyboard's keys, through screen_peer.py, which runs beside the emulator.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "hal/base/image.h"
@@ -16,5 +17,9 @@ bool has_screen();
 Result<Image<Rgb8>> screenshot();
 /// Presses and releases a key, by its name in QEMU ("2", "q", "spc"). Errors: kTimeout.
 Result<void> press(const std::string& key);
+
+/// Pixels of which a channel differs by more than 2 of 255, which is what processors differ by; all
+/// where the sizes differ.
+std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b);
 
 }  // namespace mixrig::board

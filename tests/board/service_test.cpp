@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
 constexpr auto kStart = 120s;
 constexpr const char* kPage = "http://127.0.0.1:8437";
 
+/// For what a program is asked for.
+bool eventually(const std::function<bool()>& done, Duration timeout) {
+  return wait_until(done, timeout, 300ms);
+}
 std::string shell(const std::string& command) {
   std::string text = run(command).text;
   while (!text.empty() && text.back() == '\n') text.pop_back();
@@ -33,21 +37,11 @@ bool is_active(const std::string& unit = "mixrig") {
 int restarts() { return std::atoi(property("mixrig", "NRestarts").c_str()); }
 std::string journal() { return shell("journalctl -u mixrig --no-pager -o cat"); }
 
-int differing(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  int count = 0;
-  for (int y = 0; y < a.height(); ++y)
-    for (int x = 0; x < a.width(); ++x) {
-      const Rgb8 p = a.row(y)[x], q = b.row(y)[x];
-      count += std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > 2;
-    }
-  return count;
-}
-
 class Service : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!fs::exists("/run/systemd/system")) GTEST_SKIP() << "this boot has no systemd";
-    ASSERT_TRUE(wait_until([] { return is_active(); }, kStart)) << shell("systemctl status mixrig");
+    ASSERT_TRUE(eventually([] { return is_active(); }, kStart)) << shell("systemctl status mixrig");
   }
   void TearDown() override {
     if (HasFailure()) std::printf("%s\n", journal().c_str());
@@ -57,7 +51,7 @@ class Service : public ::testing::Test {
     const std::string before = property("mixrig", "MainPID");
     const int restarted = restarts();
     ASSERT_EQ(run(spoil + " " + before).status, 0);
-    EXPECT_TRUE(wait_until([&] { return restarts() > restarted && is_active(); }, kStart));
+    EXPECT_TRUE(eventually([&] { return restarts() > restarted && is_active(); }, kStart));
     EXPECT_NE(property("mixrig", "MainPID"), before);
   }
 };
@@ -65,6 +59,7 @@ class Service : public ::testing::Test {
 TEST_F(Service, StartsAtBootCompositesAndServesThisMachineAlone) {
   EXPECT_EQ(restarts(), 0);
   EXPECT_EQ(shell("stat -c %U /proc/" + property("mixrig", "MainPID")), "mixrig");
+  measured("%s", property("mixrig", "StatusText").c_str());
   EXPECT_NE(property("mixrig", "StatusText").find("composited"), std::string::npos);
   EXPECT_NE(shell(std::string("wget -q -O - ") + kPage + "/").find("<html"), std::string::npos);
   std::istringstream sockets(shell("ss -H -l -t -u -n | awk '{print $5}'"));
@@ -76,14 +71,11 @@ TEST_F(Service, StartsAtBootCompositesAndServesThisMachineAlone) {
 
 TEST_F(Service, ShowsTheCompositeOnTheScreen) {
   if (!has_screen()) GTEST_SKIP() << "this boot has no screen";
-  ASSERT_EQ(run("mixrig run /etc/mixrig/scene.toml --source take:/host/takes/still --frames 11-14 "
-                "--format png --out /tmp/reference")
-                .status,
-            0);
   Image<Rgb8> wanted;
-  ASSERT_TRUE(image_io::read_rgb8("/tmp/reference/composite/color/000004.png", wanted));
-  int least = wanted.size().area();
-  EXPECT_TRUE(wait_until(
+  ASSERT_TRUE(
+      image_io::read_rgb8("/host/takes/still/reference/composite/color/000002.png", wanted));
+  std::size_t least = wanted.size().area();
+  EXPECT_TRUE(eventually(
       [&] {
         const auto seen = screenshot();
         if (seen && seen->size() == wanted.size())
@@ -105,7 +97,7 @@ TEST_F(Service, AMissingSceneIsToldInOneLineAndNotTriedAgain) {
   for (const std::string file : {"scene.toml", "rig.toml"}) {
     ASSERT_EQ(run("cd /etc/mixrig && mv " + file + " " + file + ".away").status, 0);
     EXPECT_NE(run("systemctl restart mixrig").status, 0);
-    EXPECT_FALSE(wait_until([] { return property("mixrig", "ActiveState") != "failed"; }, 5s));
+    EXPECT_FALSE(eventually([] { return property("mixrig", "ActiveState") != "failed"; }, 5s));
     EXPECT_EQ(property("mixrig", "ExecMainStatus"), "2");
     EXPECT_NE(journal().find("/etc/mixrig/" + file), std::string::npos);
     ASSERT_EQ(run("cd /etc/mixrig && mv " + file + ".away " + file).status, 0);
@@ -120,17 +112,17 @@ TEST_F(Service, ACameraThatIsMissingIsTriedUntilItIsThere) {
                 .status,
             0);
   (void)run("systemctl restart --no-block mixrig");
-  EXPECT_TRUE(wait_until([] { return restarts() >= 2; }, kStart));
+  EXPECT_TRUE(eventually([] { return restarts() >= 2; }, kStart));
   EXPECT_NE(journal().find("/dev/video99"), std::string::npos);
   ASSERT_EQ(run("mv /etc/mixrig/rig.away /etc/mixrig/rig.toml").status, 0);
-  EXPECT_TRUE(wait_until([] { return is_active(); }, kStart)) << "by itself";
+  EXPECT_TRUE(eventually([] { return is_active(); }, kStart)) << "by itself";
 }
 
 TEST_F(Service, TheRecordingIsAServiceOfItsOwnAndTakesTheDevices) {
   ASSERT_EQ(run("systemctl start mixrig-record").status, 0);
   EXPECT_TRUE(is_active("mixrig-record"));
-  EXPECT_TRUE(wait_until([] { return !is_active(); }, 30s)) << "they exclude each other";
-  wait_until([] { return false; }, 3s);
+  EXPECT_TRUE(eventually([] { return !is_active(); }, 30s)) << "they exclude each other";
+  eventually([] { return false; }, 3s);
   ASSERT_EQ(run("systemctl start mixrig").status, 0);
   EXPECT_FALSE(is_active("mixrig-record"));
   const Ran info = run("mixrig info /var/lib/mixrig/take-*");
@@ -145,7 +137,7 @@ TEST_F(Service, WhatThePageSavesIsThereAfterARestart) {
   const Ran added = run(post);
   EXPECT_EQ(added.status, 0) << added.text;
   EXPECT_TRUE(
-      wait_until([] { return run("grep -q added /etc/mixrig/scene.toml").status == 0; }, 20s));
+      eventually([] { return run("grep -q added /etc/mixrig/scene.toml").status == 0; }, 20s));
   ASSERT_EQ(run("systemctl restart mixrig").status, 0);
   EXPECT_NE(shell(std::string("wget -q -O - ") + kPage + "/api/v1/lamps").find("added"),
             std::string::npos);
