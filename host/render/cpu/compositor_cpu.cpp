@@ -171,7 +171,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   watch.lap(Stage::kLight);
   if (needed.mix) mix(crew_, mix_input(gain, shadows), output);
   watch.lap(Stage::kMix);
-  if (focuses) draw_focus(crew_, focus_of(setup_, input), setup_.view.fx_px, focus_scratch_, output);
+  if (focuses)
+    draw_focus(crew_, focus_of(setup_, input), setup_.view.fx_px, focus_scratch_, output);
   watch.lap(Stage::kFocus);
   if (output.wanted & kLight) store_light(output.light);
   if (output.wanted & kState) store_state(output.matte, output.state);
