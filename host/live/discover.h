@@ -37,7 +37,8 @@ struct FoundCamera {
 /// URIs of what may be a camera, to be opened one after the other: without the webcams that
 /// libcamera lists too, which V4L2 reads. Pure.
 std::vector<std::string> uris_to_open(const DeviceLists& lists);
-/// Kinects by their serial numbers, as cameras; one that may not be opened is left out beside others. Pure.
+/// Kinects by their serial numbers, as cameras; one that may not be opened is left out beside
+/// others. Pure.
 std::vector<FoundCamera> kinects_of(const std::vector<std::string>& serials);
 /// A rig of the cameras in their order: the first one that sends colour is the target camera, the
 /// first two that send depth are depth cameras. Where libcamera delivers a camera, V4L2 nodes that

@@ -80,56 +80,6 @@ TEST_F(RigRun, ATakePlayedAsDevicesIsCompositedAndEveryMomentIsAccountedFor) {
   }
 }
 
-/// Each depth picture of the live run is one of the run of the take, to the bit, and none of a run
-/// with the first camera alone.
-TEST_F(RigRun, TwoDepthCamerasAreCompositedLiveAsFromTheTake) {
-  constexpr double kFrame_s = 0.6;
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig kinect2+kinect2 --seed 7 --size 160x120 --frames 11"),
-            0);
-  replace("take/scene.toml", "learn = .*", "learn = [1, 5]");
-  std::ifstream in(path("take/poses.txt"));
-  std::string line, slow;
-  for (int frame = 0; std::getline(in, line);)
-    if (!line.starts_with('#'))
-      slow += std::to_string(kFrame_s * frame++) + line.substr(line.find(' ')) + "\n";
-  in.close();
-  std::ofstream(path("take/poses.txt")) << slow;
-  const std::string take = "take:" + path("take");
-  std::ofstream(path("two.toml")) << "format = 1\n[[camera]]\nname = \"color\"\nuri = \"" << take
-                                  << "/color\"\n[[depth]]\nname = \"left\"\nuri = \"" << take
-                                  << "/depth\"\n[[depth]]\nname = \"right\"\nuri = \"" << take
-                                  << "/depth2\"\n";
-  write_rig(take + "/color", take + "/depth");
-  const auto run = [&](const std::string& source, const std::string& out) {
-    EXPECT_EQ(mixrig("run " + path("take/scene.toml") + " --source " + source +
-                     " --backend cpu --format png --out " + path(out)),
-              0);
-    std::vector<Image<std::uint16_t>> pictures;
-    for (int n = 1; n <= report(out + "/report.json").at("frames").get<int>(); ++n) {
-      Image<std::uint16_t> picture;
-      const std::string name = out + "/composite/depth/00000" + std::to_string(n) + ".png";
-      EXPECT_TRUE(image_io::read_gray16(path(name), picture)) << name;
-      pictures.push_back(std::move(picture));
-    }
-    return pictures;
-  };
-  const auto live = run("rig:" + path("two.toml"), "live"), played = run(take, "played"),
-             alone = run("rig:" + path("rig.toml"), "alone");
-  const auto holds = [](const auto& pictures, const Image<std::uint16_t>& one) {
-    return std::any_of(pictures.begin(), pictures.end(),
-                       [&](const auto& other) { return same(one, other); });
-  };
-  ASSERT_GE(live.size(), 2U);
-  for (const auto& picture : live) {
-    EXPECT_TRUE(holds(played, picture));
-    EXPECT_FALSE(holds(alone, picture));
-  }
-  const auto streams = report("live/report.json").at("live").at("streams");
-  ASSERT_EQ(streams.size(), 3U);
-  EXPECT_EQ(streams[2].at("pairing").at("paired"), 11);
-}
-
 TEST_F(RigRun, CtrlCEndsALiveRunWithAWholeOutput) {
   make_take(4);
   write_rig("studio:walk,31,sr3000,100000,160x120/target",

@@ -3,7 +3,6 @@
 // camera without amplitude. What was taken before must be there, whole.
 #include "host/tools/collect_views.h"
 
-#include <array>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -20,7 +19,6 @@ using capture::Capture;
 using device::DeviceState;
 
 constexpr int kRestFrames = 6;  ///< at each place; five make a view
-constexpr int kShortRest = 4;   ///< of a board that is shown everywhere; three make a view
 
 /// A board that rests at one place after the other before a target and a depth camera, with a
 /// fisheye that shows nothing.
@@ -36,10 +34,8 @@ class HeldBoard final : public capture::CaptureSource {
   }
   const capture::SourceInfo& info() const override { return info_; }
   Result<bool> read(int number, Capture& capture) override {
-    const int place = (number - 1) / (everywhere ? kShortRest : kRestFrames);
-    capture = frame(number,
-                    everywhere ? round_the_pictures(place)
-                               : facing(0.05 * (place % 4) - 0.08, 0.04 * (place % 3) - 0.04, 0.7));
+    const int place = (number - 1) / kRestFrames;
+    capture = frame(number, facing(0.05 * (place % 4) - 0.08, 0.04 * (place % 3) - 0.04, 0.7));
     capture.mid_exposure += late;
     if (!amplitude) capture.amplitude = {};
     return on_read ? on_read(number) : true;
@@ -55,21 +51,8 @@ class HeldBoard final : public capture::CaptureSource {
   std::function<Result<bool>(int number)> on_read;
   Duration late{};  ///< of the captures from now on
   bool amplitude = true;
-  bool everywhere = false;  ///< as a person does who follows the advice
 
  private:
-  /// Ninths of the pictures, then far and near in the middle; tilted to one side after the other.
-  static geometry::Pose round_the_pictures(int place) {
-    constexpr std::array<std::pair<double, double>, 4> kTilts{
-        {{0.4, 0.0}, {-0.4, 0.0}, {0.0, 0.4}, {0.0, -0.4}}};
-    constexpr int kPlaces = 13;
-    const int at = place % kPlaces, round = place / kPlaces;
-    const auto [down, aside] = kTilts[static_cast<std::size_t>(at + round) % kTilts.size()];
-    const Eigen::Vector3d turn(down, aside, 0.1 * round);
-    if (at >= 9) return facing(0.06 * (at % 2), 0.05 * round, at < 11 ? 1.05 : 0.54, turn);
-    return facing(0.22 * (at % 3 - 1), 0.15 * (at / 3 - 1), 0.75 + 0.07 * round, turn);
-  }
-
   capture::SourceInfo info_ = source_info();
   capture::SourceReport report_;
 };
@@ -179,24 +162,6 @@ TEST_F(CollectViews, AStopBeforeTheFirstOneIsAnErrorAndLeavesNothing) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().code, ErrorCode::kData);
   expect_entries(0);
-}
-
-TEST_F(CollectViews, EndsByItselfWhenAllIsCovered) {
-  source_.everywhere = true;
-  arguments_.settings.frames = 3, arguments_.settings.still_time = 80ms;
-  arguments_.settings.views = 8;
-  constexpr int kMost = 60 * kShortRest;
-  int read = 0;
-  source_.on_read = [&](int number) -> Result<bool> {
-    read = number;
-    return number < kMost;
-  };
-  const auto report = collect();
-  ASSERT_TRUE(report) << to_line(report.error());
-  EXPECT_EQ(report->at("ended"), "coverage") << report->dump(1);
-  EXPECT_EQ(report->at("enough"), true);
-  EXPECT_LT(read, kMost);
-  expect_whole(report->at("views").get<int>());
 }
 
 TEST_F(CollectViews, ADepthCameraWithoutAmplitudeIsNamedInOneLine) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Board views chosen from captures: a board drawn by the tests' own camera, held still, moving,
 // trembling, blurred, or not there.
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -8,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "host/calibration/rig/view_set.h"
+#include "host/calibration/views/mean_capture.h"
 #include "host/calibration/views/turn_plan.h"
 #include "host/calibration/views/view_collector.h"
 #include "tests/support/temporary_folder.h"
@@ -215,6 +218,29 @@ TEST(Coverage, TiltIsTheSideThatIsNearerAndSetsNeedItAll) {
   EXPECT_TRUE(coverage.is_new({seen(facing(0.1, 0, 0.7))}));
   EXPECT_FALSE(coverage.enough());
   EXPECT_FALSE(coverage.advice().empty());
+}
+
+/// A slower fisheye, as a take or a rig has it: each picture in several captures, the first of them
+/// exposed before the board came to rest, the last after.
+TEST(MeanOf, FisheyePicturesCountOnceAndByTheirOwnTimes) {
+  using namespace std::chrono_literals;
+  constexpr std::array<int, 6> kPicture{1, 2, 2, 3, 3, 4};
+  std::vector<Capture> captures(kPicture.size());
+  std::vector<const Capture*> window;
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    Capture& c = captures[i];
+    const int picture = kPicture[i];
+    c.mid_exposure = HostTime(1s + 40ms * static_cast<int>(i));
+    c.plate.reset({2, 2}), c.depth_m.reset({2, 2}, 1.0F);
+    const auto grey = static_cast<std::uint8_t>(picture == 2 ? 100 : picture == 3 ? 140 : 250);
+    c.fisheye.reset({2, 2}, Rgb8{grey, grey, grey});
+    c.fisheye_counter = static_cast<std::uint64_t>(picture);
+    c.fisheye_mid_exposure = HostTime(picture == 4 ? 1201ms : 890ms + 100ms * picture);
+    window.push_back(&c);
+  }
+  const StillView view = mean_of(window, 0.001);
+  ASSERT_FALSE(view.fisheye.empty());
+  EXPECT_EQ(view.fisheye.at(1, 1).g, 120) << "of the second and the third";
 }
 
 TEST(TurnPlan, StaysWithinReachAndLimitsAndCoversBothSides) {
