@@ -103,7 +103,8 @@ def age_ms(page):
 
 
 def field(page, label, name):
-    return page.find_element(By.CSS_SELECTOR, f'[aria-label="{label} of {name}"]')
+    found = By.CSS_SELECTOR, f'[aria-label="{label} of {name}"]'
+    return comes_true(f"{label} of {name}", lambda: page.find_elements(*found))[0]
 
 
 def shows_a_live_picture(page):
@@ -183,14 +184,13 @@ def loads_and_removes_a_model(page, rig):
     by_id(page, "upload").send_keys(str(copy))
     comes_true("the new object", lambda: len(rig.scene()["object"]) == count + 1)
     assert (rig.folder / "take/models/new_thing.glb").exists()
-    removes(page, lambda: comes_true("its controls", lambda: page.find_elements(
-        By.CSS_SELECTOR, '[aria-label="Remove of new thing"], [aria-label="remove of new thing"]'))[0])
+    removes(page, field(page, "remove", "new thing"))
     comes_true("the object is gone", lambda: len(rig.scene()["object"]) == count)
     comes_true("the run knows", lambda: len(rig.state()["objects"]) == count)
 
 
 def removes(page, button):
-    button().click()
+    button.click()
     page.switch_to.alert.accept()
 
 
@@ -219,7 +219,7 @@ def colors_a_lamp(page, rig):
 
 def removes_a_lamp(page, rig):
     lamps = rig.scene()["light"]["lamp"]
-    removes(page, lambda: field(page, "remove", lamps[-1]["name"]))
+    removes(page, field(page, "remove", lamps[-1]["name"]))
     comes_true("the lamp is gone", lambda: len(rig.scene()["light"]["lamp"]) == len(lamps) - 1)
 
 
@@ -258,6 +258,7 @@ def adds_a_lamp_where_it_is_seen(page, rig):
     ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
         -0.35 * by_id(page, "stage").rect["height"])).click().perform()
     comes_true("the lamp on the wall", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
+    comes_true("the run knows", lambda: len(rig.state()["lamps"]) == count + 1)
     lamp = rig.state()["lamps"][-1]
     assert lamp["at"] and abs(lamp["at"][0] - 0.5) < 0.02 and abs(lamp["at"][1] - 0.15) < 0.02, lamp
     print(f"a lamp where the wall is seen: {lamp['position_m']}")
