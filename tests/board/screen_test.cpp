@@ -65,22 +65,5 @@ TEST_F(Screen, ShowsCompositeAndPlatePixelByPixelAndObeysKeys) {
   EXPECT_NE(shown["driver"].get<std::string>().find("KMSDRM"), std::string::npos);
 }
 
-/// As seen: the processor is emulated, a nanosecond is an instruction.
-TEST_F(Screen, TheDelayFromExposureToTheScreenIsMeasured) {
-  ASSERT_EQ(run("cp -r /host/takes/walk /tmp/latency && "
-                "sed -i 's/^rate_hz = .*/rate_hz = 1.0/' /tmp/latency/take.toml")
-                .status,
-            0);
-  const Ran ran =
-      run("mixrig bench --suite latency --take /tmp/latency --view --out /tmp/bench "
-          "--json /tmp/bench.json");
-  ASSERT_EQ(ran.status, 0) << ran.text;
-  std::printf("%s", ran.text.c_str());
-  const auto report = json_of("/tmp/bench.json");
-  EXPECT_GE(report["frames"].get<int>(), 4);
-  EXPECT_NE(report["driver"].get<std::string>().find("KMSDRM"), std::string::npos);
-  EXPECT_FALSE(read("/tmp/bench/delay.png").empty());
-}
-
 }  // namespace
 }  // namespace mixrig::board
