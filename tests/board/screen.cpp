@@ -35,10 +35,10 @@ Result<Image<Rgb8>> screenshot() {
   return picture;
 }
 
-std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b) {
+std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b, int rows) {
   if (a.size() != b.size()) return std::max(a.size().area(), b.size().area());
   std::size_t count = 0;
-  for (int y = 0; y < a.height(); ++y)
+  for (int y = 0; y < std::min(rows, a.height()); ++y)
     for (int x = 0; x < a.width(); ++x) {
       const Rgb8 p = a.row(y)[x], q = b.row(y)[x];
       count += std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > 2;

@@ -18,8 +18,8 @@ Result<Image<Rgb8>> screenshot();
 /// Presses and releases a key, by its name in QEMU ("2", "q", "spc"). Errors: kTimeout.
 Result<void> press(const std::string& key);
 
-/// Pixels of which a channel differs by more than 2 of 255, which is what processors differ by; all
-/// where the sizes differ.
-std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b);
+/// Pixels of the upper `rows` of which a channel differs by more than 2 of 255, which is what
+/// processors differ by; all where the sizes differ.
+std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b, int rows);
 
 }  // namespace mixrig::board

@@ -79,7 +79,7 @@ TEST_F(Service, ShowsTheCompositeOnTheScreen) {
       [&] {
         const auto seen = screenshot();
         if (seen && seen->size() == wanted.size())
-          least = std::min(least, differing(*seen, wanted));
+          least = std::min(least, differing(*seen, wanted, wanted.height()));
         return least == 0;
       },
       60s))
