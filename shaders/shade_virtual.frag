@@ -10,9 +10,13 @@
 #include "common/color.glsl"
 #include "common/view.glsl"
 #include "common/lamps.glsl"
+#include "common/gloss.glsl"
 layout(binding = 0) uniform sampler2D albedo;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D depth;
+layout(binding = 3) uniform sampler2D glosses;   // metallic, roughness, specular
+layout(binding = 4) uniform sampler2D emission;  // linear
+uniform bool glossy, emits;  // whether there are these two
 layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
 layout(binding = 6) uniform sampler2DArray people_maps;
 uniform bool has_people;  // they cast shadows
@@ -24,7 +28,7 @@ layout(location = 1) out float w;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec4 sum = vec4(0);
-  vec3 normal = vec3(0);
+  vec3 normal = vec3(0), gloss = vec3(0), own = vec3(0);
   float nearest = 0.0;
   for (int j = 0; j < virtual_samples; ++j)
     for (int i = 0; i < virtual_samples; ++i) {
@@ -32,19 +36,28 @@ void main() {
       vec4 a = texelFetch(albedo, sample_at, 0);
       sum += a;
       normal += a.a * (2.0 * texelFetch(normals, sample_at, 0).xyz - 1.0);
+      if (glossy) gloss += a.a * texelFetch(glosses, sample_at, 0).xyz;
+      if (emits) own += texelFetch(emission, sample_at, 0).rgb;
       nearest = max(nearest, texelFetch(depth, sample_at, 0).r);
     }
   if (sum.a == 0.0) discard;
   w = nearest / nearest_m;
   vec3 ray = ray_of(at);
   normal = normalize(normal - vec3(0, 0, 1e-6));
-  vec3 light = ambient;
+  gloss /= sum.a;
+  Lobe lobe = lobe_of(ray / w, normal, gloss.y);
+  Shading light = Shading(diffuse_ambient(normal), vec3(0), vec3(0), vec3(0));
+  if (glossy) add_ambient_gloss(lobe, light);
   for (int i = 0; i < lamp_count; ++i) {
     float seen = visibility(i, ray / w, normal);
     if (has_people)
       seen *= visibility_past(people_lamps[i], people_maps, i, ray / w, normal);
-    light += irradiance(i, ray / w, normal) * seen * seen_in_room(i, ray / w, normal);
+    vec3 of_lamp = irradiance(i, ray / w, normal) * seen * seen_in_room(i, ray / w, normal);
+    light.diffuse += of_lamp;
+    if (glossy && of_lamp != vec3(0)) add_lamp_gloss(i, ray / w, lobe, of_lamp, light);
   }
   const float share = 1.0 / float(virtual_samples * virtual_samples);
-  color = vec4(min(share * sum.rgb * light * exposure, 1.0), share * sum.a);
+  sum *= share;
+  vec3 lit = glossy ? shown(sum.rgb, sum.a, gloss, light) : sum.rgb * light.diffuse;
+  color = vec4(min((lit + share * own) * exposure, 1.0), sum.a);
 }

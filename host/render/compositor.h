@@ -25,6 +25,13 @@
 
 namespace mixrig::render {
 
+/// How a surface mirrors light: metallic-roughness of glTF 2.0.
+struct Gloss {
+  float metallic = 0, roughness = 1;
+  float specular = 0;  ///< share of what a dielectric mirrors, 4 % at right angles; 0: matte
+  bool is_matte() const { return metallic == 0 && specular == 0; }
+};
+
 /// Triangles of one material, borrowed from the scene for the compositor's life. Object axes.
 struct MeshView {
   std::span<const glm::vec3> positions_m;
@@ -34,6 +41,13 @@ struct MeshView {
   glm::vec3 base_color{1};        ///< linear
   ImageView<const Rgb8> texture;  ///< sRGB, may be empty; repeats
   bool double_sided = false;
+  Gloss gloss{};
+  glm::vec3 emission{0};  ///< linear, at most 1: light of its own
+  /// As `texture`, may be empty. Bytes over 255 of `gloss_map` multiply roughness (green) and
+  /// metallic (blue); `normal_map` is glTF's, tangents are those of the triangles; `emission_map`
+  /// is sRGB and multiplies `emission`.
+  ImageView<const Rgb8> gloss_map{}, normal_map{}, emission_map{};
+  float normal_scale = 1;  ///< of x and y of `normal_map`
 };
 
 struct VirtualObject {
@@ -56,6 +70,9 @@ struct Light {
   glm::vec3 ambient{0.3F};
   float exposure = 1.0F;
   std::vector<Lamp> lamps;
+  /// The ambient light on objects is what the learned room sends from each side, `ambient` from
+  /// where nothing was learned.
+  bool by_direction = false;
 };
 
 /// The room without people in the view; borrowed. Empty images where nothing was learned yet. A

@@ -127,6 +127,18 @@ inline constexpr float kNormalFootprints = 2.0F;
 /// Most lamps of the gles back end: 4.5 KiB of the 16 KiB that every driver's uniform block has.
 inline constexpr int kMostLamps = 32;
 
+// --- light: gloss, and ambient light by direction
+/// Spherical harmonics of second order: 1 + 3 + 5.
+inline constexpr int kAmbientTermCount = 9;
+/// What a diffuse surface keeps of the first and second order (Ramamoorthi and Hanrahan 2001).
+inline constexpr float kDiffuseBand1 = 0.6666667F;
+inline constexpr float kDiffuseBand2 = 0.25F;
+/// A dielectric mirrors this share at right angles (glTF 2.0, appendix B).
+inline constexpr float kDielectric = 0.04F;
+/// What is smoother is drawn so: normals have 8 bits, and a lobe must not be narrower than their
+/// steps.
+inline constexpr float kLeastRoughness = 0.2F;
+
 // --- shadow: people
 /// Metres: half of a person's thickness is at most this, and at most half of the silhouette.
 inline constexpr float kPeopleRadiusM = 0.12F;

@@ -112,6 +112,9 @@ struct RoomShadeParams {
 struct LightParams {
   glm::vec3 ambient{0};
   float exposure = 1;
+  bool by_direction = false;  ///< on objects: these AmbientTerms instead of `ambient`
+  std::array<glm::vec3, kAmbientTermCount> ambient_terms{};
+  glm::mat3 world_from_camera{1};
 };
 
 /// What the depth key compares with.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "hal/base/image.h"
 #include "host/render/compositor.h"
 #include "host/render/passes.h"
+#include "host/render/room_ambient.h"
 #include "host/render/room_shade.h"
 
 namespace mixrig::render {
@@ -115,6 +117,8 @@ struct Draw {
 /// stay, so do virtual pixels; shadow maps stay while the objects and their size do
 /// (`lamps[i].map_size_texel`).
 struct FrameParams {
+  bool glossy = false;       ///< any mesh is not matte
+  bool emits = false;        ///< any mesh has emission
   bool pose_changed = true;  ///< or view, objects or light, since the last update(); true at first
   bool maps_changed = true;  ///< shadow maps must be drawn again
   bool room_changed = true;  ///< `room_share` was made since the last update()
@@ -168,6 +172,7 @@ class FramePreparer {
   void update_floor(const glm::dmat4& world_from_camera);
   void find_room(const geometry::Pose& world_from_target);
   void update_room(const geometry::Pose& world_from_target);
+  void update_ambient(const geometry::Pose& world_from_target);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
   const CompositorSetup& setup_;
@@ -176,7 +181,9 @@ class FramePreparer {
   geometry::Pose last_pose_;
   int map_size_ = 0;
   bool has_room_ = false;
-  RoomShade room_;  ///< of the first pose
+  RoomShade room_;                       ///< of the first pose
+  std::optional<AmbientTerms> ambient_;  ///< the same
+  glm::vec3 ambient_then_{0};            ///< Light::ambient when they were found
   std::vector<MapFit> fits_, people_fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };

@@ -159,7 +159,10 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
     people_fits_.resize(setup.light.lamps.size());
   }
 
-  params_.light = {setup.light.ambient, setup.light.exposure};
+  for (const Draw& draw : params_.draws) {
+    params_.glossy |= !draw.mesh->gloss.is_matte();
+    params_.emits |= draw.mesh->emission != glm::vec3(0);
+  }
   KeyPassParams& key = params_.key;
   key.color = setup.key.color;
   key.refine = setup.key.refine;
@@ -282,7 +285,9 @@ LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int m
 
 /// A still background is where the first pose puts it. Found once: lamps, objects and room stay.
 void FramePreparer::find_room(const geometry::Pose& world_from_target) {
-  if (std::exchange(has_room_, true) || !needs_room_shade(setup_)) return;
+  if (std::exchange(has_room_, true)) return;
+  ambient_ = make_ambient(setup_, world_from_target), ambient_then_ = setup_.light.ambient;
+  if (!needs_room_shade(setup_)) return;
   room_ = make_room_shade(setup_, world_from_target);
   params_.room_share = room_.share;
   for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
@@ -298,6 +303,20 @@ void FramePreparer::update_room(const geometry::Pose& world_from_target) {
   cell_from_world[3] = glm::dvec4(-scale * room_.first_m, 1);
   params_.room = {glm::mat4(cell_from_world * to_glm(world_from_target.matrix())), room_.cells,
                   kRoomLiftCells * static_cast<float>(room_.cell_m)};
+}
+
+/// Found once, with the room's shade; later it is as much brighter as the constant part is.
+void FramePreparer::update_ambient(const geometry::Pose& world_from_target) {
+  LightParams& light = params_.light;
+  light.ambient = setup_.light.ambient, light.exposure = setup_.light.exposure;
+  light.world_from_camera = glm::mat3(to_glm(world_from_target.matrix()));
+  light.by_direction = ambient_.has_value();
+  if (!ambient_) return;
+  glm::vec3 brighter(1);
+  for (int c = 0; c < 3; ++c)
+    if (ambient_then_[c] > 0) brighter[c] = light.ambient[c] / ambient_then_[c];
+  for (std::size_t i = 0; i < ambient_->size(); ++i)
+    light.ambient_terms[i] = brighter * (*ambient_)[i];
 }
 
 void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
@@ -334,8 +353,8 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
     map_size_ = 0;  // they are drawn again
     if (!people_fits_.empty() && people_around_objects(setup_)) people_fits_[0].near_m = 0;
   }
-  params_.light = {setup_.light.ambient, setup_.light.exposure};
   update_room(world_from_target);
+  update_ambient(world_from_target);
   has_pose_ = true;
   last_pose_ = world_from_target;
   const glm::dmat4 world_from_camera = to_glm(world_from_target.matrix());

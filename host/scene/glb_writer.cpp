@@ -39,7 +39,7 @@ class GlbBuilder {
   }
 
   Result<void> add(const Mesh& mesh, ImageView<const Rgb8> texture) {
-    MIXRIG_ASSIGN(const int material, add_material(texture));
+    MIXRIG_ASSIGN(const int material, add_material(mesh, texture));
     const std::vector<Eigen::Vector3f> positions = to_gltf(mesh.positions_m);
     const int position = add_vertices(positions, TINYGLTF_TYPE_VEC3);
     set_range(positions, model_.accessors.back());
@@ -98,8 +98,8 @@ class GlbBuilder {
     accessor.maxValues = {high.x(), high.y(), high.z()};
   }
 
-  /// A diffuse material with texture `picture`, whose PNG is put into the buffer.
-  Result<int> add_material(ImageView<const Rgb8> picture) {
+  /// A material with texture `picture`, whose PNG is put into the buffer.
+  Result<int> add_material(const Mesh& mesh, ImageView<const Rgb8> picture) {
     const auto number = static_cast<int>(model_.materials.size());
     MIXRIG_ASSIGN(const std::string png, image_io::encode_png(picture));
     tinygltf::Image image;
@@ -112,8 +112,14 @@ class GlbBuilder {
     model_.textures.push_back(std::move(texture));
     tinygltf::Material material;
     material.pbrMetallicRoughness.baseColorTexture.index = number;
-    material.pbrMetallicRoughness.metallicFactor = 0;
-    material.pbrMetallicRoughness.roughnessFactor = 1;
+    material.pbrMetallicRoughness.metallicFactor = mesh.metallic;
+    material.pbrMetallicRoughness.roughnessFactor = mesh.roughness;
+    if (mesh.specular != 1) {
+      constexpr const char* kSpecular = "KHR_materials_specular";
+      material.extensions[kSpecular] =
+          tinygltf::Value({{"specularFactor", tinygltf::Value(double{mesh.specular})}});
+      if (model_.extensionsUsed.empty()) model_.extensionsUsed.emplace_back(kSpecular);
+    }
     model_.materials.push_back(std::move(material));
     return number;
   }

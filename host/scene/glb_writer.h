@@ -10,9 +10,9 @@
 
 namespace mixrig::scene {
 
-/// Writes the meshes of `model`, one node `name`, with their textures (embedded PNG) as diffuse
-/// materials, in glTF's axes, y up. The folder must exist. Errors: kIo. Precondition: each mesh has
-/// vertices, normals and a uv per vertex, and a texture.
+/// Writes the meshes of `model`, one node `name`, with their textures (embedded PNG) and gloss,
+/// but no other maps, in glTF's axes, y up. The folder must exist. Errors: kIo. Precondition: each
+/// mesh has vertices, normals and a uv per vertex, and a texture.
 Result<void> write_glb(const Model& model, const std::string& name,
                        const std::filesystem::path& path);
 

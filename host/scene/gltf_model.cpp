@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
 constexpr int kMaxNodeDepth = 64;
+constexpr double kMostStrength = 1e6;  ///< of a light of its own
+constexpr double kMostBend = 100;      ///< factor of a normal map
 
 /// Makes a model of a parsed file. Each node is used at most once, as glTF requires of its trees.
 class ModelBuilder {
@@ -84,25 +86,74 @@ class ModelBuilder {
     for (const tinygltf::Primitive& primitive :
          file_.gltf.meshes[static_cast<std::size_t>(index)].primitives) {
       const tinygltf::Material material = material_of(primitive.material);
-      const auto& pbr = material.pbrMetallicRoughness;
-      const bool textured = pbr.baseColorTexture.index >= 0;
-      MIXRIG_ASSIGN(Mesh mesh, read_mesh(file_.gltf, primitive, world,
-                                         textured ? pbr.baseColorTexture.texCoord : -1));
+      MIXRIG_ASSIGN(const int uv_set, uv_set_of(material));
+      MIXRIG_ASSIGN(Mesh mesh, read_mesh(file_.gltf, primitive, world, uv_set));
       if (mesh.indices.empty()) continue;
-      if (pbr.baseColorFactor.size() >= 3)
-        for (int c = 0; c < 3; ++c)
-          mesh.base_color[c] = static_cast<float>(
-              std::clamp(pbr.baseColorFactor[static_cast<std::size_t>(c)], 0.0, 1.0));
-      mesh.double_sided = material.doubleSided;
-      if (textured) {
-        MIXRIG_ASSIGN(mesh.texture, texture(pbr.baseColorTexture.index));
-      }
+      set_factors(material, mesh);
+      MIXRIG_TRY(set_maps(material, mesh));
       vertices_ += mesh.positions_m.size();
       if (vertices_ > kMaxVertices)
         return bad_gltf("has more than 20 million vertices: simplify it");
       model_.meshes.push_back(std::move(mesh));
     }
     return {};
+  }
+
+  /// TEXCOORD_n of a material's maps; -1 without any.
+  static Result<int> uv_set_of(const tinygltf::Material& material) {
+    int set = -1;
+    const auto add = [&](const auto& map) {
+      const bool other = map.index >= 0 && set >= 0 && map.texCoord != set;
+      if (map.index >= 0) set = map.texCoord;
+      return !other;
+    };
+    const auto& pbr = material.pbrMetallicRoughness;
+    if (add(pbr.baseColorTexture) && add(pbr.metallicRoughnessTexture) &&
+        add(material.normalTexture) && add(material.emissiveTexture))
+      return set;
+    return bad_gltf("the maps of material '" + material.name.substr(0, 100) +
+                    "' use different texture coordinates: export them with one UV map");
+  }
+
+  static void set_factors(const tinygltf::Material& material, Mesh& mesh) {
+    const auto& pbr = material.pbrMetallicRoughness;
+    mesh.base_color = color_of(pbr.baseColorFactor, mesh.base_color);
+    mesh.emission = color_of(material.emissiveFactor, mesh.emission);
+    const double strength =
+        factor_of(material, "KHR_materials_emissive_strength", "emissiveStrength");
+    mesh.emission = (static_cast<float>(strength) * mesh.emission).cwiseMin(1.0F);
+    mesh.metallic = share_of(pbr.metallicFactor), mesh.roughness = share_of(pbr.roughnessFactor);
+    mesh.specular = share_of(factor_of(material, "KHR_materials_specular", "specularFactor"));
+    mesh.normal_scale =
+        static_cast<float>(std::clamp(material.normalTexture.scale, -kMostBend, kMostBend));
+    mesh.double_sided = material.doubleSided;
+  }
+  static float share_of(double factor) { return static_cast<float>(std::clamp(factor, 0.0, 1.0)); }
+  static Eigen::Vector3f color_of(const std::vector<double>& factor,
+                                  const Eigen::Vector3f& fallback) {
+    if (factor.size() < 3) return fallback;
+    return {share_of(factor[0]), share_of(factor[1]), share_of(factor[2])};
+  }
+  /// A number of an extension of a material; 1 where it is not there.
+  static double factor_of(const tinygltf::Material& material, const char* extension,
+                          const char* key) {
+    const auto found = material.extensions.find(extension);
+    if (found == material.extensions.end() || !found->second.Has(key)) return 1;
+    const tinygltf::Value& value = found->second.Get(key);
+    return value.IsNumber() ? std::clamp(value.GetNumberAsDouble(), 0.0, kMostStrength) : 1;
+  }
+
+  Result<void> set_maps(const tinygltf::Material& material, Mesh& mesh) {
+    const auto& pbr = material.pbrMetallicRoughness;
+    const auto set = [&](int index, int& map) -> Result<void> {
+      if (index < 0) return {};
+      MIXRIG_ASSIGN(map, texture(index));
+      return {};
+    };
+    MIXRIG_TRY(set(pbr.baseColorTexture.index, mesh.texture));
+    MIXRIG_TRY(set(pbr.metallicRoughnessTexture.index, mesh.gloss_map));
+    MIXRIG_TRY(set(material.normalTexture.index, mesh.normal_map));
+    return set(material.emissiveTexture.index, mesh.emission_map);
   }
 
   /// The default material, which has no texture, for -1 and for an index out of range.

@@ -24,16 +24,26 @@ struct Mesh {
   Eigen::Vector3f base_color{1, 1, 1};  ///< linear, multiplies the texture
   int texture = -1;                     ///< index into Model::textures, -1 for none
   bool double_sided = false;
+  /// How it mirrors light (glTF's metallic-roughness); specular is the share of a dielectric's
+  /// 4 %: 0 is matte.
+  float metallic = 0, roughness = 1, specular = 0;
+  Eigen::Vector3f emission{0, 0, 0};  ///< linear, 0..1, multiplies its map
+  /// Indices into Model::textures, -1 for none. The gloss map's bytes over 255 multiply roughness
+  /// (green) and metallic (blue).
+  int gloss_map = -1, normal_map = -1, emission_map = -1;
+  float normal_scale = 1;
 };
 
 /// A glTF file with node transforms applied, in object axes: z up. glTF's (x, y, z), y up,
 /// becomes (x, -z, y).
 struct Model {
   std::vector<Mesh> meshes;
-  std::vector<Image<Rgb8>> textures;  ///< sRGB
+  std::vector<Image<Rgb8>> textures;  ///< sRGB, or numbers (gloss and normal maps)
 };
 
-/// Reads .gltf or .glb (which one, by content): meshes, node transforms, base colour and texture.
+/// Reads .gltf or .glb (which one, by content): meshes, node transforms, and of materials base
+/// colour, metallic-roughness, normal and emissive maps, KHR_materials_specular's and
+/// _emissive_strength's factors; a light of its own that is brighter than white is white.
 /// Errors: kNotFound, kFormat (missing buffer or picture, index out of range, no triangles).
 Result<Model> load_gltf(const std::filesystem::path& path);
 
@@ -77,8 +87,10 @@ struct Lamp {
 struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
+  bool from_room = false;    ///< the ambient light on objects is that of the learned room by side
   bool people_cast = false;  ///< people cast shadows on the objects; on a set they always do
   std::vector<Lamp> lamps;
+  bool find_lamps = false;  ///< in the scanned room, when a session begins; then `lamps` is empty
 };
 
 enum class PoseSource {

@@ -32,6 +32,7 @@ std::string fixed_changes(const Scene& from, const Scene& to) {
        "camera");
   note(from.background == to.background, "background");
   note(same_set(from.set, to.set), "set");
+  note(from.light.find_lamps == to.light.find_lamps, "light.lamps");
   note(from.follow_people == to.follow_people, "people");
   note(from.events == to.events, "events");
   note(from.pose_outs == to.pose_outs, "pose_out");

@@ -156,7 +156,7 @@ Result<std::optional<lights::RoomSurfaces>> room_of(const LightsOptions& options
   if (rooms.size() == 1) MIXRIG_TRY(model::load_light(options.room, room.panorama));
   const auto place =
       options.world_from_base ? options.world_from_base : room.manifest.world_from_base;
-  surfaces.emplace(std::move(room.panorama), place.value_or(geometry::Pose{}));
+  surfaces.emplace(std::move(room.panorama), place.value_or(options.otherwise_from_base));
   return surfaces;
 }
 

@@ -23,6 +23,7 @@ struct LightsOptions {
   bool poses_of_fisheye = false;      ///< of the fisheye; else of the target camera
   std::filesystem::path calibration;  ///< empty: the take's
   std::optional<geometry::Pose> world_from_base;  ///< of the room; absent: as its folder says
+  geometry::Pose otherwise_from_base;             ///< where neither says where the room stands
   std::filesystem::path drawing;  ///< PNG of a picture with its candidates; empty: none
   lights::LampOptions lamps;
   double exposure = 1;                     ///< of the scene that they are for

@@ -165,6 +165,7 @@ void SceneFollower::adopt(scene::Scene scene) {
   scene.set = session_.scene.set;
   scene.capture_volume = session_.scene.capture_volume;
   scene.background = session_.scene.background;
+  if (session_.scene.light.find_lamps) scene.light = session_.scene.light;
   if (touched && !scene::same_objects(session_.scene, scene)) {
     log_warning("session", session_.scene.path.string() +
                                ": object: people touch these, so that new ones are taken when the "

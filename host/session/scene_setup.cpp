@@ -25,7 +25,15 @@ render::MeshView mesh_view(const scene::Mesh& mesh, const scene::Model& model,
   view.uv = arrays.uv;
   view.indices = mesh.indices;
   view.base_color = to_glm(mesh.base_color);
-  if (mesh.texture >= 0) view.texture = model.textures[static_cast<std::size_t>(mesh.texture)];
+  const auto picture = [&](int index) -> ImageView<const Rgb8> {
+    if (index < 0) return {};
+    return model.textures[static_cast<std::size_t>(index)];
+  };
+  view.texture = picture(mesh.texture);
+  view.gloss = {mesh.metallic, mesh.roughness, mesh.specular};
+  view.emission = to_glm(mesh.emission);
+  view.gloss_map = picture(mesh.gloss_map), view.normal_map = picture(mesh.normal_map);
+  view.emission_map = picture(mesh.emission_map), view.normal_scale = mesh.normal_scale;
   view.double_sided = mesh.double_sided;
   return view;
 }
@@ -57,7 +65,7 @@ void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshe
 }
 
 render::Light light_of(const scene::Light& light) {
-  render::Light out{to_glm(light.ambient), static_cast<float>(light.exposure), {}};
+  render::Light out{to_glm(light.ambient), static_cast<float>(light.exposure), {}, light.from_room};
   for (const scene::Lamp& lamp : light.lamps) {
     render::Lamp& added = out.lamps.emplace_back();
     added.position_m = to_glm(lamp.position_m);

@@ -8,6 +8,7 @@
 #include "host/image_io/scale.h"
 #include "host/model/room_file.h"
 #include "host/session/camera_pose.h"
+#include "host/session/found_lamps.h"
 #include "host/session/learn.h"
 #include "host/session/world_frame.h"
 
@@ -221,6 +222,7 @@ Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   auto session = std::make_unique<Session>();
   session->backend = options.backend;
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
+  MIXRIG_TRY(find_scene_lamps(session->scene));
   MIXRIG_ASSIGN(session->source, open_any_source(options, *session));
   session->calibration = choose_calibration(options, *session);
   MIXRIG_ASSIGN(session->source,

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "host/studio/light/object_gloss.h"
 #include "host/studio/stage/object.h"
 #include "host/studio/studio_state.h"
 
@@ -115,7 +116,7 @@ StudioInfo make_info(const StudioOptions& options, const Layout& layout, const R
     info.tof2 = {rig.tof2->optics, rig.tof2->target_from_tof, rig.tof2->unit_m, rig.tof2->noise};
   describe_fisheye(options, rig, info);
   info.light = layout.light;
-  info.object = build_object(layout.world_from_object);
+  info.object = build_object(layout.world_from_object, options.glossy_object);
   info.capture_volume = capture_volume(layout);
   info.camera_moves = layout.camera_moves;
   info.world_from_rest = rest_pose(layout);
@@ -225,6 +226,7 @@ void Studio::State::balance_ambient() {
   BounceCache cache;
   cache.build(reflector, room, camera_rays(view_rays, pose), info.view, pose, false, false, crew);
   info.light.ambient = ambient + cache.mean();
+  info.light.by_direction = true;
   reflector.ambient = info.light.ambient;
 }
 
@@ -316,6 +318,11 @@ void Studio::State::trace_static(const CameraPlace& place, double time_s, bool w
                     covered_by(object.scene.mesh(), info.view, place.world_from_target), crew);
   light_surfels(view.object, lamps, casters, true, false, crew);
   if (options.realism.bounce) bounce_surfels(view.object, object_bounce, crew);
+  if (options.glossy_object) {
+    Reflector r = reflector;
+    r.ambient = ambient;
+    gloss_object(view.object, r, lamps, info.object, options.realism.bounce, crew);
+  }
   find_room_seen(rays, info.tof.optics, tof_at);
   if (tof2) find_room_seen(rays, info.tof2->optics, tof2->place);
   has_view = true;

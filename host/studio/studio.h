@@ -109,10 +109,11 @@ struct StudioOptions {
   Size fisheye_px{1280, 1024};  ///< of them, 64..4096 a side; the same field
   double zoom = 1;  ///< the target camera's lens zooms in to this focal length, 1..8 times that at
                     ///< rest; 1: it stands still. Not in scenario sweep
-  bool clear_floor = false;  ///< no chair at the desk: no furniture in StudioInfo::capture_volume
-  bool cache = true;         ///< reuse static parts in the next frame; the pictures are the same
-  int people = 1;            ///< 1..3
-  bool props = false;        ///< the first person carries a stick, a black bag, a chrome ball
+  bool clear_floor = false;    ///< no chair at the desk: no furniture in StudioInfo::capture_volume
+  bool cache = true;           ///< reuse static parts in the next frame; the pictures are the same
+  int people = 1;              ///< 1..3
+  bool props = false;          ///< the first person carries a stick, a black bag, a chrome ball
+  bool glossy_object = false;  ///< varnished crate, polished statue
   bool window = false;  ///< a pane of dark glass, without depth, in place of the middle picture
   Sweep sweep;          ///< of scenario sweep
   std::optional<Eigen::Vector3d> eye_m, look_at_m;  ///< of the camera at rest, in place of the
@@ -189,6 +190,7 @@ struct Light {
   Eigen::Vector3f ambient;
   double exposure = 1;
   std::vector<Panel> lamps;
+  bool by_direction = false;  ///< `ambient` is the mean of what differs from side to side
 };
 
 /// Triangles with one texture in object axes, z up; counter-clockwise seen from outside.
@@ -197,6 +199,8 @@ struct ObjectMesh {
   std::vector<Eigen::Vector2f> uv;  ///< v grows downwards
   std::vector<std::uint32_t> indices;
   Image<Rgb8> texture;  ///< sRGB
+  bool glossy = false;  ///< a dielectric of this roughness (glTF's)
+  float roughness = 1;
 };
 
 struct VirtualObject {

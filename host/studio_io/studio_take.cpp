@@ -74,6 +74,7 @@ void add_object_light_and_key(const studio::StudioInfo& info, Writer& root) {
   Writer light, key;
   light.set("ambient", rounded_values(info.light.ambient));
   light.set("exposure", config::rounded(info.light.exposure, 6));
+  if (info.light.by_direction) light.set("ambient_by", "room");
   for (const studio::Panel& lamp : info.light.lamps) light.add("lamp", lamp_table(lamp));
   key.set("threshold_m", 0.05).set("noise_factor", 4.0).set("color", true);
   root.add("object", object_table(info.object));
@@ -108,6 +109,8 @@ Result<void> write_object(const studio::VirtualObject& object, const std::filesy
   for (const studio::ObjectMesh& part : object.meshes) {
     scene::Mesh mesh;
     mesh.positions_m = part.positions_m, mesh.normals = part.normals, mesh.uv = part.uv;
+    mesh.roughness = part.roughness;
+    mesh.specular = part.glossy ? 1 : 0;
     mesh.indices = part.indices, mesh.texture = static_cast<int>(model.textures.size());
     model.meshes.push_back(std::move(mesh));
     model.textures.push_back(part.texture);

@@ -30,7 +30,7 @@ struct StudioArguments {
   double square_mm = 70, marker_mm = 0, bend_mm = 0, blur_px = 0.6, noise = 1;
   double tolerance = 0, amplitude_error_mm = 0, pixel_error_mm = 0;
   std::optional<double> depth_error_mm, lens_error_px;
-  bool plain = false, props = false;
+  bool plain = false, props = false, glossy_object = false;
   int people = 1;
   std::string only, without;
   std::string field = "270x180";
@@ -124,6 +124,7 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.tolerance = arguments.tolerance;
   options.people = arguments.people;
   options.props = arguments.props;
+  options.glossy_object = arguments.glossy_object;
   options.window = arguments.window;
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
@@ -337,6 +338,8 @@ void add_studio_command(Command app, Context& context) {
   command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");
   command.add_flag("--props", arguments->props,
                    "The first person carries a stick, a black bag and a chrome ball");
+  command.add_flag("--glossy-object", arguments->glossy_object,
+                   "The virtual object mirrors light: a varnished crate, a polished statue");
   command.add_flag("--window", arguments->window,
                    "A window by night in place of the middle picture: glass without depth");
   command.add_flag("--plain", arguments->plain,

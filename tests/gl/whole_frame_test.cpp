@@ -11,6 +11,7 @@
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/render/gles/compositor_gles.h"
 #include "host/render/room_shade.h"
+#include "tests/gl/gl_fixture.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/face_model.h"
 
@@ -260,6 +261,42 @@ TEST(WholeFrame, agrees_with_person_object_and_shadows) {
   expect_agreement(pair, room.frame());
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kPerson));
   EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
+}
+
+/// All that a material may have, under ambient light that differs from side to side.
+TEST(WholeFrame, agrees_on_glossy_objects_with_maps) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.light.by_direction = true;
+  const auto gloss_map = make_image<Rgb8>({8, 8}, [](int x, int y) {
+    return Rgb8{0, static_cast<std::uint8_t>(120 + 16 * x),
+                static_cast<std::uint8_t>(y < 4 ? 0 : 255)};
+  });
+  const auto normal_map = make_image<Rgb8>({8, 8}, [](int x, int y) {
+    return Rgb8{static_cast<std::uint8_t>(98 + 8 * x), static_cast<std::uint8_t>(98 + 8 * y), 240};
+  });
+  const auto glow = make_image<Rgb8>({8, 8}, [](int x, int y) {
+    return x == 2 && y == 2 ? Rgb8{250, 120, 20} : Rgb8{};
+  });
+  render::FrameOutput matte;
+  {
+    Pair pair = make_pair(room);
+    expect_agreement(pair, room.frame());
+    matte.color = pair.cpu_frame.color;
+  }
+  render::MeshView& mesh = room.setup.objects.front().meshes.front();
+  mesh.gloss = {1, 0.7F, 1}, mesh.gloss_map = gloss_map, mesh.normal_map = normal_map;
+  mesh.emission = glm::vec3(0.5F), mesh.emission_map = glow, mesh.normal_scale = 0.8F;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  EXPECT_LT(psnr_db(pair.cpu_frame.color, matte.color), 40) << "gloss and maps change nothing";
+}
+
+TEST(WholeFrame, agrees_on_glossy_objects_past_people) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.people_cast_shadows = true, room.setup.light.by_direction = true;
+  room.setup.objects.front().meshes.front().gloss = {0.3F, 0.3F, 1};
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
 }
 
 TEST(WholeFrame, agrees_through_a_lens_at_odd_sizes) {

@@ -128,6 +128,8 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   objects_.w.reset(tables_.view_size);
   objects_.normal.reset(tables_.view_size);
   objects_.color.reset(tables_.view_size);
+  if (preparer_.params().glossy) objects_.gloss.reset(tables_.view_size);
+  if (preparer_.params().emits) objects_.emission.reset(tables_.view_size);
   light_ = LightLayer(tables_.view_size);
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(tables_.view_size);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 
 namespace mixrig::render::cpu {
@@ -93,10 +94,15 @@ namespace {
 
 /// `maybe`: lamps that objects may hide; `share`: of the first lamps that is seen past people, the
 /// others are not hidden by them.
-VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       std::span<const FloatLanes> share, const SurfaceLanes& at) {
-  const glm::vec3 ambient = frame.light.exposure * frame.light.ambient;
-  VectorLanes light{FloatLanes{} + ambient.r, FloatLanes{} + ambient.g, FloatLanes{} + ambient.b};
+ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                        std::span<const FloatLanes> share, const SurfaceLanes& at) {
+  ShadingLanes sum;
+  add_ambient(frame.light, at.normal, sum);
+  std::optional<GlossLanes> gloss;
+  if (frame.glossy) {
+    gloss.emplace(at.position_m, at.normal, at.roughness);
+    add_ambient_gloss(frame.light, *gloss, sum);
+  }
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);
@@ -105,23 +111,22 @@ VectorLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& m
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
     if (lamp.room_layer >= 0) of_lamp *= room_share(frame, lamp, at);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
-    light.x += of_lamp * intensity.r;
-    light.y += of_lamp * intensity.g;
-    light.z += of_lamp * intensity.b;
+    add(of_lamp, intensity, sum.diffuse);
+    if (gloss) add_gloss(lamp, at.position_m, *gloss, of_lamp, intensity, sum);
   }
-  return light;
+  return sum;
 }
 
 }  // namespace
 
-VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                    const SurfaceLanes& at) {
+ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const SurfaceLanes& at) {
   return shading_of(frame, maps, maybe, {}, at);
 }
 
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
-                         VectorLanes& light) {
+                         ShadingLanes& light) {
   std::array<FloatLanes, kMostLamps> share;
   const std::size_t count = std::min(maps.size(), share.size());
   bool hidden = false;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/render/cpu/gloss.h"
 #include "host/render/cpu/visibility.h"
 
 namespace mixrig::render::cpu {
@@ -17,6 +18,7 @@ inline constexpr LampSet kAllLamps = ~LampSet{0};
 /// Points of surfaces with unit normals, camera axes; finite.
 struct SurfaceLanes {
   VectorLanes position_m, normal;
+  FloatLanes roughness{};  ///< 0..1; only where the frame has glossy surfaces
   void set(int i, const glm::vec3& p, const glm::vec3& n) {
     position_m.x[i] = p.x, position_m.y[i] = p.y, position_m.z[i] = p.z;
     normal.x[i] = n.x, normal.y[i] = n.y, normal.z[i] = n.z;
@@ -27,10 +29,10 @@ struct SurfaceLanes {
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at);
 
-/// Exposed light of all lamps and the ambient light, linear: x red, y green, z blue. `maybe`: lamps
-/// that objects may hide.
-VectorLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                    const SurfaceLanes& at);
+/// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
+/// `diffuse` is set. `maybe`: lamps that objects may hide.
+ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const SurfaceLanes& at);
 
 /// Maps of people, and the lamps that they may hide: at most the first kMostLamps.
 struct PeopleMaps {
@@ -42,6 +44,6 @@ struct PeopleMaps {
 /// nothing; then `light` is not set.
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
-                         VectorLanes& light);
+                         ShadingLanes& light);
 
 }  // namespace mixrig::render::cpu

@@ -110,13 +110,38 @@ float tile_light_at(const LightLayer& light, int x, int y) {
   return weights > 0 ? sum / weights : 1;
 }
 
-Rgbx16 shaded(Rgbx16 albedo, const VectorLanes& light, int i) {
-  const glm::vec3 c =
-      glm::vec3(albedo.r, albedo.g, albedo.b) * glm::vec3(light.x[i], light.y[i], light.z[i]) +
-      0.5F;
-  const glm::vec3 clipped = glm::min(c, glm::vec3(kLinearOne));
-  return {static_cast<std::uint16_t>(clipped.r), static_cast<std::uint16_t>(clipped.g),
-          static_cast<std::uint16_t>(clipped.b), 0};
+glm::vec3 lane(const VectorLanes& v, int i) { return {v.x[i], v.y[i], v.z[i]}; }
+
+/// Of albedo `base`, premultiplied by `coverage`, both of kLinearOne.
+glm::vec3 mirroring(const glm::vec3& base, float coverage, GlossBytes gloss,
+                    const ShadingLanes& light, int i) {
+  const float metallic = static_cast<float>(gloss.metallic) / 255;
+  const float specular = static_cast<float>(gloss.specular) / 255;
+  const glm::vec3 straight = glm::mix(glm::vec3(kDielectric * specular * coverage), base, metallic);
+  const float grazing = glm::mix(specular, 1.0F, metallic) * coverage;
+  const glm::vec3 diffuse =
+      glm::max(lane(light.diffuse, i) - specular * lane(light.lost, i), glm::vec3(0));
+  return (1 - metallic) * base * diffuse + straight * lane(light.straight, i) +
+         grazing * lane(light.grazing, i);
+}
+
+/// Colour of a pixel of `albedo`, premultiplied as it.
+Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, int y, Rgbx16 albedo,
+              const ShadingLanes& light, int i) {
+  glm::vec3 c(albedo.r, albedo.g, albedo.b);
+  if (layer.gloss.empty()) {
+    c *= lane(light.diffuse, i);
+  } else {
+    const float coverage = kLinearOne / 255 * static_cast<float>(layer.coverage.row(y)[x]);
+    c = mirroring(c, coverage, layer.gloss.row(y)[x], light, i);
+  }
+  if (!layer.emission.empty()) {
+    const Rgbx16& own = layer.emission.row(y)[x];
+    c += input.frame.light.exposure * glm::vec3(own.r, own.g, own.b);
+  }
+  c = glm::min(c + 0.5F, glm::vec3(kLinearOne));
+  return {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
+          static_cast<std::uint16_t>(c.b), 0};
 }
 
 /// Lamps that may be hidden from the virtual surfaces of a tile.
@@ -226,6 +251,8 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
     if (layer.coverage.row(p.y)[p.x] == 0) return;
     const glm::vec3 ray = ray_of(input.tables.warp.view, p.x, p.y);
     at.set(count, ray / layer.w.row(p.y)[p.x], unpack(layer.normal.row(p.y)[p.x], ray));
+    if (!layer.gloss.empty())
+      at.roughness[count] = static_cast<float>(layer.gloss.row(p.y)[p.x].roughness) / 255;
     places[static_cast<std::size_t>(count)] = p;
     if (++count == kLanes) flush();
   };
@@ -252,13 +279,13 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
   const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
   for_each_place<Squares::kOfTwo>(
       input, tile, layer, [&](std::span<const Place> places, const auto& at) {
-        VectorLanes light;
+        ShadingLanes light;
         if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light))
           return;
         for (int i = 0; const Place& p : places) {
           for (int y = p.y; y < p.y + p.side; ++y)
             for (int x = p.x; x < p.x + p.side; ++x)
-              layer.color.row(y)[x] = shaded(layer.albedo.row(y)[x], light, i);
+              layer.color.row(y)[x] = shaded(input, layer, x, y, layer.albedo.row(y)[x], light, i);
           ++i;
         }
       });
@@ -272,10 +299,10 @@ void shade_tile(const LightInput& input, const Rect& tile, VirtualLayer& layer) 
                                        1 / most_w, 1 / least_w);
   for_each_place<Squares::kSingle>(
       input, tile, layer, [&](std::span<const Place> places, const auto& at) {
-        const VectorLanes light = shading(input.frame, input.maps, maybe, at);
+        const ShadingLanes light = shading(input.frame, input.maps, maybe, at);
         for (int i = 0; const Place& p : places) {
           Rgbx16& color = layer.color.row(p.y)[p.x];
-          color = shaded(color, light, i++);
+          color = shaded(input, layer, p.x, p.y, color, light, i++);
         }
       });
 }

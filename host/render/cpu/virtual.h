@@ -12,6 +12,11 @@
 
 namespace mixrig::render::cpu {
 
+/// Gloss of a pixel, 255 = 1.
+struct GlossBytes {
+  std::uint8_t metallic = 0, roughness = 0, specular = 0, unused = 0;
+};
+
 /// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.
 struct VirtualLayer {
   Rect rect;
@@ -19,6 +24,8 @@ struct VirtualLayer {
   Image<float> w;                ///< of the nearest sample; 0 where not covered
   Image<PackedNormal> normal;    ///< camera axes
   Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
+  Image<GlossBytes> gloss;       ///< empty where no object is glossy
+  Image<Rgbx16> emission;        ///< premultiplied; empty where no object emits
   /// Where people cast shadows: the albedo, and its shading without people.
   Image<Rgbx16> albedo, without_people;
   Image<std::uint8_t> in_shadow;  ///< a pixel a tile: people may have darkened it in the last frame

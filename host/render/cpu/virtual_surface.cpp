@@ -68,9 +68,20 @@ Neighbours neighbours(F4 value, int size) {
 
 float total(F4 f) { return f[0] + f[1] + f[2] + f[3]; }
 
-/// Sum of the samples' texels: bilinear, repeating, in linear light. `counted`: 1 or 0 a sample.
-F4 texels(ImageView<const Rgb8> texture, F4 u, F4 v, F4 counted) {
-  const std::array<float, 256>& table = linear();
+/// Each byte over 255.
+const std::array<float, 256>& shares() {
+  static const auto kTable = [] {
+    std::array<float, 256> table;
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(i) / 255;
+    return table;
+  }();
+  return kTable;
+}
+
+/// Sum of the samples' texels, as `table` has their bytes: bilinear, repeating. `counted`: 1 or 0 a
+/// sample.
+F4 texels(ImageView<const Rgb8> texture, const std::array<float, 256>& table, F4 u, F4 v,
+          F4 counted) {
   const I4 sane = (u < 1e6F) & (u > -1e6F) & (v < 1e6F) & (v > -1e6F);
   const F4 inside = sane ? counted : F4{};
   const Neighbours x = neighbours(sane ? u : F4{}, texture.size.width);
@@ -107,13 +118,47 @@ Vector4 rays(const PinholeParams& view, int x, int y) {
 
 /// Sums over samples.
 struct Surface {
-  F4 albedo{};
+  F4 albedo{}, emission{};
+  F4 gloss{};  ///< metallic, roughness, specular
   glm::vec3 normal{0};
 };
 
+/// Where the samples of one item lie on its mesh.
+struct OnMesh {
+  F4 u, v;
+  F4 counted;  ///< 1 or 0 a sample
+};
+
+F4 of_color(const glm::vec3& c) { return F4{c.r, c.g, c.b, 0}; }
+
+/// A colour times the samples' texels of a map, if there is one.
+F4 mapped(F4 color, ImageView<const Rgb8> map, const std::array<float, 256>& table,
+          const OnMesh& at) {
+  return color *
+         (map.empty() ? F4{} + total(at.counted) : texels(map, table, at.u, at.v, at.counted));
+}
+
+/// A pixel's normal by the map: tangents along u and against v, as the triangle lies.
+glm::vec3 bent_normal(const MeshView& mesh, const std::array<glm::vec3, 3>& corners_m,
+                      const std::uint32_t* index, const glm::vec3& normal, const OnMesh& at) {
+  const glm::vec3 e1 = corners_m[1] - corners_m[0], e2 = corners_m[2] - corners_m[0];
+  const glm::vec2 d1 = mesh.uv[index[1]] - mesh.uv[index[0]];
+  const glm::vec2 d2 = mesh.uv[index[2]] - mesh.uv[index[0]];
+  const float turn = d1.x * d2.y - d1.y * d2.x < 0 ? -1.0F : 1.0F;
+  const glm::vec3 along = turn * (e1 * d2.y - e2 * d1.y), up = turn * (e1 * d2.x - e2 * d1.x);
+  const glm::vec3 flat = along - glm::dot(along, normal) * normal;
+  const float length = glm::length(flat), count = total(at.counted);
+  if (!(length > 0) || !(count > 0)) return normal;
+  const glm::vec3 tangent = flat / length, across = glm::cross(normal, tangent);
+  const glm::vec3 bitangent = glm::dot(across, up) < 0 ? -across : across;
+  const F4 texel = texels(mesh.normal_map, shares(), at.u, at.v, at.counted) / count * 2.0F - 1.0F;
+  return glm::normalize(mesh.normal_scale * (texel[0] * tangent + texel[1] * bitangent) +
+                        std::max(texel[2], 1e-3F) * normal);
+}
+
 /// Adds the `counted` samples (1 or 0) of pixel (x, y), all of one item, `w` their inverse depth.
-void add(const Draw& draw, const VirtualScratch::Item& item, int x, int y, F4 w, F4 counted,
-         Surface& sum) {
+void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::Item& item, int x,
+         int y, F4 w, F4 counted, Surface& sum) {
   const float dx = static_cast<float>(kVirtualSamples * x - item.triangle.box.x0);
   const float dy = static_cast<float>(kVirtualSamples * y - item.triangle.box.y0);
   const F4 z = 1 / w;
@@ -128,20 +173,52 @@ void add(const Draw& draw, const VirtualScratch::Item& item, int x, int y, F4 w,
                     mix(weights, mesh.normals[i[0]], mesh.normals[i[1]], mesh.normals[i[2]]);
   F4 scale = counted / sqrt4(dot(n, n));
   if (mesh.double_sided) scale = dot(n, rays(draw.params.view, x, y)) > 0 ? -scale : scale;
-  const auto total = [&](F4 f) {
-    const F4 part = counted > 0 ? f * scale : F4{};
-    return part[0] + part[1] + part[2] + part[3];
-  };
-  sum.normal += glm::vec3(total(n.x), total(n.y), total(n.z));
-  const glm::vec3 color = draw.params.base_color;
-  const F4 base = {color.r, color.g, color.b, 0};
-  if (mesh.texture.empty() || mesh.uv.empty()) {
-    sum.albedo += base * (counted[0] + counted[1] + counted[2] + counted[3]);
+  const auto scaled = [&](F4 f) { return total(counted > 0 ? f * scale : F4{}); };
+  const glm::vec3 normal(scaled(n.x), scaled(n.y), scaled(n.z));
+  const F4 base = of_color(draw.params.base_color), glow = of_color(mesh.emission);
+  const F4 gloss = {mesh.gloss.metallic, mesh.gloss.roughness, mesh.gloss.specular, 0};
+  if (mesh.uv.empty()) {
+    const float count = total(counted);
+    sum.albedo += base * count, sum.emission += glow * count, sum.gloss += gloss * count;
+    sum.normal += normal;
     return;
   }
   const glm::vec2 a = mesh.uv[i[0]], b = mesh.uv[i[1]], c = mesh.uv[i[2]];
-  sum.albedo += base * texels(mesh.texture, weights.x * a.x + weights.y * b.x + weights.z * c.x,
-                              weights.x * a.y + weights.y * b.y + weights.z * c.y, counted);
+  const OnMesh at{weights.x * a.x + weights.y * b.x + weights.z * c.x,
+                  weights.x * a.y + weights.y * b.y + weights.z * c.y, counted};
+  sum.albedo += mapped(base, mesh.texture, linear(), at);
+  sum.emission += mapped(glow, mesh.emission_map, linear(), at);
+  if (mesh.gloss_map.empty()) {
+    sum.gloss += gloss * total(counted);
+  } else {
+    const F4 map = texels(mesh.gloss_map, shares(), at.u, at.v, at.counted);
+    sum.gloss += gloss * F4{map[2], map[1], total(counted), 0};
+  }
+  if (mesh.normal_map.empty() || normal == glm::vec3(0)) {
+    sum.normal += normal;
+    return;
+  }
+  const auto& p = scratch.positions_m[item.draw];
+  sum.normal += total(counted) *
+                bent_normal(mesh, {p[i[0]], p[i[1]], p[i[2]]}, i, glm::normalize(normal), at);
+}
+
+std::uint16_t linear16(float share) {
+  return static_cast<std::uint16_t>(std::min(share, 1.0F) * kLinearOne + 0.5F);
+}
+std::uint8_t byte_of(float share) {
+  return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0F, 1.0F) + 0.5F);
+}
+
+/// What pass light needs beyond the albedo.
+void store_gloss(const Surface& sum, int covered, int x, int y, VirtualLayer& layer) {
+  if (!layer.gloss.empty()) {
+    const F4 gloss = sum.gloss / static_cast<float>(covered);
+    layer.gloss.row(y)[x] = {byte_of(gloss[0]), byte_of(gloss[1]), byte_of(gloss[2])};
+  }
+  if (layer.emission.empty()) return;
+  const F4 own = sum.emission / static_cast<float>(kPixelSamples);
+  layer.emission.row(y)[x] = {linear16(own[0]), linear16(own[1]), linear16(own[2]), 0};
 }
 
 }  // namespace
@@ -171,13 +248,14 @@ void resolve(const FrameParams& params, const VirtualScratch& scratch, int x, in
     const VirtualScratch::Item& item = scratch.items[items[static_cast<std::size_t>(i)]];
     const I4 same = left & (number == number[i]);
     const F4 counted = same ? F4{} + 1.0F : F4{};
-    add(params.draws[item.draw], item, x, y, same ? w : F4{} + 1.0F, counted, sum);
+    add(params.draws[item.draw], scratch, item, x, y, same ? w : F4{} + 1.0F, counted, sum);
     left &= ~same;
   }
   const F4 mean = sum.albedo / static_cast<float>(kPixelSamples);
   const F4 c = (mean < 1 ? mean : F4{} + 1.0F) * kLinearOne + 0.5F;
   layer.color.row(y)[x] = {static_cast<std::uint16_t>(c[0]), static_cast<std::uint16_t>(c[1]),
                            static_cast<std::uint16_t>(c[2]), 0};
+  store_gloss(sum, covered, x, y, layer);
   const glm::vec3 n = glm::round(127.0F * glm::normalize(sum.normal + glm::vec3(0, 0, -1e-6F)));
   layer.normal.row(y)[x] = {static_cast<std::int8_t>(n.x), static_cast<std::int8_t>(n.y),
                             static_cast<std::int8_t>(n.z), 0};

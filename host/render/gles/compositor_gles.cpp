@@ -155,7 +155,8 @@ Result<void> GlesCompositor::create_passes() {
   }
   for (const Draw& draw : preparer_.params().draws) meshes_.emplace_back(*draw.mesh);
   if (has_objects()) {
-    MIXRIG_ASSIGN(virtual_, VirtualPass::create());
+    const FrameParams& first = preparer_.params();
+    MIXRIG_ASSIGN(virtual_, VirtualPass::create(first.glossy || first.emits));
     MIXRIG_ASSIGN(light_, LightPass::create(tables_, setup_));
     if (!setup_.light.lamps.empty()) {
       MIXRIG_ASSIGN(shadow_, ShadowPass::create());

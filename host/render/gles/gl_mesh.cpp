@@ -24,17 +24,21 @@ BufferHandle make_attribute(GLuint index, std::span<const T> values) {
   return buffer;
 }
 
-Texture texture_of(const MeshView& mesh) {
+Texture texture_of(const MeshView& mesh, ImageView<const Rgb8> map, GLenum format) {
   static constexpr Rgb8 kWhite{255, 255, 255};
-  if (mesh.texture.empty() || mesh.uv.empty())
-    return make_texture(ImageView<const Rgb8>{&kWhite, {1, 1}, 1}, GL_SRGB8);
-  return make_texture(mesh.texture, GL_SRGB8, Sampling::kRepeat);
+  if (map.empty() || mesh.uv.empty())
+    return make_texture(ImageView<const Rgb8>{&kWhite, {1, 1}, 1}, format);
+  return make_texture(map, format, Sampling::kRepeat);
 }
 
 }  // namespace
 
 GpuMesh::GpuMesh(const MeshView& mesh)
-    : texture_(texture_of(mesh)), index_count_(static_cast<GLsizei>(mesh.indices.size())) {
+    : texture_(texture_of(mesh, mesh.texture, GL_SRGB8)),
+      gloss_map_(texture_of(mesh, mesh.gloss_map, GL_RGB8)),
+      normal_map_(texture_of(mesh, mesh.normal_map, GL_RGB8)),
+      emission_map_(texture_of(mesh, mesh.emission_map, GL_SRGB8)),
+      index_count_(static_cast<GLsizei>(mesh.indices.size())) {
   GLuint name = 0;
   glGenVertexArrays(1, &name);
   vertex_array_ = VertexArrayHandle(name);
@@ -44,6 +48,12 @@ GpuMesh::GpuMesh(const MeshView& mesh)
   if (!mesh.uv.empty()) uv_ = make_attribute(2, mesh.uv);
   indices_ = make_buffer(GL_ELEMENT_ARRAY_BUFFER, mesh.indices);
   glBindVertexArray(0);
+}
+
+void GpuMesh::bind_maps() const {
+  int unit = 0;
+  for (const Texture* map : {&texture_, &gloss_map_, &normal_map_, &emission_map_})
+    bind(unit++, *map);
 }
 
 void GpuMesh::draw() const {

@@ -9,6 +9,7 @@
 
 #include "host/render/gles/gl_convention.h"
 #include "host/render/gles/key_pass.h"
+#include "host/render/lobe.h"
 
 namespace mixrig::render::gles {
 namespace {
@@ -94,9 +95,15 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
   for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
     set_constants(step->program, setup);
+  pass.shade_.program.use();
+  glUniform1fv(pass.shade_.program.location("lobe_losses"), kLobeLoss.size(), kLobeLoss.data());
+  glUniform1fv(pass.shade_.program.location("lobe_grazings"), kLobeGrazing.size(),
+               kLobeGrazing.data());
   pass.set_view(tables);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
   pass.has_people_ = pass.shade_.program.location("has_people");
+  pass.glossy_ = pass.shade_.program.location("glossy");
+  pass.emits_ = pass.shade_.program.location("emits");
   pass.lamps_ = make_lamps();
   pass.people_lamps_ = make_lamps();
   return pass;
@@ -121,6 +128,10 @@ void LightPass::set_lamps(const FrameParams& params) {
   for (const Step* step : {&background_, &tiles_, &shade_})
     step->program.set("ambient", params.light.ambient);
   shade_.program.set("exposure", params.light.exposure);
+  shade_.program.set("by_direction", params.light.by_direction);
+  if (!params.light.by_direction) return;
+  shade_.program.set("ambient_terms", std::span<const glm::vec3>(params.light.ambient_terms));
+  shade_.program.set("world_from_camera", params.light.world_from_camera);
 }
 
 Result<void> LightPass::set_room(const FrameParams& params) {
@@ -185,13 +196,16 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   shade_.program.use();
   set_uniform(shade_origin_px_, glm::ivec2(rect.x0, rect.y0));
   set_uniform(has_people_, people_maps != 0);
+  set_uniform(glossy_, params.glossy && samples.gloss() != nullptr);
+  set_uniform(emits_, params.emits && samples.emission() != nullptr);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, people_lamps_.get());
   glActiveTexture(GL_TEXTURE0 + kPeopleMapUnit);
   glBindTexture(GL_TEXTURE_2D_ARRAY, people_maps);
   bind_lamps(shadow_maps);
   glEnable(GL_SCISSOR_TEST);
   glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
-  run(shade_, {&samples.albedo(), &samples.normal(), &samples.depth()});
+  run(shade_, {&samples.albedo(), &samples.normal(), &samples.depth(), samples.gloss(),
+               samples.emission()});
   glDisable(GL_SCISSOR_TEST);
 }
 

@@ -14,13 +14,19 @@ int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
 
 }  // namespace
 
-Result<VirtualPass> VirtualPass::create() {
+Result<VirtualPass> VirtualPass::create(bool glossy) {
   VirtualPass pass;
+  pass.glossy_ = glossy;
   MIXRIG_ASSIGN(pass.program_, make_program("virtual.vert", "virtual.frag"));
   pass.at_ = {pass.program_.location("camera_from_object"),
               pass.program_.location("camera_from_object_normal"),
-              pass.program_.location("clip_from_camera"), pass.program_.location("base_color"),
-              pass.program_.location("double_sided")};
+              pass.program_.location("clip_from_camera"),
+              pass.program_.location("base_color"),
+              pass.program_.location("double_sided"),
+              pass.program_.location("gloss_factor"),
+              pass.program_.location("emission_factor"),
+              pass.program_.location("has_normal_map"),
+              pass.program_.location("normal_scale")};
   return pass;
 }
 
@@ -32,7 +38,12 @@ Result<void> VirtualPass::grow(Size samples) {
   albedo_ = make_texture(size, GL_SRGB8_ALPHA8);
   normal_ = make_texture(size, GL_RGB10_A2);
   depth_ = make_texture(size, GL_DEPTH_COMPONENT32F);
-  MIXRIG_ASSIGN(target_, make_target({&albedo_, &normal_}, &depth_));
+  if (!glossy_) {
+    MIXRIG_ASSIGN(target_, make_target({&albedo_, &normal_}, &depth_));
+    return {};
+  }
+  gloss_ = make_texture(size, GL_RGBA8), emission_ = make_texture(size, GL_SRGB8_ALPHA8);
+  MIXRIG_ASSIGN(target_, make_target({&albedo_, &normal_, &gloss_, &emission_}, &depth_));
   return {};
 }
 
@@ -60,7 +71,13 @@ Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuM
     set_uniform(at_.clip_from_camera, clip_from_camera(window, samples));
     set_uniform(at_.base_color, draw.params.base_color);
     set_uniform(at_.double_sided, draw.mesh->double_sided);
-    bind(0, meshes[i].texture());
+    const MeshView& mesh = *draw.mesh;
+    set_uniform(at_.gloss,
+                glm::vec3(mesh.gloss.metallic, mesh.gloss.roughness, mesh.gloss.specular));
+    set_uniform(at_.emission, mesh.emission);
+    set_uniform(at_.has_normal_map, !mesh.normal_map.empty() && !mesh.uv.empty());
+    set_uniform(at_.normal_scale, mesh.normal_scale);
+    meshes[i].bind_maps();
     meshes[i].draw();
   }
   glDisable(GL_CULL_FACE);

@@ -11,7 +11,8 @@ namespace mixrig::render::gles {
 
 class VirtualPass {
  public:
-  static Result<VirtualPass> create();
+  /// `glossy`: draws gloss and emission too.
+  static Result<VirtualPass> create(bool glossy = false);
   /// `meshes` as params.draws. Errors: kUnsupported where there is no memory for a larger window.
   /// Allocates only where the rectangle is larger than all before.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
@@ -21,15 +22,20 @@ class VirtualPass {
   const Texture& albedo() const { return albedo_; }
   const Texture& normal() const { return normal_; }
   const Texture& depth() const { return depth_; }
+  /// Metallic, roughness, specular; linear light of its own. Null where they are not drawn.
+  const Texture* gloss() const { return glossy_ ? &gloss_ : nullptr; }
+  const Texture* emission() const { return glossy_ ? &emission_ : nullptr; }
 
  private:
   Result<void> grow(Size samples);
 
-  Texture albedo_, normal_, depth_;
+  Texture albedo_, normal_, depth_, gloss_, emission_;
+  bool glossy_ = false;
   Target target_;
   Program program_;
   struct {
     GLint camera_from_object, camera_from_object_normal, clip_from_camera, base_color, double_sided;
+    GLint gloss, emission, has_normal_map, normal_scale;
   } at_{};
 };
 

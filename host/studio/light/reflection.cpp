@@ -131,18 +131,21 @@ void add_person(const Reflector& r, const Surfel& s, Vec3& real, Vec3& mixed) {
   mixed = free_mixed * mixed + in_front_mixed;
 }
 
+Bounce indirect(const Reflector& reflector, const Vec3& position, const Vec3& direction,
+                bool people) {
+  Hit lamp;
+  // The lamps' own light is counted elsewhere.
+  if (reflector.room->intersect(position, direction, kMiss, lamp) &&
+      lamp.material.kind == Kind::kLamp)
+    return {};
+  return met(reflector, position, direction, people);
+}
+
 Bounce bounce_at(const Reflector& reflector, const Vec3& position, const Vec3& normal, int rays,
                  bool people) {
   Bounce sum;
-  for (int i = 0; i < rays; ++i) {
-    const Vec3 direction = hemisphere_direction(normal, i, rays);
-    Hit lamp;
-    // The lamps' own light is counted elsewhere.
-    if (reflector.room->intersect(position, direction, kMiss, lamp) &&
-        lamp.material.kind == Kind::kLamp)
-      continue;
-    sum += met(reflector, position, direction, people);
-  }
+  for (int i = 0; i < rays; ++i)
+    sum += indirect(reflector, position, hemisphere_direction(normal, i, rays), people);
   return sum * (1 / static_cast<float>(rays));
 }
 

@@ -56,6 +56,10 @@ struct Bounce {
 Bounce bounce_at(const Reflector& reflector, const Vec3& position, const Vec3& normal, int rays,
                  bool people);
 
+/// Radiance times pi that comes along a ray to a point by way of other surfaces: nothing of a lamp.
+Bounce indirect(const Reflector& reflector, const Vec3& position, const Vec3& direction,
+                bool people);
+
 /// Bounced light on what a camera sees of one scene.
 class BounceCache {
  public:

@@ -2,7 +2,9 @@
 // Light of the ceiling panels: fixed samples on each panel, one bit per sample.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "host/studio/studio.h"
 #include "host/studio/tracer.h"
@@ -45,6 +47,18 @@ class LampSet {
   /// Multiplied by tint() it is the irradiance.
   float irradiance(const Vec3& position, const Vec3& normal, LampMask open) const;
   const Vec3& tint() const { return tint_; }
+  /// Calls use(direction to it, unit; its part of irradiance()) for each open sample.
+  template <typename Use>
+  void each_open(const Vec3& position, const Vec3& normal, LampMask open, Use&& use) const {
+    for (std::size_t l = 0; l < lamps_.size(); ++l)
+      for (int s = 0; s < kLampSamples; ++s) {
+        if (((open >> (16 * l + s)) & 1U) == 0) continue;
+        const Vec3 to = lamps_[l].samples[s] - position;
+        const float d2 = to.squaredNorm(), receiver = std::max(0.0F, normal.dot(to)),
+                    emitter = std::max(0.0F, -lamps_[l].direction.dot(to));
+        use(to / std::sqrt(d2), lamps_[l].strength * receiver * emitter / (d2 * d2 * kLampSamples));
+      }
+  }
 
  private:
   using Lane = std::array<float, kLampSamples>;

@@ -117,11 +117,15 @@ ObjectMesh make_statue() {
 
 }  // namespace
 
-VirtualObject build_object(const geometry::Pose& world_from_object) {
+VirtualObject build_object(const geometry::Pose& world_from_object, bool glossy) {
   VirtualObject object;
   object.name = "statue";
   object.meshes.push_back(make_crate());
   object.meshes.push_back(make_statue());
+  if (glossy) {
+    constexpr float kRoughness = 0.35F;
+    for (ObjectMesh& mesh : object.meshes) mesh.glossy = true, mesh.roughness = kRoughness;
+  }
   object.world_from_object = world_from_object;
   return object;
 }

@@ -49,6 +49,21 @@ TEST(GlbWriter, IsReadAgainByTheScene) {
   EXPECT_EQ(read->textures.at(0).at(3, 1), (Rgb8{10, 200, 30}));
 }
 
+TEST(GlbWriter, GlossIsReadAgain) {
+  const test::TemporaryFolder folder;
+  Model model = one_triangle();
+  model.meshes[0].metallic = 0.25F, model.meshes[0].roughness = 0.5F;
+  for (const float specular : {0.0F, 0.5F, 1.0F}) {
+    model.meshes[0].specular = specular;
+    ASSERT_TRUE(write_glb(model, "room", folder / "glossy.glb"));
+    const auto read = load_gltf(folder / "glossy.glb");
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->meshes[0].specular, specular);
+    EXPECT_EQ(read->meshes[0].metallic, 0.25F);
+    EXPECT_EQ(read->meshes[0].roughness, 0.5F);
+  }
+}
+
 TEST(GlbWriter, IsReadByAssimp) {
 #ifdef MIXRIG_HAS_ASSIMP
   const test::TemporaryFolder folder;

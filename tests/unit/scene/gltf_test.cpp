@@ -158,6 +158,61 @@ TEST_F(Gltf, BaseColourIsLinearAndThePictureLiesBesideTheModel) {
   EXPECT_EQ(mesh.uv[2], Eigen::Vector2f(0, 1));
 }
 
+/// A triangle with maps, whose materials are `materials`.
+std::string mapped(const std::string& materials) {
+  return R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":1},"material":0}]}],
+    "materials":[)" +
+         materials + R"(],"textures":[{"source":0},{"source":1},{"source":0}],
+    "images":[{"uri":"a.png"},{"uri":"b.png"}],"buffers":[{"byteLength":60,"uri":"m.bin"}],
+    "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                 {"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})";
+}
+
+TEST_F(Gltf, GlossLightOfItsOwnAndMapsAreRead) {
+  folder_.write("m.bin", kPositions + floats({0, 0, 1, 0, 0, 1}));
+  folder_.write("a.png", test::hand_png(1, 1, 8, 2, test::bytes_of({0, 10, 20, 30})));
+  folder_.write("b.png", test::hand_png(1, 1, 8, 2, test::bytes_of({0, 128, 128, 255})));
+  const auto model = load_gltf(folder_.write("m.gltf", mapped(R"({
+    "pbrMetallicRoughness":{"metallicFactor":0.5,"roughnessFactor":0.25,"metallicRoughnessTexture":{"index":0}},
+    "normalTexture":{"index":1,"scale":0.5},"emissiveTexture":{"index":2},"emissiveFactor":[0.1,0.2,0.5],
+    "extensions":{"KHR_materials_specular":{"specularFactor":0.75},
+                  "KHR_materials_emissive_strength":{"emissiveStrength":4}}})")));
+  ASSERT_TRUE(model) << model.error().context;
+  const Mesh& mesh = model->meshes[0];
+  EXPECT_EQ(mesh.metallic, 0.5F);
+  EXPECT_EQ(mesh.roughness, 0.25F);
+  EXPECT_EQ(mesh.specular, 0.75F);
+  EXPECT_EQ(mesh.normal_scale, 0.5F);
+  expect_near(mesh.emission, {0.4F, 0.8F, 1});  // no brighter than white
+  EXPECT_EQ(mesh.texture, -1);
+  EXPECT_EQ(mesh.gloss_map, 0);
+  EXPECT_EQ(mesh.normal_map, 1);
+  EXPECT_EQ(mesh.emission_map, 0) << "the same picture is read once";
+  EXPECT_EQ(mesh.uv.size(), 3U);
+}
+
+TEST_F(Gltf, GlossIsThatOfTheFormatWhereAMaterialSaysNothing) {
+  folder_.write("m.bin", kPositions + floats({0, 0, 1, 0, 0, 1}));
+  const auto model = load_gltf(folder_.write("m.gltf", mapped("{}")));
+  ASSERT_TRUE(model) << model.error().context;
+  EXPECT_EQ(model->meshes[0].metallic, 1);
+  EXPECT_EQ(model->meshes[0].roughness, 1);
+  EXPECT_EQ(model->meshes[0].specular, 1);
+  expect_near(model->meshes[0].emission, {0, 0, 0});
+}
+
+TEST_F(Gltf, MapsWithDifferentTextureCoordinatesAreRefused) {
+  folder_.write("m.bin", kPositions + floats({0, 0, 1, 0, 0, 1}));
+  const auto model = load_gltf(folder_.write("m.gltf", mapped(R"({"name":"paint",
+    "pbrMetallicRoughness":{"baseColorTexture":{"index":0}},"normalTexture":{"index":1,"texCoord":1}})")));
+  ASSERT_FALSE(model);
+  EXPECT_NE(model.error().context.find("material 'paint' use different texture coordinates"),
+            std::string::npos)
+      << model.error().context;
+}
+
 TEST_F(Gltf, AMissingBufferIsNamedAndNoFileOutsideTheFolderIsRead) {
   folder_.write("secret.bin", kPositions + kIndices + "xx");
   for (const char* uri : {"none.bin", "../secret.bin", "/etc/passwd", "..%2Fsecret.bin"}) {

@@ -318,6 +318,8 @@ TEST(Scene, ReportsEachWrongValueWithLineAndKey) {
       {"direction = [0.0, 0.0, -2.0]", "direction = [0, 0, 0]",
        "key \"light.lamp.direction\": has no length"},
       {"ambient = 0.25", "ambient = -1", "key \"light.ambient\": -1 is out of range"},
+      {"ambient = 0.25", "ambient_by = \"sky\"", "use one of \"constant\", \"room\""},
+      {"ambient = 0.25", "lamps = \"find\"", "\"find\" beside [[light.lamp]]"},
       {"ambient = 0.25", "ambient = [1, 2]",
        "key \"light.ambient\": must be an array of 3 numbers"},
       {"models/crate.glb", "${MIXRIG_NO_SUCH_FOLDER}/c.glb",

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "host/studio/light/object_gloss.h"
 #include "host/studio/studio.h"
 
 namespace mixrig::studio {
@@ -175,6 +177,45 @@ TEST(Reflection, the_depth_camera_measures_the_way_over_the_mirror) {
     }
   ASSERT_GT(known, 200);
   EXPECT_GT(right, 0.9 * known);
+}
+
+// A white dielectric in even light stays as bright as it: what is mirrored is taken from the
+// colour. A black one shows what it mirrors alone: some 4 % from before, more at a grazing angle.
+TEST(Gloss, an_object_in_even_light_gains_and_loses_nothing) {
+  const MirrorCorner corner;
+  VirtualObject object;
+  object.meshes.emplace_back().roughness = 0.35F;
+  Crew crew(1);
+  for (const float albedo : {0.0F, 1.0F})
+    for (const double angle : {0.0, 0.6, 1.4}) {
+      Mesh mesh;
+      add_quad(mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, {Kind::kPaint});
+      TraceScene floor(corner.device);
+      floor.set(mesh);
+      Optics optics;
+      optics.size_px = {1, 1}, optics.fx_px = optics.fy_px = 100;
+      const RayGrid grid(optics);
+      geometry::Pose pose;  // looks at the origin from 2 m away
+      pose.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) *
+                      Eigen::AngleAxisd(pi, Eigen::Vector3d::UnitX());
+      pose.translation_m = -2 * (pose.rotation * Eigen::Vector3d::UnitZ());
+      SurfelMap map;
+      map.build(floor, corner.materials, camera_rays(grid, pose), {0, 0, 1, 1}, crew);
+      ASSERT_EQ(map.at(0, 0).size(), 1U);
+      Surfel& surfel = map.at(0, 0)[0];
+      surfel.albedo = Vec3::Constant(albedo), surfel.open_mixed = 0;
+      Reflector reflector = corner.reflector();
+      reflector.ambient = Vec3::Constant(0.5F);
+      reflector.eye = pose.translation_m.cast<float>();
+      gloss_object(map, reflector, corner.lamps, object, false, crew);
+      const float seen = surfel.gloss_mixed.x() / 0.5F;
+      if (albedo == 1)
+        EXPECT_NEAR(seen, 0, 1e-5F);
+      else if (angle < 1)
+        EXPECT_NEAR(seen, 0.042F, 0.005F) << angle;
+      else
+        EXPECT_GT(seen, 0.12F);
+    }
 }
 
 }  // namespace
