@@ -202,7 +202,8 @@ TEST_F(SharedXvfbTest, WhatIsOldIsMarkedOverIt) {
   const int x = kScreen.width / 2 - 40, y = (kScreen.height - kMadeSize.height) / 2 + 20;
   EXPECT_EQ(server_->screen().at(x, y), made_color(40, 20)) << "the picture is still below";
   clock_.advance(10s);
-  EXPECT_TRUE(test::comes_true([&] { return corner() != kAlarm; }));
+  const auto is_taken_away = [&] { return server_->screen().at(x, y) == (Rgb8{36, 36, 40}); };
+  EXPECT_TRUE(test::comes_true(is_taken_away));
 }
 
 }  // namespace
