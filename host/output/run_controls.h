@@ -26,7 +26,13 @@ struct RunControls {
   static constexpr int kScanLooks = 24;
   /// Pixel of the view whose depth is sharp from now on, x + 65536 y; below 0: as the scene says.
   std::atomic<int> focus_at = -1;
+  /// Object, counted from 0, that is to be set on the surface at `place_at`, a pixel as focus_at;
+  /// `place_at` below 0: none, the last one was set or refused.
+  std::atomic<int> place_object = 0, place_at = -1;
+  /// What became of it, for the screen: a text that is never freed; null: nothing new.
+  std::atomic<const char*> place_said = nullptr;
   // Told by the run, once it has begun:
+  std::atomic<int> objects = 0;          ///< that can be placed
   std::atomic<bool> can_learn = false;   ///< the background is watched
   std::atomic<bool> can_scan = false;    ///< it is of one view, which can be learned anew
   std::atomic<bool> can_record = false;  ///< there is a folder to write to

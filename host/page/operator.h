@@ -111,6 +111,9 @@ struct SetObject {
   std::optional<Eigen::Vector3d> position_m{};
   /// In the picture, 0..1: its origin goes to the point under it on the level that it stands on.
   std::optional<Eigen::Vector2d> at{};
+  /// The same, but it is set on the room's surface that is seen there, along its normal; `turn_rad`
+  /// is about it then.
+  std::optional<Eigen::Vector2d> onto{};
   std::optional<double> turn_rad{}, scale{};
   std::optional<bool> hidden{};
   bool preview = false;  ///< shown, but not written into the scene

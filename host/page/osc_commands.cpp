@@ -74,7 +74,7 @@ Result<json> body_of(const OscReceived& message, const std::string& kind, const 
     return json{{key, on}};
   }
   const bool is_number =
-      kind == "objects" ? is_one_of(key, {"turn_deg", "scale", "at", "position_m"})
+      kind == "objects" ? is_one_of(key, {"turn_deg", "scale", "at", "onto", "position_m"})
       : kind == "lamps"
           ? key == "intensity"
           : is_one_of(key, {"exposure_ms", "gain", "focus", "white_balance_k", "zoom"});

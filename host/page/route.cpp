@@ -95,12 +95,15 @@ Result<Action> set_object(const std::string& name, const Body& body) {
   SetObject set{.name = name};
   set.position_m = body.numbers<3>("position_m", -1e4, 1e4);
   set.at = body.numbers<2>("at", 0, 1);
+  set.onto = body.numbers<2>("onto", 0, 1);
   if (const auto turn = body.number("turn_deg", -3600, 3600))
     set.turn_rad = *turn * std::numbers::pi / 180;
   set.scale = body.number("scale", 1e-3, 1e3);
   set.hidden = body.boolean("hidden");
   set.preview = body.boolean("preview").value_or(false);
   if (set.position_m && set.at) body.fail("at", "is given beside position_m: remove one of them");
+  if (set.onto && (set.position_m || set.at))
+    body.fail("onto", "is given beside position_m or at: remove one of them");
   return body.done(Action(Command(set)));
 }
 

@@ -100,6 +100,19 @@ Eigen::Quaterniond rotation_on_plane(const Vector3d& normal, const Vector3d& sig
          Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()));
 }
 
+geometry::Pose pose_on_plane(const scene::Object& object, const model::ClickedPlane& plane,
+                             const geometry::Pose& world_from_view, double turn_rad,
+                             const Eigen::Vector2d& slide_m) {
+  const Vector3d normal = world_from_view.rotation * plane.plane.normal;
+  const Vector3d sight = world_from_view.rotation * plane.point_m.normalized();
+  const double lowest_m = object.scale * static_cast<double>(scene::bounds(object.model).min_m.z());
+  geometry::Pose pose;
+  pose.rotation = rotation_on_plane(normal, sight, turn_rad);
+  pose.translation_m = world_from_view * plane.point_m - lowest_m * normal +
+                       rotation_on_plane(normal, sight, 0) * Vector3d(slide_m.x(), slide_m.y(), 0);
+  return pose;
+}
+
 Result<Placement> place_object(const PlaceOptions& options) {
   capture::Capture capture;
   MIXRIG_ASSIGN(const auto session, session_at(options, capture));
@@ -114,16 +127,8 @@ Result<Placement> place_object(const PlaceOptions& options) {
   placement.object = object->name;
   placement.plane = std::move(std::get<model::ClickedPlane>(found));
   placement.world_from_view = session->world_from_target(capture);
-  const geometry::Pose& world = placement.world_from_view;
-  const Vector3d normal = world.rotation * placement.plane.plane.normal;
-  const Vector3d sight = world.rotation * placement.plane.point_m.normalized();
-  const Eigen::Quaterniond straight = rotation_on_plane(normal, sight, 0);
-  placement.world_from_object.rotation = rotation_on_plane(normal, sight, options.turn_rad);
-  const double lowest_m =
-      object->scale * static_cast<double>(scene::bounds(object->model).min_m.z());
-  placement.world_from_object.translation_m =
-      world * placement.plane.point_m - lowest_m * normal +
-      straight * Vector3d(options.slide_m.x(), options.slide_m.y(), 0);
+  placement.world_from_object = pose_on_plane(*object, placement.plane, placement.world_from_view,
+                                              options.turn_rad, options.slide_m);
   if (!options.drawing.empty())
     MIXRIG_TRY(draw_placement(picture, placement.plane, capture.plate, session->setup.target,
                               options.drawing));

@@ -35,7 +35,13 @@ struct Placement {
 Eigen::Quaterniond rotation_on_plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& sight,
                                      double turn_rad);
 
-/// The lowest vertex of the object lies on the plane, its origin above the click. Errors: those of
+/// Of an object whose lowest vertex lies on the plane, its origin above the click; turned and slid
+/// as PlaceOptions say. World axes. Pure.
+geometry::Pose pose_on_plane(const scene::Object& object, const model::ClickedPlane& plane,
+                             const geometry::Pose& world_from_view, double turn_rad,
+                             const Eigen::Vector2d& slide_m);
+
+/// The object as pose_on_plane() has it. Errors: those of
 /// the session; kUsage for an object that is not there; kData where the plane is refused, saying
 /// why, and where the frame has no pose.
 Result<Placement> place_object(const PlaceOptions& options);

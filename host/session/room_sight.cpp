@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/session/room_sight.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "host/render/cpu/background.h"
 #include "host/session/kept_background.h"
@@ -26,6 +30,43 @@ geometry::Pinhole window_around(geometry::Pinhole view, const Eigen::Vector2d& p
   view.cy_px -= px.y() - kReach_px;
   return view;
 }
+
+/// The same field as `view` with pixels no finer than those of `camera`.
+geometry::Pinhole as_fine_as(const geometry::Pinhole& camera, geometry::Pinhole view) {
+  const double scale = std::min(1.0, camera.fx_px / view.fx_px);
+  view.size_px = {std::max(1, static_cast<int>(std::lround(view.size_px.width * scale))),
+                  std::max(1, static_cast<int>(std::lround(view.size_px.height * scale)))};
+  view.fx_px *= scale, view.fy_px *= scale;
+  view.cx_px = (view.cx_px + 0.5) * scale - 0.5, view.cy_px = (view.cy_px + 0.5) * scale - 0.5;
+  return view;
+}
+
+/// Depth of the empty room in a view.
+class RoomDepth {
+ public:
+  RoomDepth(const Session& session, const SeenFrom& from, const geometry::Pinhole& view)
+      : models_(models_of(session, from.world_from_view, color_)), setup_(session.setup) {
+    if (!known()) return;
+    setup_.view = view;
+    setup_.tof = {view, {}};  // no finer than the picture
+    setup_.background = {};
+    setup_.background_models = models_;
+    tables_.view_size = view.size_px;
+    tables_.key_limit_w.reset(view.size_px);
+    drawn_.emplace(crew_, setup_, render::cpu::Normals::kSkip);
+    drawn_->draw(crew_, from.world_from_view, tables_);
+  }
+  bool known() const { return !models_.empty(); }
+  ImageView<const float> depth_m() const { return drawn_->view().depth_m; }
+
+ private:
+  Image<Rgbx8> color_;
+  std::vector<render::BackgroundModel> models_;
+  render::CompositorSetup setup_;
+  render::Tables tables_;
+  Crew crew_{1};
+  std::optional<render::cpu::MovingBackground> drawn_;
+};
 
 /// Depth of the known pixel that is nearest to the middle; 0: none is known.
 float nearest_known_m(ImageView<const float> depth_m) {
@@ -70,28 +111,35 @@ std::optional<Eigen::Vector2d> place_in_picture(const SeenFrom& from, const Vect
 
 Result<Vector3d> point_on_room(const Session& session, const SeenFrom& from,
                                const Eigen::Vector2d& at) {
-  Image<Rgbx8> color;
-  const auto models = models_of(session, from.world_from_view, color);
-  if (models.empty())
+  const Eigen::Vector2d px = pixel_at(from, at);
+  RoomDepth room(session, from, window_around(from.view, px));
+  if (!room.known())
     return Error{ErrorCode::kUnsupported,
                  "this run knows no room whose surface could be seen there: give a height"};
-  const Eigen::Vector2d px = pixel_at(from, at);
-  render::CompositorSetup setup = session.setup;
-  setup.view = window_around(from.view, px);
-  setup.tof = {setup.view, {}};  // no finer than the picture
-  setup.background = {};
-  setup.background_models = models;
-  render::Tables tables;
-  tables.view_size = setup.view.size_px;
-  tables.key_limit_w.reset(setup.view.size_px);
-  Crew crew(1);
-  render::cpu::MovingBackground room(crew, setup, render::cpu::Normals::kSkip);
-  room.draw(crew, from.world_from_view, tables);
-  const float z_m = nearest_known_m(room.view().depth_m);
+  const float z_m = nearest_known_m(room.depth_m());
   if (!(z_m > 0))
     return Error{ErrorCode::kData, "no surface of the room is known there: give a height"};
   const Eigen::Vector2d ray = from.view.unproject(px);
   return from.world_from_view * Vector3d(Vector3d(ray.x(), ray.y(), 1) * double{z_m});
+}
+
+Result<model::ClickedPlane> plane_on_room(const Session& session, const SeenFrom& from,
+                                          const Eigen::Vector2d& at) {
+  const geometry::CameraModel tof{as_fine_as(session.setup.tof.pinhole, from.view), {}};
+  RoomDepth room(session, from, tof.pinhole);
+  if (!room.known())
+    return Error{ErrorCode::kUnsupported,
+                 "this run knows no room on whose surfaces an object could stand"};
+  model::ClickPicture picture;
+  picture.depth_m = room.depth_m();
+  picture.tof = &tof;
+  picture.noise = session.setup.noise;
+  picture.view = from.view;
+  auto found = model::plane_under(picture, {pixel_at(from, at), std::nullopt});
+  if (const auto* refusal = std::get_if<model::ClickRefusal>(&found))
+    return Error{ErrorCode::kData,
+                 "nothing can stand there: " + std::string(model::text_of(*refusal))};
+  return std::move(std::get<model::ClickedPlane>(found));
 }
 
 }  // namespace mixrig::session

@@ -10,6 +10,7 @@
 #include "host/config/table.h"
 #include "host/scene/scene_edit.h"
 #include "host/scene/scene_manifest.h"
+#include "host/session/place.h"
 
 namespace mixrig::session {
 namespace {
@@ -108,6 +109,14 @@ Result<geometry::Pose> SceneDesk::wanted_pose(const scene::Object& object,
   const Previews shown = previews();
   const auto preview = shown.poses.find(object.name);
   geometry::Pose pose = preview != shown.poses.end() ? preview->second : object.world_from_object;
+  if (set.onto) {
+    MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
+    const EditedScenePtr newest = follower_->newest();
+    MIXRIG_ASSIGN(const scene::Object* modelled,  // which has its model
+                  named(shown_scene(newest).objects, set.name, "object"));
+    MIXRIG_ASSIGN(const model::ClickedPlane plane, plane_on_room(session_, *used, *set.onto));
+    return pose_on_plane(*modelled, plane, used->world_from_view, set.turn_rad.value_or(0), {0, 0});
+  }
   if (set.position_m) pose.translation_m = *set.position_m;
   if (set.at) {
     MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
@@ -120,9 +129,10 @@ Result<geometry::Pose> SceneDesk::wanted_pose(const scene::Object& object,
 }
 
 Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   MIXRIG_ASSIGN(const scene::Object* object, named(now.scene.objects, set.name, "object"));
-  if (object->physics && (set.position_m || set.at || set.turn_rad))
+  if (object->physics && (set.position_m || set.at || set.onto || set.turn_rad))
     return Error{ErrorCode::kUnsupported, "\"" + set.name + "\" is moved by physics"};
   MIXRIG_ASSIGN(const geometry::Pose pose, wanted_pose(*object, set, from));
   follower_->preview_object(set.name, pose);
@@ -138,6 +148,7 @@ Result<void> SceneDesk::apply(const page::SetObject& set, const SeenFrom* from) 
 }
 
 Result<void> SceneDesk::apply(const page::AddObject& add, const SeenFrom* from) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(const SeenFrom* used, seen(from));
   scene::Object object;
   object.name = add.name;
@@ -164,6 +175,7 @@ Result<void> SceneDesk::apply(const page::AddObject& add, const SeenFrom* from) 
 }
 
 Result<void> SceneDesk::apply(const page::RemoveObject& remove) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   const auto found = named(now.scene.objects, remove.name, "object");
   if (!found) return found.error();
@@ -193,6 +205,7 @@ Eigen::Vector3f SceneDesk::wanted_intensity(const page::SetLamp& set, const Eige
 }
 
 Result<void> SceneDesk::apply(const page::SetLamp& set) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, set.name, "lamp"));
@@ -217,6 +230,7 @@ Result<Vector3d> SceneDesk::lamp_position(const page::AddLamp& add, const SeenFr
 }
 
 Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   const auto taken = [&](const std::string& name) {
@@ -236,6 +250,7 @@ Result<void> SceneDesk::apply(const page::AddLamp& add, const SeenFrom* from) {
 }
 
 Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   std::vector<scene::Lamp> lamps = lamps_of(now.scene);
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, remove.name, "lamp"));
@@ -244,6 +259,7 @@ Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
 }
 
 Result<void> SceneDesk::save() {
+  const std::lock_guard edit(follower_->edit_mutex());
   MIXRIG_ASSIGN(Written now, written());
   const Previews shown = previews();
   MIXRIG_ASSIGN(std::string edited, with_poses(now.text, ""));

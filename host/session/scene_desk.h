@@ -17,7 +17,7 @@ namespace mixrig::session {
 
 /// The scene file is the truth: a change is written into it whole or not at all, its other text
 /// stays, and the run follows the file. Previews are shown without being written, until the file is
-/// read again. For one thread but for objects() and lamps(), which any may call.
+/// read again. Any threads: of several desks on one follower each waits for the others.
 class SceneDesk {
  public:
   SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower);

@@ -57,6 +57,8 @@ class SceneFollower {
   /// the file is read again. Names that the scene does not have are ignored.
   void preview_object(std::string_view name, const geometry::Pose& world_from_object);
   void preview_lamp(std::string_view name, const Eigen::Vector3f& intensity);
+  /// Whoever changes the file holds it from reading to writing, so that no change is lost.
+  std::mutex& edit_mutex() { return edit_mutex_; }
   /// Any thread: the newest version; null where the session's own is.
   EditedScenePtr newest() const;
   SceneEdits edits() const;
@@ -82,7 +84,8 @@ class SceneFollower {
   const Session& session_;
   const bool live_;
   Stamp read_stamp_, last_stamp_;  ///< of the watching thread
-  mutable std::mutex mutex_;       ///< guards what follows
+  std::mutex edit_mutex_;
+  mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable wake_;
   bool ends_ = false;
   EditedScenePtr newest_;

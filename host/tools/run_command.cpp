@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/session/place_sink.h"
 #include "host/session/run.h"
 #include "host/tools/command.h"
 #include "host/tools/count_signals.h"
@@ -44,7 +45,7 @@ Result<int> parse_focus(const std::string& text, const session::Session& session
                "--focus \"" + text + "\" is no pixel X,Y of the view of " + session::text(view)};
 }
 
-/// The window of --view, as a further sink.
+/// The window of --view as a further sink, and what sets objects where it is clicked.
 Result<void> open_view(const RunArguments& arguments, session::Session& session,
                        output::RunControls& controls, const Clock& clock, ViewfinderReport& report,
                        session::RunOptions& options) {
@@ -53,10 +54,19 @@ Result<void> open_view(const RunArguments& arguments, session::Session& session,
       .title = "mixrig: " + session.scene.path.filename().string(),
       .view = output::view_named(arguments.view).value_or(output::View::kComposite),
       .picture_px = session.setup.view.size_px,
-      .shares = session::takes_gles(session.backend)};
+      .shares = session.backend.backend != render::Backend::kCpu};
   MIXRIG_ASSIGN(auto sink,
                 viewfinder::Viewfinder::create(view, *session.source, controls, clock, report));
-  session.backend.share = sink->share();
+  // Not before the window is open: the look for a GPU opens the display's device, which a window
+  // without a desktop needs for itself.
+  if (session::takes_gles(session.backend))
+    session.backend.share = sink->share();
+  else
+    sink->forget_share();
+  if (!options.scene && session.source->info().frames == capture::kEndless)
+    options.scene = std::make_shared<session::SceneFollower>(session, true);
+  if (options.scene)
+    options.sinks.push_back(std::make_unique<session::PlaceSink>(session, options.scene, controls));
   options.sinks.push_back(std::move(sink));
   return {};
 }

@@ -29,6 +29,8 @@ Request press(char key, ViewState& state) {
       return Request::kLearn;
     case 'r':
       return Request::kRecord;
+    case 'o':
+      return Request::kPlace;
     case kFullScreenKey:
       return Request::kFullScreen;
     case 'q':

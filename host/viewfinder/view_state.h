@@ -26,7 +26,7 @@ enum class Overlay : std::uint8_t {
 inline constexpr std::size_t kOverlays = static_cast<std::size_t>(Overlay::kCount);
 
 /// What a key asks of the run rather than of the picture.
-enum class Request : std::uint8_t { kNone, kLearn, kRecord, kQuit, kFullScreen };
+enum class Request : std::uint8_t { kNone, kLearn, kRecord, kPlace, kQuit, kFullScreen };
 
 struct ViewState {
   View view = View::kComposite;
@@ -43,7 +43,7 @@ struct KeyHelp {
   std::string_view what;
 };
 inline constexpr char kEscape = 27, kFullScreenKey = '\n';
-inline constexpr std::array<KeyHelp, 19> kKeys{{{'1', "composite"},
+inline constexpr std::array<KeyHelp, 20> kKeys{{{'1', "composite"},
                                                 {'2', "plate"},
                                                 {'3', "key states"},
                                                 {'4', "depth, range set anew"},
@@ -60,6 +60,7 @@ inline constexpr std::array<KeyHelp, 19> kKeys{{{'1', "composite"},
                                                 {' ', "freeze"},
                                                 {'b', "changes become background"},
                                                 {'r', "record, pause"},
+                                                {'o', "place an object, next"},
                                                 {kFullScreenKey, "full screen"},
                                                 {'q', "quit (also Esc)"}}};
 

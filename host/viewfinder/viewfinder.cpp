@@ -56,7 +56,8 @@ class Viewfinder::Loop {
  private:
   bool follow_controls();
   bool handle_keys();
-  void focus_at(Window::Click click);
+  void choose_object();
+  void clicked(Window::Click click);
   void obey(Request request);
   void say(std::string_view words);
   void take(const Handed& handed, HostTime now);
@@ -74,6 +75,7 @@ class Viewfinder::Loop {
   ScreenFacts facts_;
   RateMeter rate_;
   Drawn drawn_;                     ///< by screen_
+  int placing_ = -1;                ///< object that the next click sets; below 0: none
   bool is_new_ = false;             ///< composite_, since the last picture
   output::CompositePtr composite_;  ///< that is shown
   HostTime last_arrival_{}, last_drawn_{}, asked_{};
@@ -103,6 +105,8 @@ void Viewfinder::Loop::obey(Request request) {
       return say(controls.recording       ? "recording"
                  : controls.records_takes ? "recording ended"
                                           : "recording paused");
+    case Request::kPlace:
+      return choose_object();
     case Request::kFullScreen:
       return window_.toggle_full_screen();
     case Request::kNone:
@@ -110,13 +114,29 @@ void Viewfinder::Loop::obey(Request request) {
   }
 }
 
+/// The next one with each press, none after the last.
+void Viewfinder::Loop::choose_object() {
+  const int objects = owner_.controls_.objects;
+  if (objects == 0) return say("no object can be placed in this run");
+  placing_ = placing_ + 1 < objects ? placing_ + 1 : -1;
+  if (placing_ < 0) return say("nothing is placed");
+  facts_.message.set("click where object {} of {} is to stand", placing_ + 1, objects);
+  message_until_ = owner_.clock_.now() + kMessage;
+}
+
 /// The view is shown pixel by pixel.
-void Viewfinder::Loop::focus_at(Window::Click click) {
+void Viewfinder::Loop::clicked(Window::Click click) {
   output::RunControls& controls = owner_.controls_;
-  if (!controls.can_focus) return say("the scene has no [focus]");
   const Size size = drawn_.picture.size;
   if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
-  controls.focus_at = click.x + 65536 * click.y;
+  const int px = click.x + 65536 * click.y;
+  if (placing_ >= 0) {
+    controls.place_object = std::exchange(placing_, -1);
+    controls.place_at = px;
+    return say("placing");
+  }
+  if (!controls.can_focus) return say("the scene has no [focus]");
+  controls.focus_at = px;
   say("what was clicked is sharp");
 }
 
@@ -124,7 +144,9 @@ void Viewfinder::Loop::focus_at(Window::Click click) {
 bool Viewfinder::Loop::follow_controls() {
   const View view = owner_.controls_.view;
   const bool frozen = owner_.controls_.frozen;
-  const bool changed = view != state_.view || frozen != state_.frozen;
+  const char* const placed = owner_.controls_.place_said.exchange(nullptr);
+  if (placed != nullptr) say(placed);
+  const bool changed = view != state_.view || frozen != state_.frozen || placed != nullptr;
   if (view != state_.view) screen_.forget_range();
   state_.view = view, state_.frozen = frozen;
   return changed;
@@ -133,11 +155,11 @@ bool Viewfinder::Loop::follow_controls() {
 bool Viewfinder::Loop::handle_keys() {
   const Keys& keys = window_.poll();
   const auto click = window_.click();
-  if (click) focus_at(*click);
   for (const char key : keys) {
     obey(press(key, state_));
     if (key == '1' + static_cast<char>(View::kDepth)) screen_.forget_range();
   }
+  if (click) clicked(*click);  // the last key chose what it does
   owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
   if (keys.empty()) return click.has_value();
   owner_.controls_.view = state_.view;

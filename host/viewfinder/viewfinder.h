@@ -55,6 +55,8 @@ class Viewfinder final : public output::CompositeSink {
   /// What the run's compositors share with the window, so that their composites need not be read
   /// back; empty where SDL draws otherwise, or `shares` was not wanted. They end before the sink.
   render::GlShare share() const { return share_; }
+  /// Composites are read back all the same. Before the run begins.
+  void forget_share() { share_ = {}; }
 
   std::string_view name() const override { return "viewfinder"; }
   render::OutputMask wanted(int number) const override;

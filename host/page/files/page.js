@@ -309,6 +309,7 @@ function makeHandle(o) {
   const put = body => askNewest('object ' + o.name, 'PUT', thing_path('objects', o.name), body);
   const handle = make('button', { className: 'handle', 'aria-label': `Move ${o.name}` },
     make('span', {}, o.name));
+  const to = () => el('onto').checked ? 'onto' : 'at';
   // The mark is taken where it is grabbed, and does not jump to the pointer.
   let grip = [0, 0];
   const moved = e => { const at = at_of(e); return [at[0] - grip[0], at[1] - grip[1]].map(v => Math.min(1, Math.max(0, v))); };
@@ -323,12 +324,12 @@ function makeHandle(o) {
   handle.addEventListener('pointermove', e => {
     if (dragged !== o.name) return;
     place(handle, moved(e));
-    put({ at: moved(e), preview: true });
+    put({ [to()]: moved(e), preview: true });
   });
   handle.addEventListener('pointerup', e => {
     if (dragged !== o.name) return;
     dragged = '';
-    put({ at: moved(e) });
+    put({ [to()]: moved(e) });
   });
   handle.addEventListener('pointercancel', () => { dragged = ''; });
   handle.addEventListener('keydown', e => {
@@ -338,7 +339,7 @@ function makeHandle(o) {
     if (!step || !now || !now.at) return;
     e.preventDefault();
     const size = e.shiftKey ? 0.05 : 0.01;
-    put({ at: [0, 1].map(i => Math.min(1, Math.max(0, now.at[i] + size * step[i]))) });
+    put({ [to()]: [0, 1].map(i => Math.min(1, Math.max(0, now.at[i] + size * step[i]))) });
   });
   return handle;
 }

@@ -64,6 +64,9 @@ TEST(PageAction, ObjectsArePlaced) {
   EXPECT_EQ(set.hidden, true);
   EXPECT_TRUE(set.preview);
   EXPECT_FALSE(set.position_m);
+  const auto onto =
+      command<SetObject>(Method::kPut, "/api/v1/objects/a", R"({"onto": [0.25, 0.5]})").onto;
+  EXPECT_EQ(onto, Eigen::Vector2d(0.25, 0.5));
   EXPECT_EQ(command<RemoveObject>(Method::kDelete, "/api/v1/objects/a", "").name, "a");
   EXPECT_EQ(std::get<Upload>(route_of(Method::kPost, "/api/v1/objects/new")).name, "new");
 }
@@ -128,6 +131,7 @@ TEST(PageAction, WrongBodiesAreRefusedByTheirKey) {
   EXPECT_NE(refusal(object, R"({"scale":0})").find("scale is a number"), std::string::npos);
   EXPECT_NE(refusal(object, R"({"scale":1e999})").find("body is no JSON"), std::string::npos);
   EXPECT_NE(refusal(object, R"({"sclae":1})").find("sclae is not known"), std::string::npos);
+  EXPECT_NE(refusal(object, R"({"at":[0,0],"onto":[0,0]})").find("remove one"), std::string::npos);
   EXPECT_NE(refusal(object, R"({"at":[0,0],"position_m":[0,0,0]})").find("remove one"),
             std::string::npos);
   EXPECT_NE(refusal(object, "[]").find("no JSON object"), std::string::npos);

@@ -2,11 +2,13 @@
 // An operator's changes of a scene: what is written into scene.toml, what stays, what is refused.
 #include "host/session/scene_desk.h"
 
+#include <atomic>
 #include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "host/session/place_sink.h"
 #include "tests/support/hand_gltf.h"
 #include "tests/support/temporary_folder.h"
 
@@ -219,6 +221,84 @@ TEST_F(Desk, ALampIsPutWhereItIsSeenInTheRoom) {
   EXPECT_LT((lamp - (Eigen::Vector3d(0, 0, 2) + 1.45 * sight)).norm(), 0.01) << lamp.transpose();
   wall.depth_m.reset(wall.view.size_px, 0.0F);
   EXPECT_EQ(desk_->apply(add, &from_).error().code, ErrorCode::kData);
+}
+
+/// A slanted wall before the camera of seen_from(), with a hole on its left: n . p = 1.5 in the
+/// view's axes.
+const Eigen::Vector3d kWallNormal = Eigen::Vector3d(0.3, -0.2, 1).normalized();
+void put_up_wall(Session& session, const SeenFrom& from) {
+  session.setup.view = from.view;
+  session.setup.tof = {from.view, {}};
+  session.setup.noise = {0.005, 0, 0};
+  model::StaticBackground& wall = session.background.emplace();
+  wall.view = from.view;
+  wall.depth_m.reset(wall.view.size_px);
+  wall.depth_sigma_m.reset(wall.view.size_px, 0.01F);
+  wall.color.reset(wall.view.size_px, Rgbf{0.5F, 0.5F, 0.5F});
+  wall.color_sigma.reset(wall.view.size_px, 0.01F);
+  for (int y = 0; y < wall.depth_m.height(); ++y)
+    for (int x = 0; x < wall.depth_m.width(); ++x) {
+      const Eigen::Vector2d ray = from.view.unproject({x, y});
+      const double z = 1.5 / kWallNormal.dot(Eigen::Vector3d(ray.x(), ray.y(), 1));
+      wall.depth_m.at(x, y) = x < 20 ? 0.0F : static_cast<float>(z);
+    }
+}
+
+TEST_F(Desk, AnObjectIsSetOnThePlaneThatIsSeenThere) {
+  page::SetObject set;
+  set.name = "crate", set.onto = Eigen::Vector2d(0.6, 0.55), set.turn_rad = 0.5;
+  EXPECT_EQ(desk_->apply(set, &from_).error().code, ErrorCode::kUnsupported) << "no room is known";
+  put_up_wall(session_, from_);
+  ASSERT_TRUE(desk_->apply(set, &from_));
+  const geometry::Pose pose = written().objects[0].world_from_object;
+  const Eigen::Vector3d normal = from_.world_from_view.rotation * -kWallNormal;
+  const Eigen::Vector3d up = pose.rotation * Eigen::Vector3d::UnitZ();
+  EXPECT_GT(up.dot(normal), std::cos(0.5 * std::numbers::pi / 180)) << up.transpose();
+  const Eigen::Vector3d p = inverse(from_.world_from_view) * pose.translation_m;
+  EXPECT_NEAR(kWallNormal.dot(p), 1.5, 0.01) << "its lowest corner lies on the plane";
+  EXPECT_LT((*place_in_picture(from_, pose.translation_m) - *set.onto).norm(), 0.01);
+  const geometry::Pose straight = pose;
+  set.turn_rad = 1.5;
+  ASSERT_TRUE(desk_->apply(set, &from_));
+  const auto turned = written().objects[0].world_from_object.rotation;
+  EXPECT_NEAR(turned.angularDistance(straight.rotation), 1.0, 1e-3);
+  const std::string before = text();
+  set.onto = Eigen::Vector2d(0.05, 0.5);
+  const auto refused = desk_->apply(set, &from_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kData);
+  EXPECT_EQ(text(), before);
+}
+
+TEST_F(Desk, AClickOfTheViewfinderPlacesTheChosenObject) {
+  put_up_wall(session_, from_);
+  std::atomic<bool> stop = false;
+  std::atomic<int> learn = 0;
+  output::RunControls controls{.stop = stop, .learn = learn};
+  PlaceSink sink(session_, follower_, controls);
+  EXPECT_EQ(controls.objects, 1);
+  EXPECT_EQ(sink.wanted(1), 0U) << "frames are its business only when something is to be placed";
+  auto composite = std::make_shared<output::Composite>();
+  composite->world_from_target = from_.world_from_view, composite->view = from_.view;
+  ASSERT_TRUE(sink.write(composite));
+  EXPECT_EQ(text(), kDeskScene);
+  controls.place_at = 60 + 65536 * 55;
+  EXPECT_NE(sink.wanted(2), 0U);
+  ASSERT_TRUE(sink.write(composite));
+  EXPECT_EQ(controls.place_at, -1);
+  EXPECT_STREQ(controls.place_said, "placed");
+  const geometry::Pose pose = written().objects[0].world_from_object;
+  EXPECT_LT((from_.view.project(inverse(from_.world_from_view) * pose.translation_m) -
+             Eigen::Vector2d(60, 55))
+                .norm(),
+            0.5);
+  const std::string before = text();
+  controls.place_at = 3 + 65536 * 50;  // the hole
+  ASSERT_TRUE(sink.write(composite)) << "the run goes on";
+  EXPECT_NE(std::string(controls.place_said).find("nothing can stand there"), std::string::npos);
+  controls.place_object = 7, controls.place_at = 60 + 65536 * 55;
+  ASSERT_TRUE(sink.write(composite));
+  EXPECT_EQ(text(), before);
 }
 
 TEST_F(Desk, AModelIsCopiedBesideTheSceneAndStandsOnTheFloor) {

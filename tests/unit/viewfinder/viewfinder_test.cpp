@@ -58,6 +58,15 @@ class ViewfinderTest : public ::testing::Test {
   std::unique_ptr<FakeSource> source_;
 };
 
+/// At pixel 12, 34 of the picture.
+bool click() {
+  SDL_Event event{};
+  event.type = SDL_MOUSEBUTTONDOWN;
+  event.button.button = SDL_BUTTON_LEFT;
+  event.button.x = 12, event.button.y = 34;
+  return SDL_PushEvent(&event) == 1;
+}
+
 TEST_F(ViewfinderTest, ShowsOrReplacesEveryCompositeAndTheLastOneIsShown) {
   auto sink = open();
   ASSERT_TRUE(sink);
@@ -134,17 +143,27 @@ TEST_F(ViewfinderTest, LearnAndRecordOnlyWhereTheRunCan) {
   EXPECT_TRUE(test::comes_true([&] { return controls_.recording.load(); }));
 }
 
+TEST_F(ViewfinderTest, OAndAClickAskForAnObjectToBePlaced) {
+  auto sink = open();
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE(sink->write(made_composite(1, clock_.now())));
+  press(SDLK_o), press(SDLK_2);  // the run has told of no object
+  ASSERT_TRUE(test::comes_true([&] { return controls_.view == View::kPlate; }));
+  EXPECT_TRUE(click());
+  controls_.objects = 2;
+  press(SDLK_o), press(SDLK_o);
+  EXPECT_TRUE(test::comes_true([&] { return click() && controls_.place_at == 12 + 65536 * 34; }));
+  EXPECT_EQ(controls_.place_object, 1);
+  EXPECT_EQ(controls_.focus_at, -1);
+  controls_.place_said = "placed";  // by the run
+  EXPECT_TRUE(test::comes_true([&] { return controls_.place_said == nullptr; }));
+  EXPECT_TRUE(sink->finish());
+}
+
 TEST_F(ViewfinderTest, AClickChoosesWhatIsSharpWhereTheSceneHasAFocus) {
   auto sink = open();
   ASSERT_TRUE(sink);
   ASSERT_TRUE(sink->write(made_composite(1, clock_.now())));
-  const auto click = [] {
-    SDL_Event event{};
-    event.type = SDL_MOUSEBUTTONDOWN;
-    event.button.button = SDL_BUTTON_LEFT;
-    event.button.x = 12, event.button.y = 34;
-    return SDL_PushEvent(&event) == 1;
-  };
   EXPECT_TRUE(click());
   controls_.can_focus = true;  // told by the run
   EXPECT_TRUE(test::comes_true([&] { return click() && controls_.focus_at == 12 + 65536 * 34; }));
