@@ -4,6 +4,9 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "host/render/light_surface.h"
 
 namespace mixrig::render {
 namespace {
@@ -44,38 +47,6 @@ Image<float> largest_within(const Image<float>& image, int radius) {
         out.row(y)[x] =
             std::max(j == std::max(0, y - radius) ? 0.0F : out.row(y)[x], rows.row(j)[x]);
   return out;
-}
-
-/// Normal of the plane w = a x + b y + c (x, y: ray) that fits the samples around a pixel.
-PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& view, int u, int v,
-                       int radius_px) {
-  const float z0 = depth_m.row(v)[u];
-  if (!(z0 > 0)) return {};
-  const float w0 = 1 / z0;
-  const int step = std::max(1, radius_px / 2);
-  double n = 0, sx = 0, sy = 0, sw = 0, sxx = 0, sxy = 0, syy = 0, sxw = 0, syw = 0;
-  for (int dv = -2 * step; dv <= 2 * step; dv += step)
-    for (int du = -2 * step; du <= 2 * step; du += step) {
-      if (u + du < 0 || v + dv < 0 || u + du >= depth_m.size.width || v + dv >= depth_m.size.height)
-        continue;
-      const float z = depth_m.row(v + dv)[u + du];
-      // A sample behind a depth step belongs to another surface.
-      if (!(z > 0) || std::abs(z - z0) > 0.1F * z0) continue;
-      const double x = du / view.fx_px, y = dv / view.fy_px, w = 1 / z - w0;
-      n += 1, sx += x, sy += y, sw += w, sxx += x * x, sxy += x * y, syy += y * y;
-      sxw += x * w, syw += y * w;
-    }
-  sxx -= sx * sx / n, sxy -= sx * sy / n, syy -= sy * sy / n, sxw -= sx * sw / n,
-      syw -= sy * sw / n;
-  const double det = sxx * syy - sxy * sxy;
-  const double size = step / view.fx_px;
-  if (n < 6 || !(det > size * size * size * size)) return {};
-  const double a = (sxw * syy - syw * sxy) / det, b = (syw * sxx - sxw * sxy) / det;
-  const Eigen::Vector2d ray = view.unproject({u, v});
-  const Eigen::Vector3d normal =
-      -Eigen::Vector3d(a, b, w0 - a * ray.x() - b * ray.y()).normalized();
-  const auto pack = [](double value) { return static_cast<std::int8_t>(std::lround(127 * value)); };
-  return {pack(normal.x()), pack(normal.y()), pack(normal.z()), 0};
 }
 
 }  // namespace
@@ -126,6 +97,37 @@ Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
   return limit;
 }
 
+PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& view, int u, int v,
+                       int radius_px) {
+  const float z0 = depth_m.row(v)[u];
+  if (!(z0 > 0)) return {};
+  const float w0 = 1 / z0;
+  const int step = std::max(1, radius_px / 2);
+  double n = 0, sx = 0, sy = 0, sw = 0, sxx = 0, sxy = 0, syy = 0, sxw = 0, syw = 0;
+  for (int dv = -2 * step; dv <= 2 * step; dv += step)
+    for (int du = -2 * step; du <= 2 * step; du += step) {
+      if (u + du < 0 || v + dv < 0 || u + du >= depth_m.size.width || v + dv >= depth_m.size.height)
+        continue;
+      const float z = depth_m.row(v + dv)[u + du];
+      // A sample behind a depth step belongs to another surface.
+      if (!(z > 0) || std::abs(z - z0) > 0.1F * z0) continue;
+      const double x = du / view.fx_px, y = dv / view.fy_px, w = 1 / z - w0;
+      n += 1, sx += x, sy += y, sw += w, sxx += x * x, sxy += x * y, syy += y * y;
+      sxw += x * w, syw += y * w;
+    }
+  sxx -= sx * sx / n, sxy -= sx * sy / n, syy -= sy * sy / n, sxw -= sx * sw / n,
+      syw -= sy * sw / n;
+  const double det = sxx * syy - sxy * sxy;
+  const double size = step / view.fx_px;
+  if (n < 6 || !(det > size * size * size * size)) return {};
+  const double a = (sxw * syy - syw * sxy) / det, b = (syw * sxx - sxw * sxy) / det;
+  const Eigen::Vector2d ray = view.unproject({u, v});
+  const Eigen::Vector3d normal =
+      -Eigen::Vector3d(a, b, w0 - a * ray.x() - b * ray.y()).normalized();
+  const auto pack = [](double value) { return static_cast<std::int8_t>(std::lround(127 * value)); };
+  return {pack(normal.x()), pack(normal.y()), pack(normal.z()), 0};
+}
+
 Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinhole& view,
                             int radius_px) {
   Image<PackedNormal> out(depth_m.size);
@@ -155,7 +157,10 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.has_background) return t;
   const int radius_px = limit_radius_px(t.tof_footprint_px);
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
-  t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
+  if (setup.objects.empty() || setup.light.lamps.empty()) return t;
+  LightSurface surface =
+      light_surface(setup.background.depth_m, setup.view, t.correct.noise, radius_px);
+  t.light_depth_m = std::move(surface.depth_m), t.background_normal = std::move(surface.normal);
   return t;
 }
 

@@ -34,6 +34,8 @@ struct Tables {
   Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
   bool has_background = false;  ///< the images below are empty without
   Image<float> key_limit_w;     ///< foreground is w > this, 1/m; infinite without background depth
+  /// Of light_surface(), where lamps light objects; else depth is empty.
+  Image<float> light_depth_m;
   Image<PackedNormal> background_normal;  ///< camera axes, towards the camera
   CorrectParams correct;
   WarpParams warp;
@@ -95,6 +97,10 @@ class LensFollower {
 /// inverse depth; infinity where the background is unknown. Pure, for tests.
 Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
                        const NoiseParams& noise, int radius_px);
+/// Normal of a depth map by the plane through the inverse depths of 5x5 places around a pixel, half
+/// of `radius_px` apart. Pure.
+PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& view, int u, int v,
+                       int radius_px);
 /// Normals of a depth map by planes through its inverse depth. Pure, for tests.
 Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinhole& view,
                             int radius_px);

@@ -184,9 +184,15 @@ void background_normals(const LightInput& input, int x0, int y, std::span<Packed
   std::copy_n(input.tables.background_normal.row(y) + x0, out.size(), out.begin());
 }
 
+/// Depths that light falls on.
+ImageView<const float> lit_depth_m(const LightInput& input) {
+  return input.moving || input.tables.light_depth_m.empty() ? input.background.depth_m
+                                                            : input.tables.light_depth_m.view();
+}
+
 /// A row of a tile; precondition: at least one pixel.
 void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out) {
-  const float* depth_m = input.background.depth_m.row(y);
+  const float* depth_m = lit_depth_m(input).row(y);
   std::array<PackedNormal, kTileWidth> normals;
   background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
   for (int x = x0; x < x1; x += kLanes) {
@@ -206,7 +212,7 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
 void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
   for (int y = rect.y0; y < rect.y1; ++y)
     std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
-  const auto [near_m, far_m] = positive_range(input.background.depth_m, rect);
+  const auto [near_m, far_m] = positive_range(lit_depth_m(input), rect);
   if (!(far_m > 0)) return;
   const LampSet maybe =
       lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, near_m, far_m);

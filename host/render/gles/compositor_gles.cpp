@@ -92,7 +92,7 @@ class GlesCompositor final : public Compositor {
   Image<glm::vec2> plate_px_;  ///< the same
   ExposureMeter meter_;
   glm::vec3 gain_{1};
-  Texture background_m_, learned_, learned_sigma_;
+  Texture background_m_, light_m_, learned_, learned_sigma_;
   std::vector<GpuMesh> meshes_;  // as FrameParams::draws
   PlatePass plate_;
   CorrectPass correct_;
@@ -146,6 +146,8 @@ Result<void> GlesCompositor::create_passes() {
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, {color, color}, preparer_.params().key));
   } else if (tables_.has_background) {
     background_m_ = make_texture(background.depth_m, GL_R32F);
+    if (!tables_.light_depth_m.empty())
+      light_m_ = make_texture(tables_.light_depth_m.view(), GL_R32F);
     if (!background.color.empty()) learned_ = make_texture(background.color, GL_RGB16F);
     if (!background.color_sigma.empty())
       learned_sigma_ = make_texture(background.color_sigma, GL_R16F);
@@ -178,6 +180,7 @@ Result<void> GlesCompositor::create_passes() {
   tables_.plate_gain = {};
   tables_.key_limit_w = {};
   tables_.background_normal = {};
+  tables_.light_depth_m = {};
   return {};
 }
 
@@ -311,7 +314,7 @@ Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
     if (has_light_map() && (!tables_.has_background || setup_.backdrop))
       light_.skip_background();
     else if (has_light_map())
-      light_.draw_background(background_m(), shadow_.maps(),
+      light_.draw_background(background_pass_ ? background_m() : light_m_, shadow_.maps(),
                              background_pass_ ? &background_pass_->normal() : nullptr);
   }
   if (has_light_map() && people)

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/light_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "host/render/depth_planes.h"
+
+namespace mixrig::render {
+namespace {
+
+constexpr int kLeastCell_px = 4, kMostCell_px = 16;
+constexpr double kOutlier = 4;  // of one depth among others on the plane
+constexpr double kNormalAngle_rad = 0.1;
+constexpr int kMostScale = 8;
+
+constexpr std::uint8_t kUnknown = 255, kOffPlanes = 254;
+
+/// Plane of each pixel.
+Image<std::uint8_t> plane_of_pixels(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                                    const NoiseParams& noise, const Cells& cells,
+                                    const std::vector<WPlane>& planes) {
+  const std::vector<PlaneSet> near = planes_near(cells, planes);
+  Image<std::uint8_t> out(depth_m.size, kUnknown);
+  for (int v = 0; v < out.height(); ++v)
+    for (int u = 0; u < out.width(); ++u) {
+      const float z = depth_m.row(v)[u];
+      if (!(z > 0) || !std::isfinite(z)) continue;
+      out.row(v)[u] = kOffPlanes;
+      const PlaneSet set =
+          near[static_cast<std::size_t>(v / cells.side_px * cells.columns + u / cells.side_px)];
+      const double w = 1 / static_cast<double>(z), x = (u - view.cx_px) / view.fx_px,
+                   y = (v - view.cy_px) / view.fy_px;
+      const double most = kOnPlane * sigma_w(noise, w);
+      // The larger plane first: noise does not tell which one is nearer.
+      for (std::size_t k = 0; k < planes.size() && out.row(v)[u] == kOffPlanes; ++k)
+        if ((set >> k & 1U) != 0 && std::abs(w - planes[k].at(x, y)) <= most)
+          out.row(v)[u] = static_cast<std::uint8_t>(k);
+    }
+  return out;
+}
+
+/// The plane of most of the pixels within `reach`; kOffPlanes where there is none.
+std::uint8_t plane_of_most(const Image<std::uint8_t>& plane_of, int u, int v, int reach) {
+  std::array<int, kMostPlanes> votes{};
+  int known = 0;
+  for (int y = std::max(0, v - reach); y <= std::min(plane_of.height() - 1, v + reach); ++y)
+    for (int x = std::max(0, u - reach); x <= std::min(plane_of.width() - 1, u + reach); ++x) {
+      const std::uint8_t plane = plane_of.row(y)[x];
+      known += plane != kUnknown ? 1 : 0;
+      if (plane < kMostPlanes) ++votes[plane];
+    }
+  const auto most = std::max_element(votes.begin(), votes.end());
+  return 2 * *most > known ? static_cast<std::uint8_t>(most - votes.begin()) : kOffPlanes;
+}
+
+/// Single depths far off in the midst of a plane are noise.
+void join_outliers(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                   const NoiseParams& noise, int reach, const std::vector<WPlane>& planes,
+                   Image<std::uint8_t>& plane_of) {
+  const Image<std::uint8_t> before(plane_of);
+  for (int v = 0; v < before.height(); ++v)
+    for (int u = 0; u < before.width(); ++u) {
+      if (before.row(v)[u] != kOffPlanes) continue;
+      const std::uint8_t plane = plane_of_most(before, u, v, reach);
+      if (plane == kOffPlanes) continue;
+      const double w = 1 / static_cast<double>(depth_m.row(v)[u]);
+      const double off =
+          w - planes[plane].at((u - view.cx_px) / view.fx_px, (v - view.cy_px) / view.fy_px);
+      if (std::abs(off) <= kOutlier * sigma_w(noise, w)) plane_of.row(v)[u] = plane;
+    }
+}
+
+/// The plane that most sides of an unknown pixel meet first; kUnknown where there is none.
+std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
+  constexpr std::array<std::array<int, 2>, 8> kWays{
+      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+  std::array<int, kMostPlanes> votes{};
+  int met = 0;
+  for (const auto& [dx, dy] : kWays) {
+    int x = u + dx, y = v + dy;
+    while (x >= 0 && y >= 0 && x < plane_of.width() && y < plane_of.height() &&
+           plane_of.row(y)[x] == kUnknown)
+      x += dx, y += dy;
+    if (x < 0 || y < 0 || x >= plane_of.width() || y >= plane_of.height()) continue;
+    ++met;
+    if (plane_of.row(y)[x] < kMostPlanes) ++votes[plane_of.row(y)[x]];
+  }
+  const auto most = std::max_element(votes.begin(), votes.end());
+  if (*most < 3 || 2 * *most <= met) return kUnknown;
+  return static_cast<std::uint8_t>(most - votes.begin());
+}
+
+PackedNormal normal_of(const WPlane& plane) {
+  const Eigen::Vector3d n = -127 * plane.abc.normalized();
+  const auto pack = [](double value) { return static_cast<std::int8_t>(std::lround(value)); };
+  return {pack(n.x()), pack(n.y()), pack(n.z()), 0};
+}
+
+/// At the least scale at which it is certain; a larger one that is not known is not used.
+PackedNormal certain_normal(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                            const NoiseParams& noise, int u, int v, int footprint_px) {
+  const double z = depth_m.row(v)[u];
+  PackedNormal best = normal_at(depth_m, view, u, v, 2 * footprint_px);
+  for (int scale = 2; scale <= kMostScale; scale *= 2) {
+    // Slope of 25 depths in five columns `step` pixels apart.
+    const double step = std::max(1, footprint_px) * (scale / 2);
+    const double angle = noise.sigma_m(static_cast<float>(z)) * view.fx_px / (7 * step * z);
+    if (angle <= kNormalAngle_rad) break;
+    const PackedNormal wider = normal_at(depth_m, view, u, v, 2 * scale * footprint_px);
+    if (wider.x == 0 && wider.y == 0 && wider.z == 0) break;
+    best = wider;
+  }
+  return best;
+}
+
+}  // namespace
+
+LightSurface light_surface(ImageView<const float> depth_m, const geometry::Pinhole& view,
+                           const NoiseParams& noise, int footprint_px) {
+  const Cells cells =
+      make_cells(depth_m, view, noise, std::clamp(2 * footprint_px, kLeastCell_px, kMostCell_px));
+  const std::vector<WPlane> planes = find_planes(cells);
+  Image<std::uint8_t> plane_of = plane_of_pixels(depth_m, view, noise, cells, planes);
+  join_outliers(depth_m, view, noise, cells.side_px, planes, plane_of);
+  std::array<PackedNormal, kMostPlanes> normals{};
+  std::transform(planes.begin(), planes.end(), normals.begin(), normal_of);
+  LightSurface out{Image<float>(depth_m.size), Image<PackedNormal>(depth_m.size)};
+  for (int v = 0; v < plane_of.height(); ++v)
+    for (int u = 0; u < plane_of.width(); ++u) {
+      std::uint8_t plane = plane_of.row(v)[u];
+      if (plane == kUnknown) plane = plane_around(plane_of, u, v);
+      if (plane == kUnknown) continue;
+      if (plane == kOffPlanes) {
+        out.depth_m.row(v)[u] = depth_m.row(v)[u];
+        out.normal.row(v)[u] = certain_normal(depth_m, view, noise, u, v, footprint_px);
+        continue;
+      }
+      const double w =
+          planes[plane].at((u - view.cx_px) / view.fx_px, (v - view.cy_px) / view.fy_px);
+      if (!(w > 1 / kFarthestM) || !(w < 1 / kNearestM)) continue;
+      out.depth_m.row(v)[u] = static_cast<float>(1 / w);
+      out.normal.row(v)[u] = normals[plane];
+    }
+  return out;
+}
+
+}  // namespace mixrig::render

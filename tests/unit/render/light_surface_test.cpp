@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// The learned room as light falls on it, against the planes that it was made of.
+#include "host/render/light_surface.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace mixrig::test {
+namespace {
+
+using render::PackedNormal;
+
+constexpr Size kNoisyView{320, 240};
+const geometry::Pinhole kNoisyEye{kNoisyView, 260, 260, 159.5, 119.5};
+const render::NoiseParams kStepNoise{0, 0, 0.0025F};  // of structured light: 40 mm at 4 m
+constexpr double kFloorDown_m = 0.9, kBackWall_m = 4.5;
+/// A box on the floor before the wall, and a hole in what is known of the floor and of the box.
+constexpr render::Rect kBox{200, 155, 270, 197}, kFloorHole{60, 205, 100, 225},
+    kBoxHole{225, 165, 245, 180};
+constexpr double kBox_m = 3;
+
+bool holds(const render::Rect& rect, int u, int v, int margin = 0) {
+  return u >= rect.x0 - margin && u < rect.x1 + margin && v >= rect.y0 - margin &&
+         v < rect.y1 + margin;
+}
+double floor_m(int v) { return kFloorDown_m * kNoisyEye.fy_px / (v - kNoisyEye.cy_px); }
+bool shows_floor(int v) { return v > kNoisyEye.cy_px && floor_m(v) < kBackWall_m; }
+double noisy_truth_m(int u, int v) {
+  if (holds(kBox, u, v)) return kBox_m;
+  return shows_floor(v) ? floor_m(v) : kBackWall_m;
+}
+
+/// Depths as a camera of steps has them: patches of 5x5 pixels are off together.
+Image<float> noisy_room() {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Image<double> off({kNoisyView.width / 5 + 1, kNoisyView.height / 5 + 1});
+  for (int v = 0; v < off.height(); ++v)
+    for (int u = 0; u < off.width(); ++u) off.row(v)[u] = 0.7 * normal(random);
+  Image<float> depth_m(kNoisyView);
+  for (int v = 0; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u) {
+      const double z = noisy_truth_m(u, v);
+      if (holds(kFloorHole, u, v) || holds(kBoxHole, u, v)) continue;
+      depth_m.row(v)[u] =
+          static_cast<float>(z + 0.0025 * z * z * (off.row(v / 5)[u / 5] + 0.3 * normal(random)));
+    }
+  return depth_m;
+}
+
+double angle_deg(const PackedNormal& n, const Eigen::Vector3d& truth) {
+  const Eigen::Vector3d v(n.x, n.y, n.z);
+  return std::acos(std::min(1.0, v.normalized().dot(truth))) * 180 / M_PI;
+}
+const Eigen::Vector3d kFloorUp(0, -1, 0), kWallTowards(0, 0, -1);
+
+TEST(LightSurface, a_noisy_floor_and_wall_are_planes) {
+  const Image<float> depth_m = noisy_room();
+  const auto surface = render::light_surface(depth_m, kNoisyEye, kStepNoise, 1);
+  const auto plain = render::normals(depth_m, kNoisyEye, 2);
+  double worst_deg = 0, worst_m = 0, worst_plain_deg = 0;
+  int judged = 0;
+  for (int v = 10; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u) {
+      // Within 0.3 m of their common edge they are one surface to this camera.
+      const double z = noisy_truth_m(u, v);
+      const bool near_edge = shows_floor(v) ? z > kBackWall_m - 0.3 : v > 119 + 40;
+      if (holds(kBox, u, v, 8) || near_edge) continue;
+      const Eigen::Vector3d truth = shows_floor(v) ? kFloorUp : kWallTowards;
+      worst_deg = std::max(worst_deg, angle_deg(surface.normal.row(v)[u], truth));
+      worst_m = std::max(worst_m, std::abs(surface.depth_m.row(v)[u] - z));
+      if (!holds(kFloorHole, u, v, 8))
+        worst_plain_deg = std::max(worst_plain_deg, angle_deg(plain.row(v)[u], truth));
+      ++judged;
+    }
+  EXPECT_GT(judged, 50000);
+  EXPECT_LT(worst_deg, 1.5);  // packed normals have 0.5
+  EXPECT_LT(worst_m, 0.02);
+  EXPECT_GT(worst_plain_deg, 20);  // without: the test can fail
+}
+
+TEST(LightSurface, what_stands_on_the_floor_is_kept_and_a_hole_belongs_to_what_is_around_it) {
+  const Image<float> depth_m = noisy_room();
+  const auto surface = render::light_surface(depth_m, kNoisyEye, kStepNoise, 1);
+  int wrong = 0;
+  for (int v = kBox.y0 + 2; v < kBox.y1 - 8; ++v)
+    for (int u = kBox.x0 + 2; u < kBox.x1 - 2; ++u)
+      wrong += std::abs(surface.depth_m.row(v)[u] - kBox_m) < 0.1 ? 0 : 1;
+  EXPECT_EQ(wrong, 0);
+  EXPECT_NEAR(surface.depth_m.at(80, 215), floor_m(215), 0.02);
+  EXPECT_NEAR(surface.depth_m.at(235, 172), kBox_m, 0.05);
+}
+
+TEST(LightSurface, a_curved_surface_stays_and_its_normals_follow_the_noise_no_more) {
+  // A column of 0.6 m radius, 3 m away: no region of it is a plane that holds to its edges.
+  Image<float> depth_m(kNoisyView), true_m(kNoisyView);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const double middle_m = 3.6, radius_m = 0.6;
+  for (int v = 0; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u) {
+      const double x = (u - kNoisyEye.cx_px) / kNoisyEye.fx_px, a = 1 + x * x;
+      const double root = middle_m * middle_m - a * (middle_m * middle_m - radius_m * radius_m);
+      if (root < 0) continue;
+      const double z = (middle_m - std::sqrt(root)) / a;
+      true_m.row(v)[u] = static_cast<float>(z);
+      depth_m.row(v)[u] = static_cast<float>(z + 0.002 * normal(random));
+    }
+  const auto surface = render::light_surface(depth_m, kNoisyEye, {0.002F, 0, 0}, 1);
+  for (int v = 40; v < 200; v += 5)
+    for (int u = 125; u < 195; u += 3) {
+      const double z = true_m.row(v)[u], x = (u - kNoisyEye.cx_px) / kNoisyEye.fx_px * z;
+      EXPECT_NEAR(surface.depth_m.row(v)[u], z, 0.01) << u << "," << v;
+      EXPECT_LT(angle_deg(surface.normal.row(v)[u], Eigen::Vector3d(x, 0, z - middle_m) / radius_m),
+                15)
+          << u << "," << v;
+    }
+}
+
+TEST(LightSurface, nothing_known_gives_nothing) {
+  const auto surface =
+      render::light_surface(Image<float>({64, 48}), {{64, 48}, 50, 50, 31.5, 23.5}, kStepNoise, 1);
+  for (int v = 0; v < 48; ++v)
+    for (int u = 0; u < 64; ++u) EXPECT_EQ(surface.depth_m.row(v)[u], 0);
+}
+
+}  // namespace
+}  // namespace mixrig::test
