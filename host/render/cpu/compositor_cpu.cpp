@@ -111,7 +111,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       warp_scratch_(tables_.tof_size),
       key_scratch_(tables_.view_size, tables_.tof_footprint_px),
       virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
-      plate_scratch_(tables_),
+      plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)),
       shadow_maps_(setup_.light.lamps.size()) {
@@ -154,7 +154,9 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   const FrameParams& frame = preparer_.params();
   watch.lap(Stage::kUpload);
 
-  draw_plate(crew_, input.plate, plate_scratch_, plate_);
+  // What is mixed is drawn over it; where the real background is replaced, mix draws all.
+  const bool shows_plate = (output.wanted & kColor) && needed.mix && !setup_.backdrop;
+  draw_plate(crew_, input.plate, plate_scratch_, plate_, shows_plate ? &output.color : nullptr);
   watch.lap(Stage::kPlate);
   draw_depth(input, watch);
   if (output.wanted & kWarpedDepth) store_warped_depth(output.warped_depth_m);
