@@ -298,8 +298,9 @@ class Compositor {
   /// "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER.
   virtual std::string renderer() const = 0;
 
-  /// Submits a frame and collects it. Errors: of both; kUsage while other frames are in flight.
-  Result<void> compose(const FrameInput& input, FrameOutput& output);
+  /// Submits a frame and collects it. Errors: of both; kUsage while other frames are in flight. cpu
+  /// draws into the images of `output`, and so needs none of its own.
+  virtual Result<void> compose(const FrameInput& input, FrameOutput& output);
 };
 
 enum class Backend { kAuto, kGles, kCpu };

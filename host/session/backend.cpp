@@ -11,6 +11,10 @@ namespace {
 
 /// Whether GL draws on a GPU; opens a context for the test and closes it.
 bool has_gpu() {
+  if (!render::gles::may_have_gpu()) {
+    log_info("app", "no device file of a GPU: cpu back end");
+    return false;
+  }
   const auto context = render::gles::EglContext::create();
   if (!context) {
     log_info("app", to_line(context.error()) + ": cpu back end");

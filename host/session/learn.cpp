@@ -155,11 +155,11 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
                                                  const ProgressFn& progress,
                                                  capture::PoseSource* poses) {
   MIXRIG_TRY(check_empty_frames(source.info(), range));
-  MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
   std::optional<model::StaticBackgroundBuilder> builder;
   std::vector<PosedView> known;
   bool moves = false;
-  {
+  {  // the compositor's memory is given back before the background is found
+    MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
     Frames frames(source, range);
     for (;;) {
       MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());

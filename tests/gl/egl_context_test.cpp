@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -7,6 +9,7 @@
 #include "host/render/gles/gl_program.h"
 #include "shaders/shaders.h"
 #include "tests/gl/gl_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mixrig::test {
 namespace {
@@ -55,6 +58,20 @@ TEST(IsSoftware, knows_software_renderers_by_name) {
   EXPECT_FALSE(is_software("Mali-G610"));
   EXPECT_FALSE(is_software("V3D 4.2"));
   EXPECT_FALSE(is_software("NVIDIA Tegra Orin (nvgpu)/integrated"));
+}
+
+TEST(MayHaveGpu, by_device_files) {
+  const TemporaryFolder dev;
+  EXPECT_FALSE(may_have_gpu(dev.path()));
+  EXPECT_FALSE(may_have_gpu(dev.path() / "missing"));
+  std::filesystem::create_directory(dev.path() / "dri");
+  std::ofstream(dev.path() / "dri" / "card0");  // a screen alone
+  EXPECT_FALSE(may_have_gpu(dev.path()));
+  std::ofstream(dev.path() / "mali0");
+  EXPECT_TRUE(may_have_gpu(dev.path()));
+  std::filesystem::remove(dev.path() / "mali0");
+  std::ofstream(dev.path() / "dri" / "renderD128");
+  EXPECT_TRUE(may_have_gpu(dev.path()));
 }
 
 TEST_F(EglContextTest, compile_error_names_file_and_line) {

@@ -55,11 +55,13 @@ class CpuCompositor final : public Compositor {
   CpuCompositor(const CompositorSetup& setup, int threads);
   Result<void> submit(const FrameInput& input, OutputMask wanted) override;
   Result<void> collect(FrameOutput& output) override;
+  Result<void> compose(const FrameInput& input, FrameOutput& output) override;
   int in_flight() const override { return flight_.count(); }
   const StageTimes& stage_times() const override { return times_; }
   std::string renderer() const override;
 
  private:
+  void draw(const FrameInput& input, OutputMask wanted, FrameOutput& output, StageTimes& times);
   void follow(const FrameInput& input);
   void draw_depth(const FrameInput& input, StopWatch& watch);
   void draw_background(StopWatch& watch);
@@ -92,6 +94,7 @@ class CpuCompositor final : public Compositor {
   LightLayer light_;
   PeopleShadow people_shadow_;
   FocusScratch focus_scratch_;
+  Image<std::uint8_t> matte_;  ///< where it is not wanted
   struct Frame {
     FrameOutput output;
     StageTimes times{};
@@ -111,7 +114,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       warp_scratch_(tables_.tof_size),
       key_scratch_(tables_.view_size, tables_.tof_footprint_px),
       virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
-      plate_scratch_(tables_),
+      plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)),
       shadow_maps_(setup_.light.lamps.size()) {
@@ -139,13 +142,26 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
 Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   MIXRIG_TRY(check_frame(input, tables_));
   MIXRIG_ASSIGN(Frame* const slot, flight_.push());
-  StopWatch watch(slot->times);
-  FrameOutput& output = slot->output;
+  draw(input, wanted, slot->output, slot->times);
+  return {};
+}
+
+Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output) {
+  if (in_flight() > 0) return Compositor::compose(input, output);
+  MIXRIG_TRY(check_frame(input, tables_));
+  draw(input, output.wanted, output, times_);
+  return {};
+}
+
+void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput& output,
+                         StageTimes& times) {
+  StopWatch watch(times);
   output.wanted = with_needed(wanted, false);
   const bool focuses = setup_.focus && (wanted & kColor);
   if (focuses) output.wanted |= kMixedDepth;
   const NeededPasses needed = needed_passes(output.wanted, setup_);
-  // The key writes the matte, wanted or not.
+  const bool own_matte = needed.key && !(output.wanted & kMatte);  // the key writes it
+  if (own_matte) std::swap(matte_, output.matte);
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   follow(input);
   watch.lap(Stage::kUpload);
@@ -154,7 +170,9 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   const FrameParams& frame = preparer_.params();
   watch.lap(Stage::kUpload);
 
-  draw_plate(crew_, input.plate, plate_scratch_, plate_);
+  // What is mixed is drawn over it; where the real background is replaced, mix draws all.
+  const bool shows_plate = (output.wanted & kColor) && needed.mix && !setup_.backdrop;
+  draw_plate(crew_, input.plate, plate_scratch_, plate_, shows_plate ? &output.color : nullptr);
   watch.lap(Stage::kPlate);
   draw_depth(input, watch);
   if (output.wanted & kWarpedDepth) store_warped_depth(output.warped_depth_m);
@@ -178,8 +196,8 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
   watch.lap(Stage::kFocus);
   if (output.wanted & kLight) store_light(output.light);
   if (output.wanted & kState) store_state(output.matte, output.state);
+  if (own_matte) std::swap(matte_, output.matte);
   watch.lap(Stage::kReadback);
-  return {};
 }
 
 /// What depends on the lens is made again where it has moved, and only there.

@@ -38,15 +38,27 @@ float tile_center(int i) {
   return static_cast<float>(kLightTilePx * i) + 0.5F * static_cast<float>(kLightTilePx - 1);
 }
 
+/// Whether none of as many pixels as a Word has bytes shows a person.
+template <typename Word>
+bool no_people(const std::uint8_t* matte) {
+  static_assert(kPersonByte == 128);
+  constexpr Word kHighBits = static_cast<Word>(~Word{}) / 255 * 128;
+  return (load<Word>(matte) & kHighBits) == 0;
+}
+
 /// Mean inverse depth of the people in a tile; 0 without people.
 float mean_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int tile_x, int tile_y) {
   float sum = 0, count = 0;
   const int x1 = std::min((tile_x + 1) * kLightTilePx, matte.width());
   const int y1 = std::min((tile_y + 1) * kLightTilePx, matte.height());
-  for (int y = tile_y * kLightTilePx; y < y1; ++y)
-    for (int x = tile_x * kLightTilePx; x < x1; ++x)
+  static_assert(kLightTilePx == sizeof(std::uint32_t));
+  for (int y = tile_y * kLightTilePx; y < y1; ++y) {
+    const int x0 = tile_x * kLightTilePx;
+    if (x1 - x0 == kLightTilePx && no_people<std::uint32_t>(matte.row(y) + x0)) continue;
+    for (int x = x0; x < x1; ++x)
       if (matte.row(y)[x] >= kPersonByte && view_w.row(y)[x] > 0)
         sum += view_w.row(y)[x], count += 1;
+  }
   return count > 0 ? sum / count : 0;
 }
 
@@ -405,9 +417,12 @@ void light_people(Crew& crew, const LightInput& input, const Image<float>& view_
   crew.rows(matte.height(), kLightGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       std::copy_n(light.background.row(y), matte.width(), light.visible.row(y));
-      for (int x = 0; x < matte.width(); ++x)
-        if (matte.row(y)[x] >= kPersonByte)
+      for (int x = 0; x < matte.width(); ++x) {
+        constexpr int kWord = sizeof(std::uint64_t);
+        while (x + kWord <= matte.width() && no_people<std::uint64_t>(matte.row(y) + x)) x += kWord;
+        if (x < matte.width() && matte.row(y)[x] >= kPersonByte)
           light.visible.row(y)[x] = to_fixed(tile_light_at(light, x, y));
+      }
     }
   });
 }

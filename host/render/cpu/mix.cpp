@@ -29,18 +29,19 @@ glm::vec3 decode(Rgb8 p) {
 
 // Functions of a row are not inlined: g++ makes slower loops of them in one large function.
 
-/// The real scene alone: most pixels are nothing else.
-[[gnu::noinline]] void encode_row(const Rgbx16* plate, int width, Rgb8* color) {
-  const std::uint8_t* srgb =
-      srgb_bytes_of_linear16().data();  // a byte that is stored cannot change it
-  for (int x = 0; x < width; ++x) color[x] = {srgb[plate[x].r], srgb[plate[x].g], srgb[plate[x].b]};
-}
-
+/// The real scene where its light is less than 1.
 [[gnu::noinline]] void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width,
                                    Rgb8* color) {
+  const std::uint8_t* srgb =
+      srgb_bytes_of_linear16().data();  // a byte that is stored cannot change it
+  const auto dim = [&](std::uint32_t c, std::uint32_t by) {
+    const std::uint32_t product = c * by + 32768;  // over 65535, rounded
+    return srgb[(product + (product >> 16)) >> 16];
+  };
   for (int x = 0; x < width; ++x) {
-    if (light[x] == 65535) continue;
-    color[x] = encode(to_vec(plate[x]) * (static_cast<float>(light[x]) / kLinearOne));
+    const std::uint32_t by = light[x];
+    if (by == 65535) continue;
+    color[x] = {dim(plate[x].r, by), dim(plate[x].g, by), dim(plate[x].b, by)};
   }
 }
 
@@ -235,14 +236,6 @@ void mix_over_set(const MixInput& input, int x, int y, bool covered, FrameOutput
   }
 }
 
-/// The real scene alone, under the light map.
-void store_real_color(const MixInput& input, int y, FrameOutput& output) {
-  const int width = input.plate.width();
-  encode_row(input.plate.row(y), width, output.color.row(y));
-  if (input.light)
-    apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
-}
-
 void fill_layer(const std::uint8_t* matte, int width, std::uint8_t* layer) {
   for (int x = 0; x < width; ++x)
     layer[x] =
@@ -263,7 +256,8 @@ void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
         mix_replaced(input, y, output);
         continue;
       }
-      if (output.wanted & kColor) store_real_color(input, y, output);
+      if (input.light && (output.wanted & kColor))
+        apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
       if (output.wanted & kAlpha) std::fill_n(output.alpha.row(y), width, 255);
       if (objects && y >= objects->rect.y0 && y < objects->rect.y1) mix_virtual(input, y, output);
     }

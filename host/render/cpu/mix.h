@@ -24,7 +24,8 @@ struct MixInput {
 };
 
 /// Writes the wanted ones of colour, mixed depth, segmented depth, layer and alpha; reads the
-/// matte.
+/// matte. Colour is drawn over the plate in sRGB, which it holds before unless the real background
+/// is replaced (draw_plate).
 void mix(Crew& crew, const MixInput& input, FrameOutput& output);
 
 }  // namespace mixrig::render::cpu

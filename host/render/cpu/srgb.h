@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "hal/base/image.h"
+
 namespace mixrig::render::cpu {
 
 /// Linear light of a pixel, 65535 = 1.0; x pads to eight bytes.
@@ -16,5 +18,10 @@ inline constexpr float kLinearOne = 65535.0F;
 
 /// Linear value of each sRGB byte, 65535 = 1.0. encode(decode(c)) = c.
 const std::array<std::uint16_t, 256>& srgb_to_linear();
+
+/// `width` pixels to linear light; x is 0.
+void decode_row(const Rgb8* from, int width, Rgbx16* to);
+/// `width` pixels to sRGB, each channel correctly rounded.
+void encode_row(const Rgbx16* from, int width, Rgb8* to);
 
 }  // namespace mixrig::render::cpu

@@ -151,6 +151,19 @@ bool EglContext::has_extension(std::string_view name) const {
   return contains_word(reinterpret_cast<const char*>(glGetString(GL_EXTENSIONS)), name);
 }
 
+bool may_have_gpu(const std::filesystem::path& dev) {
+  std::error_code code;
+  for (auto at = std::filesystem::directory_iterator(dev / "dri", code);
+       at != std::filesystem::directory_iterator(); at.increment(code))
+    if (at->path().filename().string().starts_with("renderD")) return true;
+  // Drivers of vendors that have no node there, or not in every container.
+  constexpr std::array<std::string_view, 7> kNames = {
+      "nvidiactl", "nvhost-gpu", "mali0", "kgsl-3d0", "galcore", "pvr_sync", "dxg"};
+  return std::any_of(kNames.begin(), kNames.end(), [&](std::string_view name) {
+    return std::filesystem::exists(dev / name, code);
+  });
+}
+
 bool is_software(std::string_view renderer) {
   std::string lower(renderer);
   std::transform(lower.begin(), lower.end(), lower.begin(),

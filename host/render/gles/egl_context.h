@@ -2,6 +2,7 @@
 // An OpenGL ES 3.1 context without a window.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,6 +45,10 @@ class EglContext {
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
 };
+
+/// Whether the system has a GPU's device file in `dev`: without, GL is software, which need not be
+/// loaded to know that (Mesa's takes 60 MB).
+bool may_have_gpu(const std::filesystem::path& dev = "/dev");
 
 /// Whether a GL_RENDERER draws on the processor, so that the cpu back end is the faster one.
 bool is_software(std::string_view renderer);

@@ -219,6 +219,28 @@ struct World {
   Image<Rgb8> plate;
 };
 
+TEST(Compositor, images_that_are_not_wanted_stay_as_they_were) {
+  Stage stage(2);
+  stage.add_person(1.5F);
+  const auto all = stage.compose();
+  render::FrameOutput out;
+  out.wanted = render::kColor;
+  out.matte = Image<std::uint8_t>({3, 2}, 77);
+  out.segmented_depth_m = Image<float>({1, 1}, 5);
+  auto compositor = render::make_cpu_compositor(stage.setup, 2);
+  ASSERT_TRUE(compositor);
+  for (int frame = 0; frame < 2; ++frame) {
+    ASSERT_TRUE((*compositor)->compose({stage.plate, stage.depth, {}}, out));
+    EXPECT_EQ(out.matte.size(), (Size{3, 2}));
+    EXPECT_EQ(out.matte.at(2, 1), 77);
+    EXPECT_EQ(out.segmented_depth_m.at(0, 0), 5);
+    int wrong = 0;
+    for (int y = 0; y < kFrameView.height; ++y)
+      for (int x = 0; x < kFrameView.width; ++x) wrong += out.color.at(x, y) != all.color.at(x, y);
+    EXPECT_EQ(wrong, 0);
+  }
+}
+
 TEST(Compositor, warp_and_key_of_an_exact_world_are_right) {
   const World world;
   auto compositor = render::make_cpu_compositor(world.setup, 2);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/render/cpu/plate.h"
 
+#include <array>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "hal/base/srgb.h"
 #include "tests/unit/render/helpers.h"
@@ -13,7 +16,7 @@ using render::cpu::Rgbx16;
 
 Image<Rgbx16> draw(const render::CompositorSetup& setup, const Image<Rgb8>& plate) {
   const render::Tables tables = render::make_tables(setup);
-  render::cpu::PlateScratch scratch(tables);
+  render::cpu::PlateScratch scratch(tables, 2);
   Image<Rgbx16> out(tables.view_size);
   Crew crew(2);
   render::cpu::draw_plate(crew, plate, scratch, out);
@@ -28,6 +31,98 @@ TEST(Srgb, every_byte_comes_back_and_all_values_round_to_the_nearest) {
   EXPECT_EQ(srgb[0], 0);
   // 50 % grey of light is sRGB 187.5: 188 by the standard's curve.
   EXPECT_EQ(srgb[32768], 188);
+}
+
+TEST(Srgb, rows_are_encoded_and_decoded_as_the_tables_say) {
+  const auto& srgb = srgb_bytes_of_linear16();
+  // Every value in every channel, in rows whose ends do not fill a register.
+  for (const int width : {65536, 1, 5, 6, 13}) {
+    std::vector<Rgbx16> linear(static_cast<std::size_t>(width));
+    for (int x = 0; x < width; ++x) {
+      const auto at = [&](int shift) { return static_cast<std::uint16_t>(x + shift); };
+      linear[static_cast<std::size_t>(x)] = {at(0), at(20000), at(41000), 0};
+    }
+    std::vector<Rgb8> bytes(static_cast<std::size_t>(width) + 1, Rgb8{1, 2, 3});
+    render::cpu::encode_row(linear.data(), width, bytes.data());
+    int wrong = 0;
+    for (std::size_t x = 0; x < linear.size(); ++x)
+      wrong += bytes[x] != Rgb8{srgb[linear[x].r], srgb[linear[x].g], srgb[linear[x].b]};
+    EXPECT_EQ(wrong, 0) << width;
+    EXPECT_EQ(bytes.back(), (Rgb8{1, 2, 3})) << width << ": nothing past the row is written";
+  }
+  const auto& to_linear = render::cpu::srgb_to_linear();
+  for (std::size_t i = 0; i < 256; ++i) {
+    const Rgb8 bytes{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(255 - i), 7};
+    Rgbx16 linear{0, 0, 0, 9};
+    render::cpu::decode_row(&bytes, 1, &linear);
+    EXPECT_EQ(linear.r, to_linear[i]);
+    EXPECT_EQ(linear.g, to_linear[255 - i]);
+    EXPECT_EQ(linear.b, to_linear[7]);
+    EXPECT_EQ(linear.x, 0);
+  }
+}
+
+TEST(Plate, samples_of_a_register_are_those_of_a_pixel) {
+  constexpr int kWidth = 64, kHeight = 8;
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> value(0, 65535), fraction(0, 256);
+  const auto extreme = [&] {  // a third is least or most
+    const int v = value(random);
+    return static_cast<std::uint16_t>(v % 6 == 0 ? 0 : v % 6 == 1 ? 65535 : v);
+  };
+  std::vector<Rgbx16> image(static_cast<std::size_t>(kWidth) * kHeight);
+  for (Rgbx16& p : image) p = {extreme(), extreme(), extreme(), 0};
+  int wrong = 0;
+  for (int round = 0; round < 2000; ++round) {
+    std::array<render::cpu::Tap, render::cpu::kBlendPx> taps;
+    for (render::cpu::Tap& tap : taps)
+      tap = {static_cast<std::uint32_t>(value(random) % (kWidth * (kHeight - 1) - 1)),
+             static_cast<std::uint16_t>(fraction(random)),
+             static_cast<std::uint16_t>(fraction(random))};
+    std::array<Rgbx16, render::cpu::kBlendPx> out;
+    render::cpu::blend_run(taps.data(), image.data(), kWidth, out.data());
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      const Rgbx16* const p = &image[taps[i].offset];
+      // By exact numbers, and their rounding: half goes down.
+      const auto expected = [&](auto channel) {
+        const std::uint64_t fx = taps[i].fraction_x, fy = taps[i].fraction_y;
+        const std::uint64_t sum =
+            (channel(p[0]) * (256 - fx) + channel(p[1]) * fx) * (256 - fy) +
+            (channel(p[kWidth]) * (256 - fx) + channel(p[kWidth + 1]) * fx) * fy;
+        return static_cast<std::uint16_t>((sum + 0x7FFF) >> 16);
+      };
+      wrong += out[i].r != expected([](Rgbx16 c) -> std::uint64_t { return c.r; });
+      wrong += out[i].g != expected([](Rgbx16 c) -> std::uint64_t { return c.g; });
+      wrong += out[i].b != expected([](Rgbx16 c) -> std::uint64_t { return c.b; });
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Plate, its_bytes_are_those_of_its_light) {
+  const auto& srgb = srgb_bytes_of_linear16();
+  for (const bool lens : {false, true}) {
+    render::CompositorSetup setup = plain_setup({71, 67}, 40, {4, 4}, 4);
+    if (lens) setup.target.lens = geometry::Lens({-0.2, 0.05, 0.001, 0, 0, 0, 0, 0});
+    if (lens) setup.vignetting = {0.4, 0.2};
+    const auto plate = make_image<Rgb8>({71, 67}, [](int x, int y) {
+      return Rgb8{static_cast<std::uint8_t>(37 * x + 11 * y), static_cast<std::uint8_t>(5 * y),
+                  static_cast<std::uint8_t>(x * y)};
+    });
+    const render::Tables tables = render::make_tables(setup);
+    render::cpu::PlateScratch scratch(tables, 2);
+    Image<Rgbx16> out(tables.view_size);
+    Image<Rgb8> color(tables.view_size);
+    Crew crew(2);
+    render::cpu::draw_plate(crew, plate, scratch, out, &color);
+    int wrong = 0;
+    for (int y = 0; y < 67; ++y)
+      for (int x = 0; x < 71; ++x) {
+        const Rgbx16 c = out.at(x, y);
+        wrong += color.at(x, y) != Rgb8{srgb[c.r], srgb[c.g], srgb[c.b]};
+      }
+    EXPECT_EQ(wrong, 0) << "lens: " << lens;
+  }
 }
 
 TEST(Plate, ideal_lens_copies_in_linear_light) {
