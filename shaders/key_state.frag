@@ -39,8 +39,8 @@ void main() {
   float measured = abs(texelFetch(w, at, 0).r);
   float limit = by_volume ? volume_limit_w(ray_of(at)) : texelFetch(limit_w, at, 0).r;
   int s = unknown;
-  if (measured > 0.0)
-    s = limit < no_limit_w ? (measured > limit ? foreground : background) : doubt;
+  bool learned = limit > 0.0 && limit < no_limit_w;
+  if (measured > 0.0) s = measured > abs(limit) ? foreground : learned ? background : doubt;
   if (crop && s >= foreground && outside_box(at, measured)) s = background;
   state = float(s) / 255.0;
 }

@@ -71,6 +71,7 @@ struct ErrorSums {
 struct Errors {
   std::optional<double> depth_mae_mm, depth_bad_pct, band_bad_pct, key_iou, matte_mse;
   std::optional<double> hidden_pct, hidden_bad_pct, hidden_wrong_pct;
+  std::optional<double> matte_flicker, matte_dtssd;  ///< MatteFlicker::still() and all()
   std::optional<double> order_wrong_pct, light_rmse, light_shadow_rmse;
   std::optional<double> color_psnr_db;  ///< kEqualPsnr_db where not a single value differs
   std::optional<double> object_rmse, object_psnr_db;

@@ -70,6 +70,9 @@ inline constexpr float kFillSlackPx = 3.0F;
 inline constexpr float kFillRatio = 1.06F;
 /// A learned limit from here on means: no background depth, so depth cannot decide (doubt).
 inline constexpr float kNoLimitW = 1e30F;
+/// Of a camera that stands still: what is nearer than the background around such a place, by this
+/// factor of its limit, is foreground all the same (a mirror, glass, black things).
+inline constexpr float kHolePart = 1.1F;
 
 // --- key: colour votes, in log odds
 /// Least standard deviation of a linear colour: camera noise in the dark...

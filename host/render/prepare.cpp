@@ -49,6 +49,36 @@ Image<float> largest_within(const Image<float>& image, int radius) {
   return out;
 }
 
+/// Where no depth was learned, of the nearest limits along row and column the largest: negative,
+/// and raised by kHolePart.
+void fill_limit(Image<float>& limit) {
+  const Size size = limit.size();
+  Image<float> filled(size);
+  const auto carry = [&](int x, int y, float& last) {
+    const float own = limit.row(y)[x];
+    if (own < kNoLimitW) last = own;
+    filled.row(y)[x] = std::max(filled.row(y)[x], last);
+  };
+  for (int y = 0; y < size.height; ++y) {
+    float last = 0;
+    for (int x = 0; x < size.width; ++x) carry(x, y, last);
+    last = 0;
+    for (int x = size.width - 1; x >= 0; --x) carry(x, y, last);
+  }
+  for (int x = 0; x < size.width; ++x) {
+    float last = 0;
+    for (int y = 0; y < size.height; ++y) carry(x, y, last);
+    last = 0;
+    for (int y = size.height - 1; y >= 0; --y) carry(x, y, last);
+  }
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      float& value = limit.row(y)[x];
+      const float around = filled.row(y)[x];
+      if (!(value < kNoLimitW) && around > 0) value = -kHolePart * around;
+    }
+}
+
 }  // namespace
 
 Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
@@ -94,6 +124,7 @@ Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
           std::max(key.threshold_m, key.noise_factor * std::sqrt(spread * spread + sigma * sigma));
       value = threshold < z ? 1 / (z - threshold) : kInfinity;
     }
+  fill_limit(limit);
   return limit;
 }
 

@@ -33,7 +33,9 @@ struct Tables {
   Image<float> plate_gain;      ///< of each view pixel, for linear light; empty without vignetting
   Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
   bool has_background = false;  ///< the images below are empty without
-  Image<float> key_limit_w;     ///< foreground is w > this, 1/m; infinite without background depth
+  /// Foreground is w > abs(this), 1/m. Where no background was learned it is that around, negative,
+  /// or infinite: what is farther is in doubt.
+  Image<float> key_limit_w;
   /// Of light_surface(), where lamps light objects; else depth is empty.
   Image<float> light_depth_m;
   Image<PackedNormal> background_normal;  ///< camera axes, towards the camera
@@ -94,7 +96,8 @@ class LensFollower {
 };
 
 /// Nearest background within `radius_px`, moved towards the camera by the key threshold, as
-/// inverse depth; infinity where the background is unknown. Pure, for tests.
+/// inverse depth; where the background is unknown that around it, negative, or infinity.
+/// Pure, for tests.
 Image<float> key_limit(const BackgroundView& background, const KeyParams& key,
                        const NoiseParams& noise, int radius_px);
 /// Normal of a depth map by the plane through the inverse depths of 5x5 places around a pixel, half

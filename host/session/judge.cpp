@@ -57,6 +57,8 @@ Image<T> bilinear(ImageView<const T> in, Size size) {
 
 measure::Errors Judge::errors() const {
   measure::Errors errors = measure::errors_of(sums_);
+  errors.matte_flicker = flicker_.still();
+  errors.matte_dtssd = flicker_.all();
   if (!room_shown_) {
     errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
     errors.object_rmse = errors.object_psnr_db = {};
@@ -84,7 +86,7 @@ Result<void> Judge::add(const capture::Truth& frame_truth, const measure::Result
 }
 
 Result<void> Judge::add_in_size(measure::ResultImages result, const measure::TruthImages& truth) {
-  if (room_shown_) return measure::add_frame(result, truth, sums_);
+  if (room_shown_) return add_judged(result, truth);
   // The truth knows the objects and not the set around them.
   own_layer_.reset(result.layer.size);
   for (int y = 0; y < result.layer.size.height; ++y)
@@ -92,7 +94,14 @@ Result<void> Judge::add_in_size(measure::ResultImages result, const measure::Tru
       if ((truth.labels.row(y)[x] & measure::kInSilhouette) != 0)
         own_layer_.row(y)[x] = result.layer.row(y)[x];
   result.layer = own_layer_;
-  return measure::add_frame(result, truth, sums_);
+  return add_judged(result, truth);
+}
+
+Result<void> Judge::add_judged(const measure::ResultImages& result,
+                               const measure::TruthImages& truth) {
+  MIXRIG_TRY(measure::add_frame(result, truth, sums_));
+  flicker_.add(result.matte, truth.matte);
+  return {};
 }
 
 }  // namespace mixrig::session

@@ -5,6 +5,7 @@
 #include "hal/base/result.h"
 #include "host/capture/truth.h"
 #include "host/measure/errors.h"
+#include "host/measure/flicker.h"
 #include "host/render/compositor.h"
 
 namespace mixrig::session {
@@ -27,9 +28,11 @@ class Judge {
 
  private:
   Result<void> add_in_size(measure::ResultImages result, const measure::TruthImages& truth);
+  Result<void> add_judged(const measure::ResultImages& result, const measure::TruthImages& truth);
 
   bool room_shown_;
   measure::ErrorSums sums_;
+  measure::MatteFlicker flicker_;
   Image<std::uint8_t> own_layer_;
 };
 

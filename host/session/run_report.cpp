@@ -17,7 +17,7 @@ namespace {
 
 using NamedError = std::pair<const char*, std::optional<double>>;
 
-std::array<NamedError, 14> named(const measure::Errors& e) {
+std::array<NamedError, 16> named(const measure::Errors& e) {
   return {{{"depth_mae_mm", e.depth_mae_mm},
            {"depth_bad_pct", e.depth_bad_pct},
            {"hidden_pct", e.hidden_pct},
@@ -26,6 +26,8 @@ std::array<NamedError, 14> named(const measure::Errors& e) {
            {"band_bad_pct", e.band_bad_pct},
            {"key_iou", e.key_iou},
            {"matte_mse", e.matte_mse},
+           {"matte_flicker", e.matte_flicker},
+           {"matte_dtssd", e.matte_dtssd},
            {"order_wrong_pct", e.order_wrong_pct},
            {"light_rmse", e.light_rmse},
            {"light_shadow_rmse", e.light_shadow_rmse},

@@ -21,9 +21,10 @@ constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
 void classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
   for (int x = 0; x < width; ++x) {
-    const bool known = w[x] > 0, learned = limit_w[x] < kNoLimitW;
-    const std::uint8_t measured =
-        learned ? (w[x] > limit_w[x] ? kForeground : kBackground) : kDoubt;
+    const float limit = limit_w[x];
+    const bool known = w[x] > 0, learned = (limit > 0) & (limit < kNoLimitW);
+    const std::uint8_t behind = learned ? kBackground : kDoubt;
+    const std::uint8_t measured = w[x] > std::abs(limit) ? kForeground : behind;
     state[x] = known ? measured : kUnknown;
   }
 }

@@ -220,7 +220,23 @@ TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
   const auto limit = render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 2);
   EXPECT_NEAR(1 / limit.at(4, 0), 1.9F, 1e-5F) << "two pixels from the near wall";
   EXPECT_NEAR(1 / limit.at(5, 0), 3.9F, 1e-5F);
-  EXPECT_TRUE(std::isinf(limit.at(8, 0)));
+  EXPECT_NEAR(limit.at(8, 0), -kHolePart / 3.9F, 1e-5F)
+      << "not learned: that around, with a margin";
+}
+
+TEST(KeyLimit, of_a_hole_is_the_nearest_of_what_lies_beside_it) {
+  render::BackgroundView background;
+  const auto depth = make_image<float>({9, 9}, [](int x, int y) {
+    if (x == 4) return 0.0F;
+    return x > 4 ? 2.0F : y == 0 ? 1.0F : 4.0F;
+  });
+  background.depth_m = depth;
+  const auto limit = render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 0);
+  EXPECT_NEAR(limit.at(4, 4), -kHolePart / 1.9F, 1e-5F);
+  EXPECT_NEAR(limit.at(4, 0), -kHolePart / 0.9F, 1e-5F);
+  const Image<float> nothing({9, 9});
+  background.depth_m = nothing;
+  EXPECT_TRUE(std::isinf(render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 0).at(4, 4)));
 }
 
 TEST(Normals, of_a_tilted_plane_are_exact_and_face_the_camera) {
