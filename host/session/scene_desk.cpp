@@ -10,6 +10,7 @@
 #include "host/config/table.h"
 #include "host/scene/scene_edit.h"
 #include "host/scene/scene_manifest.h"
+#include "host/scene/settings_edit.h"
 
 namespace mixrig::session {
 namespace {
@@ -241,6 +242,32 @@ Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, remove.name, "lamp"));
   lamps.erase(lamps.begin() + (old - lamps.data()));
   return write_lamps(std::move(now.text), lamps);
+}
+
+/// A new one without a place is sharp in the middle of the picture.
+Result<void> SceneDesk::apply(const page::SetFocus& set) {
+  MIXRIG_ASSIGN(Written now, written());
+  const fs::path& path = session_.scene.path;
+  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), ""));
+  if (set.on == false) {
+    MIXRIG_ASSIGN(text, scene::without_focus(text, path));
+    return write_file(path, text);
+  }
+  std::optional<Eigen::Vector2d> at = set.at;
+  if (!now.scene.focus && !at && !set.distance_m) at = Eigen::Vector2d(0.5, 0.5);
+  scene::FocusEdit edit{set.distance_m, std::nullopt, set.f_number};
+  const Size view = session_.setup.view.size_px;
+  const auto pixel = [](double place, int size) {
+    return std::clamp(static_cast<int>(place * size), 0, size - 1);
+  };
+  if (at) edit.pixel = {pixel(at->x(), view.width), pixel(at->y(), view.height)};
+  MIXRIG_ASSIGN(text, scene::with_focus(text, path, edit));
+  return write_file(path, text);
+}
+
+std::optional<scene::FocusSettings> SceneDesk::focus() const {
+  const EditedScenePtr now = follower_->newest();
+  return shown_scene(now).focus;
 }
 
 Result<void> SceneDesk::save() {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace mixrig::session {
 
 /// The scene file is the truth: a change is written into it whole or not at all, its other text
 /// stays, and the run follows the file. Previews are shown without being written, until the file is
-/// read again. For one thread but for objects() and lamps(), which any may call.
+/// read again. For one thread but for objects(), lamps() and focus(), which any
+/// may call.
 class SceneDesk {
  public:
   SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower);
@@ -29,10 +31,13 @@ class SceneDesk {
   Result<void> apply(const page::SetLamp& set);
   Result<void> apply(const page::AddLamp& add, const SeenFrom* from);
   Result<void> apply(const page::RemoveLamp& remove);
+  Result<void> apply(const page::SetFocus& set);
   Result<void> save();
 
   std::vector<page::ObjectState> objects(const SeenFrom* from) const;
   std::vector<page::LampState> lamps(const SeenFrom* from) const;
+  /// As the newest version of the file has it.
+  std::optional<scene::FocusSettings> focus() const;
 
  private:
   /// Previews, of a version of the scene.
