@@ -67,6 +67,21 @@ void set_line(Lines& lines, const Block& block, std::string_view key, const std:
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1, line);
 }
 
+void set_line_in(Lines& lines, Block& block, std::string_view key, const std::string& line) {
+  const std::size_t before = lines.size();
+  set_line(lines, block, key, line);
+  block.end += lines.size() - before;
+}
+
+void remove_line(Lines& lines, Block& block, std::string_view key) {
+  const auto from = lines.begin() + static_cast<std::ptrdiff_t>(block.begin) + 1;
+  const auto to = lines.begin() + static_cast<std::ptrdiff_t>(block.end);
+  const auto left =
+      std::remove_if(from, to, [&](const std::string& line) { return key_of(line) == key; });
+  block.end -= static_cast<std::size_t>(to - left);
+  lines.erase(left, to);
+}
+
 void set_number(Lines& lines, const Block& block, std::string_view key, double value) {
   Writer table;
   table.set(key, value);

@@ -32,6 +32,10 @@ std::vector<Block> blocks_of(const Lines& lines, std::string_view header);
 
 /// Sets a key of a table; a comment behind the old value goes.
 void set_line(Lines& lines, const Block& block, std::string_view key, const std::string& line);
+/// The same, of a table whose end follows.
+void set_line_in(Lines& lines, Block& block, std::string_view key, const std::string& line);
+/// Removes a key of a table, whose end follows.
+void remove_line(Lines& lines, Block& block, std::string_view key);
 /// Sets a number of a table; a comment behind the old one stays.
 void set_number(Lines& lines, const Block& block, std::string_view key, double value);
 

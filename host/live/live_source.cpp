@@ -20,7 +20,8 @@ class LiveSource final : public capture::CaptureSource {
  public:
   LiveSource(RigConfig config, Devices devices, capture::SourceInfo info,
              std::unique_ptr<LensStream> lens, const std::atomic<bool>& stop, Clock& clock,
-             WhenLost when_lost, std::shared_ptr<CameraSettings> settings)
+             WhenLost when_lost, std::shared_ptr<CameraSettings> settings,
+             std::shared_ptr<RunningRig> running)
       : config_(std::move(config)),
         devices_(std::move(devices)),
         info_(std::move(info)),
@@ -32,12 +33,15 @@ class LiveSource final : public capture::CaptureSource {
         decoder_(config_, devices_,
                  when_lost == WhenLost::kGoOn ? WithoutDepth::kHold : WithoutDepth::kSkip),
         session_(config_, devices_, clock),
-        settings_(std::move(settings)) {
+        settings_(std::move(settings)),
+        running_(std::move(running)) {
     info_.frames = capture::kEndless;
   }
 
   ~LiveSource() override {
-    if (settings_) settings_->end();  // before the cameras stop
+    // Before the devices stop.
+    if (running_) running_->end();
+    if (settings_) settings_->end();
   }
 
   const capture::SourceInfo& info() const override { return info_; }
@@ -71,6 +75,7 @@ class LiveSource final : public capture::CaptureSource {
   SetDecoder decoder_;
   LiveSession session_;
   std::shared_ptr<CameraSettings> settings_;  ///< null: nobody sets anything
+  std::shared_ptr<RunningRig> running_;       ///< null: nobody turns the head
   bool started_ = false;
   std::atomic<std::uint64_t> left_out_ = 0;  ///< sets without colour or depth
   std::atomic<std::uint64_t> without_depth_ = 0, held_depth_ = 0;
@@ -82,6 +87,7 @@ class LiveSource final : public capture::CaptureSource {
 
 Result<void> LiveSource::start() {
   MIXRIG_TRY(session_.start());
+  if (running_) running_->follow(config_, devices_, session_);
   if (!settings_) return {};
   std::vector<CameraSettings::Named> cameras;
   for (std::size_t i = 0; i < devices_.cameras.size(); ++i)
@@ -147,6 +153,7 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
       if (clock_.now() < give_up) continue;
       return silence();
     }
+    if (running_) running_->give(*set, capture);
     count(capture);
     capture.number = number;
     capture.time_s = seconds(capture.mid_exposure - *first_);
@@ -163,12 +170,13 @@ Result<bool> LiveSource::read(int number, capture::Capture& capture) {
 
 Result<std::unique_ptr<capture::CaptureSource>> make_live_source(
     RigConfig config, Devices devices, const std::atomic<bool>& stop, Clock& clock,
-    WhenLost when_lost, std::shared_ptr<CameraSettings> settings) {
+    WhenLost when_lost, std::shared_ptr<CameraSettings> settings,
+    std::shared_ptr<RunningRig> running) {
   MIXRIG_ASSIGN(capture::SourceInfo info, take_info(config, devices));
   MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
-  return std::unique_ptr<capture::CaptureSource>(
-      std::make_unique<LiveSource>(std::move(config), std::move(devices), std::move(info),
-                                   std::move(lens), stop, clock, when_lost, std::move(settings)));
+  return std::unique_ptr<capture::CaptureSource>(std::make_unique<LiveSource>(
+      std::move(config), std::move(devices), std::move(info), std::move(lens), stop, clock,
+      when_lost, std::move(settings), std::move(running)));
 }
 
 }  // namespace mixrig::live

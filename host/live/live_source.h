@@ -10,6 +10,7 @@
 #include "host/live/camera_settings.h"
 #include "host/live/devices.h"
 #include "host/live/rig_config.h"
+#include "host/live/running_rig.h"
 
 namespace mixrig::live {
 
@@ -24,10 +25,12 @@ enum class WhenLost {
 /// read() gives the next frame set that has colour and depth (kGoOn: or colour alone, once both
 /// have come); false after `stop` was set or when all cameras have ended. Errors of read(): kDevice
 /// when a device does not start, or when no set came for five seconds, as `when_lost` says. `stop`
-/// and `clock` must outlive the source. `settings` (may be null) follows the [[camera]]s while they
-/// run. Errors: kUsage for a rig without a camera or a depth camera.
+/// and `clock` must outlive the source. `settings` (may be null) follows the [[camera]]s, and
+/// `running` (may be null) the rig, while they run. Errors: kUsage for a rig without a camera or a
+/// depth camera.
 Result<std::unique_ptr<capture::CaptureSource>> make_live_source(
     RigConfig config, Devices devices, const std::atomic<bool>& stop, Clock& clock,
-    WhenLost when_lost = WhenLost::kEnd, std::shared_ptr<CameraSettings> settings = nullptr);
+    WhenLost when_lost = WhenLost::kEnd, std::shared_ptr<CameraSettings> settings = nullptr,
+    std::shared_ptr<RunningRig> running = nullptr);
 
 }  // namespace mixrig::live

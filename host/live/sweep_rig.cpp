@@ -22,12 +22,19 @@ HostTime exposure_begin(const sync::TimedFrame& frame, Duration period) {
 
 }  // namespace
 
+ExposureBegin::ExposureBegin(const RigConfig& config, const Devices& devices)
+    : color_period_(period_of(config, config.cameras.front(), devices.cameras.front()->info())),
+      depth_period_(period_of(config, *config.depth, devices.depth->info())),
+      depth_(devices.cameras.size()) {}
+
+HostTime ExposureBegin::of(const LiveSet& set) const {
+  const HostTime color = exposure_begin(set.frames.frames[0], color_period_);
+  const sync::TimedFrame& depth = set.frames.frames[depth_];
+  return depth.frame ? std::min(color, exposure_begin(depth, depth_period_)) : color;
+}
+
 LiveSweepRig::LiveSweepRig(const RigConfig& config, const Devices& devices, LiveSession& session)
-    : devices_(devices),
-      session_(session),
-      decoder_(config, devices),
-      color_period_(period_of(config, config.cameras.front(), devices.cameras.front()->info())),
-      depth_period_(period_of(config, *config.depth, devices.depth->info())) {}
+    : devices_(devices), session_(session), decoder_(config, devices), begin_(config, devices) {}
 
 Result<bool> LiveSweepRig::next(Duration timeout, capture::Capture& frame, HostTime& exposed_from) {
   const bool ended = session_.ended();
@@ -41,9 +48,7 @@ Result<bool> LiveSweepRig::next(Duration timeout, capture::Capture& frame, HostT
     ++left_out_;
     return false;
   }
-  exposed_from =
-      std::min(exposure_begin(set->frames.frames[0], color_period_),
-               exposure_begin(set->frames.frames[devices_.cameras.size()], depth_period_));
+  exposed_from = begin_.of(*set);
   return true;
 }
 

@@ -72,6 +72,27 @@ struct ScanState {
   std::string why_not;      ///< one line, where it is not possible
 };
 
+/// Of a sweep of the head over the room while the run goes on.
+struct SweepState {
+  enum class Phase : std::uint8_t { kIdle, kSweeping, kModelling };
+  bool possible = false;
+  std::string why_not;  ///< one line, where it is not possible
+  Phase phase = Phase::kIdle;
+  std::string name;         ///< of the room that is made, or was made last
+  int done = 0, total = 0;  ///< views
+  double left_s = 0;        ///< until the last view, where it is known
+  std::string folder;       ///< of the room that was written last
+  std::string error;        ///< why the last one has none, one line
+};
+
+/// Depth of field of the composite.
+struct FocusState {
+  bool on = false;
+  std::optional<Eigen::Vector2d> at{};  ///< 0..1 of the picture: what is seen there is sharp
+  std::optional<double> distance_m{};   ///< or this distance
+  double f_number = 0;
+};
+
 struct CalibrationState {
   std::string file, why;          ///< which one is used, and why
   std::optional<double> age_s{};  ///< since the file was written
@@ -96,6 +117,8 @@ struct State {
   bool background_possible = false;  ///< changes of the room can be taken into the background
   std::string background;            ///< what is known about them, one line
   ScanState scan;
+  SweepState sweep;
+  FocusState focus;
   std::optional<double> disk_free_gb{};  ///< where recordings go
   CalibrationState calibration;
   std::vector<StreamState> streams;
@@ -161,10 +184,24 @@ struct LearnBackground {};
 struct ScanRoom {
   bool on = true;
 };
+/// The head turns over the room, whose model becomes the background of the next start.
+struct StartSweep {
+  std::string name;                     ///< a folder's; empty: "room 1", "room 2", ...
+  Eigen::Vector2d field_deg{270, 180};  ///< pan x tilt
+  int view_frames = 4;
+};
+/// Ends it without a result.
+struct CancelSweep {};
+/// Depth of field; what is absent stays. At most one of `at` and `distance_m`.
+struct SetFocus {
+  std::optional<bool> on{};
+  std::optional<Eigen::Vector2d> at{};  ///< 0..1 of the picture: what is seen there is sharp
+  std::optional<double> distance_m{}, f_number{};
+};
 
-using Command =
-    std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLamp, RemoveLamp, SetCamera,
-                 SaveScene, StartRecording, StopRecording, LearnBackground, ScanRoom>;
+using Command = std::variant<SetObject, AddObject, RemoveObject, SetLamp, AddLamp, RemoveLamp,
+                             SetCamera, SaveScene, StartRecording, StopRecording, LearnBackground,
+                             ScanRoom, StartSweep, CancelSweep, SetFocus>;
 
 /// A run. Any threads.
 class Operator {

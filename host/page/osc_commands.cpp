@@ -119,6 +119,10 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
     MIXRIG_ASSIGN(const bool on, switch_of(message, state.at("scan").at("total").get<int>() > 0));
     return Action(Command(ScanRoom{on}));
   }
+  if (verb == "sweep") {
+    MIXRIG_ASSIGN(const bool on, switch_of(message, state.at("sweep").at("phase") != "idle"));
+    return on ? Action(Command(StartSweep{})) : Action(Command(CancelSweep{}));
+  }
   if (verb == "learn") return Action(Command(LearnBackground{}));
   if (verb == "save") return Action(Command(SaveScene{}));
   if (verb != "view") return not_there(message.address);
@@ -127,6 +131,18 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
   const auto view = name != nullptr ? view_named(*name) : std::nullopt;
   if (!view) return not_so(message, "give composite, plate, key, depth, light or matte");
   return Action(SelectView{*view});
+}
+
+/// /mixrig/focus/on, at, distance_m, f_number.
+Result<Action> focus_action(const OscReceived& message, const std::string& key, const json& focus) {
+  json value;
+  if (key == "on") {
+    MIXRIG_ASSIGN(value, switch_of(message, focus.at("on").get<bool>()));
+  } else {
+    if (!is_one_of(key, {"at", "distance_m", "f_number"})) return not_there(message.address);
+    MIXRIG_ASSIGN(value, numbers_of(message));
+  }
+  return action_of(Change{Method::kPut, "focus", ""}, to_text(json{{key, value}}));
 }
 
 class OscState {
@@ -165,6 +181,10 @@ Result<std::optional<Action>> action_of(const OscReceived& message, const json& 
     MIXRIG_ASSIGN(Action action, simple_action(message, parts[0], state));
     return std::optional(std::move(action));
   }
+  if (parts.size() == 2 && parts[0] == "focus") {
+    MIXRIG_ASSIGN(Action action, focus_action(message, parts[1], state.at("focus")));
+    return std::optional(std::move(action));
+  }
   if (parts.size() != 3 || !is_one_of(parts[0], {"object", "lamp", "camera"}))
     return not_there(message.address);
   MIXRIG_ASSIGN(Action action, thing_action(message, parts, state));
@@ -183,6 +203,13 @@ std::map<std::string, std::string> osc_of(const json& state) {
   const json& scan = state.at("scan");
   const int total = scan.at("total").get<int>();
   osc.put_numbers("scan", total > 0 ? scan.at("done").get<double>() / total : 0.0);
+  const json& sweep = state.at("sweep");
+  const int views = sweep.at("phase") == "sweeping" ? sweep.at("total").get<int>() : 0;
+  osc.put_numbers("sweep", views > 0 ? sweep.at("done").get<double>() / views : 0.0);
+  const json& focus = state.at("focus");
+  osc.put_switch("focus/on", focus.at("on").get<bool>());
+  for (const char* key : {"at", "distance_m", "f_number"})
+    osc.put_numbers(std::string("focus/") + key, focus.at(key));
   for (const json& o : state.at("objects")) {
     const std::string at = "object/" + stream::osc_name(o.at("name").get<std::string>()) + "/";
     osc.put_switch(at + "hidden", o.at("hidden").get<bool>());

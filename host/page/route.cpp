@@ -77,7 +77,8 @@ Route api_route(Method method, const Parts& parts) {
   if (kind == "picture" && rest.size() == 1) return picture_route(method, rest[0]);
   if (kind == "event" && rest.size() == 1 && rest[0] == "websocket")
     return method == Method::kGet ? Route(OpenEvents{}) : Route(wrong_method("GET"));
-  if ((kind == "view" || kind == "freeze") && rest.empty() && method == Method::kPut)
+  if ((kind == "view" || kind == "freeze" || kind == "focus") && rest.empty() &&
+      method == Method::kPut)
     return Change{method, kind, ""};
   if (kind == "record" && rest.size() == 1 && (rest[0] == "start" || rest[0] == "stop"))
     return post_route(method, kind, rest[0]);
@@ -85,6 +86,8 @@ Route api_route(Method method, const Parts& parts) {
     return post_route(method, kind, rest[0]);
   if (kind == "background" && rest.size() == 1 &&
       (rest[0] == "learn" || rest[0] == "scan" || rest[0] == "cancel"))
+    return post_route(method, kind, rest[0]);
+  if (kind == "sweep" && rest.size() == 1 && (rest[0] == "start" || rest[0] == "cancel"))
     return post_route(method, kind, rest[0]);
   if (!rest.empty() || !(kind == "state" || is_part(kind))) return no_such();
   if (method != Method::kGet) return wrong_method("GET");
@@ -148,6 +151,27 @@ Result<Action> start_recording(const Body& body) {
   return body.done(Action(Command(start)));
 }
 
+Result<Action> start_sweep(const Body& body) {
+  StartSweep start;
+  start.name = body.text("name", kMostName).value_or("");
+  if (!start.name.empty() && !is_folder_name(start.name))
+    body.fail("name", "becomes a folder: use letters, digits, blanks, '_', '-' and '.'");
+  if (const auto field = body.numbers<2>("field_deg", 1, 360)) start.field_deg = *field;
+  if (start.field_deg.y() > 180) body.fail("field_deg", "must be at most 360 by 180");
+  start.view_frames = static_cast<int>(body.number("view_frames", 1, 100).value_or(4));
+  return body.done(Action(Command(start)));
+}
+
+Result<Action> set_focus(const Body& body) {
+  SetFocus set;
+  set.on = body.boolean("on");
+  set.at = body.numbers<2>("at", 0, 1);
+  set.distance_m = body.number("distance_m", 0.01, 1e4);
+  set.f_number = body.number("f_number", 0.5, 128);
+  if (set.at && set.distance_m) body.fail("at", "is given beside distance_m: remove one of them");
+  return body.done(Action(Command(set)));
+}
+
 Result<Action> select_view(const Body& body) {
   const auto text = body.text("view", 16);
   const auto view = view_named(text.value_or(""));
@@ -205,6 +229,9 @@ Result<Action> action_of(const Change& change, std::string_view text) {
     return body.done(Action(Command(LearnBackground{})));
   if (change.kind == "background")
     return body.done(Action(Command(ScanRoom{change.name == "scan"})));
+  if (change.kind == "focus") return set_focus(body);
+  if (change.kind == "sweep")
+    return change.name == "start" ? start_sweep(body) : body.done(Action(Command(CancelSweep{})));
   if (change.name == "start") return start_recording(body);
   return body.done(Action(Command(StopRecording{})));
 }

@@ -43,9 +43,10 @@ struct Upload {
 /// With a JSON body: command_of() says which command it is.
 struct Change {
   Method method = Method::kPut;
-  std::string
-      kind;  ///< "objects", "lamps", "cameras", "scene", "record", "background", "view", "freeze"
-  std::string name;  ///< of an object or lamp; "start", "stop", "save", "learn", "scan", "cancel"
+  std::string kind;  ///< "objects", "lamps", "cameras", "scene", "record", "background", "sweep",
+                     ///< "view", "freeze", "focus"
+  std::string name;  ///< of an object or lamp; "start", "stop", "save", "learn", "scan",
+                     ///< "cancel"
 };
 
 using Route = std::variant<Answer, GetFile, GetState, GetPicture, OpenEvents, Upload, Change>;

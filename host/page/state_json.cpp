@@ -61,6 +61,26 @@ json recording_json(const RecordingState& r) {
           {"error", r.error}};
 }
 
+json sweep_json(const SweepState& s) {
+  const char* const phases[] = {"idle", "sweeping", "modelling"};
+  return {{"possible", s.possible},
+          {"why_not", s.why_not},
+          {"phase", phases[static_cast<std::size_t>(s.phase)]},
+          {"name", s.name},
+          {"done", s.done},
+          {"total", s.total},
+          {"left_s", to_digits(s.left_s, 1)},
+          {"folder", s.folder},
+          {"error", s.error}};
+}
+
+json focus_json(const FocusState& f) {
+  return {{"on", f.on},
+          {"at", place_json(f.at)},
+          {"distance_m", f.distance_m ? json(to_digits(*f.distance_m, 1e-4)) : json()},
+          {"f_number", to_digits(f.f_number, 1e-4)}};
+}
+
 json calibration_json(const CalibrationState& c) {
   const char* const verdicts[] = {"go", "no-go", "unknown"};
   return {{"file", c.file},
@@ -111,6 +131,8 @@ json to_json(const State& s, const PageState& page) {
         {"done", s.scan.done},
         {"total", s.scan.total},
         {"why_not", s.scan.why_not}}},
+      {"sweep", sweep_json(s.sweep)},
+      {"focus", focus_json(s.focus)},
       {"disk", {{"free_gb", s.disk_free_gb ? json(to_digits(*s.disk_free_gb, 0.1)) : json()}}},
       {"calibration", calibration_json(s.calibration)},
       {"streams", list_json(s.streams, stream_json)},
@@ -125,8 +147,9 @@ json to_json(const State& s, const PageState& page) {
 
 const std::vector<std::string_view>& parts() {
   static const std::vector<std::string_view> names{
-      "run",     "picture", "pose",    "recording", "background", "scan", "disk",   "calibration",
-      "streams", "cameras", "objects", "lamps",     "log",        "view", "freeze", "clients"};
+      "run",     "picture", "pose", "recording",   "background", "scan",
+      "sweep",   "focus",   "disk", "calibration", "streams",    "cameras",
+      "objects", "lamps",   "log",  "view",        "freeze",     "clients"};
   return names;
 }
 

@@ -19,9 +19,9 @@ struct PageState {
   int clients = 0;
 };
 
-/// {"run", "picture", "pose", "recording", "background", "scan", "disk", "calibration", "streams",
-/// "cameras", "objects", "lamps", "log", "view", "freeze", "clients"}: docs/page_openapi.yaml.
-/// Numbers are rounded, so that what is the same is told once.
+/// {"run", "picture", "pose", "recording", "background", "scan", "sweep", "focus", "disk",
+/// "calibration", "streams", "cameras", "objects", "lamps", "log", "view", "freeze", "clients"}:
+/// docs/page_openapi.yaml. Numbers are rounded, so that what is the same is told once.
 nlohmann::json to_json(const State& state, const PageState& page);
 
 /// Whether it is one of the names above.

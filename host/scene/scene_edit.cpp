@@ -133,21 +133,6 @@ Result<ObjectText> find_object(std::string_view text, const std::filesystem::pat
   return found;
 }
 
-void remove_key(ObjectText& object, std::string_view key) {
-  const auto from = object.lines.begin() + static_cast<std::ptrdiff_t>(object.block.begin) + 1;
-  const auto to = object.lines.begin() + static_cast<std::ptrdiff_t>(object.block.end);
-  const auto left =
-      std::remove_if(from, to, [&](const std::string& line) { return key_of(line) == key; });
-  object.block.end -= static_cast<std::size_t>(to - left);
-  object.lines.erase(left, to);
-}
-
-void set_key(ObjectText& object, std::string_view key, const std::string& line) {
-  const std::size_t before = object.lines.size();
-  set_line(object.lines, object.block, key, line);
-  object.block.end += object.lines.size() - before;
-}
-
 template <typename Value>
 std::string value_line(std::string_view key, const Value& value) {
   config::Writer table;
@@ -158,12 +143,14 @@ std::string value_line(std::string_view key, const Value& value) {
 }
 
 void set_pose(ObjectText& object, const geometry::Pose& pose) {
-  remove_key(object, "yaw_deg");
-  set_key(object, "rotation_xyzw",
-          number_line("rotation_xyzw",
-                      rounded_numbers(Eigen::Vector4d(pose.rotation.coeffs()), kObjectDigits)));
-  set_key(object, "position_m",
-          number_line("position_m", rounded_numbers(pose.translation_m, kObjectDigits)));
+  config::remove_line(object.lines, object.block, "yaw_deg");
+  config::set_line_in(
+      object.lines, object.block, "rotation_xyzw",
+      number_line("rotation_xyzw",
+                  rounded_numbers(Eigen::Vector4d(pose.rotation.coeffs()), kObjectDigits)));
+  config::set_line_in(
+      object.lines, object.block, "position_m",
+      number_line("position_m", rounded_numbers(pose.translation_m, kObjectDigits)));
 }
 
 bool is_at(const Object& object, const geometry::Pose& pose) {
@@ -179,8 +166,10 @@ Result<std::string> with_object(std::string_view text, const std::filesystem::pa
   MIXRIG_ASSIGN(ObjectText object, find_object(text, path, name));
   if (edit.world_from_object) set_pose(object, *edit.world_from_object);
   if (edit.scale)
-    set_key(object, "scale", value_line("scale", config::rounded(*edit.scale, kObjectDigits)));
-  if (edit.hidden) set_key(object, "hidden", value_line("hidden", *edit.hidden));
+    config::set_line_in(object.lines, object.block, "scale",
+                        value_line("scale", config::rounded(*edit.scale, kObjectDigits)));
+  if (edit.hidden)
+    config::set_line_in(object.lines, object.block, "hidden", value_line("hidden", *edit.hidden));
   std::string edited = text_of_lines(object.lines);
   const auto check = parse_scene(edited, path, false);
   if (!check || check->objects.size() != object.scene.objects.size())

@@ -83,7 +83,7 @@ Result<SweepSetup> sweep_setup(const LiveScanOptions& options) {
   return setup;
 }
 
-Result<void> check_sizes(const SweepSetup& setup, const live::Devices& devices) {
+Result<void> check_sizes(const SweepSetup& setup, const live::SweepFacts& facts) {
   const auto same = [&](const char* name, Size known, Size used) -> Result<void> {
     if (known == used) return {};
     return Error{ErrorCode::kFormat,
@@ -92,8 +92,8 @@ Result<void> check_sizes(const SweepSetup& setup, const live::Devices& devices) 
                              setup.calibration_path.string(), name, known.width, known.height,
                              used.width, used.height)};
   };
-  MIXRIG_TRY(same("target", setup.target.size_px(), devices.cameras.front()->info().size));
-  return same("tof", setup.tof.size_px(), devices.depth->info().size);
+  MIXRIG_TRY(same("target", setup.target.size_px(), facts.color_px));
+  return same("tof", setup.tof.size_px(), facts.depth_px);
 }
 
 Result<model::SweepPlan> plan_for(const LiveScanOptions& options, const SweepSetup& setup,
@@ -166,28 +166,73 @@ std::optional<live::ExposureBracket> bracket_of(device::Camera& camera,
   return {};
 }
 
-/// Runs the devices from view `scan.views` on.
-Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
-                        const LiveScanOptions& options, const model::SweepPlan& plan,
-                        take::GrowingTake& take, const std::atomic<bool>& stop, Clock& clock,
-                        LiveScan& scan) {
+/// A sweep whose folder is there.
+struct BegunSweep {
+  LiveScan scan;
+  model::SweepPlan plan;
+  take::GrowingTake take;
+};
+
+Result<BegunSweep> begin_sweep(const LiveScanOptions& options, const SweepSetup& setup,
+                               SweepIdentity identity, const live::SweepFacts& facts) {
+  MIXRIG_TRY(check_sizes(setup, facts));
+  MIXRIG_ASSIGN(model::SweepPlan plan, plan_for(options, setup, facts.unit));
+  for (const model::HeadView& view : plan.views)
+    identity.views_rad.insert(identity.views_rad.end(), {view.pan_rad, view.tilt_rad});
+  LiveScan scan;
+  scan.sweep = sweep_folder(options.out), scan.calibration = setup.calibration_path;
+  MIXRIG_TRY(begin_or_resume(scan.sweep, identity));
+  MIXRIG_ASSIGN(take::GrowingTake take, take::GrowingTake::open(scan.sweep, facts.take));
+  scan.planned = static_cast<int>(plan.views.size());
+  scan.views = scan.resumed = take.frames() / options.view_frames;
+  scan.covered_share = plan.covered_share;
+  if (options.planned) options.planned(scan);
+  return BegunSweep{std::move(scan), std::move(plan), std::move(take)};
+}
+
+live::SweepOptions sweep_options(const LiveScanOptions& options, BegunSweep& begun) {
   live::SweepOptions sweep;
   sweep.settings.view_frames = options.view_frames;
-  for (const model::HeadView& view : plan.views)
+  for (const model::HeadView& view : begun.plan.views)
     sweep.views.push_back({view.pan_rad, view.tilt_rad});
-  sweep.first = static_cast<std::size_t>(scan.views);
-  sweep.progress = [&](std::size_t done, Duration left) {
-    if (options.progress) options.progress(static_cast<int>(done), scan.planned, left);
+  sweep.first = static_cast<std::size_t>(begun.scan.views);
+  sweep.progress = [&options, planned = begun.scan.planned](std::size_t done, Duration left) {
+    if (options.progress) options.progress(static_cast<int>(done), planned, left);
   };
-  sweep.save = [&](std::span<const capture::Capture> frames, device::PanTiltAngles at,
-                   std::span<const capture::BracketPlate> plates) -> Result<void> {
-    return take.append(frames, at, plates);
+  sweep.save = [&begun](std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                        std::span<const capture::BracketPlate> plates) -> Result<void> {
+    return begun.take.append(frames, at, plates);
   };
+  return sweep;
+}
+
+Result<LiveScan> ended_sweep(const LiveScanOptions& options, BegunSweep& begun,
+                             const Result<live::SweepReport>& swept) {
+  LiveScan& scan = begun.scan;
+  scan.views = begun.take.frames() / options.view_frames;
+  if (swept) {
+    scan.bracketed = swept->bracketed, scan.restarts = swept->restarts;
+    scan.stopped = swept->stopped;
+    return std::move(scan);
+  }
+  Error error = swept.error();
+  error.context += fmt::format(
+      " ({} of {} views are in '{}'; the same command goes on with the "
+      "next)",
+      scan.views, scan.planned, scan.sweep.string());
+  return error;
+}
+
+/// Runs the devices from view `scan.views` on.
+Result<LiveScan> sweep_with(live::Devices& devices, const SweepSetup& setup,
+                            const LiveScanOptions& options, BegunSweep& begun,
+                            const std::atomic<bool>& stop, Clock& clock) {
+  live::SweepOptions sweep = sweep_options(options, begun);
   live::LiveSession session(setup.rig, devices, clock);
   MIXRIG_TRY(session.start());
   const HostTime begin = clock.now();
   live::LiveSweepRig rig(setup.rig, devices, session);
-  MIXRIG_TRY(hold_colors(setup, devices, rig, scan.sweep, stop, clock));
+  MIXRIG_TRY(hold_colors(setup, devices, rig, begun.scan.sweep, stop, clock));
   std::optional<live::ExposureBracket> bracket =
       options.bracket ? bracket_of(*devices.cameras.front(), rig) : std::nullopt;
   if (bracket)
@@ -197,19 +242,16 @@ Result<void> sweep_with(live::Devices& devices, const SweepSetup& setup,
   const auto swept = live::run_sweep(rig, sweep, stop, clock);
   bracket.reset();  // puts the exposure back, whatever ended the sweep
   session.stop();
-  scan.seconds = seconds(clock.now() - begin);
-  scan.views = take.frames() / options.view_frames;
-  if (swept) {
-    scan.bracketed = swept->bracketed, scan.restarts = swept->restarts,
-    scan.stopped = swept->stopped;
-    return {};
-  }
-  Error error = swept.error();
-  error.context += fmt::format(
-      " ({} of {} views are in '{}'; the same command goes on with the "
-      "next)",
-      scan.views, scan.planned, scan.sweep.string());
-  return error;
+  begun.scan.seconds = seconds(clock.now() - begin);
+  return ended_sweep(options, begun, swept);
+}
+
+/// Before devices are opened.
+Result<SweepIdentity> check_sweep(const LiveScanOptions& options, const SweepSetup& setup) {
+  MIXRIG_TRY(check_out(options.out));
+  MIXRIG_ASSIGN(SweepIdentity identity, identity_of(options, setup));
+  MIXRIG_TRY(check_sweep_folder(sweep_folder(options.out), identity));
+  return identity;
 }
 
 }  // namespace
@@ -223,28 +265,28 @@ fs::path sweep_folder(const fs::path& out) {
 Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bool>& stop,
                             Clock& clock) {
   MIXRIG_ASSIGN(const SweepSetup setup, sweep_setup(options));
-  MIXRIG_TRY(check_out(options.out));
-  LiveScan scan;
-  scan.sweep = sweep_folder(options.out), scan.calibration = setup.calibration_path;
-  MIXRIG_ASSIGN(SweepIdentity identity, identity_of(options, setup));
-  MIXRIG_TRY(check_sweep_folder(scan.sweep, identity));
+  MIXRIG_ASSIGN(SweepIdentity identity, check_sweep(options, setup));
   MIXRIG_ASSIGN(
       live::Devices devices,
       live::open_devices(setup.rig, live::DeviceOpener(clock, open_recordings(setup.rig))));
-  MIXRIG_TRY(check_sizes(setup, devices));
-  MIXRIG_ASSIGN(const model::SweepPlan plan, plan_for(options, setup, devices.pan_tilt->info()));
-  for (const model::HeadView& view : plan.views)
-    identity.views_rad.insert(identity.views_rad.end(), {view.pan_rad, view.tilt_rad});
-  MIXRIG_TRY(begin_or_resume(scan.sweep, identity));
-  MIXRIG_ASSIGN(take::TakeInfo info, live::take_info(setup.rig, devices));
-  MIXRIG_ASSIGN(take::GrowingTake take, take::GrowingTake::open(scan.sweep, info));
-  scan.planned = static_cast<int>(plan.views.size());
-  scan.views = scan.resumed = take.frames() / options.view_frames;
-  scan.covered_share = plan.covered_share;
-  if (options.planned) options.planned(scan);
-  if (scan.views < scan.planned)
-    MIXRIG_TRY(sweep_with(devices, setup, options, plan, take, stop, clock, scan));
-  return scan;
+  MIXRIG_ASSIGN(const live::SweepFacts facts, live::sweep_facts(setup.rig, devices));
+  MIXRIG_ASSIGN(BegunSweep begun, begin_sweep(options, setup, std::move(identity), facts));
+  if (begun.scan.views >= begun.scan.planned) return std::move(begun.scan);
+  return sweep_with(devices, setup, options, begun, stop, clock);
+}
+
+Result<LiveScan> sweep_room_of_run(const LiveScanOptions& options, live::RunningRig& rig,
+                                   const std::atomic<bool>& stop, Clock& clock) {
+  MIXRIG_ASSIGN(const SweepSetup setup, sweep_setup(options));
+  MIXRIG_ASSIGN(SweepIdentity identity, check_sweep(options, setup));
+  MIXRIG_ASSIGN(const live::SweepFacts facts, rig.facts());
+  MIXRIG_ASSIGN(BegunSweep begun, begin_sweep(options, setup, std::move(identity), facts));
+  if (begun.scan.views >= begun.scan.planned) return std::move(begun.scan);
+  const live::SweepOptions sweep = sweep_options(options, begun);
+  const HostTime begin = clock.now();
+  const auto swept = live::run_sweep(rig, sweep, stop, clock);
+  begun.scan.seconds = seconds(clock.now() - begin);
+  return ended_sweep(options, begun, swept);
 }
 
 }  // namespace mixrig::session

@@ -9,6 +9,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/image.h"
 #include "hal/base/result.h"
+#include "host/live/running_rig.h"
 
 namespace mixrig::session {
 
@@ -52,5 +53,9 @@ std::filesystem::path sweep_folder(const std::filesystem::path& out);
 /// live::run_sweep; kIo.
 Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bool>& stop,
                             Clock& clock);
+/// The same with the devices of a run, which goes on. Plates at other exposures are not taken, and
+/// what a camera adjusts by itself is not held. Precondition: `rig` is listened to.
+Result<LiveScan> sweep_room_of_run(const LiveScanOptions& options, live::RunningRig& rig,
+                                   const std::atomic<bool>& stop, Clock& clock);
 
 }  // namespace mixrig::session

@@ -83,7 +83,8 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
 
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
-    Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings) {
+    Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings,
+    std::shared_ptr<live::RunningRig> running) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (needs_head(scene) && rig.pan_tilt_uri.empty())
@@ -98,7 +99,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(
   MIXRIG_ASSIGN(live::Devices devices,
                 live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, play))));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
-                                live::WhenLost::kGoOn, std::move(settings));
+                                live::WhenLost::kGoOn, std::move(settings), std::move(running));
 }
 
 }  // namespace mixrig::session

@@ -11,6 +11,7 @@
 #include "hal/base/recent_log.h"
 #include "host/config/table.h"
 #include "host/live/rig_edit.h"
+#include "host/session/desk_state.h"
 
 namespace mixrig::session {
 namespace {
@@ -33,38 +34,17 @@ class DeskSink final : public output::CompositeSink {
   OperatorDesk& desk_;
 };
 
-page::StreamState stream_state(const capture::StreamReport& report) {
-  const device::StreamHealth& health = report.health;
-  page::StreamState state;
-  state.name = report.name, state.uri = report.uri;
-  state.frames = health.frames;
-  state.lost = health.lost + health.overrun + report.pairing.missing;
-  state.ok = health.state == device::DeviceState::kStreaming;
-  if (!state.ok)
-    state.what_to_do = "delivers nothing: check cable and power; mixrig diag says more";
-  return state;
-}
-
-/// Of the first folder above it that is there.
-std::optional<double> free_gb(fs::path folder) {
-  std::error_code code;
-  folder = fs::absolute(folder, code);
-  while (!fs::exists(folder, code) && folder.has_relative_path()) folder = folder.parent_path();
-  const fs::space_info space = fs::space(folder, code);
-  if (code) return std::nullopt;
-  return static_cast<double>(space.available) / 1e9;
-}
-
 }  // namespace
 
 OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
-                           output::RunControls& controls, const Clock& clock, DeskOptions options)
+                           output::RunControls& controls, Clock& clock, DeskOptions options)
     : session_(session),
       controls_(controls),
       clock_(clock),
       options_(std::move(options)),
       scene_(session, std::move(follower)),
-      recorder_(session, options_.takes) {
+      recorder_(session, options_.takes),
+      sweep_(session, scene_, clock) {
   controls_.records_takes = true, controls_.recording = false;
 }
 
@@ -101,59 +81,6 @@ OperatorDesk::Frames OperatorDesk::frames() const {
   return frames_;
 }
 
-std::vector<page::CameraState> OperatorDesk::cameras() const {
-  std::vector<page::CameraState> states;
-  if (!session_.cameras) return states;
-  for (const live::CameraSetup& camera : session_.cameras->cameras()) {
-    if (camera.settings.empty()) continue;
-    page::CameraState& state = states.emplace_back();
-    state.name = camera.name;
-    for (const live::CameraSetting& setting : camera.settings) {
-      const live::ControlKey key = live::control_key(setting.range.control);
-      page::CameraValue& value = state.values.emplace_back();
-      value.name = key.key;
-      if (setting.value) value.value = *setting.value * key.unit;
-      value.minimum = setting.range.minimum * key.unit;
-      value.maximum = setting.range.maximum * key.unit;
-      value.step = setting.range.step * key.unit;
-    }
-  }
-  return states;
-}
-
-page::CalibrationState OperatorDesk::calibration() const {
-  using calibration_file::CalibrationOrigin;
-  const calibration_file::CalibrationChoice& choice = session_.calibration;
-  page::CalibrationState state;
-  state.file = choice.where, state.why = choice.why;
-  std::error_code code;
-  const auto written = fs::last_write_time(choice.file, code);
-  if (!code && !choice.file.empty())
-    state.age_s = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
-  const bool guessed = choice.origin == CalibrationOrigin::kGuess;
-  state.verdict = guessed ? page::Verdict::kNoGo : page::Verdict::kGo;
-  state.reason = guessed ? "the cameras are guessed: run mixrig calibrate, or name a calibration"
-                         : "the cameras are known";
-  if (guessed || !(zoomed_ || focused_)) return state;
-  state.verdict = zoomed_ ? page::Verdict::kNoGo : page::Verdict::kUnknown;
-  state.reason = zoomed_ ? "the zoom was changed since: the calibration is of another lens setting"
-                         : "the focus was changed since: the calibration may not hold";
-  return state;
-}
-
-std::vector<page::StreamState> OperatorDesk::streams() const {
-  std::vector<page::StreamState> states;
-  const auto report = session_.source->report();
-  if (!report) {
-    page::StreamState& played = states.emplace_back();
-    played.name = session_.source->info().name, played.uri = "recording";
-    return states;
-  }
-  for (const capture::StreamReport& stream : report->streams)
-    states.push_back(stream_state(stream));
-  return states;
-}
-
 page::State OperatorDesk::state() const {
   const Frames f = frames();
   const SeenFrom* from = f.from ? &*f.from : nullptr;
@@ -174,8 +101,10 @@ page::State OperatorDesk::state() const {
                          : "the background of this run is not watched";
   state.scan = scan_state();
   state.disk_free_gb = free_gb(recorder_.folder());
-  state.calibration = calibration();
-  state.streams = streams(), state.cameras = cameras();
+  state.calibration = calibration_of(session_, zoomed_, focused_);
+  state.streams = streams_of(session_), state.cameras = cameras_of(session_);
+  state.sweep = sweep_.state();
+  state.focus = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px);
   state.objects = scene_.objects(from), state.lamps = scene_.lamps(from);
   state.log = recent_log_lines();
   return state;
@@ -254,6 +183,14 @@ Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
   return set.preview ? Result<void>() : write_file(rig, text);
 }
 
+/// With what was clicked in a window of the run.
+Result<void> OperatorDesk::save() {
+  MIXRIG_TRY(scene_.save());
+  if (controls_.focus_at < 0 || !controls_.can_focus) return {};
+  return scene_.apply(page::SetFocus{
+      .at = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px).at});
+}
+
 Result<void> OperatorDesk::apply(const page::Command& command) {
   const Frames f = frames();
   const SeenFrom* from = f.from ? &*f.from : nullptr;
@@ -270,8 +207,12 @@ Result<void> OperatorDesk::apply(const page::Command& command) {
           return learn_background();
         else if constexpr (std::is_same_v<C, page::ScanRoom>)
           return scan_room(c.on);
+        else if constexpr (std::is_same_v<C, page::StartSweep>)
+          return sweep_.start(c);
+        else if constexpr (std::is_same_v<C, page::CancelSweep>)
+          return sweep_.cancel();
         else if constexpr (std::is_same_v<C, page::SaveScene>)
-          return scene_.save();
+          return save();
         else if constexpr (requires { scene_.apply(c, from); })
           return scene_.apply(c, from);
         else

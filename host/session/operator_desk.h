@@ -14,6 +14,7 @@
 #include "host/output/run_controls.h"
 #include "host/page/operator.h"
 #include "host/session/composite_recorder.h"
+#include "host/session/room_sweep.h"
 #include "host/session/scene_desk.h"
 
 namespace mixrig::session {
@@ -28,7 +29,7 @@ struct DeskOptions {
 class OperatorDesk final : public page::Operator {
  public:
   OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
-               output::RunControls& controls, const Clock& clock, DeskOptions options);
+               output::RunControls& controls, Clock& clock, DeskOptions options);
 
   page::State state() const override;
   Result<void> apply(const page::Command& command) override;
@@ -52,15 +53,13 @@ class OperatorDesk final : public page::Operator {
     std::optional<SeenFrom> from;
   };
   Frames frames() const;
-  page::CalibrationState calibration() const;
-  std::vector<page::StreamState> streams() const;
-  std::vector<page::CameraState> cameras() const;
   page::ScanState scan_state() const;
   Result<void> learn_background();
   Result<void> scan_room(bool on);
   Result<void> record(const page::StartRecording* start);
   void obey_record_key();
   Result<void> set_camera(const page::SetCamera& set);
+  Result<void> save();
 
   const Session& session_;
   output::RunControls& controls_;
@@ -73,6 +72,7 @@ class OperatorDesk final : public page::Operator {
   std::atomic<bool> zoomed_ = false, focused_ = false;  ///< in this run
   mutable std::mutex mutex_;                            ///< guards what follows
   Frames frames_;
+  RoomSweep sweep_;  ///< last: its thread uses the session
 };
 
 }  // namespace mixrig::session

@@ -2,11 +2,21 @@
 #include "host/session/run_compositor.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "hal/base/log.h"
 #include "host/session/frame_lens.h"
 
 namespace mixrig::session {
+namespace {
+
+bool same_focus(const std::optional<scene::FocusSettings>& a,
+                const std::optional<scene::FocusSettings>& b) {
+  if (!a || !b) return !a && !b;
+  return a->distance_m == b->distance_m && a->pixel == b->pixel && a->f_number == b->f_number;
+}
+
+}  // namespace
 
 RunCompositor::RunCompositor(const Session& session, RunOptions& options, const Clock& clock,
                              RunReport& report)
@@ -20,7 +30,7 @@ RunCompositor::RunCompositor(const Session& session, RunOptions& options, const 
 bool RunCompositor::live() const { return session_.source->info().frames == capture::kEndless; }
 
 Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gate) {
-  hides_ = hides, motion_ = motion;
+  hides_ = hides, motion_ = motion, wanted_focus_ = session_.scene.focus;
   MIXRIG_TRY(compositor_->open(session_.setup, session_.backend, hides));
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
@@ -34,10 +44,31 @@ Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gat
 
 Result<void> RunCompositor::follow_changes() {
   exchange_.use(keeper_.take_learned());
-  if (options_.scene) exchange_.use(options_.scene->take_edited());
+  if (options_.scene) use(options_.scene->take_edited());
   MIXRIG_TRY(exchange_.exchange(compositor_, hides_, last_pose_));
+  if (options_.controls != nullptr)
+    options_.controls->can_focus = exchange_.scene().focus.has_value();
   if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
   return {};
+}
+
+/// What the scene says newly is sharp takes the place of what was clicked.
+void RunCompositor::use(EditedScenePtr edited) {
+  if (!edited) return;
+  const bool refocuses = !same_focus(wanted_focus_, edited->scene.focus);
+  if (refocuses && options_.controls != nullptr) options_.controls->focus_at = -1;
+  wanted_focus_ = edited->scene.focus;
+  exchange_.use(std::move(edited));
+}
+
+/// That an operator chose, where the scene in use has a focus and the view that pixel.
+std::optional<glm::ivec2> RunCompositor::focus_pixel() const {
+  const int at = options_.controls != nullptr ? options_.controls->focus_at.load() : -1;
+  const Size view = session_.setup.view.size_px;
+  const glm::ivec2 pixel(at & 0xFFFF, at >> 16);
+  if (at < 0 || !exchange_.scene().focus || pixel.x >= view.width || pixel.y >= view.height)
+    return std::nullopt;
+  return pixel;
 }
 
 void RunCompositor::move_objects(output::Composite& composite) {
@@ -68,11 +99,12 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
   images.wanted = wanted;
   last_pose_ = composite.world_from_target;
   const Image<float>& depth_m = composite.capture->depth_m;
-  return compositor_->compose({composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
-                               composite.world_from_target, frame_lens(*composite.capture),
-                               composite.world_from_object, composite.capture->depth2.depth_m,
-                               scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt},
-                              composite.objects_shown, images);
+  return compositor_->compose(
+      {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
+       composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
+       composite.capture->depth2.depth_m,
+       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt, focus_pixel()},
+      composite.objects_shown, images);
 }
 
 Result<void> RunCompositor::see(const output::CompositePtr& composite) {

@@ -47,6 +47,7 @@ class RunCompositor {
  private:
   bool live() const;
   void place_moved_objects();
+  void use(EditedScenePtr edited);
   std::optional<glm::ivec2> focus_pixel() const;
 
   const Session& session_;
@@ -54,6 +55,7 @@ class RunCompositor {
   const Clock& clock_;
   RunReport& report_;
   bool hides_ = false;
+  std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
   ObjectMotion* motion_ = nullptr;
   RoomKeeper keeper_;
   SetupExchange exchange_;  ///< has what compositor_ was made of

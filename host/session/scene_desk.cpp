@@ -10,6 +10,7 @@
 #include "host/config/table.h"
 #include "host/scene/scene_edit.h"
 #include "host/scene/scene_manifest.h"
+#include "host/scene/settings_edit.h"
 #include "host/session/place.h"
 
 namespace mixrig::session {
@@ -256,6 +257,41 @@ Result<void> SceneDesk::apply(const page::RemoveLamp& remove) {
   MIXRIG_ASSIGN(const scene::Lamp* old, named(lamps, remove.name, "lamp"));
   lamps.erase(lamps.begin() + (old - lamps.data()));
   return write_lamps(std::move(now.text), lamps);
+}
+
+/// A new one without a place is sharp in the middle of the picture.
+Result<void> SceneDesk::apply(const page::SetFocus& set) {
+  const std::lock_guard lock(follower_->edit_mutex());
+  MIXRIG_ASSIGN(Written now, written());
+  const fs::path& path = session_.scene.path;
+  MIXRIG_ASSIGN(std::string text, with_poses(std::move(now.text), ""));
+  if (set.on == false) {
+    MIXRIG_ASSIGN(text, scene::without_focus(text, path));
+    return write_file(path, text);
+  }
+  std::optional<Eigen::Vector2d> at = set.at;
+  if (!now.scene.focus && !at && !set.distance_m) at = Eigen::Vector2d(0.5, 0.5);
+  scene::FocusEdit edit{set.distance_m, std::nullopt, set.f_number};
+  const Size view = session_.setup.view.size_px;
+  const auto pixel = [](double place, int size) {
+    return std::clamp(static_cast<int>(place * size), 0, size - 1);
+  };
+  if (at) edit.pixel = {pixel(at->x(), view.width), pixel(at->y(), view.height)};
+  MIXRIG_ASSIGN(text, scene::with_focus(text, path, edit));
+  return write_file(path, text);
+}
+
+Result<void> SceneDesk::use_background(const fs::path& model) {
+  const std::lock_guard lock(follower_->edit_mutex());
+  MIXRIG_ASSIGN(Written now, written());
+  MIXRIG_ASSIGN(const std::string text,
+                scene::with_background_model(now.text, session_.scene.path, model));
+  return write_file(session_.scene.path, text);
+}
+
+std::optional<scene::FocusSettings> SceneDesk::focus() const {
+  const EditedScenePtr now = follower_->newest();
+  return shown_scene(now).focus;
 }
 
 Result<void> SceneDesk::save() {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,15 @@ class SceneDesk {
   Result<void> apply(const page::SetLamp& set);
   Result<void> apply(const page::AddLamp& add, const SeenFrom* from);
   Result<void> apply(const page::RemoveLamp& remove);
+  Result<void> apply(const page::SetFocus& set);
+  /// Of the next start: a path as scene.toml has it, relative to the file.
+  Result<void> use_background(const std::filesystem::path& model);
   Result<void> save();
 
   std::vector<page::ObjectState> objects(const SeenFrom* from) const;
   std::vector<page::LampState> lamps(const SeenFrom* from) const;
+  /// As the newest version of the file has it.
+  std::optional<scene::FocusSettings> focus() const;
 
  private:
   /// Previews, of a version of the scene.

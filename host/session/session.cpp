@@ -42,8 +42,9 @@ Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOpt
   if (options.clock == nullptr || options.stop == nullptr)
     return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
   session.cameras = std::make_shared<live::CameraSettings>();
+  session.rig = std::make_shared<live::RunningRig>();
   return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", session.scene, *options.stop,
-                  *options.clock, options.play, session.cameras);
+                  *options.clock, options.play, session.cameras, session.rig);
 }
 
 calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,

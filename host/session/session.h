@@ -52,6 +52,7 @@ struct Session {
   scene::Scene scene;
   std::unique_ptr<capture::CaptureSource> source;
   std::shared_ptr<live::CameraSettings> cameras;      ///< of `source`; null: no live devices
+  std::shared_ptr<live::RunningRig> rig;              ///< of `source`; null: no live devices
   calibration_file::CalibrationChoice calibration;    ///< which one is used, and why
   std::optional<model::StaticBackground> background;  ///< one view of the room
   std::vector<model::RoomFaces> rooms;                ///< or all of it, of each scan

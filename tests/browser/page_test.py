@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 import tomllib
+import urllib.error
 import urllib.request
 
 try:
@@ -273,6 +274,43 @@ def adds_a_lamp(page, rig):
     comes_true("the added lamp", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
 
 
+def focuses(page, rig):
+    """Depth of field: on, by a click, by numbers, off; each is in scene.toml."""
+    focus = lambda: rig.scene().get("focus")
+    by_id(page, "focus-on").click()
+    comes_true("a focus in scene.toml", focus)
+    comes_true("the page knows", lambda: by_id(page, "focus-on").get_attribute("aria-pressed") == "true")
+    sharp = comes_true("a picture", lambda: edge_strength(page))
+    stage = by_id(page, "stage").rect
+    by_id(page, "focus-pick").click()
+    ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), int(-0.25 * stage["width"]), int(
+        0.25 * stage["height"])).click().perform()
+    comes_true("the pixel in scene.toml", lambda: abs(focus()["pixel"][0] - 160) < 4 and
+               abs(focus()["pixel"][1] - 384) < 4)
+    comes_true("the ring", lambda: page.find_elements(By.CSS_SELECTOR, ".handle.focus"))
+    for name, text, key in (("focus-distance", "0.5", "distance_m"), ("focus-number", "0.5", "f_number")):
+        types(page, name, text)
+        comes_true(f"{key} in scene.toml", lambda: focus().get(key) == 0.5)
+    assert "pixel" not in focus(), focus()
+    comes_true("a blurred room", lambda: edge_strength(page) < 0.7 * sharp)
+    by_id(page, "focus-on").click()
+    comes_true("no focus in scene.toml", lambda: not focus())
+    comes_true("a sharp room", lambda: edge_strength(page) > 0.9 * sharp)
+
+
+def types(page, name, text):
+    """In place of what is there; what the run tells meanwhile does not come between."""
+    by_id(page, name).send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.TAB)
+
+
+def edge_strength(page):
+    return page.execute_script(
+        "const c = document.getElementById('canvas');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let sum = 0; for (let i = 4; i < d.length; i += 4) sum += Math.abs(d[i] - d[i - 4]);"
+        "return sum / d.length")
+
+
 def learns_the_room(page, rig):
     """All of the background anew, while the run goes on; once ended in the middle."""
     def begins():
@@ -377,6 +415,74 @@ class HalfLost(LiveRig):
         self.start(mixrig)
 
 
+class HeadRig(LiveRig):
+    """With a head that the pose follows, and the calibration of a take of the same rig."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "head"
+        take = self.folder / "take"
+        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "sweep", "--rig", "sr3000", "--seed", "31",
+                        "--size", "64x48", "--field", "80x60", "--view-frames", "2"], check=True,
+                       stdout=subprocess.DEVNULL)
+        self.scene_file = self.folder / "scene.toml"
+        base = re.search(r"\[camera.world_from_base\]\n.*\n.*\n", (take / "scene_pan_tilt.toml").read_text())[0]
+        self.scene_file.write_text(f'# ours\n[camera]\npose = "pan_tilt"\n{base}')
+        studio = 'uri = "studio:sweep,31,sr3000,,64x48/'
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\ncalibration = "take/truth/calibration.toml"\n[[camera]]\n'
+                                 f'name = "color"\n{studio}target"\n[depth]\n{studio}tof"\n'
+                                 f'[pan_tilt]\n{studio}head"\n')
+        self.log = open(self.folder / "log", "w+")
+        self.start(mixrig)
+
+    def sweep(self):
+        return self.state()["sweep"]
+
+
+def scans_with_the_head(page, mixrig, folder):
+    """Cancelled once, then to the end; the room is the background of the next start."""
+    rig = HeadRig(mixrig, folder)
+    try:
+        page.get(rig.url)
+        comes_true("a picture", lambda: age_ms(page) is not None)
+        comes_true("the scan", lambda: by_id(page, "sweep").is_enabled())
+        for name, degrees in (("sweep-pan", "80"), ("sweep-tilt", "60")):
+            types(page, name, degrees)
+        by_id(page, "sweep").click()
+        comes_true("progress", lambda: by_id(page, "sweep-progress").is_displayed() and rig.sweep()["done"] > 0)
+        before = int(by_id(page, "canvas").get_attribute("data-frame"))
+        comes_true("the run goes on", lambda: int(by_id(page, "canvas").get_attribute("data-frame")) > before + 2)
+        by_id(page, "sweep").click()
+        comes_true("the end of it", lambda: rig.sweep()["phase"] == "idle")
+        assert not rig.sweep()["error"] and not list((rig.folder / "rooms").iterdir()), rig.sweep()
+        comes_true("the page knows", lambda: by_id(page, "sweep").text.startswith("Scan"))
+        by_id(page, "sweep").click()
+        comes_true("the room", lambda: rig.sweep()["phase"] == "idle" and rig.sweep()["folder"])
+        comes_true("the page says so", lambda: "next start" in by_id(page, "sweep-state").text)
+        scene = rig.scene()
+        assert scene["background"]["model"] == "rooms/room 1", scene
+        assert rig.scene_file.read_text().startswith("# ours"), "comments stay"
+        assert not list((rig.folder / "rooms").glob("*.sweep"))
+        assert rig.stop() == 0, rig.text()
+        rig.log.truncate(0)
+        rig.start(mixrig)
+        comes_true("a background after a restart", lambda: rig.state()["background"]["possible"])
+        print(f"scanned {rig.folder / scene['background']['model']}")
+    finally:
+        rig.process.kill()
+
+
+def a_recording_is_not_scanned(page, rig):
+    assert not by_id(page, "sweep").is_enabled()
+    comes_true("the reason", lambda: "a recording is played" in by_id(page, "sweep-state").text)
+    request = urllib.request.Request(rig.url + "api/v1/sweep/start", b"{}", {"Content-Type": "application/json"})
+    try:
+        urllib.request.urlopen(request, timeout=30)
+        raise AssertionError("a recording was scanned")
+    except urllib.error.HTTPError as refused:
+        assert refused.code == 409, refused
+
+
 def shows_a_lost_device(page, mixrig, folder):
     rig = HalfLost(mixrig, folder)
     try:
@@ -465,12 +571,15 @@ def main():
             adds_a_lamp_where_it_is_seen(page, rig)
             removes_a_lamp(page, rig)
             takes_changes(page)
+            focuses(page, rig)
+            a_recording_is_not_scanned(page, rig)
             learns_the_room(page, rig)
             records(page, rig, mixrig)
             freezes(page)
             two_pages_agree(page)
             says_when_the_rig_is_gone(page, rig)
             sets_the_exposure(page, mixrig, folder)
+            scans_with_the_head(page, mixrig, folder)
             shows_a_lost_device(page, mixrig, folder)
         finally:
             page.quit()

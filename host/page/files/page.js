@@ -4,7 +4,7 @@
 
 const state = {};
 const el = id => document.getElementById(id);
-let socket = null, adding_lamp = false, dragged = '';
+let socket = null, adding_lamp = false, focusing = false, dragged = '';
 
 function make(tag, fields, ...children) {
   const node = document.createElement(tag);
@@ -122,6 +122,29 @@ const show = {
     el('scan-progress').hidden = !s.total;
     el('scan-progress').value = s.total ? s.done / s.total : 0;
     el('scan-state').textContent = s.total ? `${s.done} of ${s.total} looks: leave the set empty` : s.why_not;
+  },
+  sweep(s) {
+    const at_work = s.phase !== 'idle';
+    el('sweep').disabled = at_work ? s.phase !== 'sweeping' : !s.possible;
+    el('sweep').textContent = s.phase === 'sweeping' ? 'Cancel' : 'Scan the room with the head';
+    for (const id of ['sweep-pan', 'sweep-tilt']) el(id).disabled = at_work || !s.possible;
+    el('sweep-progress').hidden = s.phase !== 'sweeping';
+    el('sweep-progress').value = s.total ? s.done / s.total : 0;
+    el('sweep-state').className = s.error && !at_work ? 'hint bad' : 'hint';
+    el('sweep-state').textContent =
+      s.phase === 'sweeping' ? `${s.name}: ${s.done} of ${s.total} views` + (s.left_s ? `, ${s.left_s} s left` : '')
+        : s.phase === 'modelling' ? `${s.name}: the room is made of its views`
+          : s.error ? s.error
+            : s.folder ? `written: ${s.folder}; it is the background of the next start` : s.why_not;
+  },
+  focus(f) {
+    el('focus-on').setAttribute('aria-pressed', f.on);
+    for (const [id, value] of [['focus-distance', f.distance_m], ['focus-number', f.on ? f.f_number : null]])
+      setValue(el(id), value === null ? '' : Number(value.toPrecision(5)));
+    el('focus-number').disabled = !f.on;
+    el('focus-state').textContent = !f.on ? 'all is sharp'
+      : f.at ? 'sharp where the ring is' : `sharp at ${f.distance_m.toFixed(2)} m`;
+    showHandles();
   },
   objects(list) { showThings('objects', list, makeObject, updateObject); showHandles(); },
   cameras(list) {
@@ -286,6 +309,7 @@ function showHandles() {
   const wanted = [];
   for (const o of state.objects || []) if (o.at && !o.hidden) wanted.push(['object', o]);
   for (const l of state.lamps || []) if (l.at) wanted.push(['lamp', l]);
+  if (state.focus && state.focus.at) wanted.push(['focus', { name: 'sharp', at: state.focus.at }]);
   const key = (kind, thing) => `${kind} ${thing.name}`;
   const keys = wanted.map(([kind, thing]) => key(kind, thing));
   for (const handle of [...box.children]) if (!keys.includes(handle.dataset.key)) handle.remove();
@@ -293,7 +317,7 @@ function showHandles() {
     let handle = [...box.children].find(one => one.dataset.key === key(kind, thing));
     if (!handle) {
       handle = kind === 'object' ? makeHandle(thing)
-        : make('div', { className: 'handle lamp' }, make('span', {}, thing.name));
+        : make('div', { className: `handle ${kind}` }, make('span', {}, thing.name));
       handle.dataset.key = key(kind, thing);
       box.append(handle);
     }
@@ -344,6 +368,11 @@ function makeHandle(o) {
   return handle;
 }
 el('stage').addEventListener('click', async e => {
+  if (focusing && !e.target.closest('button.handle')) {
+    setFocusing(false);
+    await ask('PUT', 'focus', { at: at_of(e) });
+    return;
+  }
   if (!adding_lamp || e.target.closest('.handle')) return;
   setAddingLamp(false);
   const where = el('lamp-where').value;
@@ -351,7 +380,14 @@ el('stage').addEventListener('click', async e => {
   if (where) body[where] = Number(el('lamp-height').value);
   await ask('POST', 'lamps', body);
 });
+function setFocusing(on) {
+  focusing = on;
+  if (on) setAddingLamp(false);
+  el('focus-pick').setAttribute('aria-pressed', on);
+  el('focus-pick').textContent = on ? 'Click on what is to be sharp' : 'Sharp by click';
+}
 function setAddingLamp(on) {
+  if (on) setFocusing(false);
   adding_lamp = on;
   el('add-lamp').setAttribute('aria-pressed', on);
   el('add-lamp').textContent = on
@@ -387,6 +423,15 @@ el('record').addEventListener('click', () => state.recording && state.recording.
 el('save').addEventListener('click', () => ask('POST', 'scene/save'));
 el('scan').addEventListener('click', () =>
   ask('POST', state.scan && state.scan.total ? 'background/cancel' : 'background/scan'));
+el('sweep').addEventListener('click', () => state.sweep && state.sweep.phase === 'sweeping'
+  ? ask('POST', 'sweep/cancel')
+  : ask('POST', 'sweep/start', { field_deg: [Number(el('sweep-pan').value), Number(el('sweep-tilt').value)] }));
+el('focus-on').addEventListener('click', () => ask('PUT', 'focus', { on: !(state.focus && state.focus.on) }));
+el('focus-pick').addEventListener('click', () => setFocusing(!focusing));
+el('focus-distance').addEventListener('change', e =>
+  e.target.value && ask('PUT', 'focus', { distance_m: Number(e.target.value) }));
+el('focus-number').addEventListener('change', e =>
+  e.target.value && ask('PUT', 'focus', { f_number: Number(e.target.value) }));
 el('learn').addEventListener('click', () => ask('POST', 'background/learn'));
 el('lamp-where').addEventListener('change', () => {
   el('lamp-height').disabled = !el('lamp-where').value;

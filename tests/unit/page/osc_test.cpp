@@ -55,6 +55,11 @@ TEST(OscCommands, AreThoseOfThePage) {
   EXPECT_EQ(osc_command<SetLamp>("/mixrig/lamp/key/intensity", {2.0}).intensity->z(), 2);
   const auto camera = osc_command<SetCamera>("/mixrig/camera/color/exposure_ms", {8.0});
   EXPECT_EQ(camera.values, (std::vector<std::pair<std::string, double>>{{"exposure_ms", 8}}));
+  EXPECT_EQ(osc_command<SetFocus>("/mixrig/focus/on").on, true) << "toggles";
+  EXPECT_EQ(osc_command<SetFocus>("/mixrig/focus/at", {0.25, 0.5}).at->y(), 0.5);
+  EXPECT_EQ(osc_command<SetFocus>("/mixrig/focus/distance_m", {2.0}).distance_m, 2.0);
+  osc_command<StartSweep>("/mixrig/sweep");
+  osc_command<CancelSweep>("/mixrig/sweep", {0.0});
   const auto view = action_of(OscReceived{"/mixrig/view", {std::string("key")}}, made_state());
   EXPECT_EQ(std::get<SelectView>(**view).view, View::kKey);
   const auto freeze = action_of(OscReceived{"/mixrig/freeze", {}}, made_state());

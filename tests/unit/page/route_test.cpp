@@ -119,6 +119,34 @@ TEST(PageAction, RecordingViewFreezeSceneBackground) {
       std::get<Freeze>(action(Method::kPut, "/api/v1/freeze", R"({"on":true})").value()).on);
 }
 
+TEST(PageAction, TheHeadIsSweptOverARoom) {
+  const auto start = command<StartSweep>(Method::kPost, "/api/v1/sweep/start",
+                                         R"({"name":"stage 2","field_deg":[80,60]})");
+  EXPECT_EQ(start.name, "stage 2");
+  EXPECT_EQ(start.field_deg, Eigen::Vector2d(80, 60));
+  EXPECT_EQ(start.view_frames, 4);
+  (void)command<CancelSweep>(Method::kPost, "/api/v1/sweep/cancel", "");
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/sweep")).part, "sweep");
+  EXPECT_EQ(status_of(route_of(Method::kGet, "/api/v1/sweep/start")), 405);
+  for (const char* bad : {R"({"name":"../a"})", R"({"field_deg":[80,200]})", R"({"view_frames":0})",
+                          R"({"field_deg":80})"})
+    EXPECT_FALSE(action(Method::kPost, "/api/v1/sweep/start", bad)) << bad;
+}
+
+TEST(PageAction, TheFocusIsAPlaceOrADistance) {
+  const auto place = command<SetFocus>(Method::kPut, "/api/v1/focus", R"({"at":[0.25,0.5]})");
+  EXPECT_EQ(place.at->x(), 0.25);
+  EXPECT_FALSE(place.on || place.distance_m || place.f_number);
+  const auto numbers = command<SetFocus>(Method::kPut, "/api/v1/focus",
+                                         R"({"on":true,"distance_m":2.5,"f_number":1.4})");
+  EXPECT_EQ(numbers.distance_m, 2.5);
+  EXPECT_EQ(numbers.f_number, 1.4);
+  for (const char* bad : {R"({"at":[0.5,0.5],"distance_m":2})", R"({"at":[0.5,1.5]})",
+                          R"({"distance_m":0})", R"({"f_number":0.1})", R"({"pixel":[1,2]})"})
+    EXPECT_FALSE(action(Method::kPut, "/api/v1/focus", bad)) << bad;
+  EXPECT_EQ(std::get<GetState>(route_of(Method::kGet, "/api/v1/focus")).part, "focus");
+}
+
 TEST(PageAction, WrongBodiesAreRefusedByTheirKey) {
   const auto refusal = [](const char* target, const char* body) {
     const auto result = action(Method::kPut, target, body);

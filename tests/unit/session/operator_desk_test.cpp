@@ -201,6 +201,44 @@ TEST_F(OperatorDeskTest, ARecordingHasNoCamerasToSet) {
             ErrorCode::kUnsupported);
 }
 
+TEST_F(OperatorDeskTest, ARecordingIsNotScannedByTheHead) {
+  EXPECT_FALSE(desk_->state().sweep.possible);
+  EXPECT_NE(desk_->state().sweep.why_not.find("a recording is played"), std::string::npos);
+  EXPECT_EQ(desk_->apply(page::StartSweep{}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(desk_->apply(page::CancelSweep{}).error().code, ErrorCode::kData);
+  session_.rig = std::make_shared<live::RunningRig>();
+  EXPECT_NE(desk_->state().sweep.why_not.find("[pan_tilt]"), std::string::npos) << "no head";
+}
+
+TEST_F(OperatorDeskTest, TheDepthOfFieldIsInTheScene) {
+  const auto written = [&] { return test::read_bytes(folder_.path() / "scene.toml"); };
+  EXPECT_FALSE(desk_->state().focus.on);
+  ASSERT_TRUE(desk_->apply(page::SetFocus{.at = Eigen::Vector2d(0.5, 0.25)}));
+  EXPECT_NE(written().find("[focus]\npixel = [8"), std::string::npos) << written();
+  ASSERT_TRUE(desk_->apply(page::SetFocus{.distance_m = 2.5, .f_number = 1.4}));
+  EXPECT_EQ(written().find("pixel"), std::string::npos);
+  const auto scene = scene::load_scene(folder_.path() / "scene.toml").value();
+  EXPECT_EQ(scene.focus->distance_m, 2.5);
+  EXPECT_EQ(scene.focus->f_number, 1.4);
+  ASSERT_TRUE(desk_->apply(page::SetFocus{.on = false}));
+  EXPECT_EQ(written().find("focus"), std::string::npos);
+  ASSERT_TRUE(desk_->apply(page::SetFocus{.on = true}));
+  EXPECT_NE(written().find("pixel = [8"), std::string::npos) << "the middle";
+}
+
+TEST_F(OperatorDeskTest, WhatWasClickedInAWindowIsToldAndSaved) {
+  session_.scene.focus.emplace().distance_m = 2;
+  std::ofstream(folder_.path() / "scene.toml") << "[focus]\ndistance_m = 2.0\n";
+  EXPECT_EQ(desk_->state().focus.distance_m, 2.0);
+  controls_.focus_at = 4 + 65536 * 2;
+  ASSERT_TRUE(desk_->state().focus.at);
+  EXPECT_NEAR(desk_->state().focus.at->x(), 4.5 / 16, 1e-9);
+  controls_.can_focus = true;  // told by the run
+  ASSERT_TRUE(desk_->apply(page::SaveScene{}));
+  const auto scene = scene::load_scene(folder_.path() / "scene.toml").value();
+  EXPECT_EQ(scene.focus->pixel, std::pair(4, 2));
+}
+
 /// Its file is a rig.toml.
 class OfARig final : public capture::CaptureSource {
  public:
