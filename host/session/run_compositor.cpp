@@ -25,6 +25,7 @@ RunCompositor::RunCompositor(const Session& session, RunOptions& options, const 
       clock_(clock),
       report_(report),
       keeper_(session, live()),
+      light_keeper_(session, live()),
       exchange_(session, live()) {}
 
 bool RunCompositor::live() const { return session_.source->info().frames == capture::kEndless; }
@@ -35,6 +36,7 @@ Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gat
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_.open(options_.changes, gate));
+  if (session_.scene.light.follow) MIXRIG_TRY(light_keeper_.open(gate));
   no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(compositor_->whole());
   report_.renderer = compositor_->whole().renderer();
@@ -48,6 +50,7 @@ Result<void> RunCompositor::follow_changes() {
   MIXRIG_TRY(exchange_.exchange(compositor_, hides_, last_pose_));
   if (options_.controls != nullptr)
     options_.controls->can_focus = exchange_.scene().focus.has_value();
+  light_keeper_.take_factors();
   if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
   return {};
 }
@@ -102,17 +105,25 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
   return compositor_->compose(
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
-       composite.capture->depth2.depth_m,
-       scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt, focus_pixel()},
+       composite.capture->depth2.depth_m, frame_light(), focus_pixel()},
       composite.objects_shown, images);
 }
 
+/// As the scene has it, times what was seen to change.
+std::optional<render::FrameLight> RunCompositor::frame_light() {
+  const auto scene = scene_differs_ ? std::optional(frame_scene_.light) : std::nullopt;
+  return light_keeper_.is_open() ? light_keeper_.changed(exchange_.scene().light, scene) : scene;
+}
+
 Result<void> RunCompositor::see(const output::CompositePtr& composite) {
+  MIXRIG_TRY(light_keeper_.push(composite));
   return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
 }
 
 Result<void> RunCompositor::finish() {
   MIXRIG_TRY(keeper_.finish());
+  MIXRIG_TRY(light_keeper_.finish());
+  if (light_keeper_.is_open()) report_.light = light_keeper_.report();
   exchange_.finish();
   compositor_->close();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();

@@ -9,6 +9,7 @@
 #include "hal/base/clock.h"
 #include "host/session/frame_times.h"
 #include "host/session/hiding_compositor.h"
+#include "host/session/light_keeper.h"
 #include "host/session/object_motion.h"
 #include "host/session/room_keeper.h"
 #include "host/session/run.h"
@@ -49,6 +50,7 @@ class RunCompositor {
   void place_moved_objects();
   void use(EditedScenePtr edited);
   std::optional<glm::ivec2> focus_pixel() const;
+  std::optional<render::FrameLight> frame_light();
 
   const Session& session_;
   RunOptions& options_;
@@ -58,6 +60,7 @@ class RunCompositor {
   std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
   ObjectMotion* motion_ = nullptr;
   RoomKeeper keeper_;
+  LightKeeper light_keeper_;
   SetupExchange exchange_;  ///< has what compositor_ was made of
   FrameScene frame_scene_;
   bool scene_differs_ = false;                ///< of the frame: frame_scene_ from the setup

@@ -19,6 +19,7 @@
 #include "host/render/compositor.h"
 #include "host/session/baselines.h"
 #include "host/session/frame_lens.h"
+#include "host/session/light_keeper.h"
 #include "host/session/people_sink.h"
 #include "host/session/pose_errors.h"
 #include "host/session/pose_sink.h"
@@ -58,6 +59,7 @@ struct RunReport {
   std::optional<LensReport> lens;  ///< of a lens that zooms
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;                              ///< peak
+  std::optional<LightReport> light;               ///< where the lamps were followed
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
   measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor

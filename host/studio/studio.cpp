@@ -63,6 +63,9 @@ Result<void> check(const StudioOptions& o) {
     return wrong(fmt::format("the crowd must be 0 to 8 people, not {}", o.day.crowd));
   if (!(o.day.lamp_level >= 0 && o.day.lamp_level <= 2))
     return wrong(fmt::format("the lamps' level must be 0 to 2, not {}", o.day.lamp_level));
+  if (o.day.dim && !(o.day.dim->lamp >= 1 && o.day.dim->lamp <= 4 && o.day.dim->level >= 0 &&
+                     o.day.dim->level <= 2))
+    return wrong("the lamp to dim must be 1 to 4, its level 0 to 2");
   if (o.day.moved_chair && o.clear_floor)
     return wrong("a clear floor has no chair that could be moved: drop one of the two");
   if (o.scenario == Scenario::kSweep && !o.sweep.views.empty() &&
@@ -205,13 +208,18 @@ void Studio::State::set_time(double time_s) {
     furniture.set(things);
   }
   const bool on = !day.lights_out_s || time_s < *day.lights_out_s;
-  if (on == lights_on) return;
-  lights_on = on;
+  const bool dims = day.dim && time_s >= day.dim->from_s;
+  if (on == lights_on && dims == is_dim) return;
+  lights_on = on, is_dim = dims;
+  has_plate = has_view = false;
   constexpr float kOff = 1e-4F;
   const float level = on ? 1 : kOff;
   const float left = on ? 1 : ambient_share(0) / ambient_share(static_cast<float>(day.lamp_level));
   light_now = info.light;
   for (Panel& lamp : light_now.lamps) lamp.intensity *= level;
+  if (dims && day.dim->lamp <= static_cast<int>(light_now.lamps.size()))
+    light_now.lamps[static_cast<std::size_t>(day.dim->lamp - 1)].intensity *=
+        std::max(kOff, static_cast<float>(day.dim->level));
   light_now.ambient *= left;
   ambient = left * ambient_lit, reflector.ambient = left * reflected_lit;
   lamps = LampSet(light_now);

@@ -102,7 +102,7 @@ struct Studio::State {
   Vec3 ambient;  ///< light from nowhere; the rest of info.light.ambient is bounced
   Vec3 ambient_lit, reflected_lit;  ///< it, and that of the reflector, while the lamps are on
   Light light_now;                  ///< at the time of the frame
-  bool lights_on = true;
+  bool lights_on = true, is_dim = false;
   Reflector reflector;  ///< as the target camera sees it
   BounceCache room_bounce, object_bounce, person_bounce;
   ZoomLens zoom;

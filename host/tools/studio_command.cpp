@@ -38,7 +38,7 @@ struct StudioArguments {
   int frames_per_view = 4;
   bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
   bool window = false, sweep_bracket = false;
-  std::string eye, look_at, object;
+  std::string eye, look_at, object, dim;
   std::optional<double> pan_deg;
   double zoom = 1, aperture_mm = 0, focus_m = 3;
   bool fisheye = false, raw = false;
@@ -70,7 +70,7 @@ Result<std::optional<Eigen::Vector3d>> parse_place(const std::string& text,
   char end = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &place.x(), &place.y(), &place.z(), &end) != 3 ||
       !place.allFinite())
-    return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y,Z in metres"};
+    return Error{ErrorCode::kUsage, option + " '" + text + "': write three numbers: A,B,C"};
   return std::optional(place);
 }
 
@@ -133,6 +133,8 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.zoom = arguments.zoom;
   options.lens = {1e-3 * arguments.aperture_mm, arguments.focus_m};
   options.day = arguments.day;
+  MIXRIG_ASSIGN(const auto dim, parse_place(arguments.dim, "--dim"));
+  if (dim) options.day.dim = {static_cast<int>(dim->x()), dim->y(), dim->z()};
   options.fisheye = arguments.fisheye;
   options.raw = arguments.raw;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
@@ -302,6 +304,10 @@ void add_day_options(Command command, StudioArguments& arguments) {
   command.add_option("--lamps", day.lamp_level, "Level of all lamps, 0 to 2; 1 as scanned")
       .group(group);
   command.add_option("--lights-out", day.lights_out_s, "Seconds into the take: then lamps go off")
+      .group(group);
+  command
+      .add_option("--dim", arguments.dim,
+                  "LAMP,SECONDS,LEVEL: from then on that lamp, 1 to 4, has 0 to 2 times its light")
       .group(group);
   command.add_flag("--moved-chair", day.moved_chair, "The desk's chair stands elsewhere")
       .group(group);

@@ -11,11 +11,21 @@ namespace {
 
 class ShadeRun : public CommandTest {
  protected:
-  double shadow_rmse(const std::string& scene) {
-    EXPECT_EQ(mixrig("run " + scene + " --source take:" + path("take") + " --backend cpu --json " +
+  double error_of(const std::string& key, const std::string& scene,
+                  const std::string& options = " --backend cpu") {
+    EXPECT_EQ(mixrig("run " + scene + " --source take:" + path("take") + options + " --json " +
                      path("report.json")),
               0);
-    return report("report.json").at("error").at("light_shadow_rmse").get<double>();
+    return report("report.json").at("error").at(key).get<double>();
+  }
+  double shadow_rmse(const std::string& scene) { return error_of("light_shadow_rmse", scene); }
+  /// The take's scene with a line behind that of a table; its path.
+  std::string scene_with(const std::string& table, const std::string& added) {
+    std::ifstream in(path("take/scene.toml"));
+    std::ofstream out(path("take/other.toml"));
+    for (std::string line; std::getline(in, line);)
+      out << line << (line == table ? "\n" + added + "\n" : "\n");
+    return path("take/other.toml");
   }
 };
 
@@ -27,12 +37,35 @@ TEST_F(ShadeRun, AnObjectInTheShadeOfATableIsNotShadedTwice) {
             0);
   EXPECT_LE(shadow_rmse(path("take/scene.toml")), 0.05);
   // Behind open walls nothing real hides a lamp.
-  std::ifstream in(path("take/scene.toml"));
-  std::ofstream out(path("take/open.toml"));
-  for (std::string line; std::getline(in, line);)
-    out << line << (line == "[background]" ? "\nwalls = \"open\"\n" : "\n");
-  out.close();
-  EXPECT_GT(shadow_rmse(path("take/open.toml")), 0.05);
+  EXPECT_GT(shadow_rmse(scene_with("[background]", "walls = \"open\"")), 0.05);
+}
+
+TEST_F(ShadeRun, ALampThatIsDimmedIsFollowed) {
+  // The third lamp, the brightest one, falls to a fifth in the middle of the frames.
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
+                   " --scenario walk --seed 7 --frames 62 --size 160x128 --dim 3,1.5,0.2"),
+            0);
+  const double without = shadow_rmse(path("take/scene.toml"));
+  EXPECT_LE(shadow_rmse(scene_with("[light]", "follow = true")), 0.6 * without);
+  const nlohmann::json changed = report("report.json").at("light").at("changed");
+  ASSERT_EQ(changed.size(), 1U) << changed;
+  EXPECT_EQ(changed[0].at("lamp"), "ceiling 3");
+  EXPECT_NEAR(changed[0].at("factor").get<double>(), 0.2, 0.1);
+  EXPECT_LE(changed[0].at("frame").get<int>(), 39 + 25) << "a second after it";
+}
+
+TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensIt) {
+  // From frame 40 on a person walks between the lamp at (3.75, 1.1) and the object.
+  ASSERT_EQ(mixrig("studio --plain " + path("take") +
+                   " --scenario walk --seed 7 --frames 46 --size 160x128 --object 4.1,2.6"),
+            0);
+  const std::string cast = scene_with("[light]", "people_cast = true");
+  for (const std::string backend : {"cpu", "gles"}) {
+    const std::string options = " --frames 40-46 --backend " + backend;
+    EXPECT_LE(error_of("object_rmse", cast, options),
+              0.65 * error_of("object_rmse", path("take/scene.toml"), options))
+        << backend;
+  }
 }
 
 }  // namespace
