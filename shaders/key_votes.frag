@@ -6,7 +6,8 @@
 //   learned       background colour, linear, red negative where unknown, and its spread (0 where
 //                 not learned)
 //   band, person, room  blocks, of key_band.frag
-//   vote          within color_vote_cap; only blocks where votes decide are drawn
+//   vote          within color_vote_cap, or up to brighter_vote_cap; only blocks where votes decide
+//                 are drawn
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -34,6 +35,7 @@ void main() {
   if (!has_learned && (around.a == 0.0 || !has_person)) return;
   vec3 off = p - around.rgb;
   float background2 = dot(off, off) / max(around.a, 1e-12), variance = around.a;
+  bool is_brighter = false;  // than a learned background
   if (has_learned) {
     vec3 known = texelFetch(learned, at, 0).rgb;
     if (known.r < 0.0) return;  // unknown
@@ -45,6 +47,7 @@ void main() {
     off = p - k * b;
     float dark = (1.0 - k) / shadow_sigma;
     background2 = dot(off, off) / variance + dark * dark;
+    is_brighter = has_person && luminance(p) > brighter * luminance(b) + brighter_light;
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {
@@ -53,5 +56,5 @@ void main() {
     odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;
-  vote = clamp(odds, -cap, cap);
+  vote = clamp(odds, -cap, is_brighter ? brighter_vote_cap : cap);
 }

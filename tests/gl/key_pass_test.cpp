@@ -123,6 +123,29 @@ TEST_F(KeyPassTest, what_is_measured_nearer_is_kept_where_the_background_has_no_
   EXPECT_FLOAT_EQ(visible_w_.at(36, 30).r, 0.8F);
 }
 
+TEST_F(KeyPassTest, a_negative_limit_is_of_the_background_around_a_hole) {
+  use_color_ = false;
+  put(16, 0, 48, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 32; x < 64; ++x) tables_.key_limit_w.at(x, y) = -0.33F;
+    for (int x = 48; x < 64; ++x) w_.at(x, y) = 0.2F;
+  }
+  draw();
+  EXPECT_EQ(matte(24, 30), 1);
+  EXPECT_EQ(matte(40, 30), 1) << "nearer";
+  EXPECT_LT(matte(60, 30), 0.5F) << "farther: in doubt";
+  EXPECT_FLOAT_EQ(visible_w_.at(40, 30).r, 0.5F);
+}
+
+TEST_F(KeyPassTest, what_is_brighter_than_measured_background_is_no_shadow) {
+  params_.refine = false;
+  put(16, 0, 48, 40);
+  put(16, 40, 48, 46, false, true);  // the feet are nearer to the wall than its noise
+  draw();
+  EXPECT_EQ(matte(32, 43), 1);
+  EXPECT_EQ(matte(32, 52), 0);
+}
+
 TEST_F(KeyPassTest, points_outside_the_capture_box_are_cropped) {
   put(0, 0, 64, 64);
   params_.crop = true;

@@ -26,6 +26,7 @@ float square(const glm::vec3& v) { return glm::dot(v, v); }
 /// Squared distance to the background over its variance.
 struct Distance {
   float square, variance;
+  bool is_brighter;  ///< than a learned background
 };
 
 Distance to_learned(const KeyInput& input, const glm::vec3& p, const Rgbf& learned, int x, int y) {
@@ -38,7 +39,8 @@ Distance to_learned(const KeyInput& input, const glm::vec3& p, const Rgbf& learn
   const float k =
       std::clamp(glm::dot(p, b) / std::max(glm::dot(b, b), 1e-8F), kDarkestShadow, 1.0F);
   const float dark = (1 - k) / kShadowSigma;
-  return {square(p - k * b) / variance + dark * dark, variance};
+  return {square(p - k * b) / variance + dark * dark, variance,
+          luminance(p) > kBrighter * luminance(b) + kBrighterLight};
 }
 
 }  // namespace
@@ -70,13 +72,13 @@ float color_vote(const KeyInput& input, const NearColors& near, int x, int y) {
       return std::clamp(0.5F * room.square - kColorVoteCap, -kColorVoteCap, kColorVoteCap);
   } else {
     if (!near.people.known || !near.room.known) return 0;
-    room = {square(p - near.room.mean) / near.room.variance, near.room.variance};
+    room = {square(p - near.room.mean) / near.room.variance, near.room.variance, false};
   }
   const NearColor& people = near.people;
   const float cap = input.learned() ? kColorVoteCap : kRoomVoteCap;
   return std::clamp(0.5F * (room.square - square(p - people.mean) / people.variance) +
                         kSpreadOdds * std::log(room.variance / people.variance),
-                    -cap, cap);
+                    -cap, room.is_brighter ? kBrighterVoteCap : cap);
 }
 
 }  // namespace mixrig::render::cpu

@@ -2,6 +2,7 @@
 #include "host/render/cpu/key.h"
 
 #include <cmath>
+#include <utility>
 
 #include "tests/unit/render/helpers.h"
 
@@ -211,6 +212,29 @@ TEST(Key, where_the_background_has_no_depth_colour_keys) {
   EXPECT_FALSE(k.is_person(56, 32));
 }
 
+TEST(Key, who_stands_before_a_mirror_in_the_colour_of_the_wall_is_kept_by_depth) {
+  Keyed k;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 64; ++x) k.depth.at(x, y) = 0, k.w.at(x, y) = 0;
+  k.person(16, 16, 56, 48);
+  k.person(56, 0, 64, 64, 6);  // what the mirror shows lies behind the wall
+  k.run();
+  for (int x = 20; x < 53; ++x) EXPECT_TRUE(k.is_person(x, 32)) << x;
+  for (int x = 58; x < 64; ++x) EXPECT_FALSE(k.is_person(x, 32)) << x;
+}
+
+TEST(Key, what_is_brighter_than_measured_background_is_no_shadow) {
+  for (const auto& [light, is_person] : {std::pair(0.9F, true), std::pair(0.25F, false)}) {
+    Keyed k;
+    const Rgbf shirt{light, light, light};
+    k.person(16, 16, 48, 40);
+    k.paint(16, 16, 48, 46, shirt);  // the feet are nearer to the wall than its noise
+    k.run();
+    EXPECT_EQ(k.is_person(32, 44), is_person) << light;
+    EXPECT_FALSE(k.is_person(32, 52)) << light;
+  }
+}
+
 TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
   render::BackgroundView background;
   const auto depth = make_image<float>({9, 1}, [](int x, int) {
@@ -220,7 +244,7 @@ TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
   const auto limit = render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 2);
   EXPECT_NEAR(1 / limit.at(4, 0), 1.9F, 1e-5F) << "two pixels from the near wall";
   EXPECT_NEAR(1 / limit.at(5, 0), 3.9F, 1e-5F);
-  EXPECT_NEAR(limit.at(8, 0), -kHolePart / 3.9F, 1e-5F)
+  EXPECT_NEAR(limit.at(8, 0), -render::kHolePart / 3.9F, 1e-5F)
       << "not learned: that around, with a margin";
 }
 
@@ -232,8 +256,8 @@ TEST(KeyLimit, of_a_hole_is_the_nearest_of_what_lies_beside_it) {
   });
   background.depth_m = depth;
   const auto limit = render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 0);
-  EXPECT_NEAR(limit.at(4, 4), -kHolePart / 1.9F, 1e-5F);
-  EXPECT_NEAR(limit.at(4, 0), -kHolePart / 0.9F, 1e-5F);
+  EXPECT_NEAR(limit.at(4, 4), -render::kHolePart / 1.9F, 1e-5F);
+  EXPECT_NEAR(limit.at(4, 0), -render::kHolePart / 0.9F, 1e-5F);
   const Image<float> nothing({9, 9});
   background.depth_m = nothing;
   EXPECT_TRUE(std::isinf(render::key_limit(background, {0.1F, 0, true}, {0, 0, 0}, 0).at(4, 4)));
