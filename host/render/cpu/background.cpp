@@ -63,6 +63,20 @@ Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
   return out;
 }
 
+/// Of the values that a face's z times w takes on a run: an interval that holds them.
+struct Interval {
+  float least, most;
+};
+Interval sum_of(float constant, float a, float a_from, float a_to, float b, float b_from,
+                float b_to) {
+  const auto [a0, a1] = std::minmax(a * a_from, a * a_to);
+  const auto [b0, b1] = std::minmax(b * b_from, b * b_to);
+  constexpr float kRounding = 1e-5F;
+  const float slack =
+      kRounding * (std::abs(constant) + std::abs(a0) + std::abs(a1) + std::abs(b0) + std::abs(b1));
+  return {constant + a0 + b0 - slack, constant + a1 + b1 + slack};
+}
+
 }  // namespace
 
 // One index serves the tables of depth, spread and normals.
@@ -177,7 +191,10 @@ void MovingBackground::find(int x0, int y, int width, Run& run) const {
 /// In the face of a model whose axis is nearest.
 void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& run) const {
   const Part& in = parts_[part];
-  run.count = std::min(kRun, static_cast<std::size_t>(width));
+  // Stores into the run cannot change these, which g++ does not know of members.
+  const std::size_t count = std::min(kRun, static_cast<std::size_t>(width));
+  const std::int32_t face_rows = in.tables.face_rows, number = static_cast<std::int32_t>(part);
+  run.count = count;
   const PinholeParams view = in.tables.grid.warp.view, model = in.tables.camera;
   const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
   const float to_ray = 1 / view.focal_px.x;
@@ -187,11 +204,21 @@ void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& 
   alignas(64) std::array<float, kRun> qx, qy, qz;
   run.face.fill(0);
   qz.fill(-std::numeric_limits<float>::infinity());
+  const auto [least_w, most_w] = std::minmax_element(w, w + count);
+  const float last_x = first_x + static_cast<float>(static_cast<int>(count) - 1);
+  const auto z_on_run = [&](const Face& face) {
+    const glm::mat3& r = face.from_camera;
+    return sum_of(r[1].z * ray_y + r[2].z, r[0].z, first_x * to_ray, last_x * to_ray,
+                  face.camera_m.z, *least_w, *most_w);
+  };
+  float surely_z = -std::numeric_limits<float>::infinity();
+  for (const Face& face : in.faces) surely_z = std::max(surely_z, z_on_run(face).least);
   for (std::size_t f = 0; f < in.faces.size(); ++f) {
+    if (z_on_run(in.faces[f]).most < surely_z) continue;  // it is the nearest of no pixel
     const glm::mat3 r = in.faces[f].from_camera;
     const glm::vec3 t = in.faces[f].camera_m, row = r[1] * ray_y + r[2];
     const auto face = static_cast<std::int32_t>(f);
-    for (std::size_t i = 0; i < run.count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       const float ray_x = (first_x + static_cast<float>(static_cast<int>(i))) * to_ray;
       const float face_x = r[0].x * ray_x + row.x + t.x * w[i];
       const float face_y = r[0].y * ray_x + row.y + t.y * w[i];
@@ -204,9 +231,9 @@ void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& 
     }
   }
   const float most_u = static_cast<float>(in.w.width() - 2) - 0.5F;
-  const float most_v = static_cast<float>(in.tables.face_rows) - 0.5F;
+  const float most_v = static_cast<float>(face_rows) - 0.5F;
   const auto stride = static_cast<std::int32_t>(in.w.stride());
-  for (std::size_t i = 0; i < run.count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const float inverse = 1 / qz[i];
     const float u = model.focal_px.x * qx[i] * inverse + model.center_px.x;
     const float v = model.focal_px.y * qy[i] * inverse + model.center_px.y;
@@ -216,11 +243,11 @@ void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& 
     run.v_px[i] = v;
     run.z_m[i] = qz[i] / w[i];
     run.score[i] = qz[i] / (qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
-    run.part[i] = static_cast<std::int32_t>(part);
+    run.part[i] = number;
     // The tables have borders of one pixel that know nothing.
     const auto column = static_cast<std::int32_t>(inside ? u + 1.5F : 0.0F);
     const auto line = static_cast<std::int32_t>(inside ? v + 1.5F : 0.0F);
-    const std::int32_t top = inside ? run.face[i] * (in.tables.face_rows + 2) : 0;
+    const std::int32_t top = inside ? run.face[i] * (face_rows + 2) : 0;
     run.at[i] = (top + line) * stride + column;
   }
 }
@@ -317,6 +344,9 @@ void MovingBackground::draw_color(int x0, int y, int width) {
 /// As key_limit(), with the largest w of the rows around.
 void MovingBackground::limit_row(int y, float* limit_w) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
+  // What is stored cannot change these, which g++ does not know of members.
+  const NoiseParams noise = noise_;
+  const float least_m = key_.threshold_m, noise_factor = key_.noise_factor;
   const int width = depth_m_.width(), height = depth_m_.height();
   const int first = std::max(0, y - limit_radius_px_);
   const int last = std::min(height - 1, y + limit_radius_px_);
@@ -329,9 +359,9 @@ void MovingBackground::limit_row(int y, float* limit_w) const {
   const float* spread_m = depth_sigma_m_.row(y);
   for (int x = 0; x < width; ++x) {
     const float z = 1 / limit_w[x];
-    const float sigma = noise_.sigma_m(z);
-    const float by_noise = key_.noise_factor * std::sqrt(spread_m[x] * spread_m[x] + sigma * sigma);
-    const float threshold = key_.threshold_m > by_noise ? key_.threshold_m : by_noise;
+    const float sigma = noise.sigma_m(z);
+    const float by_noise = noise_factor * std::sqrt(spread_m[x] * spread_m[x] + sigma * sigma);
+    const float threshold = least_m > by_noise ? least_m : by_noise;
     limit_w[x] = (w[x] > 0) & (threshold < z) ? 1 / (z - threshold) : kNever;
   }
 }
