@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "hal/base/system_clock.h"
+#include "hal/base/clock_sync.h"
 #include "host/output/composite_sink.h"
 #include "host/scene/scene.h"
 #include "host/stream/datagram_sender.h"
@@ -33,9 +33,11 @@ class PoseSink final : public output::CompositeSink {
   /// `epoch_ns`: of 1970, at host time 0. `begin`: of a recording, whose first frame gets this host
   /// time. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
   /// the system clock is kept right, asked every two seconds. Errors: kUsage, kDevice.
-  static Result<std::unique_ptr<PoseSink>> create(
-      const std::vector<scene::PoseOut>& outs, std::int64_t epoch_ns, std::optional<HostTime> begin,
-      std::vector<PoseOutReport>& reports, bool (*is_locked)() = system_clock_is_synchronized);
+  static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
+                                                  std::int64_t epoch_ns,
+                                                  std::optional<HostTime> begin,
+                                                  std::vector<PoseOutReport>& reports,
+                                                  bool (*is_locked)() = host_clock_is_synchronized);
   std::string_view name() const override { return "poses"; }
   render::OutputMask wanted(int) const override { return render::kMatte; }
   Result<void> write(const output::CompositePtr& composite) override;

@@ -6,6 +6,6 @@ namespace mixrig {
 
 /// Whether the kernel says that something (PTP, NTP) keeps the system clock right, as
 /// `timedatectl` shows. Any thread.
-bool system_clock_is_synchronized();
+bool host_clock_is_synchronized();
 
 }  // namespace mixrig
