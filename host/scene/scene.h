@@ -198,6 +198,9 @@ struct PoseOut {
   std::string udp;              ///< "HOST:PORT"
   int camera = 1;               ///< FreeD: 0 to 255; OpenTrackIO's source: 1 to 200
   double sensor_width_mm = 36;  ///< that focal length and sensor of OpenTrackIO are told for
+  /// What sets the host's clock, as OpenTrackIO is told.
+  enum class ClockSource : std::uint8_t { kNotTold, kPtp, kNtp };
+  ClockSource clock = ClockSource::kNotTold;
   bool operator==(const PoseOut&) const = default;
 };
 

@@ -112,6 +112,7 @@ PoseOut read_pose_out(const Table& table) {
   const Range cameras = protocol == 0 ? Range{0, 255} : Range{1, 200};
   out.camera = table.integer_or("camera", out.camera, cameras);
   out.sensor_width_mm = table.number_or("sensor_width_mm", out.sensor_width_mm, {0.1, 1000});
+  out.clock = static_cast<PoseOut::ClockSource>(table.one_of("clock", {"system", "ptp", "ntp"}, 0));
   return out;
 }
 

@@ -17,6 +17,7 @@ Result<FrameViews> FrameViews::make(const render::CompositorSetup& setup, Backen
   empty.capture_box.reset();
   empty.backdrop.reset();
   empty.people_cast_shadows = false;
+  empty.focus.reset();  // the room is learned and watched as the camera sees it
   FrameViews views;
   MIXRIG_ASSIGN(views.compositor_, make_compositor(empty, backend));
   views.output_.wanted = render::kColor | render::kWarpedDepth;

@@ -61,8 +61,9 @@ void set_lens(const geometry::Pinhole& view, double width_mm, stream::OpenTrackS
 Result<std::unique_ptr<PoseSink>> PoseSink::create(const std::vector<scene::PoseOut>& outs,
                                                    std::int64_t epoch_ns,
                                                    std::optional<HostTime> begin,
-                                                   std::vector<PoseOutReport>& reports) {
-  std::unique_ptr<PoseSink> sink(new PoseSink(epoch_ns, begin, reports));
+                                                   std::vector<PoseOutReport>& reports,
+                                                   bool (*is_locked)()) {
+  std::unique_ptr<PoseSink> sink(new PoseSink(epoch_ns, begin, reports, is_locked));
   for (const scene::PoseOut& out : outs) {
     auto sender = stream::DatagramSender::open(out.udp);
     if (!sender) return Error{sender.error().code, "pose_out.udp: " + sender.error().context};
@@ -116,7 +117,12 @@ void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) 
   if (to.samples > 0 && std::abs(sample.time_ns - to.sensor_sent_ns) < kSensorEvery_ns)
     sample.sensor.reset();
   else
-    to.sensor_sent_ns = sample.time_ns;
+    to.sensor_sent_ns = sample.time_ns, to.locked = is_locked_();
+  if (to.out.clock != scene::PoseOut::ClockSource::kNotTold)
+    sample.synchronization = {to.out.clock == scene::PoseOut::ClockSource::kPtp
+                                  ? stream::OpenTrackSample::Synchronization::Source::kPtp
+                                  : stream::OpenTrackSample::Synchronization::Source::kNtp,
+                              to.locked};
   if (const auto& encoders = composite.capture->encoders)
     sample.zoom = encoders->zoom, sample.focus = encoders->focus;
   const auto encoding = to.out.protocol == scene::PoseOut::Protocol::kOpenTrackCbor

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "hal/base/clock_sync.h"
 #include "host/output/composite_sink.h"
 #include "host/scene/scene.h"
 #include "host/stream/datagram_sender.h"
@@ -30,12 +31,13 @@ nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
 class PoseSink final : public output::CompositeSink {
  public:
   /// `epoch_ns`: of 1970, at host time 0. `begin`: of a recording, whose first frame gets this host
-  /// time. `reports` is complete after finish(), and must outlive the sink. Errors: kUsage,
-  /// kDevice.
+  /// time. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
+  /// the system clock is kept right, asked every two seconds. Errors: kUsage, kDevice.
   static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
                                                   std::int64_t epoch_ns,
                                                   std::optional<HostTime> begin,
-                                                  std::vector<PoseOutReport>& reports);
+                                                  std::vector<PoseOutReport>& reports,
+                                                  bool (*is_locked)() = host_clock_is_synchronized);
   std::string_view name() const override { return "poses"; }
   render::OutputMask wanted(int) const override { return render::kMatte; }
   Result<void> write(const output::CompositePtr& composite) override;
@@ -48,10 +50,11 @@ class PoseSink final : public output::CompositeSink {
     stream::Uuid source{};
     std::uint64_t samples = 0;
     std::int64_t sensor_sent_ns = 0;
+    bool locked = false;  ///< the clock, when the sensor was sent
   };
   PoseSink(std::int64_t epoch_ns, std::optional<HostTime> begin,
-           std::vector<PoseOutReport>& reports)
-      : epoch_ns_(epoch_ns), begin_(begin), reports_(reports) {}
+           std::vector<PoseOutReport>& reports, bool (*is_locked)())
+      : epoch_ns_(epoch_ns), begin_(begin), reports_(reports), is_locked_(is_locked) {}
   void send_freed(const output::Composite& composite, Receiver& to);
   void send_opentrack(const output::Composite& composite, Receiver& to);
 
@@ -59,6 +62,7 @@ class PoseSink final : public output::CompositeSink {
   std::optional<HostTime> begin_;  ///< of a recording, until its first frame
   std::vector<Receiver> receivers_;
   std::vector<PoseOutReport>& reports_;
+  bool (*is_locked_)();
 };
 
 }  // namespace mixrig::session

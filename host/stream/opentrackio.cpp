@@ -37,6 +37,12 @@ json to_json(const OpenTrackSample& s) {
        {{"mode", "internal"},
         {"sequenceNumber", s.number},
         {"sampleTimestamp", {{"seconds", s.time_ns / kNs}, {"nanoseconds", s.time_ns % kNs}}}}}};
+  if (s.synchronization) {
+    using Source = OpenTrackSample::Synchronization::Source;
+    out["timing"]["synchronization"] = {
+        {"locked", s.synchronization->locked},
+        {"source", s.synchronization->source == Source::kPtp ? "ptp" : "ntp"}};
+  }
   if (!s.status.empty()) out["tracker"]["status"] = s.status;
   if (s.focal_length_mm > 0) {
     out["lens"]["pinholeFocalLength"] = s.focal_length_mm;

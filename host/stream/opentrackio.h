@@ -27,9 +27,15 @@ using Uuid = std::array<std::uint8_t, 16>;
 /// A sample. The picture has no distortion.
 struct OpenTrackSample {
   Uuid sample_id{}, source_id{};
-  int source = 1;                      ///< 1..200
-  std::uint64_t number = 0;            ///< counts the samples
-  std::int64_t time_ns = 0;            ///< of mid-exposure, since 1970
+  int source = 1;            ///< 1..200
+  std::uint64_t number = 0;  ///< counts the samples
+  std::int64_t time_ns = 0;  ///< of mid-exposure, since 1970
+  /// Of the clock that the time is of.
+  struct Synchronization {
+    enum class Source : std::uint8_t { kPtp, kNtp } source = Source::kPtp;
+    bool locked = false;
+  };
+  std::optional<Synchronization> synchronization;
   std::string status;                  ///< of the tracker, such as "ok" or why there is no pose
   std::optional<CameraAngles> angles;  ///< none: the pose is not known
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

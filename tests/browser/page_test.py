@@ -56,8 +56,12 @@ class Rig:
         text = (take / "take.toml").read_text()
         (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", "rate_hz = 10.0", text))
         self.log = open(self.folder / "log", "w+")
+        self.source = f"take:{take}"
+        self.start(mixrig)
+
+    def start(self, mixrig):
         self.process = subprocess.Popen(
-            [mixrig, "run", self.scene_file, "--source", f"take:{take}", "--backend", "cpu", "--page", "127.0.0.1:0",
+            [mixrig, "run", self.scene_file, "--source", self.source, "--backend", "cpu", "--page", "127.0.0.1:0",
              "--record-to", self.folder / "recordings"], stderr=self.log, stdout=subprocess.DEVNULL)
         self.url = comes_true("the page's address", self.address)
 
@@ -357,14 +361,12 @@ class LiveRig(Rig):
         self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\n{studio}target"\n'
                                  f'exposure_ms = 8.0  # at rest\n[depth]\n{studio}tof"\n'
                                  f'[pan_tilt]\n{studio}head"\n')
+        self.follow(mixrig)
+
+    def follow(self, mixrig):
+        self.source = f"rig:{self.rig_file}"
         self.log = open(self.folder / "log", "w+")
         self.start(mixrig)
-
-    def start(self, mixrig):
-        self.process = subprocess.Popen(
-            [mixrig, "run", self.scene_file, "--source", f"rig:{self.rig_file}", "--backend", "cpu", "--page",
-             "127.0.0.1:0", "--record-to", self.folder / "recordings"], stderr=self.log, stdout=subprocess.DEVNULL)
-        self.url = comes_true("the page's address", self.address)
 
     def exposure_ms(self):
         with open(self.rig_file, "rb") as file:
@@ -411,8 +413,7 @@ class HalfLost(LiveRig):
         self.rig_file = self.folder / "rig.toml"
         self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
                                  f'[depth]\nname = "depth"\nuri = "take:{self.folder}/short/depth"\n')
-        self.log = open(self.folder / "log", "w+")
-        self.start(mixrig)
+        self.follow(mixrig)
 
 
 class HeadRig(LiveRig):
@@ -432,8 +433,7 @@ class HeadRig(LiveRig):
         self.rig_file.write_text(f'format = 1\ncalibration = "take/truth/calibration.toml"\n[[camera]]\n'
                                  f'name = "color"\n{studio}target"\n[depth]\n{studio}tof"\n'
                                  f'[pan_tilt]\n{studio}head"\n')
-        self.log = open(self.folder / "log", "w+")
-        self.start(mixrig)
+        self.follow(mixrig)
 
     def sweep(self):
         return self.state()["sweep"]
@@ -536,6 +536,29 @@ def says_when_the_rig_is_gone(page, rig):
     comes_true("an old picture that says so", lambda: by_id(page, "stale").is_displayed())
 
 
+def of_the_scene(rig):
+    """Objects, lamps and depth of field of the state; where they are in the picture is of its frame."""
+    state = rig.state()
+    things = state["objects"] + state["lamps"]
+    return {"things": [{key: value for key, value in thing.items() if key != "at"} for thing in things], "focus": state["focus"]}
+
+
+def all_of_it_survives_a_restart(rig, mixrig):
+    """After an object, its turn and scale, lamps and depth of field were changed by the page."""
+    put = urllib.request.Request(rig.url + "api/v1/focus", b'{"at": [0.25, 0.5], "f_number": 4}',
+                                 {"Content-Type": "application/json"}, method="PUT")
+    urllib.request.urlopen(put, timeout=30)
+    comes_true("the focus in the state", lambda: rig.state()["focus"]["f_number"] == 4)
+    before = of_the_scene(rig)
+    assert len(before["things"]) > 2, before
+    assert rig.stop() == 0, rig.text()
+    rig.log.truncate(0)
+    rig.start(mixrig)
+    after = of_the_scene(rig)
+    assert after == before, f"{before}\n{after}"
+    print(f"after a restart: {len(after['things'])} objects and lamps, and the focus, as before")
+
+
 def console_is_clean(page):
     bad = [entry for entry in page.get_log("browser") if "Content Security Policy" in entry["message"]]
     assert not bad, bad
@@ -577,6 +600,9 @@ def main():
             records(page, rig, mixrig)
             freezes(page)
             two_pages_agree(page)
+            all_of_it_survives_a_restart(rig, mixrig)
+            page.get(rig.url)
+            comes_true("a picture after the restart", lambda: age_ms(page) is not None)
             says_when_the_rig_is_gone(page, rig)
             sets_the_exposure(page, mixrig, folder)
             scans_with_the_head(page, mixrig, folder)

@@ -83,6 +83,26 @@ TEST_F(OpenPorts, APageAndOscAreForThisMachineAlone) {
     EXPECT_TRUE(is_loopback(port)) << port.table << " " << port.address;
 }
 
+/// Streams, poses and a window are sent from ports, and none of them is open to others.
+TEST_F(OpenPorts, WhatIsSentOpensNoPortToOthers) {
+  std::ofstream(path("take/scene.toml"), std::ios::app)
+      << "\n[[pose_out]]\nprotocol = \"freed\"\nudp = \"127.0.0.1:9\"\n"
+         "[[pose_out]]\nprotocol = \"opentrackio\"\nudp = \"127.0.0.1:9\"\n"
+         "[[stream_out]]\nuri = \"rtp://127.0.0.1:9\"\n";
+  ::setenv("SDL_VIDEODRIVER", "dummy", 1);
+  ChildProcess run(run_words({"--page", "127.0.0.1:0", "--osc-in", "0", "--view", "--stream",
+                              "srt://127.0.0.1:0?mode=listener"}),
+                   300, path("run.log"));
+  ::unsetenv("SDL_VIDEODRIVER");
+  const auto recorded = [&] {  // frames are composited: all sinks are open
+    const auto ports = open_ports(run.program());
+    return ports.size() >= 4 ? ports : std::vector<OpenPort>{};
+  };
+  ASSERT_TRUE(comes_true([&] { return !recorded().empty(); })) << log();
+  for (const OpenPort& port : open_ports(run.program()))
+    EXPECT_TRUE(is_loopback(port)) << port.table << " " << port.address;
+}
+
 TEST_F(OpenPorts, WhoAsksForItIsReachable) {
   ChildProcess run(run_words({"--page", "0.0.0.0:0"}), 300, path("run.log"));
   ASSERT_TRUE(comes_true([&] { return log().find("?token=") != std::string::npos; })) << log();

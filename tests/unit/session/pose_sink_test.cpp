@@ -82,6 +82,22 @@ TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   EXPECT_EQ(second["sourceId"], sample["sourceId"]);
 }
 
+TEST_F(PoseSinkTest, OpenTrackIOSaysWhatSetsTheClock) {
+  using ClockSource = scene::PoseOut::ClockSource;
+  const auto told = [&](ClockSource clock, bool (*is_locked)()) {
+    scene::PoseOut out{Protocol::kOpenTrackJson, listener_.address()};
+    out.clock = clock;
+    const auto sink = PoseSink::create({out}, kEpoch_ns, std::nullopt, reports_, is_locked);
+    EXPECT_TRUE(sink && (*sink)->write(frame()));
+    return sample_in(listener_.next())["timing"].value("synchronization", Json());
+  };
+  EXPECT_EQ(told(ClockSource::kPtp, [] { return true; }),
+            Json::parse(R"({"source":"ptp","locked":true})"));
+  EXPECT_EQ(told(ClockSource::kNtp, [] { return false; }),
+            Json::parse(R"({"source":"ntp","locked":false})"));
+  EXPECT_TRUE(told(ClockSource::kNotTold, [] { return true; }).is_null()) << "it is not known";
+}
+
 TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
   const auto sink = PoseSink::create({{Protocol::kOpenTrackJson, listener_.address()}}, kEpoch_ns,
                                      HostTime(std::chrono::seconds(100)), reports_);

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// State of the machine's system clock.
+#pragma once
+
+namespace mixrig {
+
+/// Whether the kernel says that something (PTP, NTP) keeps the system clock right, as
+/// `timedatectl` shows. Any thread.
+bool host_clock_is_synchronized();
+
+}  // namespace mixrig
