@@ -101,11 +101,10 @@ inline constexpr float kSpreadOdds = 1.5F;
 // --- key: depth votes, in log odds
 /// Taps to either side, half a ToF footprint apart: 5x5 of them.
 inline constexpr int kDepthTapRadius = 2;
-/// Measured people: they lag in ToF depth and reach over edges, so they count less. As much as the
-/// largest vote of a colour: well inside of people a shirt like the wall leaves no hole. key_iou of
-/// walk 7, talk 8 (kinect2) and edges 5 (sr3000), 640x512: 0.942, 0.967, 0.979 with 3; 0.943,
-/// 0.976, 0.977 with 4; 0.944, 0.977, 0.975 with 5.
-inline constexpr float kForegroundWeight = 4.0F;
+/// Measured people: they lag in ToF depth and reach over edges, so they count less. With 4 colour
+/// no longer wins where depth reaches over by more than a footprint (key_iou of talk 8 0.967 to
+/// 0.976, of edges 5 with sr3000 0.979 to 0.977).
+inline constexpr float kForegroundWeight = 3.0F;
 /// Measured background is sure, while colour may be a shadow.
 inline constexpr float kBackgroundWeight = 5.0F;
 /// What a tap without measurement counts as, between background 0 and foreground 1: a little less
