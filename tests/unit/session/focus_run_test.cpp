@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/session/frame_views.h"
 #include "host/session/run.h"
 #include "tests/support/box_source.h"
 #include "tests/support/temporary_folder.h"
@@ -122,22 +121,6 @@ TEST_F(FocusRun, AFocusThatComesAndGoesWhileItRuns) {
   save("");
   EXPECT_TRUE(last_picture(-1, [&] { save(at_m("3.0")); }) == focused);
   EXPECT_TRUE(controls_.can_focus);
-}
-
-/// What the room is learned from and watched in, which may be smaller than the scene's pixel.
-TEST(FrameViewsFocus, TheRoomIsSeenAsTheCameraSeesIt) {
-  test::BoxSource source(0, 1);
-  capture::Capture capture;
-  ASSERT_TRUE(source.read(1, capture));
-  render::CompositorSetup setup = *setup_of(source.info(), std::nullopt);
-  auto sharp = FrameViews::make(setup, {render::Backend::kCpu, 1});
-  setup.focus = {.pixel = glm::ivec2(500, 400), .aperture_m = 0.5F};
-  auto with_focus = FrameViews::make(setup, {render::Backend::kCpu, 1});
-  ASSERT_TRUE(sharp && with_focus);
-  const auto a = sharp->of(capture), b = with_focus->of(capture);
-  ASSERT_TRUE(a && b);
-  for (int y = 0; y < 48; ++y)
-    for (int x = 0; x < 64; ++x) ASSERT_EQ((*a)->color.at(x, y).r, (*b)->color.at(x, y).r);
 }
 
 }  // namespace
