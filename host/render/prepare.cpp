@@ -188,7 +188,10 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.has_background) return t;
   const int radius_px = limit_radius_px(t.tof_footprint_px);
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
-  if (setup.objects.empty() || setup.light.lamps.empty()) return t;
+  if (setup.objects.empty() || setup.light.lamps.empty()) {
+    t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
+    return t;
+  }
   LightSurface surface =
       light_surface(setup.background.depth_m, setup.view, t.correct.noise, radius_px);
   t.light_depth_m = std::move(surface.depth_m), t.background_normal = std::move(surface.normal);
