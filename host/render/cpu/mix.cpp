@@ -248,6 +248,7 @@ void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
   constexpr int kGrain = 16;
   const int width = input.plate.width();
   const VirtualLayer* objects = input.objects;
+  const bool shows_objects = output.wanted & (kColor | kMixedDepth | kLayer);
   crew.rows(input.plate.height(), kGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       store_real_depths(input, y, output);
@@ -259,7 +260,9 @@ void mix(Crew& crew, const MixInput& input, FrameOutput& output) {
       if (input.light && (output.wanted & kColor))
         apply_light(input.plate.row(y), input.light->visible.row(y), width, output.color.row(y));
       if (output.wanted & kAlpha) std::fill_n(output.alpha.row(y), width, 255);
-      if (objects && y >= objects->rect.y0 && y < objects->rect.y1) mix_virtual(input, y, output);
+      // Alpha alone needs no key, so that there is no matte.
+      if (objects && shows_objects && y >= objects->rect.y0 && y < objects->rect.y1)
+        mix_virtual(input, y, output);
     }
   });
 }
