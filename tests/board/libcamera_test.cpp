@@ -64,5 +64,22 @@ TEST_F(Libcamera, AMissingCameraASizeAndATriggerAreRefusedInOneLine) {
   EXPECT_FALSE(device::open_libcamera("any", {.hardware_trigger = true}, g_libcamera_clock));
 }
 
+class LibcameraSilence : public Libcamera {
+};  // in a process of its own: the library's thread goes on
+
+// The library's handler of vimc does not tell that its device has vanished (0.0.3; that of USB
+// cameras does), and stop() would end the process.
+TEST_F(LibcameraSilence, ACameraThatFallsSilentIsLostAndCanBeStopped) {
+  ASSERT_TRUE(camera_->start(frames_.sink()));
+  ASSERT_TRUE(frames_.wait_for_more(5));
+  ASSERT_EQ(run("echo vimc.0 >/sys/bus/platform/drivers/vimc/unbind").status, 0);
+  const HostTime gone = g_libcamera_clock.now();
+  EXPECT_TRUE(wait_until([&] { return camera_->health().state == device::DeviceState::kLost; }));
+  measured("lost after %.2f s", seconds(g_libcamera_clock.now() - gone));
+  camera_->stop();
+  EXPECT_EQ(camera_->health().state, device::DeviceState::kStopped);
+  EXPECT_FALSE(camera_->start(frames_.sink())) << "it is still held";
+}
+
 }  // namespace
 }  // namespace mixrig::board

@@ -77,9 +77,14 @@ TEST_F(Rig, IsComposited) {
   EXPECT_EQ(live["streams"].size(), 2U) << live["streams"];
   for (const char* count : {"ticks_lost", "trigger_errors", "pan_tilt_errors"})
     EXPECT_EQ(live[count], 0) << count;
-  EXPECT_EQ(read_all("/tmp/out/composite"), 25);
-  measured("25 composites of %d sets, %d dropped", live["sets"].get<int>(),
-           live["dropped_sets"].get<int>());
+  // The one emulated processor composites before it writes: what the writer is too slow for is
+  // told.
+  const int written = read_all("/tmp/out/composite");
+  const int left_out = report["sinks"][0]["dropped"];
+  EXPECT_EQ(written + left_out, 25);
+  EXPECT_GE(written, 20);
+  measured("25 composites of %d sets, %d dropped; %d written", live["sets"].get<int>(),
+           live["dropped_sets"].get<int>(), written);
 }
 
 }  // namespace

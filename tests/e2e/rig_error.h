@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses of a report of mixrig calibrate rig against those of truth.json; commands that are refused.
+// Poses of a report of mixrig calibrate rig against those of truth.json (report_pose.h); commands
+// that are refused.
 #pragma once
 
-#include <cmath>
-
-#include <Eigen/Geometry>
+#include <fstream>
+#include <iterator>
 
 #include "tests/e2e/command.h"
+#include "tests/support/report_pose.h"
 
 namespace mixrig::test {
 
-inline Eigen::Vector3d vector_of(const nlohmann::json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
-inline Eigen::Quaterniond rotation_of(const nlohmann::json& j) {
-  const nlohmann::json& q = j.at("rotation_xyzw");
-  return {q.at(3).get<double>(), q.at(0).get<double>(), q.at(1).get<double>(),
-          q.at(2).get<double>()};
-}
-inline double off_mm(const nlohmann::json& a, const nlohmann::json& b) {
-  return 1000 * (vector_of(a.at("translation_m")) - vector_of(b.at("translation_m"))).norm();
-}
-inline double off_deg(const nlohmann::json& a, const nlohmann::json& b) {
-  return rotation_of(a).angularDistance(rotation_of(b)) * 180 / M_PI;
-}
 inline std::string text_of_file(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};

@@ -30,6 +30,7 @@ namespace {
 constexpr int kLibcameraFrames = 10;
 constexpr unsigned kLibcameraBuffers = 6;
 constexpr Duration kLibcameraWait = std::chrono::milliseconds(100);
+constexpr Duration kLibcameraSilence = std::chrono::seconds(2);  ///< then it is lost
 
 class LibcameraCamera final : public Camera {
  public:
@@ -58,7 +59,9 @@ class LibcameraCamera final : public Camera {
   Result<void> choose(lc::CameraConfiguration& configuration, CameraInfo& described);
   Result<void> start_stream();
   void end_stream();
+  void abandon();
   void work();
+  void note_silence(bool frame);
   void take(lc::Request* request);
   void come_back();
   void completed(lc::Request* request);
@@ -83,6 +86,8 @@ class LibcameraCamera final : public Camera {
   std::optional<FramePool> pool_;
   FrameSink sink_;
   std::atomic<bool> gone_ = false;
+  HostTime last_frame_{};  ///< of the driver's thread
+  bool silent_ = false;    ///< the same; read by others when it has ended
   std::mutex done_mutex_;  ///< guards done_; the library's thread takes it
   std::condition_variable done_changed_;
   std::deque<lc::Request*> done_;
@@ -268,9 +273,33 @@ void LibcameraCamera::end_stream() {
   done_.clear();
 }
 
+/// The library tells of USB cameras alone that they vanish, and ends the process where another one
+/// that did is stopped. So of a camera that has fallen silent everything is left as it is until the
+/// process ends.
+void LibcameraCamera::abandon() {
+  struct Left {
+    std::shared_ptr<lc::CameraManager> manager;
+    std::shared_ptr<lc::Camera> camera;
+    std::unique_ptr<lc::CameraConfiguration> configuration;
+    std::unique_ptr<lc::FrameBufferAllocator> allocator;
+    std::vector<std::unique_ptr<lc::Request>> requests;
+  };
+  camera_->requestCompleted.disconnect(this);
+  camera_->disconnected.disconnect(this);
+  static auto& left = *new std::vector<Left>;  // never destroyed
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  left.push_back({manager_, std::exchange(camera_, nullptr), std::move(configuration_),
+                  std::move(allocator_), std::move(requests_)});
+  requests_.clear();
+}
+
 void LibcameraCamera::stop() {
   if (!thread_.stop()) return;
-  end_stream();
+  if (silent_)
+    abandon();
+  else
+    end_stream();
   const std::lock_guard lock(mutex_);
   count_.health.state = DeviceState::kStopped;
 }
@@ -282,7 +311,21 @@ void LibcameraCamera::completed(lc::Request* request) {
   done_changed_.notify_one();
 }
 
+/// A camera that gives no picture is lost until it gives one.
+void LibcameraCamera::note_silence(bool frame) {
+  const HostTime now = clock_.now();
+  if (frame) last_frame_ = now;
+  const bool silent = now - last_frame_ > kLibcameraSilence;
+  if (silent == std::exchange(silent_, silent)) return;
+  const std::lock_guard lock(mutex_);
+  if (silent)
+    count_.health.state = DeviceState::kLost;
+  else
+    count_.come_back();
+}
+
 void LibcameraCamera::work() {
+  last_frame_ = clock_.now(), silent_ = false;
   while (!thread_.stopping()) {
     lc::Request* request = nullptr;
     {
@@ -290,9 +333,14 @@ void LibcameraCamera::work() {
       done_changed_.wait_for(lock, kLibcameraWait, [this] { return !done_.empty(); });
       if (!done_.empty()) request = done_.front(), done_.pop_front();
     }
+    const bool frame = request != nullptr && request->status() == lc::Request::RequestComplete;
     if (gone_) {
       come_back();
-    } else if (request != nullptr && request->status() == lc::Request::RequestComplete) {
+      last_frame_ = clock_.now(), silent_ = false;
+      continue;
+    }
+    note_silence(frame);
+    if (frame) {
       take(request);
       request->reuse(lc::Request::ReuseBuffers);
       {
