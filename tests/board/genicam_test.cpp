@@ -32,6 +32,7 @@ class Genicam : public ::testing::Test {
   /// Plays a take as cameras; the command records them in `out`.
   void record(const std::string& take, double rate_hz, test::GenicamDepthLayout layout,
               const std::string& out, const std::string& tables, const std::string& keys = "") {
+    cameras_.reset();  // one take has the ports
     auto opened = test::GenicamTake::open(takes_ + "/" + take, rate_hz, layout);
     ASSERT_TRUE(opened) << to_line(opened.error());
     cameras_ = *std::move(opened);
