@@ -69,8 +69,9 @@ struct Interval {
 };
 Interval sum_of(float constant, float a, float a_from, float a_to, float b, float b_from,
                 float b_to) {
-  const auto [a0, a1] = std::minmax(a * a_from, a * a_to);
-  const auto [b0, b1] = std::minmax(b * b_from, b * b_to);
+  // Of lists: of two temporaries it would be references.
+  const auto [a0, a1] = std::minmax({a * a_from, a * a_to});
+  const auto [b0, b1] = std::minmax({b * b_from, b * b_to});
   constexpr float kRounding = 1e-5F;
   const float slack =
       kRounding * (std::abs(constant) + std::abs(a0) + std::abs(a1) + std::abs(b0) + std::abs(b1));
