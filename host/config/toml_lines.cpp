@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "host/config/writer.h"
-
 namespace mixrig::config {
 
 Lines lines_of(std::string_view text) {
@@ -83,10 +81,7 @@ void remove_line(Lines& lines, Block& block, std::string_view key) {
 }
 
 void set_number(Lines& lines, const Block& block, std::string_view key, double value) {
-  Writer table;
-  table.set(key, value);
-  std::string line = table.text();
-  while (!line.empty() && line.back() == '\n') line.pop_back();
+  std::string line = value_line(key, value);
   for (std::size_t i = block.begin + 1; i < block.end; ++i)
     if (const auto comment = lines[i].find('#');
         key_of(lines[i]) == key && comment != std::string::npos)

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/config/writer.h"
+
 namespace mixrig::config {
 
 using Lines = std::vector<std::string>;
@@ -29,6 +31,16 @@ struct Block {
 };
 /// All tables with a header, such as "[[camera]]".
 std::vector<Block> blocks_of(const Lines& lines, std::string_view header);
+
+/// "key = value".
+template <typename Value>
+std::string value_line(std::string_view key, const Value& value) {
+  Writer table;
+  table.set(key, value);
+  std::string line = table.text();
+  while (!line.empty() && line.back() == '\n') line.pop_back();
+  return line;
+}
 
 /// Sets a key of a table; a comment behind the old value goes.
 void set_line(Lines& lines, const Block& block, std::string_view key, const std::string& line);

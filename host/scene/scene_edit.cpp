@@ -42,11 +42,7 @@ Lines lamp_lines(const Lamp& lamp) {
 }
 
 std::string number_line(std::string_view key, std::span<const double> values) {
-  config::Writer table;
-  table.set(key, values);
-  std::string text = table.text();
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
+  return config::value_line(key, values);
 }
 
 Error cannot_edit(const std::filesystem::path& path, const std::string& what) {
@@ -133,15 +129,6 @@ Result<ObjectText> find_object(std::string_view text, const std::filesystem::pat
   return found;
 }
 
-template <typename Value>
-std::string value_line(std::string_view key, const Value& value) {
-  config::Writer table;
-  table.set(key, value);
-  std::string text = table.text();
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
-}
-
 void set_pose(ObjectText& object, const geometry::Pose& pose) {
   config::remove_line(object.lines, object.block, "yaw_deg");
   config::set_line_in(
@@ -167,9 +154,10 @@ Result<std::string> with_object(std::string_view text, const std::filesystem::pa
   if (edit.world_from_object) set_pose(object, *edit.world_from_object);
   if (edit.scale)
     config::set_line_in(object.lines, object.block, "scale",
-                        value_line("scale", config::rounded(*edit.scale, kObjectDigits)));
+                        config::value_line("scale", config::rounded(*edit.scale, kObjectDigits)));
   if (edit.hidden)
-    config::set_line_in(object.lines, object.block, "hidden", value_line("hidden", *edit.hidden));
+    config::set_line_in(object.lines, object.block, "hidden",
+                        config::value_line("hidden", *edit.hidden));
   std::string edited = text_of_lines(object.lines);
   const auto check = parse_scene(edited, path, false);
   if (!check || check->objects.size() != object.scene.objects.size())

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "host/config/toml_lines.h"
-#include "host/config/writer.h"
 #include "host/scene/scene_manifest.h"
 
 namespace mixrig::scene {
@@ -14,15 +13,6 @@ using config::Block;
 using config::Lines;
 
 constexpr int kSettingDigits = 6;
-
-template <typename Value>
-std::string setting_line(std::string_view key, const Value& value) {
-  config::Writer table;
-  table.set(key, value);
-  std::string text = table.text();
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
-}
 
 /// The lines of a table, which is added at the end where there is none.
 Block table_of(Lines& lines, const std::string& header) {
@@ -60,18 +50,19 @@ Result<std::string> with_focus(std::string_view text, const std::filesystem::pat
   Lines lines = config::lines_of(text);
   Block block = table_of(lines, "[focus]");
   if (edit.f_number)
-    config::set_line_in(lines, block, "f_number",
-                        setting_line("f_number", config::rounded(*edit.f_number, kSettingDigits)));
+    config::set_line_in(
+        lines, block, "f_number",
+        config::value_line("f_number", config::rounded(*edit.f_number, kSettingDigits)));
   if (edit.distance_m) {
     config::remove_line(lines, block, "pixel");
     config::set_line_in(
         lines, block, "distance_m",
-        setting_line("distance_m", config::rounded(*edit.distance_m, kSettingDigits)));
+        config::value_line("distance_m", config::rounded(*edit.distance_m, kSettingDigits)));
   }
   if (edit.pixel) {
     config::remove_line(lines, block, "distance_m");
     const std::vector<double> at{double(edit.pixel->first), double(edit.pixel->second)};
-    config::set_line_in(lines, block, "pixel", setting_line("pixel", at));
+    config::set_line_in(lines, block, "pixel", config::value_line("pixel", at));
   }
   std::string edited = config::text_of_lines(lines);
   const auto check = parse_scene(edited, path, false);
@@ -101,7 +92,7 @@ Result<std::string> with_background_model(std::string_view text, const std::file
   Lines lines = config::lines_of(text);
   Block block = table_of(lines, "[background]");
   config::remove_line(lines, block, "learn");
-  config::set_line_in(lines, block, "model", setting_line("model", model.string()));
+  config::set_line_in(lines, block, "model", config::value_line("model", model.string()));
   std::string edited = config::text_of_lines(lines);
   const auto check = parse_scene(edited, path, false);
   if (!check || check->background.learn || !check->background.model ||

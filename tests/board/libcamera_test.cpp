@@ -64,8 +64,8 @@ TEST_F(Libcamera, AMissingCameraASizeAndATriggerAreRefusedInOneLine) {
   EXPECT_FALSE(device::open_libcamera("any", {.hardware_trigger = true}, g_libcamera_clock));
 }
 
-class LibcameraSilence : public Libcamera {
-};  // in a process of its own: the library's thread goes on
+// In a process of its own: the library's thread goes on at full load.
+class LibcameraSilence : public Libcamera {};
 
 // The library's handler of vimc does not tell that its device has vanished (0.0.3; that of USB
 // cameras does), and stop() would end the process.

@@ -162,6 +162,20 @@ def moves_it_by_keys(page, rig, name):
                lambda: rig.object(name)["position_m"] != before)
 
 
+def sets_it_on_a_surface(page, rig, name):
+    """On the floor that was learned: it stands upright within the depth's noise, where the mark is let go."""
+    before = rig.object(name)
+    by_id(page, "onto").click()
+    handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {name}"]')
+    ActionChains(page).click_and_hold(handle).move_by_offset(12, 6).move_by_offset(12, 6).release().perform()
+    now = comes_true("the object on the floor that is seen there", lambda: rig.object(name) != before and rig.object(name))
+    by_id(page, "onto").click()
+    x, y = now["rotation_xyzw"][:2]
+    assert abs(1 - 2 * (x * x + y * y)) > 0.999, now  # cosine between its axis and the world's
+    assert now["position_m"] != before["position_m"] and abs(now["position_m"][2]) < 0.03, now
+    print(f"set {name} on the floor: {now['position_m']}")
+
+
 def scales_and_hides_it(page, rig, name):
     scale = field(page, "scale", name)
     before = rig.object(name).get("scale", 1.0)
@@ -579,6 +593,7 @@ def main():
             has_names(page)
             console_is_clean(page)
             name = drags_an_object(page, rig)
+            sets_it_on_a_surface(page, rig, name)
             moves_it_by_keys(page, rig, name)
             if len(sys.argv) > 2:
                 time.sleep(1)
