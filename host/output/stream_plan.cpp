@@ -141,9 +141,9 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
     case Codec::kAuto:
       break;
   }
-  if (carrier == Carrier::kV4l2) {
+  if (carrier == Carrier::kV4l2) {  // what cameras send, and so what every reader takes
     need("videoconvert", kBase);
-    plan.description += " ! videoconvert";
+    plan.description += " ! videoconvert ! video/x-raw,format=YUY2";
   }
   if (carrier != Carrier::kRtp) return;
   const char* const format = out.picture == Picture::kAlpha ? "BGRA" : "RGB";

@@ -29,9 +29,11 @@ class MarkerSink final : public output::CompositeSink {
   std::string_view name() const override { return "marker"; }
   render::OutputMask wanted(int) const override { return render::kColor; }
   Result<void> write(const output::CompositePtr& composite) override {
-    const double now_s = seconds(clock_.now().time_since_epoch());
-    if (log_.seen.size() < log_.seen.capacity())
-      log_.seen.push_back({now_s, light_of(composite->images.color)});
+    const HostTime now = clock_.now();
+    if (log_.seen.size() < log_.seen.capacity()) {
+      log_.seen.push_back({seconds(now.time_since_epoch()), light_of(composite->images.color)});
+      log_.stamped_ms.add(milliseconds(now - composite->capture->mid_exposure));
+    }
     const auto report = source_.report();
     if (!report || !report->newest_tick || log_.ticks.size() == log_.ticks.capacity()) return {};
     const sync::Tick tick = *report->newest_tick;
@@ -177,6 +179,7 @@ Result<MarkerReport> measure_marker(const MarkerOptions& options, Clock& clock,
                              "that blinks so: give its pixels by --region, and let it run longer",
                              options.line, switches_s.size(), log.seen.size())};
   report.delay = *delay;
+  report.stamped_s = log.stamped_ms.quantile(0.5) / 1e3;
   report.frames = log.seen.size(), report.switches = switches_s.size();
   return report;
 }
@@ -185,6 +188,7 @@ nlohmann::json to_json(const MarkerReport& report) {
   return {{"delay_ms", 1e3 * report.delay.delay_s},
           {"within_ms", 1e3 * report.delay.uncertainty_s},
           {"correlation", report.delay.correlation},
+          {"stamped_ms", 1e3 * report.stamped_s},
           {"exposure_ms", 1e3 * report.exposure_s},
           {"blink_s", report.blink_s},
           {"frames", report.frames},
@@ -194,9 +198,10 @@ nlohmann::json to_json(const MarkerReport& report) {
 std::string to_table(const MarkerReport& report) {
   return fmt::format(
       "middle of the exposure to the composite in a sink: {:.1f} +- {:.1f} ms, by {} pictures of a "
-      "lamp that was switched {} times (correlation {:.4f}, exposure {:.1f} ms)\n",
+      "lamp that was switched {} times (correlation {:.4f}, exposure {:.1f} ms); by the stamps "
+      "{:.1f} ms\n",
       1e3 * report.delay.delay_s, 1e3 * report.delay.uncertainty_s, report.frames, report.switches,
-      report.delay.correlation, 1e3 * report.exposure_s);
+      report.delay.correlation, 1e3 * report.exposure_s, 1e3 * report.stamped_s);
 }
 
 }  // namespace mixrig::session

@@ -18,6 +18,7 @@
 #include "hal/device/trigger.h"
 #include "host/capture/capture_source.h"
 #include "host/measure/delay.h"
+#include "host/measure/quantile_sketch.h"
 #include "host/output/composite_sink.h"
 #include "host/sync/pairing.h"
 
@@ -41,7 +42,8 @@ struct MarkerOptions {
 /// What was seen and when the master ticked. Memory is made by the constructor.
 struct MarkerLog {
   std::vector<sync::Tick> ticks;
-  std::vector<measure::Sample> seen;  ///< mean light of the region, at the time of the sink
+  std::vector<measure::Sample> seen;     ///< mean light of the region, at the time of the sink
+  measure::QuantileSketch stamped_ms{};  ///< from the stamps of mid-exposure to the sink
   explicit MarkerLog(std::size_t frames) { ticks.reserve(frames), seen.reserve(frames); }
 };
 
@@ -59,6 +61,7 @@ std::vector<double> switches_of(std::span<const sync::Tick> ticks,
 
 struct MarkerReport {
   measure::Delay delay;
+  double stamped_s = 0;                ///< median by the stamps of the same pictures
   double exposure_s = 0, blink_s = 0;  ///< period of the lamp
   std::size_t frames = 0, switches = 0;
 };

@@ -68,14 +68,13 @@ void VirtualRig::look(int line) {
 }
 
 void VirtualRig::fire(int line, std::uint32_t tick) {
+  if (line == kColorLine) chip.pull(kEdgesLine, true);
+  look(line);
   if (line == kColorLine) {
-    chip.pull(kEdgesLine, true);
-    look(line);
     color.fire(tick);
     color_port.wake();
     chip.pull(kEdgesLine, false);
   } else if (line == kDepthLine) {
-    look(line);
     depth.fire(tick);
     depth_port.wake();
   }

@@ -38,7 +38,9 @@ TEST(StreamPlan, EachAddressHasItsCodecAndPlugIns) {
   EXPECT_TRUE(has(rtp->description, "width=1280,"));
   EXPECT_EQ(rtp->port, 5004);
   EXPECT_TRUE(has(plan("a.mov", Picture::kAlpha)->description, "A444_10LE"));
-  EXPECT_TRUE(has(plan("v4l2:///dev/video7")->description, "v4l2sink"));
+  const std::string node = plan("v4l2:///dev/video7")->description;
+  EXPECT_TRUE(has(node, "v4l2sink"));
+  EXPECT_TRUE(has(node, "format=YUY2")) << "what every reader of a camera takes";
 }
 
 TEST(StreamPlan, AListenerWithoutAnAddressHearsThisMachineAlone) {

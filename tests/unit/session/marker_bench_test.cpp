@@ -49,8 +49,11 @@ double lit(double middle_s, double exposure_s, const device::TriggerChannel& lam
   return static_cast<double>(on) / kParts;
 }
 
-output::CompositePtr seen_lamp(double share) {
+output::CompositePtr seen_lamp(double share, double exposed_s) {
   auto composite = std::make_shared<output::Composite>();
+  const auto capture = std::make_shared<capture::Capture>();
+  capture->mid_exposure = HostTime(Duration(std::llround(1e9 * exposed_s)));
+  composite->capture = capture;
   composite->images.color.reset({40, 30}, {60, 60, 60});
   const std::uint8_t v = srgb_byte_from_linear(static_cast<float>(0.05 + 0.8 * share));
   for (int y = 10; y < 14; ++y)
@@ -70,7 +73,7 @@ TEST(MarkerBench, FindsTheDelayOfALampWithinAnExposure) {
     for (int i = 0; i < 500; ++i) {
       const double exposed_s = 101 + i / 25.0;
       clock.sleep_until(HostTime(Duration(std::llround(1e9 * (exposed_s + delay_s)))));
-      ASSERT_TRUE(sink->write(seen_lamp(lit(exposed_s, kExposure_s, lamp))));
+      ASSERT_TRUE(sink->write(seen_lamp(lit(exposed_s, kExposure_s, lamp), exposed_s)));
     }
     const auto switches_s = switches_of(log.ticks, lamp, kTick);
     EXPECT_GE(switches_s.size(), 36U);
@@ -79,6 +82,7 @@ TEST(MarkerBench, FindsTheDelayOfALampWithinAnExposure) {
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->delay_s, delay_s, kExposure_s);
     EXPECT_LT(found->uncertainty_s, 0.01);
+    EXPECT_NEAR(log.stamped_ms.quantile(0.5), 1e3 * delay_s, 1e-3 * 1e3 * delay_s);
   }
 }
 
