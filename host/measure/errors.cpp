@@ -19,7 +19,8 @@ std::string text(Size size) {
 Result<void> check_sizes(const ResultImages& r, const TruthImages& t) {
   const Size expected = t.labels.size;
   for (Size size : {r.color.size, r.warped_depth_m.size, r.matte.size, r.light.size, r.layer.size,
-                    t.color.size, t.depth_m.size, t.matte.size, t.light.size})
+                    t.color.size, t.depth_m.size, t.matte.size, t.light.size,
+                    r.mixed_depth_m.size.empty() ? expected : r.mixed_depth_m.size})
     if (size != expected || expected.empty())
       return Error{ErrorCode::kData, "truth and composite disagree in size: " + text(expected) +
                                          " against " + text(size) +
@@ -52,6 +53,23 @@ void add_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
       const bool bad = !is_known(z) || error_m > kBad_m;
       sums.depth_bad.add(bad ? 1.0 : 0.0);
       if (band.row(y)[x] != 0) sums.band_bad.add(bad ? 1.0 : 0.0);
+    }
+  }
+}
+
+/// Where both show what is real.
+void add_mixed_depth(const ResultImages& r, const TruthImages& t, ErrorSums& sums) {
+  if (r.mixed_depth_m.size.empty()) return;
+  for (int y = 0; y < t.labels.size.height; ++y) {
+    for (int x = 0; x < t.labels.size.width; ++x) {
+      const std::uint8_t label = t.labels.row(y)[x];
+      const float z = r.mixed_depth_m.row(y)[x], true_z = t.depth_m.row(y)[x];
+      if (!is_known(true_z) || (label & kLayerMask) == kLayerVirtual ||
+          r.layer.row(y)[x] == kLayerVirtual)
+        continue;
+      const bool off = std::abs(z - true_z) > kBad_m;
+      sums.mixed_bad.add(!is_known(z) || off ? 1.0 : 0.0);
+      if ((label & kTofSees) == 0) sums.mixed_hidden_wrong.add(is_known(z) && off ? 1.0 : 0.0);
     }
   }
 }
@@ -152,6 +170,7 @@ Image<std::uint8_t> contested(const TruthImages& truth) {
 Result<void> add_frame(const ResultImages& result, const TruthImages& truth, ErrorSums& sums) {
   MIXRIG_TRY(check_sizes(result, truth));
   add_depth(result, truth, sums);
+  add_mixed_depth(result, truth, sums);
   add_order(result, truth, sums);
   add_shadow(result, truth, sums);
   add_object(result, truth, sums);
@@ -167,6 +186,8 @@ Errors errors_of(const ErrorSums& sums) {
   e.hidden_pct = scaled(sums.hidden_share.mean(), 100.0);
   e.hidden_bad_pct = scaled(sums.hidden_bad.mean(), 100.0);
   e.hidden_wrong_pct = scaled(sums.hidden_wrong.mean(), 100.0);
+  e.mixed_bad_pct = scaled(sums.mixed_bad.mean(), 100.0);
+  e.mixed_hidden_wrong_pct = scaled(sums.mixed_hidden_wrong.mean(), 100.0);
   e.key_iou = iou(sums.all);
   e.matte_mse = sums.all.matte_square.mean();
   e.order_wrong_pct = scaled(sums.order_wrong.mean(), 100.0);

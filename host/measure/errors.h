@@ -24,11 +24,12 @@ inline constexpr std::uint8_t kInSilhouette = 8;  ///< inside the virtual object
 /// Results of the compositor for a frame. All images of a frame, these and the truth, have one
 /// size.
 struct ResultImages {
-  ImageView<const Rgb8> color;            ///< composite, sRGB
-  ImageView<const float> warped_depth_m;  ///< 0 unknown
-  ImageView<const std::uint8_t> matte;    ///< people, 255 = all
-  ImageView<const float> light;           ///< 0..1
-  ImageView<const std::uint8_t> layer;    ///< visible: 0 background, 1 person, 2 virtual
+  ImageView<const Rgb8> color;             ///< composite, sRGB
+  ImageView<const float> warped_depth_m;   ///< 0 unknown
+  ImageView<const std::uint8_t> matte;     ///< people, 255 = all
+  ImageView<const float> light;            ///< 0..1
+  ImageView<const std::uint8_t> layer;     ///< visible: 0 background, 1 person, 2 virtual
+  ImageView<const float> mixed_depth_m{};  ///< of that layer, 0 unknown; empty: it is not judged
 };
 
 /// Ground truth of a frame.
@@ -61,8 +62,9 @@ struct ErrorSums {
   Sum depth_abs_m, depth_bad, band_bad, order_wrong, light_shadow_square;
   Sum hidden_share;  ///< 1 for a pixel whose surface the ToF camera does not see, else 0
   Sum hidden_bad, hidden_wrong;  ///< over those
-  Sum object_square;             ///< sRGB values
-  Sum object_linear_square;      ///< linear light, 0..1
+  Sum mixed_bad, mixed_hidden_wrong;
+  Sum object_square;         ///< sRGB values
+  Sum object_linear_square;  ///< linear light, 0..1
   PixelSums all, contested;
   Sum contested_share;  ///< 1 for a contested pixel, else 0
 };
@@ -71,6 +73,7 @@ struct ErrorSums {
 struct Errors {
   std::optional<double> depth_mae_mm, depth_bad_pct, band_bad_pct, key_iou, matte_mse;
   std::optional<double> hidden_pct, hidden_bad_pct, hidden_wrong_pct;
+  std::optional<double> mixed_bad_pct, mixed_hidden_wrong_pct;
   std::optional<double> matte_flicker, matte_dtssd;  ///< MatteFlicker::still() and all()
   std::optional<double> order_wrong_pct, light_rmse, light_shadow_rmse;
   std::optional<double> color_psnr_db;  ///< kEqualPsnr_db where not a single value differs

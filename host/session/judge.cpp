@@ -69,7 +69,7 @@ measure::Errors Judge::errors() const {
 
 Result<void> Judge::add(const capture::Truth& truth, const render::FrameOutput& output) {
   return add(truth, measure::ResultImages{output.color, output.warped_depth_m, output.matte,
-                                          output.light, output.layer});
+                                          output.light, output.layer, output.mixed_depth_m});
 }
 
 Result<void> Judge::add(const capture::Truth& frame_truth, const measure::ResultImages& in) {
@@ -82,7 +82,9 @@ Result<void> Judge::add(const capture::Truth& frame_truth, const measure::Result
   const Image<std::uint8_t> matte = bilinear(in.matte, size);
   const Image<float> light = bilinear(in.light, size);
   const Image<std::uint8_t> layer = nearest(in.layer, size);
-  return add_in_size({color, depth_m, matte, light, layer}, truth);
+  const Image<float> mixed_m =
+      in.mixed_depth_m.size.empty() ? Image<float>() : nearest(in.mixed_depth_m, size);
+  return add_in_size({color, depth_m, matte, light, layer, mixed_m}, truth);
 }
 
 Result<void> Judge::add_in_size(measure::ResultImages result, const measure::TruthImages& truth) {

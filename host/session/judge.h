@@ -15,8 +15,9 @@ namespace mixrig::session {
 class Judge {
  public:
   /// Images of a composite that it uses.
-  static constexpr render::OutputMask kWanted =
-      render::kColor | render::kWarpedDepth | render::kMatte | render::kLight | render::kLayer;
+  static constexpr render::OutputMask kWanted = render::kColor | render::kMixedDepth |
+                                                render::kWarpedDepth | render::kMatte |
+                                                render::kLight | render::kLayer;
   /// `room_shown`: the composite shows the real background, as the truth does; without it colour,
   /// light and the look of the objects are not judged.
   explicit Judge(bool room_shown = true) : room_shown_(room_shown) {}

@@ -17,13 +17,15 @@ namespace {
 
 using NamedError = std::pair<const char*, std::optional<double>>;
 
-std::array<NamedError, 16> named(const measure::Errors& e) {
+std::array<NamedError, 18> named(const measure::Errors& e) {
   return {{{"depth_mae_mm", e.depth_mae_mm},
            {"depth_bad_pct", e.depth_bad_pct},
            {"hidden_pct", e.hidden_pct},
            {"hidden_bad_pct", e.hidden_bad_pct},
            {"hidden_wrong_pct", e.hidden_wrong_pct},
            {"band_bad_pct", e.band_bad_pct},
+           {"mixed_bad_pct", e.mixed_bad_pct},
+           {"mixed_hidden_wrong_pct", e.mixed_hidden_wrong_pct},
            {"key_iou", e.key_iou},
            {"matte_mse", e.matte_mse},
            {"matte_flicker", e.matte_flicker},

@@ -65,6 +65,25 @@ TEST(Errors, WhatTheDepthCameraDoesNotSeeIsJudgedByItself) {
   EXPECT_EQ(Frame({4, 4}).errors().hidden_bad_pct, std::nullopt);
 }
 
+TEST(Errors, MixedDepthIsJudgedWhereBothShowWhatIsReal) {
+  Frame f({8, 1});
+  Image<float> mixed({8, 1}, 2.0F);
+  for (int x = 0; x < 4; ++x) f.labels.at(x, 0) = 0;  // hidden
+  mixed.at(0, 0) = 0, mixed.at(1, 0) = 1.5F, mixed.at(2, 0) = 2.05F;
+  f.layer.at(6, 0) = kLayerVirtual, mixed.at(6, 0) = 1;    // virtual in the composite
+  f.labels.at(7, 0) |= kLayerVirtual, mixed.at(7, 0) = 1;  // in the truth
+  ErrorSums sums;
+  ASSERT_TRUE(add_frame({f.color, f.depth, f.matte, f.light, f.layer, mixed},
+                        {f.true_color, f.true_depth, f.true_matte, f.true_light, f.labels}, sums));
+  const Errors e = errors_of(sums);
+  EXPECT_NEAR(*e.mixed_bad_pct, 100.0 * 2 / 6, 1e-9) << "unknown or off";
+  EXPECT_EQ(e.mixed_hidden_wrong_pct, 25.0) << "known and off";
+  EXPECT_EQ(f.errors().mixed_bad_pct, std::nullopt) << "no mixed depth is given";
+  const Image<float> small({4, 1}, 2.0F);
+  EXPECT_FALSE(add_frame({f.color, f.depth, f.matte, f.light, f.layer, small},
+                         {f.true_color, f.true_depth, f.true_matte, f.true_light, f.labels}, sums));
+}
+
 TEST(Errors, OfNoFrameAreUndefined) {
   const Errors e = errors_of({});
   EXPECT_EQ(e.depth_mae_mm, std::nullopt);
