@@ -1,8 +1,8 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
 // Pass light: the mean of a pixel's virtual samples, under the same lamps as the real scene.
-//   albedo  linear, alpha 1 where covered; normal 0..1 for -1..1; depth nearest_m / z: samples,
-//           virtual_samples a pixel along each axis, from origin_px
+//   albedo  linear, alpha 1 where covered; normal 0..1 for -1..1; depth nearest_m / z: a picture of
+//           size_px from origin_px on for each sample, virtual_samples along each axis
 //   color   linear, premultiplied by the coverage in alpha
 //   w       1/m, of the nearest sample
 #include "common/precision.glsl"
@@ -20,7 +20,7 @@ uniform bool glossy, emits;  // whether there are these two
 layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
 layout(binding = 6) uniform sampler2DArray people_maps;
 uniform bool has_people;  // they cast shadows
-uniform ivec2 origin_px;
+uniform ivec2 origin_px, size_px;
 uniform float exposure;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
@@ -32,7 +32,7 @@ void main() {
   float nearest = 0.0;
   for (int j = 0; j < virtual_samples; ++j)
     for (int i = 0; i < virtual_samples; ++i) {
-      ivec2 sample_at = virtual_samples * (at - origin_px) + ivec2(i, j);
+      ivec2 sample_at = at - origin_px + size_px * ivec2(i, j);
       vec4 a = texelFetch(albedo, sample_at, 0);
       sum += a;
       normal += a.a * (2.0 * texelFetch(normals, sample_at, 0).xyz - 1.0);

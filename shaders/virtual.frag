@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual: albedo and normal of the nearest virtual surface, four samples a pixel.
+// Pass virtual: albedo and normal of the nearest virtual surface, one of four samples a pixel.
 //   texture_srgb  sRGB bytes, decoded before the filter, repeating
 //   albedo        linear, opaque (the target encodes to sRGB); what is not drawn stays 0
 //   normal        camera axes, 0..1 for -1..1

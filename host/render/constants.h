@@ -44,8 +44,13 @@ inline constexpr int kCellIndices = 24;
 inline constexpr float kHiddenPart = 0.05F;
 
 // --- virtual
-/// Samples along each axis of a pixel, 2 x 2: coverage in quarters.
+/// Samples along each axis of a pixel, 2 x 2: coverage in quarters. They are turned (rotated grid):
+/// the upper two lie right of the middles of their quarters and the lower two left of them, the
+/// left ones above and the right ones below, so that no two share a row or a column and an edge
+/// along an axis has five levels of coverage, not three.
 inline constexpr int kVirtualSamples = 2;
+/// By how much, px.
+inline constexpr float kSampleTurnPx = 0.125F;
 
 // --- key: where votes decide
 /// Side of a block in pixels. The cpu back end counts a block's row of states as one 64-bit word.

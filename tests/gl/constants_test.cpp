@@ -31,6 +31,7 @@ const std::map<std::string, double> kOurs = {
     {"cell_indices", kCellIndices},
     {"hidden_part", kHiddenPart},
     {"virtual_samples", kVirtualSamples},
+    {"sample_turn_px", kSampleTurnPx},
     {"block_px", kBlockPx},
     {"speckle_tof_px", kSpeckleTofPx},
     {"speckle_blocks", kSpeckleBlocks},

@@ -14,7 +14,7 @@ constexpr render::PinholeParams kVirtualView{{16, 16}, {7.5F, 7.5F}};
 
 class VirtualPassTest : public GlTest {
  protected:
-  /// Samples of the window `rect`: two a pixel along each axis.
+  /// A picture of the window `rect` for each of 2x2 samples.
   void draw(const std::vector<const Quad*>& quads, render::Rect rect) {
     auto pass = VirtualPass::create();
     ASSERT_TRUE(pass) << pass.error().context;
@@ -29,30 +29,39 @@ class VirtualPassTest : public GlTest {
     ASSERT_TRUE(drawn) << drawn.error().context;
     albedo_ = read(pass->albedo());
     normal_ = read(pass->normal());
+    size_ = {rect.x1 - rect.x0, rect.y1 - rect.y0};
   }
-  bool covered(int x, int y) const { return albedo_.at(x, y).a > 0.5F; }
+  /// Whether sample i, at kAt_px from the middle of the window's pixel, is covered.
+  bool covered(int x, int y, int i) const {
+    return albedo_.at(x + i % 2 * size_.width, y + i / 2 * size_.height).a > 0.5F;
+  }
+  static constexpr float kAt_px[4][2] = {
+      {-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}};
 
+  Size size_;
   Image<glm::vec4> albedo_, normal_;
 };
 
 TEST_F(VirtualPassTest, covers_the_samples_inside_and_no_other) {
-  // At z = 2, x from -0.4375 to 0.25: pixels 4.0 to 9.5. Samples lie at i / 2 - 0.25.
+  // At z = 2, from -0.4375 to 0.25: pixels 4.0 to 9.5.
   const Quad quad({-0.4375F, -0.4375F}, {0.25F, 0.25F}, 2);
   draw({&quad}, {0, 0, 16, 16});
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 32; ++x) {
-      const bool inside = x >= 9 && x <= 19 && y >= 9 && y <= 19;  // 4.25 ... 9.25
-      EXPECT_EQ(covered(x, y), inside) << x << "," << y;
-    }
+  const auto inside = [](float px) { return px > 4 && px < 9.5F; };
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x)
+      for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(covered(x, y, i), inside(static_cast<float>(x) + kAt_px[i][0]) &&
+                                        inside(static_cast<float>(y) + kAt_px[i][1]))
+            << x << "," << y << " sample " << i;
 }
 
 TEST_F(VirtualPassTest, window_starts_at_the_rectangle) {
   const Quad quad({-0.4375F, -0.4375F}, {0.25F, 0.25F}, 2);
   draw({&quad}, {4, 2, 12, 10});
-  EXPECT_FALSE(covered(0, 5));  // view pixel 3.75
-  EXPECT_TRUE(covered(1, 5));   // 4.25
-  EXPECT_FALSE(covered(5, 4));
-  EXPECT_TRUE(covered(5, 5));  // rows start at 2: 4.25 again
+  EXPECT_FALSE(covered(0, 3, 0));  // column 3.875
+  EXPECT_TRUE(covered(0, 3, 1));   // 4.375
+  EXPECT_FALSE(covered(2, 2, 1));  // row 3.875
+  EXPECT_TRUE(covered(2, 2, 2));   // 4.125
 }
 
 TEST_F(VirtualPassTest, nearest_surface_wins_whatever_the_order) {
@@ -68,10 +77,10 @@ TEST_F(VirtualPassTest, nearest_surface_wins_whatever_the_order) {
 TEST_F(VirtualPassTest, culls_backs_unless_double_sided) {
   Quad back({-1, -1}, {1, 1}, 2, false);
   draw({&back}, {0, 0, 16, 16});
-  EXPECT_FALSE(covered(15, 15));
+  EXPECT_FALSE(covered(7, 7, 0));
   back.view.double_sided = true;
   draw({&back}, {0, 0, 16, 16});
-  EXPECT_TRUE(covered(15, 15));
+  EXPECT_TRUE(covered(7, 7, 0));
   // The normal turns to the camera: (0, 0, -1) as 0.5, 0.5, 0.
   EXPECT_NEAR(normal_.at(15, 15).z, 0, 0.01F);
   EXPECT_NEAR(normal_.at(15, 15).x, 0.5F, 0.01F);
@@ -85,11 +94,12 @@ TEST_F(VirtualPassTest, texture_is_filtered_in_linear_light_times_base_color) {
   quad.view.texture = texture;
   quad.view.base_color = {1, 0.5F, 0};
   draw({&quad}, {0, 0, 16, 16});
-  // Sample 15 lies at pixel 7.25: u = 0.4921875, texel 0.484375 of the way from black to white.
-  // Linear 0.4844 is sRGB 0.7242; its half is sRGB 0.5299.
-  EXPECT_NEAR(albedo_.at(15, 9).r, 0.7242F, 0.005F);
-  EXPECT_NEAR(albedo_.at(15, 9).g, 0.5299F, 0.005F);
-  EXPECT_EQ(albedo_.at(15, 9).b, 0);
+  // Sample 1 of column 7 lies at pixel 7.375: u = 0.49609375, texel 0.4921875 of the way from black
+  // to white. Linear 0.4922 is sRGB 0.7294; its half is sRGB 0.5339.
+  const glm::vec4 seen = albedo_.at(16 + 7, 9);
+  EXPECT_NEAR(seen.r, 0.7294F, 0.005F);
+  EXPECT_NEAR(seen.g, 0.5339F, 0.005F);
+  EXPECT_EQ(seen.b, 0);
 }
 
 TEST_F(VirtualPassTest, what_is_behind_the_camera_is_clipped) {
@@ -98,10 +108,10 @@ TEST_F(VirtualPassTest, what_is_behind_the_camera_is_clipped) {
   floor.view.double_sided = true;
   draw({&floor}, {0, 0, 16, 16});
   // Horizon at row 7.5; the far edge at 16 / 5 + 7.5 = 10.7; below it floor.
-  EXPECT_FALSE(covered(16, 10));
-  EXPECT_FALSE(covered(16, 21));  // pixel 10.25
-  EXPECT_TRUE(covered(16, 23));   // pixel 11.25
-  EXPECT_TRUE(covered(16, 31));
+  EXPECT_FALSE(covered(8, 5, 0));
+  EXPECT_FALSE(covered(8, 11, 0));  // row 10.625
+  EXPECT_TRUE(covered(8, 11, 1));   // row 10.875
+  EXPECT_TRUE(covered(8, 15, 3));
 }
 
 }  // namespace

@@ -27,8 +27,9 @@ Rect box_of(const std::array<glm::dvec3, 3>& points, const SampleGrid& grid) {
     return static_cast<int>(std::clamp(value, double(low), double(high)));
   };
   const Rect& r = grid.rect;
-  return {clip(std::ceil(x0), r.x0, r.x1), clip(std::ceil(y0), r.y0, r.y1),
-          clip(std::floor(x1) + 1, r.x0, r.x1), clip(std::floor(y1) + 1, r.y0, r.y1)};
+  const double s = grid.shift;
+  return {clip(std::ceil(x0 - s), r.x0, r.x1), clip(std::ceil(y0 - s), r.y0, r.y1),
+          clip(std::floor(x1 + s) + 1, r.x0, r.x1), clip(std::floor(y1 + s) + 1, r.y0, r.y1)};
 }
 
 }  // namespace

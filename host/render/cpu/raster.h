@@ -17,7 +17,8 @@ namespace mixrig::render::cpu {
 /// A grid of sample points before a pinhole.
 struct SampleGrid {
   glm::dvec2 focal{1}, center{0};
-  Rect rect;  ///< samples that exist
+  Rect rect;         ///< samples that exist
+  double shift = 0;  ///< by which for_each_run() moves them along each axis, at most
 };
 
 /// a x + b y + c of a sample's column and row, relative to the triangle's first.
@@ -45,24 +46,35 @@ constexpr FloatLanes count_up(std::integer_sequence<int, kLane...>) {
 }
 inline constexpr FloatLanes kLaneNumber = count_up(std::make_integer_sequence<int, kLanes>());
 
+/// -1, 1, -1, 1, ...
+template <int... kLane>
+constexpr FloatLanes alternate(std::integer_sequence<int, kLane...>) {
+  return FloatLanes{(kLane % 2 == 0 ? -1.0F : 1.0F)...};
+}
+inline constexpr FloatLanes kAlternate = alternate(std::make_integer_sequence<int, kLanes>());
+
 /// Calls fill(x, y, w, inside) for runs of kLanes samples from (x, y) on, in rows [y0, y1), which
 /// hold all samples of the triangle; `inside` tells which do. Runs start at `last_x` at most, and a
-/// sample can come twice. A border that two triangles share belongs to both, with a small overlap
-/// against cracks; the caller keeps the nearest surface.
+/// sample can come twice. `shift` turns every 2x2 samples about their middle: those of even rows
+/// lie further right and of odd ones further left, those of even columns further up and of odd ones
+/// further down, by so many samples. A border that two triangles share belongs to both, with a
+/// small overlap against cracks; the caller keeps the nearest surface.
 template <typename Fill>
-void for_each_run(const Triangle& t, int y0, int y1, int last_x, Fill&& fill) {
+void for_each_run(const Triangle& t, int y0, int y1, int last_x, float shift, Fill&& fill) {
   const float width = static_cast<float>(t.box.x1 - t.box.x0);
   for (int y = std::max(y0, t.box.y0); y < std::min(y1, t.box.y1); ++y) {
     const float dy = static_cast<float>(y - t.box.y0);
-    const float first0 = t.share[0].b * dy + t.share[0].c;
-    const float first1 = t.share[1].b * dy + t.share[1].c;
-    const float first2 = t.share[2].b * dy + t.share[2].c;
+    const float right = y % 2 == 0 ? shift : -shift;
+    const float first0 = t.share[0].a * right + (t.share[0].b * dy + t.share[0].c);
+    const float first1 = t.share[1].a * right + (t.share[1].b * dy + t.share[1].c);
+    const float first2 = t.share[2].a * right + (t.share[2].b * dy + t.share[2].c);
     for (int x = t.box.x0; x < t.box.x1; x += kLanes) {
       const int at = std::min(x, last_x);
       const FloatLanes dx = kLaneNumber + static_cast<float>(at - t.box.x0);
-      const FloatLanes share0 = dx * t.share[0].a + first0;
-      const FloatLanes share1 = dx * t.share[1].a + first1;
-      const FloatLanes share2 = dx * t.share[2].a + first2;
+      const FloatLanes down = kAlternate * (at % 2 == 0 ? shift : -shift);
+      const FloatLanes share0 = dx * t.share[0].a + (down * t.share[0].b + first0);
+      const FloatLanes share1 = dx * t.share[1].a + (down * t.share[1].b + first1);
+      const FloatLanes share2 = dx * t.share[2].a + (down * t.share[2].b + first2);
       const FloatLanes w = share0 + share1 + share2;
       const FloatLanes border = w * -1e-5F;
       const IntLanes inside = (share0 >= border) & (share1 >= border) & (share2 >= border) &

@@ -22,7 +22,7 @@ void draw_casters(const FrameParams& params, std::size_t lamp, const SampleGrid&
       // Both faces cast: an open sheet has a shadow from either side.
       const auto triangle = set_up(at(0), at(1), at(2), grid, Facing::kBoth);
       if (!triangle) continue;
-      for_each_run(*triangle, y0, y1, map_w.width() - kLanes,
+      for_each_run(*triangle, y0, y1, map_w.width() - kLanes, 0,
                    [&](int x, int y, FloatLanes w, IntLanes inside) {
                      float* const to = map_w.row(y) + x;
                      store(to, max(load<FloatLanes>(to), inside ? w : FloatLanes{}));

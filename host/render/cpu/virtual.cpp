@@ -10,13 +10,15 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBandRows = 16;
+constexpr float kSampleTurn = kSampleTurnPx * kVirtualSamples;  // in samples
 
 SampleGrid sample_grid(const PinholeParams& view, const Rect& rect) {
   // Sample i of an axis lies at pixel (i - 0.5) / 2.
   return {glm::dvec2(view.focal_px) * double(kVirtualSamples),
           glm::dvec2(view.center_px) * double(kVirtualSamples) + 0.5,
           {rect.x0 * kVirtualSamples, rect.y0 * kVirtualSamples, rect.x1 * kVirtualSamples,
-           rect.y1 * kVirtualSamples}};
+           rect.y1 * kVirtualSamples},
+          kSampleTurn};
 }
 
 void transform_vertices(Crew& crew, const FrameParams& params, VirtualScratch& scratch) {
@@ -56,7 +58,7 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
     std::fill_n(scratch.sample_w.row(row_of(y)), scratch.sample_w.width(), 0.0F);
   for (std::size_t i = 0; i < scratch.items.size(); ++i)
     for_each_run(scratch.items[i].triangle, y0 * kVirtualSamples, y1 * kVirtualSamples,
-                 scratch.sample_w.width() - kLanes,
+                 scratch.sample_w.width() - kLanes, kSampleTurn,
                  [&](int x, int y, FloatLanes w, IntLanes inside) {
                    float* const nearest = scratch.sample_w.row(row_of(y)) + x;
                    std::uint32_t* const item = scratch.sample_item.row(row_of(y)) + x;

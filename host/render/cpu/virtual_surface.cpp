@@ -14,7 +14,10 @@ namespace {
 using I4 = std::int32_t __attribute__((vector_size(16)));
 constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
 static_assert(kPixelSamples == 4, "the samples of a pixel fill an F4");
-constexpr F4 kColumn = {0, 1, 0, 1}, kRow = {0, 0, 1, 1};
+/// Where the samples of a pixel lie, in samples from the first of a grid that is not turned.
+constexpr float kTurn = kSampleTurnPx * kVirtualSamples;
+constexpr F4 kColumn = {kTurn, 1 + kTurn, -kTurn, 1 - kTurn};
+constexpr F4 kRow = {-kTurn, kTurn, 1 - kTurn, 1 + kTurn};
 
 F4 sqrt4(F4 f) {
   for (int i = 0; i < 4; ++i) f[i] = std::sqrt(f[i]);

@@ -101,6 +101,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                kLobeGrazing.data());
   pass.set_view(tables);
   pass.shade_origin_px_ = pass.shade_.program.location("origin_px");
+  pass.shade_size_px_ = pass.shade_.program.location("size_px");
   pass.has_people_ = pass.shade_.program.location("has_people");
   pass.glossy_ = pass.shade_.program.location("glossy");
   pass.emits_ = pass.shade_.program.location("emits");
@@ -195,6 +196,7 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   if (rect.empty()) return;
   shade_.program.use();
   set_uniform(shade_origin_px_, glm::ivec2(rect.x0, rect.y0));
+  set_uniform(shade_size_px_, glm::ivec2(rect.x1 - rect.x0, rect.y1 - rect.y0));
   set_uniform(has_people_, people_maps != 0);
   set_uniform(glossy_, params.glossy && samples.gloss() != nullptr);
   set_uniform(emits_, params.emits && samples.emission() != nullptr);

@@ -47,7 +47,7 @@ class LightPass {
   Step background_, tile_depth_, tiles_, people_, shade_;
   BufferHandle lamps_, people_lamps_;
   TextureHandle room_;
-  GLint shade_origin_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;
+  GLint shade_origin_px_ = -1, shade_size_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;
 };
 
 }  // namespace mixrig::render::gles

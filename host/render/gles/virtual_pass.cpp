@@ -47,28 +47,21 @@ Result<void> VirtualPass::grow(Size samples) {
   return {};
 }
 
-Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuMesh>& meshes) {
+void VirtualPass::draw_sample(const FrameParams& params, const std::vector<GpuMesh>& meshes,
+                              glm::ivec2 sample) {
   const Rect& rect = params.virtual_rect;
-  const Size samples{kVirtualSamples * (rect.x1 - rect.x0), kVirtualSamples * (rect.y1 - rect.y0)};
-  MIXRIG_TRY(grow(samples));
-  glBindFramebuffer(GL_FRAMEBUFFER, target_.handle.get());
-  glViewport(0, 0, samples.width, samples.height);
-  glClearColor(0, 0, 0, 0);
-  glClearDepthf(0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GREATER);
-  glCullFace(GL_BACK);
-  glFrontFace(GL_CW);  // counter-clockwise in the picture, whose y points down
-  program_.use();
+  const Size size{rect.x1 - rect.x0, rect.y1 - rect.y0};
+  glViewport(sample.x * size.width, sample.y * size.height, size.width, size.height);
+  const glm::vec2 place_px = glm::vec2(sample) * 0.5F - 0.25F +
+                             kSampleTurnPx * glm::vec2(1 - 2 * sample.y, 2 * sample.x - 1);
   for (std::size_t i = 0; i < params.draws.size(); ++i) {
     const Draw& draw = params.draws[i];
     const PinholeParams window =
-        window_of(draw.params.view, glm::vec2(rect.x0, rect.y0), float(kVirtualSamples));
+        window_of(draw.params.view, glm::vec2(rect.x0, rect.y0) + place_px, 1);
     draw.mesh->double_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     set_uniform(at_.camera_from_object, draw.params.camera_from_object);
     set_uniform(at_.camera_from_object_normal, draw.params.camera_from_object_normal);
-    set_uniform(at_.clip_from_camera, clip_from_camera(window, samples));
+    set_uniform(at_.clip_from_camera, clip_from_camera(window, size));
     set_uniform(at_.base_color, draw.params.base_color);
     set_uniform(at_.double_sided, draw.mesh->double_sided);
     const MeshView& mesh = *draw.mesh;
@@ -80,6 +73,23 @@ Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuM
     meshes[i].bind_maps();
     meshes[i].draw();
   }
+}
+
+Result<void> VirtualPass::draw(const FrameParams& params, const std::vector<GpuMesh>& meshes) {
+  const Rect& rect = params.virtual_rect;
+  const Size samples{kVirtualSamples * (rect.x1 - rect.x0), kVirtualSamples * (rect.y1 - rect.y0)};
+  MIXRIG_TRY(grow(samples));
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.handle.get());
+  glClearColor(0, 0, 0, 0);
+  glClearDepthf(0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CW);  // counter-clockwise in the picture, whose y points down
+  program_.use();
+  for (int y = 0; y < kVirtualSamples; ++y)
+    for (int x = 0; x < kVirtualSamples; ++x) draw_sample(params, meshes, {x, y});
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   return {};

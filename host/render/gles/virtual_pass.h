@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass virtual: the objects at 2x2 samples a pixel, in the rectangle that they may touch.
+// Pass virtual: the objects at 2x2 samples a pixel, in the rectangle that they may touch. Each of
+// the four is drawn as a picture of its own, beside and below the first: they lie on a turned grid.
 #pragma once
 
 #include <vector>
@@ -17,7 +18,7 @@ class VirtualPass {
   /// Allocates only where the rectangle is larger than all before.
   Result<void> draw(const FrameParams& params, const std::vector<GpuMesh>& meshes);
 
-  /// Samples of the window that starts at the rectangle's corner: linear albedo with alpha 1 where
+  /// Of the rectangle, a picture for each sample, 2x2 pictures: linear albedo with alpha 1 where
   /// covered, normals in 0..1, window depth (gl_convention.h).
   const Texture& albedo() const { return albedo_; }
   const Texture& normal() const { return normal_; }
@@ -28,6 +29,8 @@ class VirtualPass {
 
  private:
   Result<void> grow(Size samples);
+  void draw_sample(const FrameParams& params, const std::vector<GpuMesh>& meshes,
+                   glm::ivec2 sample);
 
   Texture albedo_, normal_, depth_, gloss_, emission_;
   bool glossy_ = false;

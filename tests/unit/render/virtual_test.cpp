@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "tests/unit/render/helpers.h"
 
@@ -79,6 +80,20 @@ TEST(Virtual, border_inside_a_pixel_is_covered_by_halves) {
   EXPECT_NEAR(d.layer.color.at(7, 15).r, 16384, 1);  // premultiplied
 }
 
+TEST(Virtual, an_edge_along_an_axis_has_five_levels_each_within_an_eighth_of_the_truth) {
+  for (const bool along_x : {true, false}) {
+    std::set<int> levels;
+    for (int sixteenth = 0; sixteenth <= 16; ++sixteenth) {
+      const float covered = static_cast<float>(sixteenth) / 16;  // of pixel 7
+      const DrawnObjects d(square((8 + covered + 1e-4F) / 16, 2), kFront);
+      const int level = along_x ? d.layer.coverage.at(7, 15) : d.layer.coverage.at(15, 7);
+      EXPECT_NEAR(level / 255.0, covered, 0.127) << sixteenth;
+      levels.insert(level);
+    }
+    EXPECT_EQ(levels.size(), 5U);
+  }
+}
+
 TEST(Virtual, back_faces_are_culled_unless_double_sided) {
   EXPECT_EQ(DrawnObjects(square(0.5F, 2), kBack).area(), 0);
   const DrawnObjects both(square(0.5F, 2), kBack, true);
@@ -97,7 +112,8 @@ TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
   const DrawnObjects d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
   for (int y = 0; y < 32; ++y) {
     const float expected = (static_cast<float>(y) - 15.5F) / 32;  // w at 1 m below
-    EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 0.01F) << y;
+    // The nearest sample lies 0.375 px below the middle.
+    EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 0.0125F) << y;
   }
 }
 
@@ -179,8 +195,10 @@ TEST(Virtual, many_small_triangles_agree_with_rays) {
         bool sure = true;
         std::size_t first = 0;
         for (int i = 0; i < 4; ++i) {
-          const Cut hit = cut(d, {(x + 0.5 * (i & 1) - 0.25 - 0.5 * (view.width - 1)) / 32,
-                                  (y + 0.5 * (i >> 1) - 0.25 - 0.5 * (view.height - 1)) / 32, 1});
+          constexpr double kAt_px[4][2] = {
+              {-0.125, -0.375}, {0.375, -0.125}, {-0.375, 0.125}, {0.125, 0.375}};
+          const Cut hit = cut(d, {(x + kAt_px[i][0] - 0.5 * (view.width - 1)) / 32,
+                                  (y + kAt_px[i][1] - 0.5 * (view.height - 1)) / 32, 1});
           sure &= !hit.near_border;
           if (!(hit.z_m > 0)) continue;
           mixed += covered > 0 && hit.first_index != first;
