@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/render/light_surface.h"
+#include "host/render/room_edges.h"
 
 namespace mixrig::render {
 namespace {
@@ -188,6 +189,8 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.has_background) return t;
   const int radius_px = limit_radius_px(t.tof_footprint_px);
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
+  if (!setup.objects.empty())
+    t.edge_depth_m = depth_at_color_edges(setup.background, t.tof_footprint_px);
   if (setup.objects.empty() || setup.light.lamps.empty()) {
     t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
     return t;

@@ -36,6 +36,8 @@ struct Tables {
   /// Foreground is w > abs(this), 1/m. Where no background was learned it is that around, negative,
   /// or infinite: what is farther is in doubt.
   Image<float> key_limit_w;
+  /// Of depth_at_color_edges(), where there are objects and learned colours; else empty.
+  Image<float> edge_depth_m;
   /// Of light_surface(), where lamps light objects; else depth is empty.
   Image<float> light_depth_m;
   Image<PackedNormal> background_normal;  ///< camera axes, towards the camera

@@ -280,7 +280,9 @@ void CpuCompositor::draw_peoples_shadows(const Image<std::uint8_t>& matte) {
 }
 
 MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
+  const bool edges = !moving_background_ && !tables_.edge_depth_m.empty();
   return {.background = setup_.background,
+          .room_m = edges ? tables_.edge_depth_m.view() : setup_.background.depth_m,
           .plate = plate_,
           .view_w = view_w_,
           .objects = setup_.objects.empty() ? nullptr : &objects_,

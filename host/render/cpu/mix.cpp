@@ -64,9 +64,8 @@ void real_depths(const float* w, const float* background_m, bool replaced,
 
 [[gnu::noinline]] void store_real_depths(const MixInput& input, int y, FrameOutput& output) {
   const float* w = input.view_w.row(y);
-  const float* background_m = input.background.depth_m.empty() || input.replaced
-                                  ? nullptr
-                                  : input.background.depth_m.row(y);
+  const float* background_m =
+      input.room_m.empty() || input.replaced ? nullptr : input.room_m.row(y);
   const bool mixed = output.wanted & kMixedDepth, segmented = output.wanted & kSegmentedDepth;
   float* mixed_m = mixed ? output.mixed_depth_m.row(y) : nullptr;
   float* segmented_m = segmented ? output.segmented_depth_m.row(y) : nullptr;
@@ -153,7 +152,7 @@ Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, b
     p.virtual_m = 1 / input.objects->w.row(y)[x];
   }
   if (input.open_walls || input.replaced) return p;
-  const float learned_m = input.background.depth_m.empty() ? 0 : input.background.depth_m.row(y)[x];
+  const float learned_m = input.room_m.empty() ? 0 : input.room_m.row(y)[x];
   p.background_m = learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m);
   return p;
 }

@@ -12,6 +12,7 @@ namespace mixrig::render::cpu {
 /// Inputs of the pass; a pointer is null where the scene has none.
 struct MixInput {
   const BackgroundView& background;
+  ImageView<const float> room_m;  ///< depth of the background, 0 unknown; may be empty
   const Image<Rgbx16>& plate;
   const Image<float>& view_w;  ///< visible real surface, 0 unknown
   const VirtualLayer* objects;

@@ -145,7 +145,8 @@ Result<void> GlesCompositor::create_passes() {
     const bool color = has_model_color(setup_);
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, {color, color}, preparer_.params().key));
   } else if (tables_.has_background) {
-    background_m_ = make_texture(background.depth_m, GL_R32F);
+    background_m_ = make_texture(
+        tables_.edge_depth_m.empty() ? background.depth_m : tables_.edge_depth_m.view(), GL_R32F);
     if (!tables_.light_depth_m.empty())
       light_m_ = make_texture(tables_.light_depth_m.view(), GL_R32F);
     if (!background.color.empty()) learned_ = make_texture(background.color, GL_RGB16F);
@@ -180,7 +181,7 @@ Result<void> GlesCompositor::create_passes() {
   tables_.plate_gain = {};
   tables_.key_limit_w = {};
   tables_.background_normal = {};
-  tables_.light_depth_m = {};
+  tables_.light_depth_m = tables_.edge_depth_m = {};
   return {};
 }
 
