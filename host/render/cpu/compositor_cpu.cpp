@@ -112,7 +112,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       meter_(tables_, setup_.background),
       grid_(tables_.tof_size),
       warp_scratch_(tables_.tof_size),
-      key_scratch_(tables_.view_size, tables_.tof_footprint_px),
+      key_scratch_(tables_.view_size, tables_.tof_footprint_px, crew_.threads()),
       virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
