@@ -34,6 +34,7 @@ inline constexpr const char* kVectorName = "none";
 #endif
 
 using F4 = float __attribute__((vector_size(16)));
+using I4 = std::int32_t __attribute__((vector_size(16)));
 using U16x4 = std::uint16_t __attribute__((vector_size(8)));
 /// A register of the target. Comparisons of FloatLanes give IntLanes: -1 true, 0 false.
 using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
