@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Composites of the analytic room, to compare builds for different processors.
-//   level_frames FILE       composites, writes all that came out
-//   level_frames FILE FILE  compares two such files; exit status 1 beyond the bounds
+//   level_frames FILE               composites, writes all that came out
+//   level_frames FILE --most LEVEL  the same, with at most this level of those in the program
+//   level_frames FILE FILE          compares two such files; exit status 1 beyond the bounds
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 #include <vector>
 
 #include "host/render/cpu/compositor_cpu.h"
@@ -37,11 +39,11 @@ std::vector<T> read(std::ifstream& file, Size size) {
   return values;
 }
 
-int composite(const char* path) {
+int composite(const char* path, std::string_view most) {
   std::ofstream file(path, std::ios::binary);
   for (const Case& c : kCases) {
     const RoomSetup room({.view = c.view, .tof = c.tof, .lens_k1 = -0.05});
-    auto compositor = render::make_cpu_compositor(room.setup, 2);
+    auto compositor = render::make_cpu_compositor(room.setup, 2, most);
     render::FrameInput input = room.frame();
     input.world_from_target.translation_m.x() = c.camera_x_m;
     render::FrameOutput output;
@@ -51,7 +53,7 @@ int composite(const char* path) {
     write(file, output.segmented_depth_m);
     write(file, output.matte);
   }
-  std::printf("level_frames: %s\n", render::cpu_vectors().c_str());
+  std::printf("level_frames: %s\n", render::cpu_vectors(most).c_str());
   if (file.flush()) return 0;
   std::fprintf(stderr, "level_frames: %s cannot be written\n", path);
   return 1;
@@ -115,8 +117,10 @@ int compare(const char* path_a, const char* path_b) {
 }  // namespace mixrig::test
 
 int main(int argc, char** argv) {
-  if (argc == 2) return mixrig::test::composite(argv[1]);
+  if (argc == 2) return mixrig::test::composite(argv[1], {});
+  if (argc == 4 && std::string_view(argv[2]) == "--most")
+    return mixrig::test::composite(argv[1], argv[3]);
   if (argc == 3) return mixrig::test::compare(argv[1], argv[2]);
-  std::fprintf(stderr, "usage: level_frames FILE [FILE]\n");
+  std::fprintf(stderr, "usage: level_frames FILE [FILE | --most LEVEL]\n");
   return 2;
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/compositor_cpu.h"
-
 #include <algorithm>
 #include <optional>
 
@@ -9,6 +7,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/cpu_level.h"
 #include "hal/base/parallel.h"
+#include "host/render/cpu/back_end.h"
 #include "host/render/cpu/background.h"
 #include "host/render/cpu/correct.h"
 #include "host/render/cpu/draw_quads.h"
@@ -49,6 +48,8 @@ class StopWatch {
   StageTimes& times_;
   HostTime last_ = clock_.now();
 };
+
+std::string vectors();
 
 class CpuCompositor final : public Compositor {
  public:
@@ -112,7 +113,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       meter_(tables_, setup_.background),
       grid_(tables_.tof_size),
       warp_scratch_(tables_.tof_size),
-      key_scratch_(tables_.view_size, tables_.tof_footprint_px),
+      key_scratch_(tables_.view_size, tables_.tof_footprint_px, crew_.threads()),
       virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
@@ -318,18 +319,19 @@ void CpuCompositor::store_state(const Image<std::uint8_t>& matte,
 }
 
 std::string CpuCompositor::renderer() const {
-  return fmt::format("cpu, {} threads, {}", crew_.threads(), cpu_vectors());
+  return fmt::format("cpu, {} threads, {}", crew_.threads(), vectors());
 }
 
-}  // namespace
-
-std::string cpu_vectors() {
+std::string vectors() {
   return fmt::format("{} ({}, {} lanes)", MIXRIG_CPU_LEVEL, kVectorName, kLanes);
 }
 
-Result<std::unique_ptr<Compositor>> make_cpu_compositor(const CompositorSetup& setup, int threads) {
+Result<std::unique_ptr<Compositor>> make(const CompositorSetup& setup, int threads) {
   MIXRIG_TRY(validate(setup));
   return std::unique_ptr<Compositor>(std::make_unique<CpuCompositor>(setup, threads));
 }
 
+}  // namespace
 }  // namespace mixrig::render
+
+const mixrig::render::CpuBackEnd MIXRIG_CPU_BACK_END{mixrig::render::make, mixrig::render::vectors};

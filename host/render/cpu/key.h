@@ -2,11 +2,12 @@
 // Pass key: which pixels show people, by depth, and by colour where depth is in doubt.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/background.h"
+#include "host/render/cpu/key_blocks.h"
+#include "host/render/cpu/key_votes.h"
 #include "host/render/cpu/refine.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/prepare.h"
@@ -24,39 +25,28 @@ struct ColorSums {
   void add(const ColorSums& s) { count += s.count, color += s.color, square += s.square; }
 };
 
-/// What a block of kBlockPx x kBlockPx pixels holds.
+/// Sums over a block of kBlockPx x kBlockPx pixels; `sampled` ones of BlockPlanes hold them.
 struct Block {
-  int foreground = 0;               ///< pixels
-  bool others = false;              ///< any pixel that is not foreground
-  bool unknown = false;             ///< any pixel without depth
-  bool doubt = false;               ///< any pixel measured where the background has no depth
-  bool band = false, near = false;  ///< within one block of a border, three of foreground
-  bool sampled = false;             ///< the sums below are needed
-  int decided_within = 255;         ///< blocks to the nearest one where votes decide, up to 2
-  float w_sum = 0;                  ///< over foreground
-  float near_w = 0;                 ///< where votes decide: mean w of the foreground around
-  ColorSums people;                 ///< foreground not drawn by a cut cell
-  ColorSums room;                   ///< background; where its colour was not learned
-  glm::vec3 room_color{-1};         ///< mean of the blocks around that decide_block compared with
+  float w_sum = 0;           ///< over foreground
+  float near_w = 0;          ///< where votes decide: mean w of the foreground around
+  ColorSums people;          ///< foreground not drawn by a cut cell
+  ColorSums room;            ///< background; where its colour was not learned
+  glm::vec3 room_color{-1};  ///< where votes decide: mean of the blocks around
 };
 
-/// Pixels of a row or column of blocks.
-inline int block_begin(int b) { return b * kBlockPx; }
-inline int block_end(int b, int size) { return std::min(size, (b + 1) * kBlockPx); }
-
 struct KeyScratch {
-  KeyScratch(Size view_size, float tof_footprint_px);
+  /// For crews of `threads`.
+  KeyScratch(Size view_size, float tof_footprint_px, int threads);
   Size blocks_size;
+  BlockPlanes planes;
   std::vector<Block> blocks;
-  std::vector<int> speckle_sum;  ///< foreground within 5x5 blocks
-  Image<std::uint8_t> state;     ///< PixelState before colour votes; kEdge is doubt
+  Image<std::uint8_t> state;    ///< PixelState before colour votes; kEdge is doubt
+  std::vector<KeyVotes> votes;  ///< of each thread
   RefineScratch refine;
   Block& at(int x, int y) { return blocks[static_cast<std::size_t>(y * blocks_size.width + x)]; }
   const Block& at(int x, int y) const {
     return blocks[static_cast<std::size_t>(y * blocks_size.width + x)];
   }
-  /// Whether votes decide in a block, or in one within `reach` <= 2 blocks.
-  bool near_decided(int x, int y, int reach) const { return at(x, y).decided_within <= reach; }
 };
 
 /// Inputs of the pass.

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "host/render/cpu/color_lanes.h"
 #include "host/render/cpu/irradiance.h"
 
 namespace mixrig::render::cpu {
@@ -202,22 +203,36 @@ ImageView<const float> lit_depth_m(const LightInput& input) {
                                                             : input.tables.light_depth_m.view();
 }
 
+/// As ray_of and unpack.
+VectorLanes rays_of(const PinholeParams& view, int x, int y) {
+  const FloatLanes u = lane_numbers() + static_cast<float>(x);
+  return {(u - view.center_px.x) / view.focal_px.x,
+          FloatLanes{} + (static_cast<float>(y) - view.center_px.y) / view.focal_px.y,
+          FloatLanes{} + 1.0F};
+}
+VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
+  static_assert(sizeof(PackedNormal) == sizeof(std::int32_t));
+  const auto byte = [&](int shift) { return to_float((packed << (24 - shift)) >> 24); };
+  const IntLanes none = (packed & 0xFFFFFF) == 0;
+  const auto of = [&](FloatLanes n, FloatLanes r) { return none ? -r : n; };
+  const VectorLanes n{of(byte(0), ray.x), of(byte(8), ray.y), of(byte(16), ray.z)};
+  const FloatLanes scale = 1 / sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+  return {n.x * scale, n.y * scale, n.z * scale};
+}
+
 /// A row of a tile; precondition: at least one pixel.
 void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out) {
   const float* depth_m = lit_depth_m(input).row(y);
-  std::array<PackedNormal, kTileWidth> normals;
+  std::array<PackedNormal, kTileWidth> normals{};
   background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
   for (int x = x0; x < x1; x += kLanes) {
-    SurfaceLanes at;
-    for (int i = 0; i < kLanes; ++i) {
-      const int column = std::min(x + i, x1 - 1);
-      const glm::vec3 ray = ray_of(input.tables.warp.view, column, y);
-      at.set(i, ray * std::max(depth_m[column], 0.0F),
-             unpack(normals[static_cast<std::size_t>(column - x0)], ray));
-    }
+    const FloatLanes depth = max(float_lanes(depth_m, x, x1), FloatLanes{});
+    const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
+    const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
+                          unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
     const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
-      out[x + i] = depth_m[x + i] > 0 ? to_fixed(ratio[i]) : kLit;
+      out[x + i] = depth[i] > 0 ? to_fixed(ratio[i]) : kLit;
   }
 }
 
@@ -315,14 +330,22 @@ void shade_tile(const LightInput& input, const Rect& tile, VirtualLayer& layer) 
   if (!(most_w > 0)) return;
   const LampSet maybe = lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, tile,
                                        1 / most_w, 1 / least_w);
-  for_each_place<Squares::kSingle>(
-      input, tile, layer, [&](std::span<const Place> places, const auto& at) {
-        const ShadingLanes light = shading(input.frame, input.maps, maybe, at);
-        for (int i = 0; const Place& p : places) {
-          Rgbx16& color = layer.color.row(p.y)[p.x];
-          color = shaded(input, layer, p.x, p.y, color, light, i++);
+  const auto shade = [&](std::span<const Place> places, const auto& at) {
+    const ShadingLanes light = shading(input.frame, input.maps, maybe, at);
+    for (int i = 0; const Place& p : places) {
+      for (int y = p.y; y < p.y + p.side; ++y)
+        for (int x = p.x; x < p.x + p.side; ++x) {
+          Rgbx16& color = layer.color.row(y)[x];
+          color = shaded(input, layer, x, y, color, light, i);
         }
-      });
+      ++i;
+    }
+  };
+  // What is mirrored changes faster than the light that falls on a smooth surface.
+  if (layer.gloss.empty())
+    for_each_place<Squares::kOfTwo>(input, tile, layer, shade);
+  else
+    for_each_place<Squares::kSingle>(input, tile, layer, shade);
 }
 
 TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {

@@ -1,47 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/mix.h"
-
 #include <algorithm>
-#include <optional>
+#include <array>
+#include <bit>
 
-#include "hal/base/srgb.h"
+#include "host/render/cpu/mix_parts.h"
+#include "host/render/cpu/simd.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-Rgb8 encode(const glm::vec3& linear) {
-  const auto& srgb = srgb_bytes_of_linear16();
-  const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
-  return {srgb[static_cast<std::size_t>(c.r)], srgb[static_cast<std::size_t>(c.g)],
-          srgb[static_cast<std::size_t>(c.b)]};
-}
-
-Rgb8 encode(Rgbx16 c) {
-  const std::uint8_t* srgb = srgb_bytes_of_linear16().data();
-  return {srgb[c.r], srgb[c.g], srgb[c.b]};
-}
-
-glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
-glm::vec3 decode(Rgb8 p) {
-  const auto& linear = srgb_to_linear();
-  return glm::vec3(linear[p.r], linear[p.g], linear[p.b]);
-}
+/// Pixels of a row that are encoded together.
+constexpr int kMostAtOnce = 256;
 
 // Functions of a row are not inlined: g++ makes slower loops of them in one large function.
 
 /// The real scene where its light is less than 1.
 [[gnu::noinline]] void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width,
                                    Rgb8* color) {
-  const std::uint8_t* srgb =
-      srgb_bytes_of_linear16().data();  // a byte that is stored cannot change it
-  const auto dim = [&](std::uint32_t c, std::uint32_t by) {
+  const auto dim = [](std::uint32_t c, std::uint32_t by) {
     const std::uint32_t product = c * by + 32768;  // over 65535, rounded
-    return srgb[(product + (product >> 16)) >> 16];
+    return static_cast<std::uint16_t>((product + (product >> 16)) >> 16);
   };
+  std::array<Rgbx16, kMostAtOnce> dimmed;
   for (int x = 0; x < width; ++x) {
-    const std::uint32_t by = light[x];
-    if (by == 65535) continue;
-    color[x] = {dim(plate[x].r, by), dim(plate[x].g, by), dim(plate[x].b, by)};
+    if (light[x] == 65535) continue;
+    int count = 0;
+    for (; count < kMostAtOnce && x + count < width && light[x + count] != 65535; ++count) {
+      const std::uint32_t by = light[x + count];
+      const Rgbx16 p = plate[x + count];
+      dimmed[static_cast<std::size_t>(count)] = {dim(p.r, by), dim(p.g, by), dim(p.b, by)};
+    }
+    encode_row(dimmed.data(), count, color + x);
+    x += count - 1;
   }
 }
 
@@ -64,8 +54,9 @@ void real_depths(const float* w, const float* background_m, bool replaced,
 
 [[gnu::noinline]] void store_real_depths(const MixInput& input, int y, FrameOutput& output) {
   const float* w = input.view_w.row(y);
-  const float* background_m =
-      input.room_m.empty() || input.replaced ? nullptr : input.room_m.row(y);
+  const float* background_m = input.room_m.empty() || input.replaced
+                                  ? nullptr
+                                  : input.room_m.row(y);
   const bool mixed = output.wanted & kMixedDepth, segmented = output.wanted & kSegmentedDepth;
   float* mixed_m = mixed ? output.mixed_depth_m.row(y) : nullptr;
   float* segmented_m = segmented ? output.segmented_depth_m.row(y) : nullptr;
@@ -79,30 +70,6 @@ void real_depths(const float* w, const float* background_m, bool replaced,
     real_depths<false, true>(w, background_m, input.replaced, matte, width, mixed_m, segmented_m);
 }
 
-/// What a pixel with virtual coverage is made of.
-struct Parts {
-  glm::vec3 real, shaded;  ///< plate under the light map; shaded colour, premultiplied
-  float coverage, matte;   ///< of the virtual layer, of people
-  float virtual_m, person_m, background_m;  ///< z, 0 unknown
-  std::optional<glm::vec3> room;            ///< the background's own colour under the light map
-};
-
-/// Whether the object lies behind the background. A surface that it touches does not hide it, and
-/// a background that is not shown or open hides nothing.
-bool is_behind_background(const Parts& p) {
-  return p.background_m > 0 && p.virtual_m > p.background_m + kContactSlackM;
-}
-/// Unknown depth never occludes.
-bool is_person_before(const Parts& p) {
-  return p.matte > 0 && p.person_m > 0 && p.person_m < p.virtual_m;
-}
-
-/// The most that the background can contribute to a pixel: no channel of the person is negative.
-float most_background(const glm::vec3& real, const glm::vec3& behind) {
-  const glm::vec3 ratio = real / glm::max(behind, 1e-6F);
-  return std::min({ratio.r, ratio.g, ratio.b});
-}
-
 /// Linear colour of the composite.
 glm::vec3 mixed_color(const Parts& p) {
   if (!is_person_before(p)) return p.shaded + (1 - p.coverage) * p.real;
@@ -112,126 +79,69 @@ glm::vec3 mixed_color(const Parts& p) {
   return p.real + share * (p.shaded - p.coverage * behind);
 }
 
-Layer visible_layer(const Parts& p) {
-  const float share = is_person_before(p) ? p.coverage * (1 - p.matte) : p.coverage;
-  if (share >= 0.5F) return Layer::kVirtual;
-  return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
+/// 65535 = 1, rounded, as 16-bit numbers.
+Rgbx16 to_linear16(const glm::vec3& linear) {
+  const glm::vec3 c = glm::clamp(linear, 0.0F, kLinearOne) + 0.5F;
+  return {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
+          static_cast<std::uint16_t>(c.b), 0};
 }
 
-/// Colour of the background without people, linear of kLinearOne: learned, or that around.
-std::optional<glm::vec3> room_color(const MixInput& input, int x, int y, float light) {
-  if (!input.background.color.empty()) {
-    const Rgbf b = input.background.color.row(y)[x];
-    if (b.r < 0) return std::nullopt;
-    return glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
+/// As mixed_color where nobody is.
+void mix_without_people(Rgbx16 plate, float light, Rgbx16 shaded, F4 gain, float coverage,
+                        Rgbx16& out) {
+  const auto to_float4 = [](Rgbx16 p) {
+    return __builtin_convertvector(std::bit_cast<U16x4>(p), F4);
+  };
+  const F4 real = to_float4(plate) * light;
+  const F4 sum = to_float4(shaded) * gain + (1 - coverage) * real;
+  const F4 white = F4{} + kLinearOne;
+  const F4 c = (sum < white ? sum : white) + 0.5F;
+  out = std::bit_cast<Rgbx16>(__builtin_convertvector(__builtin_convertvector(c, I4), U16x4));
+}
+
+/// Pixels x0 .. x1 - 1 of a row, all with virtual coverage: their colour, 65535 = 1. Returns how
+/// many there are before the first one where the object lies behind the background.
+int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& output, Rgbx16* linear) {
+  const VirtualLayer& objects = *input.objects;
+  const bool layers = output.wanted & (kMixedDepth | kLayer);
+  const F4 gain{input.gain.r, input.gain.g, input.gain.b, 0};
+  const float* learned_m =
+      input.room_m.empty() ? nullptr : input.room_m.row(y);
+  for (int x = x0; x < x1; ++x) {
+    Rgbx16& out = linear[x - x0];
+    if (output.matte.row(y)[x] > 0 || !learned_m || !(learned_m[x] > 0)) {
+      const Parts parts = parts_at(input, output, x, y, true);
+      if (is_behind_background(parts)) return x - x0;
+      if (output.wanted & kColor) out = to_linear16(mixed_color(parts));
+      store_virtual(parts, x, y, output);
+      continue;
+    }
+    const float virtual_m = 1 / objects.w.row(y)[x];
+    if (!input.open_walls && virtual_m > learned_m[x] + kContactSlackM) return x - x0;
+    const std::uint8_t coverage = objects.coverage.row(y)[x];
+    mix_without_people(input.plate.row(y)[x], light_at(input, x, y), objects.color.row(y)[x], gain,
+                       static_cast<float>(coverage) / 255, out);
+    if (!layers || coverage < 128) continue;
+    if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = virtual_m;
+    if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
   }
-  if (!input.key) return std::nullopt;
-  const glm::vec3 around = input.key->at(x / kBlockPx, y / kBlockPx).room_color;
-  if (around.r < 0) return std::nullopt;
-  return around * (light * kLinearOne);
-}
-
-float light_at(const MixInput& input, int x, int y) {
-  return input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
-}
-
-/// Of a pixel with or without virtual coverage.
-Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, bool covered) {
-  const float light = light_at(input, x, y);
-  const float measured_w = input.view_w.row(y)[x];
-  const float measured_m = measured_w > 0 ? 1 / measured_w : 0;
-  const std::uint8_t matte = output.matte.row(y)[x];
-  Parts p{};
-  p.real = to_vec(input.plate.row(y)[x]) * light;
-  p.matte = static_cast<float>(matte) / 255;
-  p.person_m = matte > 0 ? measured_m : 0;
-  if (matte > 0 && matte < 255) p.room = room_color(input, x, y, light);
-  if (covered) {
-    p.shaded = to_vec(input.objects->color.row(y)[x]) * input.gain;
-    p.coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
-    p.virtual_m = 1 / input.objects->w.row(y)[x];
-  }
-  if (input.open_walls || input.replaced) return p;
-  const float learned_m = input.room_m.empty() ? 0 : input.room_m.row(y)[x];
-  p.background_m = learned_m > 0 ? learned_m : (matte > 0 ? 0 : measured_m);
-  return p;
-}
-
-void store_virtual(const Parts& parts, int x, int y, FrameOutput& output) {
-  if (visible_layer(parts) != Layer::kVirtual) return;
-  if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = parts.virtual_m;
-  if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
+  return x1 - x0;
 }
 
 [[gnu::noinline]] void mix_virtual(const MixInput& input, int y, FrameOutput& output) {
   const VirtualLayer& objects = *input.objects;
+  const std::uint8_t* coverage = objects.coverage.row(y);
+  std::array<Rgbx16, kMostAtOnce> linear;
   for (int x = objects.rect.x0; x < objects.rect.x1; ++x) {
-    if (objects.coverage.row(y)[x] == 0) continue;
-    const Parts parts = parts_at(input, output, x, y, true);
-    if (is_behind_background(parts)) continue;
-    if (output.wanted & kColor) output.color.row(y)[x] = encode(mixed_color(parts));
-    store_virtual(parts, x, y, output);
-  }
-}
-
-/// What a pixel of a person holds of the person: its colour times the matte.
-glm::vec3 person_alone(const Parts& p) {
-  if (p.matte >= 1) return p.real;
-  if (!p.room) return p.matte * p.real;
-  return p.real - std::min(1 - p.matte, most_background(p.real, *p.room)) * *p.room;
-}
-
-/// A pixel that shows the backdrop alone.
-void store_backdrop(const MixInput& input, int x, int y, FrameOutput& output) {
-  const bool any = !input.backdrop.empty();
-  if (output.wanted & kColor) output.color.row(y)[x] = any ? input.backdrop.row(y)[x] : Rgb8{};
-  if (output.wanted & kAlpha) output.alpha.row(y)[x] = any ? 255 : 0;
-}
-
-/// A pixel that a virtual surface covers completely, without people.
-void store_set(const MixInput& input, int x, int y, FrameOutput& output) {
-  const Rgbx16 c = input.objects->color.row(y)[x];
-  if (output.wanted & kColor)
-    output.color.row(y)[x] =
-        input.gain == glm::vec3(1) ? encode(c) : encode(to_vec(c) * input.gain);
-  if (output.wanted & kAlpha) output.alpha.row(y)[x] = 255;
-  if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = 1 / input.objects->w.row(y)[x];
-  if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
-}
-
-/// A pixel of which a person or a border of a virtual surface is a part.
-void mix_over_set(const MixInput& input, int x, int y, bool covered, FrameOutput& output) {
-  const Parts p = parts_at(input, output, x, y, covered);
-  const bool has_far = !input.backdrop.empty();
-  if (output.wanted & kColor) {
-    const glm::vec3 far = has_far ? decode(input.backdrop.row(y)[x]) : glm::vec3(0);
-    const glm::vec3 behind = p.shaded + (1 - p.coverage) * far;
-    const glm::vec3 person = p.matte > 0 ? person_alone(p) : glm::vec3(0);
-    output.color.row(y)[x] =
-        encode(is_person_before(p) || !covered
-                   ? person + (1 - p.matte) * behind
-                   : p.shaded + (1 - p.coverage) * (person + (1 - p.matte) * far));
-  }
-  const float alpha = has_far ? 1 : 1 - (1 - p.matte) * (1 - p.coverage);
-  if (output.wanted & kAlpha)
-    output.alpha.row(y)[x] = static_cast<std::uint8_t>(255 * alpha + 0.5F);
-  if (covered) store_virtual(p, x, y, output);
-}
-
-/// A row where the real background is replaced.
-[[gnu::noinline]] void mix_replaced(const MixInput& input, int y, FrameOutput& output) {
-  const VirtualLayer* objects = input.objects;
-  if (objects && (y < objects->rect.y0 || y >= objects->rect.y1)) objects = nullptr;
-  const int x0 = objects ? objects->rect.x0 : 0, x1 = objects ? objects->rect.x1 : 0;
-  const std::uint8_t* matte = output.matte.row(y);
-  for (int x = 0; x < output.matte.width(); ++x) {
-    const int coverage = x >= x0 && x < x1 ? objects->coverage.row(y)[x] : 0;
-    if (matte[x] > 0 || (coverage > 0 && coverage < 255))
-      mix_over_set(input, x, y, coverage > 0, output);
-    else if (coverage > 0)
-      store_set(input, x, y, output);
-    else
-      store_backdrop(input, x, y, output);
+    if (coverage[x] == 0) continue;
+    int end = x;
+    while (end < objects.rect.x1 && end - x < kMostAtOnce && coverage[end] > 0) ++end;
+    for (; x < end; ++x) {  // past a pixel that lies behind the background
+      const int count = mix_covered(input, y, x, end, output, linear.data());
+      if (output.wanted & kColor) encode_row(linear.data(), count, output.color.row(y) + x);
+      x += count;
+    }
+    x = end - 1;  // the pixel that ended the run may begin another
   }
 }
 

@@ -2,135 +2,200 @@
 #include "host/render/cpu/refine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "host/render/cpu/key.h"
+#include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/key_blocks.h"
+#include "host/render/prepare.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-struct TileRange {
-  int x0, y0, x1, y1;
-};
+using SumLanes = std::array<FloatLanes, RefineScratch::kSums>;
+using LineLanes = std::array<FloatLanes, 4>;
 
-/// Tiles of a block.
-TileRange tiles_of(const RefineScratch& s, int bx, int by) {
-  const int per_block = kBlockPx / s.tile_px;
-  return {bx * per_block, by * per_block, std::min(s.tiles.width, (bx + 1) * per_block),
-          std::min(s.tiles.height, (by + 1) * per_block)};
+ColorLanes guide(const Rgbx16* row, int x, int width) {
+  const ColorLanes c = color_lanes(row, x, width);
+  return {sqrt(c.r), sqrt(c.g), sqrt(c.b)};
 }
 
-std::size_t index(const RefineScratch& s, int x, int y) {
-  return static_cast<std::size_t>(y * s.tiles.width + x);
+/// Sums over kTilePx neighbours, in the first lanes.
+template <int kTilePx>
+FloatLanes fold(FloatLanes v) {
+  if constexpr (kTilePx == 1) return v;
+  const FloatLanes pairs = every<2, 0>(v, v) + every<2, 1>(v, v);
+  return fold<std::max(1, kTilePx / 2)>(pairs);
 }
 
-glm::vec3 guide(Rgbx16 c) { return glm::sqrt(linear(c)); }
-
-MatteSums sum_tile(const Image<Rgbx16>& plate, const Image<std::uint8_t>& matte, int tile_px,
-                   int tx, int ty) {
-  MatteSums s{};
-  const int x1 = std::min(matte.width(), (tx + 1) * tile_px);
-  const int y1 = std::min(matte.height(), (ty + 1) * tile_px);
-  for (int y = ty * tile_px; y < y1; ++y)
-    for (int x = tx * tile_px; x < x1; ++x) {
-      const glm::vec3 c = guide(plate.row(y)[x]);
-      const float p = static_cast<float>(matte.row(y)[x]) / 255;
-      const MatteSums pixel{1,         p,         c.r,       c.g,       c.b,
-                            p * c.r,   p * c.g,   p * c.b,   c.r * c.r, c.r * c.g,
-                            c.r * c.b, c.g * c.g, c.g * c.b, c.b * c.b};
-      for (std::size_t i = 0; i < s.size(); ++i) s[i] += pixel[i];
-    }
-  return s;
+/// Sums of the tiles in the columns x .. x + kLanes - 1 of row ty of tiles.
+template <int kTilePx>
+void sum_tiles(const Image<Rgbx16>& plate, const Image<std::uint8_t>& matte, int x, int ty,
+               TileNumbers& sums) {
+  const int width = matte.width(), y1 = std::min(matte.height(), (ty + 1) * kTilePx);
+  const FloatLanes inside = lane_numbers() < FloatLanes{} + static_cast<float>(width - x)
+                                ? FloatLanes{} + 1
+                                : FloatLanes{};
+  SumLanes s{};
+  for (int y = ty * kTilePx; y < y1; ++y) {
+    ColorLanes c = guide(plate.row(y), x, width);
+    FloatLanes p = to_float(byte_lanes(matte.row(y), x, width)) * (1 / 255.0F);
+    c = {c.r * inside, c.g * inside, c.b * inside}, p *= inside;
+    const SumLanes pixel{inside,  p,         c.r,       c.g,       c.b,       p * c.r,   p * c.g,
+                         p * c.b, c.r * c.r, c.r * c.g, c.r * c.b, c.g * c.g, c.g * c.b, c.b * c.b};
+    for (std::size_t k = 0; k < s.size(); ++k) s[k] += pixel[k];
+  }
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    const FloatLanes tiles = fold<kTilePx>(s[k]);
+    std::memcpy(sums.at(static_cast<int>(k), x / kTilePx, ty), &tiles, sizeof tiles / kTilePx);
+  }
 }
 
-MatteSums sum_window(const RefineScratch& scratch, int tx, int ty) {
+/// Of kLanes windows from (x, y) on.
+SumLanes sum_windows(const RefineScratch& scratch, int x, int y) {
   constexpr int kReach = kMatteWindowTiles;
-  MatteSums s{};
-  for (int y = std::max(0, ty - kReach); y <= std::min(scratch.tiles.height - 1, ty + kReach); ++y)
-    for (int x = std::max(0, tx - kReach); x <= std::min(scratch.tiles.width - 1, tx + kReach);
-         ++x) {
-      const MatteSums& tile = scratch.sums[index(scratch, x, y)];
-      for (std::size_t i = 0; i < s.size(); ++i) s[i] += tile[i];
+  SumLanes s{};
+  for (int j = std::max(0, y - kReach); j <= std::min(scratch.tiles.height - 1, y + kReach); ++j)
+    for (std::size_t k = 0; k < s.size(); ++k) {
+      const float* row = scratch.sums.at(static_cast<int>(k), x, j);
+      for (int i = -kReach; i <= kReach; ++i) s[k] += load<FloatLanes>(row + i);
     }
   return s;
 }
 
 /// a = (cov(c, c) + kMatteSpread2)^-1 cov(c, p), by cofactors.
-MatteLine fit(const MatteSums& s) {
-  const float n = 1 / s[0], p = s[1] * n;
-  const glm::vec3 mean = n * glm::vec3(s[2], s[3], s[4]);
-  const glm::vec3 with_p = n * glm::vec3(s[5], s[6], s[7]) - p * mean;
-  const float rr = n * s[8] - mean.r * mean.r + kMatteSpread2, rg = n * s[9] - mean.r * mean.g,
-              rb = n * s[10] - mean.r * mean.b, gg = n * s[11] - mean.g * mean.g + kMatteSpread2,
-              gb = n * s[12] - mean.g * mean.b, bb = n * s[13] - mean.b * mean.b + kMatteSpread2;
-  const glm::vec3 u(gg * bb - gb * gb, gb * rb - rg * bb, rg * gb - gg * rb);
-  const glm::vec3 v(u.y, rr * bb - rb * rb, rg * rb - rr * gb);
-  const glm::vec3 w(u.z, v.z, rr * gg - rg * rg);
-  const float determinant = rr * u.x + rg * u.y + rb * u.z;
-  const glm::vec3 a = (with_p.r * u + with_p.g * v + with_p.b * w) / determinant;
-  return {a.r, a.g, a.b, p - glm::dot(a, mean)};
+LineLanes fit(const SumLanes& s) {
+  const FloatLanes n = 1 / s[0], p = s[1] * n;
+  const ColorLanes mean{n * s[2], n * s[3], n * s[4]};
+  const ColorLanes with_p{n * s[5] - p * mean.r, n * s[6] - p * mean.g, n * s[7] - p * mean.b};
+  const FloatLanes rr = n * s[8] - mean.r * mean.r + kMatteSpread2, rg = n * s[9] - mean.r * mean.g,
+                   rb = n * s[10] - mean.r * mean.b,
+                   gg = n * s[11] - mean.g * mean.g + kMatteSpread2,
+                   gb = n * s[12] - mean.g * mean.b,
+                   bb = n * s[13] - mean.b * mean.b + kMatteSpread2;
+  const ColorLanes u{gg * bb - gb * gb, gb * rb - rg * bb, rg * gb - gg * rb};
+  const ColorLanes v{u.g, rr * bb - rb * rb, rg * rb - rr * gb};
+  const ColorLanes w{u.b, v.b, rr * gg - rg * rg};
+  const FloatLanes over = 1 / (rr * u.r + rg * u.g + rb * u.b);
+  const ColorLanes a{over * (with_p.r * u.r + with_p.g * v.r + with_p.b * w.r),
+                     over * (with_p.r * u.g + with_p.g * v.g + with_p.b * w.g),
+                     over * (with_p.r * u.b + with_p.g * v.b + with_p.b * w.b)};
+  return {a.r, a.g, a.b, p - dot(a, mean)};
 }
 
-/// Bilinear over the centres of tiles.
-MatteLine line_at(const RefineScratch& s, int x, int y) {
-  const float scale = 1 / static_cast<float>(s.tile_px);
-  const float u = std::max(0.0F, (static_cast<float>(x) + 0.5F) * scale - 0.5F);
-  const float v = std::max(0.0F, (static_cast<float>(y) + 0.5F) * scale - 0.5F);
-  const int i = static_cast<int>(u), j = static_cast<int>(v);
-  const int i1 = std::min(i + 1, s.tiles.width - 1), j1 = std::min(j + 1, s.tiles.height - 1);
-  const float fu = u - static_cast<float>(i), fv = v - static_cast<float>(j);
-  const MatteLine &a = s.lines[index(s, i, j)], &b = s.lines[index(s, i1, j)];
-  const MatteLine &c = s.lines[index(s, i, j1)], &d = s.lines[index(s, i1, j1)];
-  MatteLine line;
+void fit_tiles(int x, int y, RefineScratch& scratch) {
+  const LineLanes line = fit(sum_windows(scratch, x, y));
   for (std::size_t k = 0; k < line.size(); ++k)
-    line[k] = (1 - fv) * ((1 - fu) * a[k] + fu * b[k]) + fv * ((1 - fu) * c[k] + fu * d[k]);
+    store(scratch.lines.at(static_cast<int>(k), x, y), line[k]);
+}
+
+/// Lines beyond the picture are those at its border.
+void end_lines(int y, RefineScratch& scratch) {
+  for (int k = 0; k < 4; ++k) {
+    float* row = scratch.lines.at(k, 0, y);
+    row[-1] = row[0], row[scratch.tiles.width] = row[scratch.tiles.width - 1];
+  }
+}
+
+/// Where the pixels of a register lie between tiles, if its first one begins a tile: pixel i is
+/// `part` of the way from tile `left(i)` - 1 to the next one.
+template <int kTilePx>
+struct Between {
+  static constexpr int left(int i) { return (2 * i + 1 + kTilePx) / (2 * kTilePx); }
+  static constexpr float part(int i) {
+    return static_cast<float>(2 * i + 1 + kTilePx) / (2 * kTilePx) - static_cast<float>(left(i));
+  }
+  template <std::size_t... i>
+  static FloatLanes at(FloatLanes tiles, std::index_sequence<i...>) {
+    constexpr FloatLanes kPart{part(i)...};
+    const FloatLanes a = __builtin_shufflevector(tiles, tiles, left(i)...);
+    const FloatLanes b = __builtin_shufflevector(tiles, tiles, (left(i) + 1)...);
+    return a + kPart * (b - a);
+  }
+};
+
+/// Line of kLanes pixels of row y from x on, which begins a tile: bilinear over the centres of
+/// tiles.
+template <int kTilePx>
+LineLanes lines_at(const RefineScratch& s, int x, int y) {
+  const float v = std::max(0.0F, (static_cast<float>(y) + 0.5F) / kTilePx - 0.5F);
+  const int j = static_cast<int>(v), j1 = std::min(j + 1, s.tiles.height - 1);
+  const float part = v - static_cast<float>(j);
+  const int first = x / kTilePx - (kTilePx > 1 ? 1 : 0);
+  LineLanes line;
+  for (int k = 0; k < 4; ++k) {
+    const auto above = load<FloatLanes>(s.lines.at(k, first, j));
+    const auto below = load<FloatLanes>(s.lines.at(k, first, j1));
+    FloatLanes& at = line[static_cast<std::size_t>(k)];
+    at = above + part * (below - above);
+    if constexpr (kTilePx > 1) at = Between<kTilePx>::at(at, std::make_index_sequence<kLanes>{});
+  }
   return line;
 }
 
-void refine_block(const Image<Rgbx16>& plate, const RefineScratch& scratch, int bx, int by,
-                  Image<std::uint8_t>& matte) {
-  for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
-    for (int x = block_begin(bx); x < block_end(bx, matte.width()); ++x) {
-      const MatteLine line = line_at(scratch, x, y);
-      const float share =
-          glm::dot(glm::vec3(line[0], line[1], line[2]), guide(plate.row(y)[x])) + line[3];
-      const float steep = std::clamp(0.5F + kMatteGain * (share - 0.5F), 0.0F, 1.0F);
-      matte.row(y)[x] = static_cast<std::uint8_t>(255 * steep + 0.5F);
-    }
+template <int kTilePx>
+void refine_row(const Image<Rgbx16>& plate, const RefineScratch& scratch, int x0, int x1, int y,
+                Image<std::uint8_t>& matte) {
+  for (int x = x0; x < x1; x += kLanes) {
+    const LineLanes line = lines_at<kTilePx>(scratch, x, y);
+    const ColorLanes c = guide(plate.row(y), x, matte.width());
+    const FloatLanes share = line[0] * c.r + line[1] * c.g + line[2] * c.b + line[3];
+    const FloatLanes none{}, all = none + 1;
+    const FloatLanes steep = min(max(0.5F + kMatteGain * (share - 0.5F), none), all);
+    const ByteLanes bytes = to_bytes(truncate(255 * steep + 0.5F));
+    std::memcpy(matte.row(y) + x, &bytes, static_cast<std::size_t>(std::min(kLanes, x1 - x)));
+  }
+}
+
+template <int kTilePx>
+void refine_by_tiles(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
+                     RefineScratch& scratch, Image<std::uint8_t>& matte) {
+  constexpr int kPerBlock = kBlockPx / kTilePx, kGrain = 2;
+  // Of each row of blocks the runs of flagged ones.
+  const auto runs = [&](const Image<std::uint8_t>& flags, auto&& visit) {
+    crew.rows(flags.height(), kGrain, [&](int begin, int end) {
+      for (int by = begin; by < end; ++by)
+        block_runs(flags.row(by), flags.width(), flags.width(),
+                   [&](int b0, int b1) { visit(by, block_begin(b0), block_begin(b1)); });
+    });
+  };
+  const auto tile_rows = [&](int by, auto&& visit) {
+    for (int y = by * kPerBlock; y < std::min((by + 1) * kPerBlock, scratch.tiles.height); ++y)
+      visit(y);
+  };
+  runs(blocks.decided2, [&](int by, int x0, int x1) {
+    tile_rows(by, [&](int ty) {
+      for (int x = x0; x < x1; x += kLanes) sum_tiles<kTilePx>(plate, matte, x, ty, scratch.sums);
+    });
+  });
+  runs(blocks.decided1, [&](int by, int x0, int x1) {
+    tile_rows(by, [&](int ty) {
+      for (int x = x0 / kTilePx; x < x1 / kTilePx; x += kLanes) fit_tiles(x, ty, scratch);
+      end_lines(ty, scratch);
+    });
+  });
+  runs(blocks.decided, [&](int by, int x0, int x1) {
+    for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
+      refine_row<kTilePx>(plate, scratch, x0, std::min(x1, matte.width()), y, matte);
+  });
 }
 
 }  // namespace
 
+TileNumbers::TileNumbers(Size tiles, int count)
+    : numbers(count), values({tiles.width + 4 * kMargin, tiles.height * count}) {}
+
 RefineScratch::RefineScratch(Size view_size, float tof_footprint_px)
     : tile_px(matte_tile_px(tof_footprint_px)),
       tiles{(view_size.width + tile_px - 1) / tile_px, (view_size.height + tile_px - 1) / tile_px},
-      sums(tiles.area()),
-      lines(tiles.area()) {}
+      sums(tiles, kSums),
+      lines(tiles, 4) {}
 
-void refine(Crew& crew, const Image<Rgbx16>& plate, const KeyScratch& key, RefineScratch& scratch,
-            Image<std::uint8_t>& matte) {
-  const auto tiles_near = [&](int reach, auto&& visit) {
-    crew.rows(key.blocks_size.height, 2, [&](int begin, int end) {
-      for (int by = begin; by < end; ++by)
-        for (int bx = 0; bx < key.blocks_size.width; ++bx) {
-          if (!key.near_decided(bx, by, reach)) continue;
-          const TileRange r = tiles_of(scratch, bx, by);
-          for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) visit(x, y);
-        }
-    });
-  };
-  tiles_near(2, [&](int x, int y) {
-    scratch.sums[index(scratch, x, y)] = sum_tile(plate, matte, scratch.tile_px, x, y);
-  });
-  tiles_near(1, [&](int x, int y) {
-    scratch.lines[index(scratch, x, y)] = fit(sum_window(scratch, x, y));
-  });
-  crew.rows(key.blocks_size.height, 2, [&](int begin, int end) {
-    for (int by = begin; by < end; ++by)
-      for (int bx = 0; bx < key.blocks_size.width; ++bx)
-        if (key.near_decided(bx, by, 0)) refine_block(plate, scratch, bx, by, matte);
-  });
+void refine(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
+            RefineScratch& scratch, Image<std::uint8_t>& matte) {
+  if (scratch.tile_px == 4) return refine_by_tiles<4>(crew, plate, blocks, scratch, matte);
+  if (scratch.tile_px == 2) return refine_by_tiles<2>(crew, plate, blocks, scratch, matte);
+  refine_by_tiles<1>(crew, plate, blocks, scratch, matte);
 }
 
 }  // namespace mixrig::render::cpu

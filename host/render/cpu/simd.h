@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #ifdef __AVX2__
 #include <immintrin.h>
@@ -33,10 +34,14 @@ inline constexpr const char* kVectorName = "none";
 #endif
 
 using F4 = float __attribute__((vector_size(16)));
+using I4 = std::int32_t __attribute__((vector_size(16)));
 using U16x4 = std::uint16_t __attribute__((vector_size(8)));
 /// A register of the target. Comparisons of FloatLanes give IntLanes: -1 true, 0 false.
 using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
+
+/// A byte a lane.
+using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
 template <typename V>
 V load(const void* from) {
@@ -87,5 +92,44 @@ inline FloatLanes gather(const float* from, IntLanes index) {
 }
 /// Towards zero; the value must fit.
 inline IntLanes truncate(FloatLanes f) { return __builtin_convertvector(f, IntLanes); }
+inline IntLanes to_int(ByteLanes bytes) { return __builtin_convertvector(bytes, IntLanes); }
+/// The lowest eight bits.
+inline ByteLanes to_bytes(IntLanes i) { return __builtin_convertvector(i, ByteLanes); }
+
+namespace detail {
+template <int kStep, int kFirst, typename V, std::size_t... i>
+V every(V a, V b, std::index_sequence<i...>) {
+  constexpr std::size_t kEnd = 2 * kLanes;
+  return __builtin_shufflevector(a, b, static_cast<int>((kFirst + kStep * i) % kEnd)...);
+}
+template <std::size_t... i>
+FloatLanes counted(std::index_sequence<i...>) {
+  return FloatLanes{static_cast<float>(i)...};
+}
+}  // namespace detail
+
+/// Of the values of a and then b the one at kFirst and every kStep-th after it, as far as there are
+/// such; what follows has no meaning.
+template <int kStep, int kFirst, typename V>
+V every(V a, V b) {
+  return detail::every<kStep, kFirst>(a, b, std::make_index_sequence<kLanes>{});
+}
+/// 0, 1, 2, ...
+inline FloatLanes lane_numbers() { return detail::counted(std::make_index_sequence<kLanes>{}); }
+
+/// Natural logarithm of positive normal numbers, within 2e-7 of it and of its size (the polynomial
+/// of Cephes' logf).
+inline FloatLanes log(FloatLanes f) {
+  constexpr std::int32_t kRootOfHalf = 0x3F3504F3, kMantissa = 23;
+  const IntLanes bits = std::bit_cast<IntLanes>(f);
+  const IntLanes exponent = (bits - kRootOfHalf) >> kMantissa;
+  const FloatLanes x = std::bit_cast<FloatLanes>(bits - exponent * (1 << kMantissa)) - 1;
+  FloatLanes y = 7.0376836292e-2F * x - 1.1514610310e-1F;
+  for (const float c : {1.1676998740e-1F, -1.2420140846e-1F, 1.4249322787e-1F, -1.6668057665e-1F,
+                        2.0000714765e-1F, -2.4999993993e-1F, 3.3333331174e-1F})
+    y = y * x + c;
+  const FloatLanes e = to_float(exponent), square = x * x;
+  return 0.693359375F * e + (x + (square * x * y - 2.12194440e-4F * e - 0.5F * square));
+}
 
 }  // namespace mixrig::render::cpu

@@ -11,7 +11,6 @@
 namespace mixrig::render::cpu {
 namespace {
 
-using I4 = std::int32_t __attribute__((vector_size(16)));
 constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
 static_assert(kPixelSamples == 4, "the samples of a pixel fill an F4");
 /// Where the samples of a pixel lie, in samples from the first of a grid that is not turned.

@@ -37,7 +37,7 @@ struct Keyed {
     const render::Tables tables = render::make_tables(setup);
     render::FramePreparer preparer(setup);
     preparer.update({});
-    render::cpu::KeyScratch scratch(kKeyView, tables.tof_footprint_px);
+    render::cpu::KeyScratch scratch(kKeyView, tables.tof_footprint_px, 2);
     matte.reset(kKeyView, 77);
     Crew crew(2);
     render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,

@@ -47,7 +47,7 @@ struct OnFloor {
     const render::Tables tables = render::make_tables(setup);
     render::FramePreparer preparer(setup);
     preparer.update(pose);
-    render::cpu::KeyScratch scratch(kVolumeView, tables.tof_footprint_px);
+    render::cpu::KeyScratch scratch(kVolumeView, tables.tof_footprint_px, 2);
     matte.reset(kVolumeView, 77);
     Crew crew(2);
     render::cpu::key(crew, {tables, preparer.params().key, setup.background, plate}, scratch, w,

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DLD= -DOBJCOPY= -DNM= -DOBJDUMP= -DKEEP=SYMBOL -DOUT=FILE -P merge_level.cmake -- OBJECT ...
+# Makes one object of all in which SYMBOL alone can be seen; ends with an error if anything else can
+# be, or if anything of it would run before main on a processor that may not have its instructions.
+set(objects "")
+set(is_object OFF)
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(i RANGE ${last})
+  if(is_object)
+    list(APPEND objects ${CMAKE_ARGV${i}})
+  elseif(CMAKE_ARGV${i} STREQUAL "--")
+    set(is_object ON)
+  endif()
+endforeach()
+
+function(run out)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output ERROR_VARIABLE error RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "${ARGN}: ${error}")
+  endif()
+  set(${out} "${output}" PARENT_SCOPE)
+endfunction()
+
+# Groups are how linkers tell copies of one function, by name, even if it is local: none is left.
+run(ignored ${LD} -r --force-group-allocation -o ${OUT}.all ${objects})
+run(ignored ${OBJCOPY} --keep-global-symbol=${KEEP} ${OUT}.all ${OUT})
+file(REMOVE ${OUT}.all)
+
+run(seen ${NM} --defined-only --extern-only --format=just-symbols ${OUT})
+string(STRIP "${seen}" seen)
+if(NOT seen STREQUAL KEEP)
+  file(REMOVE ${OUT})
+  message(FATAL_ERROR "${OUT}: more than ${KEEP} can be seen from outside:\n${seen}")
+endif()
+run(sections ${OBJDUMP} -h ${OUT})
+if(sections MATCHES "\\.(init_array|ctors|preinit_array)")
+  file(REMOVE ${OUT})
+  message(FATAL_ERROR "${OUT}: static objects have constructors, which would run on every processor")
+endif()
