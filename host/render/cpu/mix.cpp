@@ -54,9 +54,8 @@ void real_depths(const float* w, const float* background_m, bool replaced,
 
 [[gnu::noinline]] void store_real_depths(const MixInput& input, int y, FrameOutput& output) {
   const float* w = input.view_w.row(y);
-  const float* background_m = input.room_m.empty() || input.replaced
-                                  ? nullptr
-                                  : input.room_m.row(y);
+  const float* background_m =
+      input.room_m.empty() || input.replaced ? nullptr : input.room_m.row(y);
   const bool mixed = output.wanted & kMixedDepth, segmented = output.wanted & kSegmentedDepth;
   float* mixed_m = mixed ? output.mixed_depth_m.row(y) : nullptr;
   float* segmented_m = segmented ? output.segmented_depth_m.row(y) : nullptr;
@@ -105,8 +104,7 @@ int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& outpu
   const VirtualLayer& objects = *input.objects;
   const bool layers = output.wanted & (kMixedDepth | kLayer);
   const F4 gain{input.gain.r, input.gain.g, input.gain.b, 0};
-  const float* learned_m =
-      input.room_m.empty() ? nullptr : input.room_m.row(y);
+  const float* learned_m = input.room_m.empty() ? nullptr : input.room_m.row(y);
   for (int x = x0; x < x1; ++x) {
     Rgbx16& out = linear[x - x0];
     if (output.matte.row(y)[x] > 0 || !learned_m || !(learned_m[x] > 0)) {
