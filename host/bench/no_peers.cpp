@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bench/peers.h"
+
+namespace mixrig::bench {
+
+bool has_peers() { return false; }
+
+Result<void> add_peers(const std::string&, const session::Session&, const std::vector<BenchFrame>&,
+                       const std::vector<Measure>&, std::vector<ContenderPtr>&) {
+  return {};
+}
+
+}  // namespace mixrig::bench
