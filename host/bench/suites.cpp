@@ -279,7 +279,7 @@ Result<Suite> run_suite(const std::string& name, const SuiteOptions& options,
     else
       return contender.error();
   }
-  MIXRIG_TRY(add_peers(name, *sessions[4], frames, plan.measures, contenders));
+  MIXRIG_TRY(add_peers(name, options.grid, *sessions[4], frames, plan.measures, contenders));
   Suite suite{name, plan.plot_key, plan.plot_label, {}};
   MIXRIG_ASSIGN(suite.rows,
                 measure_all(contenders, frames.size(), options.quick ? 1 : 3, name, progress));

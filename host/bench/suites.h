@@ -18,6 +18,7 @@ bool is_suite(std::string_view name);
 
 struct SuiteOptions {
   std::filesystem::path take;  ///< of the studio, with its scene.toml
+  bool grid = false;           ///< peers at every setting of their grids
   bool quick = false;          ///< fewer frames, no gles
 };
 

@@ -8,6 +8,7 @@
 
 #include "hal/base/partial_path.h"
 #include "host/bench/copy_rate.h"
+#include "host/bench/pairs.h"
 #include "host/bench/peers.h"
 #include "host/bench/suites.h"
 #include "host/image_io/image_io.h"
@@ -26,8 +27,8 @@ namespace mixrig::tools {
 namespace {
 
 struct BenchArguments {
-  std::string out = "out/bench", suite = "run", take, calibration, scene, size;
-  bool view = false;
+  std::string out = "out/bench", suite = "run", take, data, calibration, scene, size;
+  bool view = false, grid = false;
   double minutes = 20, speed = 1;
   std::string rig = "rig.toml", region;
   int line = -1;
@@ -48,8 +49,11 @@ Result<nlohmann::json> reported(const Rungs& rungs, const std::filesystem::path&
 /// One of bench::kSuites, or all of them: tables, OUT/SUITE.svg, OUT/suites.json.
 Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
   const std::filesystem::path out = arguments.out;
-  bench::SuiteOptions options{arguments.take, arguments.run.quick};
-  if (options.take.empty()) {
+  bench::SuiteOptions options{arguments.take, arguments.grid, arguments.run.quick};
+  const bool pairs = !arguments.data.empty();
+  if (pairs && arguments.suite != "refine")
+    return Error{ErrorCode::kUsage, "--data is of --suite refine"};
+  if (options.take.empty() && !pairs) {
     session::BenchOptions wanted = arguments.run;
     wanted.folder = out;
     MIXRIG_ASSIGN(options.take,
@@ -58,7 +62,7 @@ Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
   std::error_code ignored;  // writing says what is wrong
   std::filesystem::create_directories(out, ignored);
   const double copy_bytes_per_s = bench::copy_bytes_per_s();
-  nlohmann::json json = {{"take", options.take.string()},
+  nlohmann::json json = {{"take", pairs ? arguments.data : options.take.string()},
                          {"peers", bench::has_peers()},
                          {"cpu", render::cpu_vectors()},
                          {"threads", std::thread::hardware_concurrency()},
@@ -67,8 +71,10 @@ Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
   std::printf("one thread copies %.1f GB/s (read and written)\n", 1e-9 * copy_bytes_per_s);
   for (const std::string_view name : bench::kSuites) {
     if (arguments.suite != "all" && arguments.suite != name) continue;
-    MIXRIG_ASSIGN(const bench::Suite suite,
-                  bench::run_suite(std::string(name), options, progress_bar()));
+    MIXRIG_ASSIGN(
+        const bench::Suite suite,
+        pairs ? bench::run_pairs(arguments.data, arguments.grid, options.quick, progress_bar())
+              : bench::run_suite(std::string(name), options, progress_bar()));
     std::printf("\n%s", bench::to_table(suite, copy_bytes_per_s).c_str());
     json["suites"][suite.name] = bench::to_json(suite, copy_bytes_per_s);
     MIXRIG_TRY(write_file(out / (suite.name + ".svg"),
@@ -205,6 +211,11 @@ void add_bench_command(Command app, Context& context) {
       .show_default();
   command.add_option("--seed", arguments->run.seed, "of the studio, for run, warp ... all")
       .show_default();
+  command.add_option("--data", arguments->data,
+                     "refine: folder with colour pictures and disparities (art, aloe, motorcycle) "
+                     "in place of a take");
+  command.add_flag("--grid", arguments->grid,
+                   "warp, refine, key: other libraries at every setting of a grid");
   command.add_flag("--quick", arguments->run.quick,
                    "half the size, fewer frames, warp ... all: no gles");
   command.add_option(

@@ -29,7 +29,7 @@ class Suites : public testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
   static Result<Suite> run(const char* name) {
-    return run_suite(name, {folder_ / "take", true}, {});
+    return run_suite(name, {folder_ / "take", false, true}, {});
   }
   static fs::path folder_;
 };
@@ -93,7 +93,7 @@ TEST_F(Suites, ATakeWithoutTruthIsRefused) {
   const fs::path bare = folder_ / "bare";
   fs::copy(folder_ / "take", bare, fs::copy_options::recursive);
   fs::remove_all(bare / "truth");
-  const auto suite = run_suite("warp", {bare, true}, {});
+  const auto suite = run_suite("warp", {bare, false, true}, {});
   EXPECT_FALSE(suite);
 }
 
