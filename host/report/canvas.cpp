@@ -3,18 +3,30 @@
 
 #include <numbers>
 
+#include <cairo/cairo-svg.h>
 #include <cairo/cairo.h>
 
 namespace mixrig::report {
+namespace {
+
+cairo_status_t append(void* text, const unsigned char* data, unsigned size) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), size);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
 
 struct Canvas::State {
   Size size;
+  std::string svg;  // before the surface, which writes into it
   cairo_surface_t* surface;
   cairo_t* context;
 
-  explicit State(Size s)
+  State(Size s, CanvasKind kind)
       : size(s),
-        surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, s.width, s.height)),
+        surface(kind == CanvasKind::kSvg
+                    ? cairo_svg_surface_create_for_stream(append, &svg, s.width, s.height)
+                    : cairo_image_surface_create(CAIRO_FORMAT_RGB24, s.width, s.height)),
         context(cairo_create(surface)) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -32,7 +44,8 @@ struct Canvas::State {
   }
 };
 
-Canvas::Canvas(Size size, Rgb8 paper) : state_(std::make_unique<State>(size)) {
+Canvas::Canvas(Size size, Rgb8 paper, CanvasKind kind)
+    : state_(std::make_unique<State>(size, kind)) {
   state_->ink(paper);
   cairo_paint(state_->context);
   cairo_select_font_face(state_->context, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
@@ -98,6 +111,11 @@ Image<Rgb8> Canvas::finish() {
                        static_cast<std::uint8_t>(in[x] >> 8), static_cast<std::uint8_t>(in[x])};
   }
   return out;
+}
+
+std::string Canvas::finish_svg() {
+  cairo_surface_finish(state_->surface);
+  return state_->svg;
 }
 
 }  // namespace mixrig::report

@@ -14,17 +14,20 @@ struct Point {
   double x = 0, y = 0;
 };
 
+enum class CanvasKind { kPicture, kSvg };
+
 enum class Align { kLeft, kCenter, kRight };
 
 /// Coordinates in pixels from the top left corner. Not thread-safe.
 class Canvas {
  public:
   /// Filled with `paper`.
-  Canvas(Size size, Rgb8 paper);
+  Canvas(Size size, Rgb8 paper, CanvasKind kind = CanvasKind::kPicture);
   Canvas(Canvas&&) noexcept;
   Canvas& operator=(Canvas&&) noexcept;
   ~Canvas();
 
+  /// Only on a picture.
   void picture(int x, int y, ImageView<const Rgb8> picture);
   /// `at` is on the base line; sans serif of `height_px`.
   void text(Point at, const std::string& words, double height_px, Rgb8 ink,
@@ -34,6 +37,8 @@ class Canvas {
   void line(const std::vector<Point>& points, double width_px, Rgb8 ink);
   void dot(Point at, double radius_px, Rgb8 ink);
   Image<Rgb8> finish();
+  /// The file, of kSvg; nothing is drawn after it.
+  std::string finish_svg();
 
  private:
   struct State;

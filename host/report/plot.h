@@ -21,11 +21,15 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
+  bool log_x = false;  ///< decades; from the one below the least x on
+  bool joined = true;  ///< the points of a series, by a line
 };
 
 /// Axes start at zero and end at a round number above the largest value. Points that are not
-/// finite or negative are left out.
+/// finite or negative are left out; with `log_x` those at zero too.
 Image<Rgb8> draw(const Plot& plot, Size size);
+/// The same as a file of SVG.
+std::string draw_svg(const Plot& plot, Size size);
 
 /// Step between ticks so that at most eight cover 0..`largest`: 1, 2 or 5 times a power of ten.
 double tick_step(double largest);

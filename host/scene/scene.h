@@ -12,6 +12,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/geometry/pose.h"
+#include "host/scene/quality.h"
 
 namespace mixrig::scene {
 
@@ -252,6 +253,7 @@ struct Scene {
   std::vector<PoseOut> pose_outs;       ///< in a run
   std::vector<StreamOut> stream_outs;   ///< in a run
   std::optional<FocusSettings> focus;
+  Quality quality;
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

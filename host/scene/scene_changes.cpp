@@ -33,6 +33,7 @@ std::string fixed_changes(const Scene& from, const Scene& to) {
   note(from.background == to.background, "background");
   note(same_set(from.set, to.set), "set");
   note(from.light.find_lamps == to.light.find_lamps, "light.lamps");
+  note(from.quality.budget_ms == to.quality.budget_ms, "quality.budget_ms");
   note(from.follow_people == to.follow_people, "people");
   note(from.events == to.events, "events");
   note(from.pose_outs == to.pose_outs, "pose_out");

@@ -11,6 +11,7 @@
 #include "host/image_io/image_io.h"
 #include "host/scene/read_camera.h"
 #include "host/scene/read_outputs.h"
+#include "host/scene/read_quality.h"
 
 namespace mixrig::scene {
 namespace {
@@ -254,6 +255,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
   for (const Table& table : root.tables("stream_out"))
     scene.stream_outs.push_back(read_stream_out(table));
   scene.focus = read_focus(root.table("focus"));
+  scene.quality = read_quality(root);
   MIXRIG_TRY(document.finish());
   return scene;
 }

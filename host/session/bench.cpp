@@ -49,32 +49,9 @@ bool same_setting(const Rung& a, const Rung& b) {
          a.backend.threads == b.backend.threads && a.view_size == b.view_size;
 }
 
-/// The take of a depth camera; rendered unless an earlier bench has rendered it.
-Result<std::filesystem::path> take_of(const BenchOptions& options, RigPreset rig,
-                                      const ProgressFn& progress) {
-  studio::StudioOptions wanted;
-  wanted.scenario = studio::Scenario::kWalk;
-  wanted.rig = rig;
-  wanted.seed = options.seed;
-  wanted.frames = options.quick ? 24 : 48;
-  wanted.size_px = full_size(options);
-  const std::filesystem::path folder =
-      options.folder / "takes" /
-      ("walk" + std::to_string(wanted.seed) + "-" + std::string(studio::name(rig)) + "-" +
-       text(wanted.size_px) + "-" + std::to_string(wanted.frames));
-  std::error_code code;
-  if (std::filesystem::exists(folder / "take.toml", code)) return folder;
-  const auto step = [&](int done) {
-    if (progress) progress("studio", done, wanted.frames);
-  };
-  const auto written = studio_io::write_studio_take(wanted, folder, take::StreamFormat::kPng, step);
-  if (!written) return written.error();
-  return folder;
-}
-
 Result<RunReport> run_rung(const Rung& rung, const BenchOptions& options, const Clock& clock,
                            const ProgressFn& progress) {
-  MIXRIG_ASSIGN(const std::filesystem::path take, take_of(options, rung.rig, progress));
+  MIXRIG_ASSIGN(const std::filesystem::path take, bench_take(options, rung.rig, progress));
   MIXRIG_ASSIGN(const auto session, open_session({take / "scene.toml", "take:" + take.string(),
                                                   rung.view_size, rung.backend}));
   RunOptions run_options;
@@ -103,6 +80,28 @@ double key_wrong_pct(const Rung& rung) {
 double p50_ms(const Rung& rung) { return rung.report.frame_ms.quantile(0.5); }
 
 }  // namespace
+
+Result<std::filesystem::path> bench_take(const BenchOptions& options, RigPreset rig,
+                                         const ProgressFn& progress) {
+  studio::StudioOptions wanted;
+  wanted.scenario = studio::Scenario::kWalk;
+  wanted.rig = rig;
+  wanted.seed = options.seed;
+  wanted.frames = options.quick ? 24 : 48;
+  wanted.size_px = full_size(options);
+  const std::filesystem::path folder =
+      options.folder / "takes" /
+      ("walk" + std::to_string(wanted.seed) + "-" + std::string(studio::name(rig)) + "-" +
+       text(wanted.size_px) + "-" + std::to_string(wanted.frames));
+  std::error_code code;
+  if (std::filesystem::exists(folder / "take.toml", code)) return folder;
+  const auto step = [&](int done) {
+    if (progress) progress("studio", done, wanted.frames);
+  };
+  const auto written = studio_io::write_studio_take(wanted, folder, take::StreamFormat::kPng, step);
+  if (!written) return written.error();
+  return folder;
+}
 
 Result<std::vector<Rung>> bench(const BenchOptions& options, const Clock& clock,
                                 const ProgressFn& progress) {

@@ -23,6 +23,11 @@ struct BenchOptions {
   unsigned seed = 7;
 };
 
+/// The walk in the studio that is measured: folder/takes/..., rendered unless it is there. Errors:
+/// those of the studio.
+Result<std::filesystem::path> bench_take(const BenchOptions& options, studio::RigPreset rig,
+                                         const ProgressFn& progress);
+
 /// One setting of all parameters, and its result.
 struct Rung {
   std::string knob;  ///< what is varied: "back end", "depth camera", "view size"

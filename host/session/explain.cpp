@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/measure/quantile_sketch.h"
 #include "host/render/prepare.h"
 #include "host/session/explain_people.h"
-#include "host/session/frame_lens.h"
+#include "host/session/frame_cost.h"
 #include "host/session/run.h"
 
 namespace mixrig::session {
@@ -121,24 +120,6 @@ std::string pose_text(const Session& session, const capture::Capture& first) {
                     wanted.when_lost == scene::WhenLost::kHide ? "hidden" : "frozen");
 }
 
-/// Median time of `frames` composites of one capture; every pose differs by `step_m` from the last.
-Result<double> repeat(const Session& session, const capture::Capture& capture, int frames,
-                      double step_m, const Clock& clock) {
-  MIXRIG_ASSIGN(const auto compositor, make_compositor(session.setup, session.backend));
-  render::FrameOutput output;
-  measure::QuantileSketch times_ms;
-  geometry::Pose pose = session.world_from_target(capture);
-  for (int i = 0; i <= frames; ++i) {
-    pose.translation_m.x() += i % 2 == 0 ? step_m : -step_m;
-    const HostTime begin = clock.now();
-    MIXRIG_TRY(compositor->compose(
-        {capture.plate, capture.depth_m, pose, frame_lens(capture), {}, capture.depth2.depth_m},
-        output));
-    if (i > 0) times_ms.add(milliseconds(clock.now() - begin));  // the first frame fills caches
-  }
-  return times_ms.quantile(0.5);
-}
-
 void add_times(const RunReport& report, std::vector<PassLine>& passes) {
   for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
     for (PassLine& pass : passes)
@@ -231,10 +212,12 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   out.rss_mb = report.rss_mb;
   out.calibration = session.calibration.where + ": " + session.calibration.why;
   out.camera = pose_text(session, first);
-  MIXRIG_ASSIGN(out.still_p50_ms, repeat(session, first, frames, 0, clock));
+  out.rungs = scene::to_text(scene::rungs_of(session.scene), session.setup.focus.has_value());
+  out.quality = report.quality;
+  MIXRIG_ASSIGN(out.still_p50_ms, frame_cost_ms(session, first, 1, frames, 0, clock));
   if (session.poses->moves()) {
     constexpr double kStep_m = 0.001;
-    MIXRIG_ASSIGN(out.moving_p50_ms, repeat(session, first, frames, kStep_m, clock));
+    MIXRIG_ASSIGN(out.moving_p50_ms, frame_cost_ms(session, first, 1, frames, kStep_m, clock));
   }
   out.passes = passes_of(session.setup, tables, preparer.params());
   add_times(report, out.passes);
@@ -255,11 +238,13 @@ nlohmann::json to_json(const Explanation& e) {
                         {"moving_p50_ms", nullptr},
                         {"calibration", e.calibration},
                         {"camera", e.camera},
+                        {"rungs", e.rungs},
                         {"rss_mb", e.rss_mb},
                         {"passes", nlohmann::json::array()},
                         {"shadow_maps", nlohmann::json::array()},
                         {"buffers", nlohmann::json::array()}};
   if (e.moving_p50_ms) out["moving_p50_ms"] = *e.moving_p50_ms;
+  if (e.quality) out["quality"] = to_json(*e.quality);
   for (const PassLine& p : e.passes)
     out["passes"].push_back(
         {{"name", p.name}, {"size", p.size}, {"why", p.why}, {"p50_ms", p.p50_ms}});
@@ -273,7 +258,10 @@ nlohmann::json to_json(const Explanation& e) {
 std::string to_text(const Explanation& e) {
   std::string out = fmt::format("{} in {}, {} ({})\n", e.scene, e.source, e.backend, e.renderer);
   out += fmt::format("  calibration  {}\n  camera       {}\n", e.calibration, e.camera);
+  out += fmt::format("  rungs        {}: {}\n", e.rungs,
+                     e.quality ? "chosen for quality.budget_ms" : "as the scene says");
   out += fmt::format("  {:<10} {:<11} {:>8}  {}\n", "pass", "size", "p50 ms", "why");
+  if (e.quality) out += to_text(*e.quality);
   for (const PassLine& p : e.passes)
     out += fmt::format("  {:<10} {:<11} {:>8.2f}  {}\n", p.name, p.size, p.p50_ms, p.why);
   out += fmt::format("  {:<10} {:<11} {:>8.2f}  median of {} frames\n", "frame", "", e.frame_p50_ms,

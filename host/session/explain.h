@@ -11,6 +11,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
+#include "host/session/quality.h"
 #include "host/session/session.h"
 
 namespace mixrig::session {
@@ -31,9 +32,11 @@ struct ShadowMapLine {
 
 struct Explanation {
   std::string scene, source, backend, renderer;
-  std::string calibration;  ///< which one is used, and why
-  std::string camera;       ///< origin of its pose
-  int frames = 0;           ///< composited to measure
+  std::string calibration;                 ///< which one is used, and why
+  std::string camera;                      ///< origin of its pose
+  std::string rungs;                       ///< in use: "key refined, light shadows"
+  std::optional<QualityChoice> quality{};  ///< where they follow from a budget
+  int frames = 0;                          ///< composited to measure
   double frame_p50_ms = 0, rss_mb = 0;
   double still_p50_ms = 0;                ///< the first frame again, the camera stands still
   std::optional<double> moving_p50_ms{};  ///< the same, the pose changes; absent if it cannot

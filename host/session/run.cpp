@@ -19,6 +19,7 @@
 #include "host/session/contact_points.h"
 #include "host/session/frame_lens.h"
 #include "host/session/judge.h"
+#include "host/session/quality.h"
 #include "host/session/run_compositor.h"
 #include "host/session/run_sinks.h"
 #include "host/session/slip.h"
@@ -143,6 +144,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (!on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_background(session_, progress));
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
+  MIXRIG_ASSIGN(report_.quality, follow_budget(session_, range.first, clock_));
   MIXRIG_TRY(sinks_.open_streams());
   MIXRIG_TRY(open_poses());
   MIXRIG_TRY(open_compositor());

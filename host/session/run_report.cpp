@@ -283,6 +283,7 @@ nlohmann::json to_json(const RunReport& report) {
                                  {"p95", quantile(report.latency_ms, 0.95)},
                                  {"p99", quantile(report.latency_ms, 0.99)}};
   }
+  if (report.quality) out["quality"] = to_json(*report.quality);
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
   if (report.light) out["light"] = to_json(*report.light);

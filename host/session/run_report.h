@@ -23,6 +23,7 @@
 #include "host/session/people_sink.h"
 #include "host/session/pose_errors.h"
 #include "host/session/pose_sink.h"
+#include "host/session/quality.h"
 #include "host/session/room_changes_report.h"
 #include "host/session/scene_follower.h"
 #include "host/session/slip.h"
@@ -47,7 +48,8 @@ struct RunReport {
   std::string backend;   ///< "cpu" or "gles"
   std::string renderer;  ///< as Compositor::renderer
   Size size;
-  measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite, every frame
+  std::optional<QualityChoice> quality;  ///< where the scene has a budget
+  measure::QuantileSketch frame_ms;      ///< decoded frame to finished composite, every frame
   std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
   measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
   std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"

@@ -163,6 +163,7 @@ void SceneFollower::adopt(scene::Scene scene) {
                                    [](const auto& o) { return o.physics; });
   // What a run takes once stays as it is.
   scene.set = session_.scene.set;
+  if (session_.scene.quality.budget_ms) scene.quality = session_.scene.quality;  // as was chosen
   scene.capture_volume = session_.scene.capture_volume;
   scene.background = session_.scene.background;
   if (session_.scene.light.find_lamps) scene.light = session_.scene.light;

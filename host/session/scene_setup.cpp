@@ -46,7 +46,7 @@ std::vector<const scene::Object*> objects_of(const scene::Scene& scene) {
   return objects;
 }
 
-void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
+void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshes, bool shadows,
                  render::CompositorSetup& setup) {
   setup.objects.clear();
   auto arrays = meshes.begin();
@@ -58,7 +58,7 @@ void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshe
     }
     out.world_from_object = object->world_from_object;
     out.scale = object->scale;
-    out.casts_shadow = object->casts_shadow;
+    out.casts_shadow = object->casts_shadow && shadows;
     out.in_set = scene.set && scene.set->model && object == &scene.set->model.value();
     setup.objects.push_back(std::move(out));
   }
@@ -77,7 +77,7 @@ render::Light light_of(const scene::Light& light) {
 }
 
 /// The image distance of the lens is that of the view's focal length on the sensor.
-void set_focus(const scene::Scene& scene, render::CompositorSetup& setup) {
+void set_focus(const scene::Scene& scene, bool fast, render::CompositorSetup& setup) {
   setup.focus.reset();
   if (!scene.focus) return;
   const scene::FocusSettings& wanted = *scene.focus;
@@ -92,7 +92,7 @@ void set_focus(const scene::Scene& scene, render::CompositorSetup& setup) {
   if (wanted.pixel) focus.pixel = {wanted.pixel->first, wanted.pixel->second};
   focus.most_blur_px =
       std::min(render::kMostBlur_px, static_cast<float>(0.01 * wanted.most_blur_pct * width_px));
-  focus.fast = wanted.fast;
+  focus.fast = fast;
   setup.focus = focus;
 }
 
@@ -107,15 +107,16 @@ std::vector<MeshArrays> mesh_arrays(const scene::Scene& scene) {
 
 void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
                render::CompositorSetup& setup) {
-  set_objects(scene, meshes, setup);
-  set_focus(scene, setup);
+  const scene::Rungs rungs = scene::rungs_of(scene);
+  set_objects(scene, meshes, rungs.light != scene::LightRung::kPlain, setup);
+  set_focus(scene, rungs.focus == scene::FocusRung::kFast, setup);
   setup.light = light_of(scene.light);
   setup.open_walls = scene.background.open_walls;
-  setup.people_cast_shadows = scene.set ? scene.set->model.has_value() : scene.light.people_cast;
+  setup.people_cast_shadows = rungs.light == scene::LightRung::kPeople;
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
-  setup.key.color = scene.key.color;
-  setup.key.refine = scene.key.refine;
+  setup.key.color = rungs.key != scene::KeyRung::kPlain;
+  setup.key.refine = rungs.key == scene::KeyRung::kRefined;
   if (const auto& volume = scene.capture_volume)
     setup.capture_box = {to_glm(volume->min_m), to_glm(volume->max_m),
                          static_cast<float>(volume->floor_tolerance_m)};

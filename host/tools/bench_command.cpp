@@ -2,10 +2,17 @@
 // mixrig bench: speed against error, as table, JSON and plot.
 #include <cstdio>
 #include <memory>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/partial_path.h"
+#include "host/bench/copy_rate.h"
+#include "host/bench/pairs.h"
+#include "host/bench/peers.h"
+#include "host/bench/suites.h"
 #include "host/image_io/image_io.h"
+#include "host/render/cpu/compositor_cpu.h"
 #include "host/session/bench.h"
 #include "host/session/latency_bench.h"
 #include "host/session/marker_bench.h"
@@ -20,8 +27,8 @@ namespace mixrig::tools {
 namespace {
 
 struct BenchArguments {
-  std::string out = "out/bench", suite = "run", take, calibration, scene, size;
-  bool view = false;
+  std::string out = "out/bench", suite = "run", take, data, calibration, scene, size;
+  bool view = false, grid = false;
   double minutes = 20, speed = 1;
   std::string rig = "rig.toml", region;
   int line = -1;
@@ -37,6 +44,45 @@ Result<nlohmann::json> reported(const Rungs& rungs, const std::filesystem::path&
   MIXRIG_TRY(image_io::write_png(plot, report::draw(session::plot_of(rungs), {1100, 720}).view()));
   std::fputs(session::to_table(rungs).c_str(), stdout);
   return session::to_json(rungs);
+}
+
+/// One of bench::kSuites, or all of them: tables, OUT/SUITE.svg, OUT/suites.json.
+Result<nlohmann::json> bench_suites(const BenchArguments& arguments) {
+  const std::filesystem::path out = arguments.out;
+  bench::SuiteOptions options{arguments.take, arguments.grid, arguments.run.quick};
+  const bool pairs = !arguments.data.empty();
+  if (pairs && arguments.suite != "refine")
+    return Error{ErrorCode::kUsage, "--data is of --suite refine"};
+  if (options.take.empty() && !pairs) {
+    session::BenchOptions wanted = arguments.run;
+    wanted.folder = out;
+    MIXRIG_ASSIGN(options.take,
+                  session::bench_take(wanted, studio::RigPreset::kKinect2, progress_bar()));
+  }
+  std::error_code ignored;  // writing says what is wrong
+  std::filesystem::create_directories(out, ignored);
+  const double copy_bytes_per_s = bench::copy_bytes_per_s();
+  nlohmann::json json = {{"take", pairs ? arguments.data : options.take.string()},
+                         {"peers", bench::has_peers()},
+                         {"cpu", render::cpu_vectors()},
+                         {"threads", std::thread::hardware_concurrency()},
+                         {"copy_gb_per_s", 1e-9 * copy_bytes_per_s},
+                         {"suites", nlohmann::json::object()}};
+  std::printf("one thread copies %.1f GB/s (read and written)\n", 1e-9 * copy_bytes_per_s);
+  for (const std::string_view name : bench::kSuites) {
+    if (arguments.suite != "all" && arguments.suite != name) continue;
+    MIXRIG_ASSIGN(
+        const bench::Suite suite,
+        pairs ? bench::run_pairs(arguments.data, arguments.grid, options.quick, progress_bar())
+              : bench::run_suite(std::string(name), options, progress_bar()));
+    std::printf("\n%s", bench::to_table(suite, copy_bytes_per_s).c_str());
+    json["suites"][suite.name] = bench::to_json(suite, copy_bytes_per_s);
+    MIXRIG_TRY(write_file(out / (suite.name + ".svg"),
+                          report::draw_svg(bench::plot_of(suite), {1100, 720})));
+  }
+  if (bench::has_peers()) std::puts("\n* other libraries");
+  MIXRIG_TRY(write_file(out / "suites.json", json.dump(2) + "\n"));
+  return json;
 }
 
 Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
@@ -132,9 +178,11 @@ Result<nlohmann::json> bench(const BenchArguments& arguments) {
   if (arguments.suite == "latency") return bench_latency(arguments);
   if (arguments.suite == "marker") return bench_marker(arguments);
   if (arguments.suite == "soak") return bench_soak(arguments);
+  if (arguments.suite == "all" || bench::is_suite(arguments.suite)) return bench_suites(arguments);
   if (arguments.suite != "scan")
     return Error{ErrorCode::kUsage, "unknown --suite \"" + arguments.suite +
-                                        "\": use run, scan, latency, marker or soak"};
+                                        "\": use run, warp, refine, key, mix, shadow, frame, "
+                                        "memory, all, scan, latency, marker or soak"};
   if (arguments.take.empty())
     return Error{ErrorCode::kUsage,
                  "--suite scan needs --take: a sweep of mixrig studio --scenario sweep"};
@@ -152,17 +200,28 @@ void add_bench_command(Command app, Context& context) {
   command
       .add_option(
           "--suite", arguments->suite,
-          "run: the compositor; scan: a room from a sweep; latency: the delay of a take that "
+          "run: the compositor by size and depth camera; warp, refine, key, mix, shadow, frame, "
+          "memory: each rung of that stage (all: of all of them); scan: a room from a sweep; "
+          "latency: the delay of a take that "
           "is played in real time as a rig; marker: that of a real rig, by a lamp on a trigger "
           "line; soak: "
           "a take played for long, again and again")
       .show_default();
   command.add_option("--out", arguments->out, "folder of the plot and the reused takes")
       .show_default();
-  command.add_option("--seed", arguments->run.seed, "run: of the studio").show_default();
-  command.add_flag("--quick", arguments->run.quick, "run: half the size, fewer frames");
-  command.add_option("--take", arguments->take,
-                     "scan: the sweep, latency: the take, with their truth; soak: the take");
+  command.add_option("--seed", arguments->run.seed, "of the studio, for run, warp ... all")
+      .show_default();
+  command.add_option("--data", arguments->data,
+                     "refine: folder with colour pictures and disparities (art, aloe, motorcycle) "
+                     "in place of a take");
+  command.add_flag("--grid", arguments->grid,
+                   "warp, refine, key: other libraries at every setting of a grid");
+  command.add_flag("--quick", arguments->run.quick,
+                   "half the size, fewer frames, warp ... all: no gles");
+  command.add_option(
+      "--take", arguments->take,
+      "scan: the sweep, latency: the take, with their truth; soak: the take; warp ... "
+      "all: a take of mixrig studio in place of the walk that is rendered");
   command.add_option("--minutes", arguments->minutes, "soak: of frames, by their own times")
       .range(0.05, 1440.0)
       .show_default();

@@ -4,15 +4,13 @@
 // heap_mb: what the compositor and the images of a frame hold. moved_mb: bytes that a still frame
 // reads and writes at least, each image once in each pass that needs all of it; copy_ms: the time
 // in which one thread of this machine copies so many.
-#include <algorithm>
-#include <chrono>
-#include <cstring>
 #include <string>
-#include <vector>
 
 #include <benchmark/benchmark.h>
-#include <malloc.h>
 
+#include "host/bench/copy_rate.h"
+#include "host/bench/heap.h"
+#include "host/bench/moved_bytes.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "tests/bench/statue_room.h"
 
@@ -21,40 +19,11 @@ namespace {
 
 constexpr Size kKinect2{512, 424}, kSr3000{176, 144}, kXga{1280, 1024}, kFullHd{1920, 1080};
 
-double heap_mb() {
-  const struct mallinfo2 info = mallinfo2();
-  return 1e-6 * static_cast<double>(info.uordblks + info.hblkhd);
-}
+double heap_mb() { return 1e-6 * bench::heap_bytes(); }
 
-/// Read and written by a thread that copies what no cache holds, megabytes a millisecond.
 double copy_mb_per_ms() {
-  static const double rate = [] {
-    constexpr std::size_t kBytes = 256U << 20U;
-    std::vector<char> from(kBytes, 1), to(kBytes, 2);
-    double best_ms = 1e9;
-    for (int i = 0; i < 5; ++i) {
-      const auto start = std::chrono::steady_clock::now();
-      std::memcpy(to.data(), from.data(), kBytes);
-      benchmark::DoNotOptimize(to.data());
-      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-      best_ms = std::min(best_ms, ms.count());
-    }
-    return 2e-6 * static_cast<double>(kBytes) / best_ms;
-  }();
+  static const double rate = 1e-9 * bench::copy_bytes_per_s();
   return rate;
-}
-
-/// Of a still frame with all images of kComposite: bytes a view pixel and a ToF pixel.
-double moved_mb(Size view, Size tof) {
-  constexpr double kPlate = 3 + 8 + 8 + 3;        // sRGB, tap; linear light, sRGB
-  constexpr double kWarp = 4 + 4;                 // cleared, drawn
-  constexpr double kKey = 4 + 4 + 1 + 1 + 1;      // w, limit; state; state; matte
-  constexpr double kLight = 1 + 4 + 1 + 2 + 2;    // matte, w; matte, light; light
-  constexpr double kMix = 4 + 4 + 1 + 4 + 4 + 2;  // w, learned, matte; two depths; light
-  constexpr double kCorrect = 4 + 8 + 4 + 4 + 4 + 8 + 8 + 8 + 5;  // five sweeps
-  constexpr double kProject = 8 + 4 + 12 + 8;                     // ray, w; u, v, w; u and w again
-  const auto mega = [](Size size) { return 1e-6 * static_cast<double>(size.area()); };
-  return mega(view) * (kPlate + kWarp + kKey + kLight + kMix) + mega(tof) * (kCorrect + kProject);
 }
 
 /// range(0): threads; range(1): 1 where the camera moves, so that nothing is kept between frames, 2
@@ -79,7 +48,7 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
   state.counters["heap_mb"] = heap_mb() - before_mb;
   if (state.range(1) == 0) {
-    const double mb = moved_mb(view, tof);
+    const double mb = 1e-6 * bench::moved_bytes(view, tof);
     state.counters["moved_mb"] = mb;
     state.counters["copy_ms"] = mb / copy_mb_per_ms();
   }

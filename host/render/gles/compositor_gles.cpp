@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "hal/base/log.h"
 #include "hal/base/parallel.h"
 #include "host/render/exposure.h"
@@ -418,7 +420,11 @@ Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& 
   MIXRIG_ASSIGN(EglContext context, share.display != nullptr ? EglContext::create_sharing(share)
                                                              : EglContext::create());
   auto compositor = std::make_unique<GlesCompositor>(std::move(context), setup);
+  const SystemClock clock;
+  const HostTime begin = clock.now();
   MIXRIG_TRY(compositor->create_passes());
+  log_info("render", fmt::format("{}: shaders are ready after {:.0f} ms", compositor->renderer(),
+                                 milliseconds(clock.now() - begin)));
   if (share.display != nullptr) compositor->share_colors();
   compositor->leave_thread();
   return std::unique_ptr<Compositor>(std::move(compositor));

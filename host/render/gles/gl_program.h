@@ -40,7 +40,9 @@ class Program {
   ProgramHandle handle_;
 };
 
-/// Compiles and links two stages of shaders/. Errors: kDevice, with file, line and log.
+/// Two stages of shaders/, compiled and linked, or as an earlier run has kept the program in
+/// program_folder() for the same driver and text; what is built is kept. A file that is damaged or
+/// that the driver refuses is built again. Errors: kDevice, with file, line and log.
 Result<Program> make_program(std::string_view vertex_stage, std::string_view fragment_stage);
 /// A compute program. Errors as above.
 Result<Program> make_program(std::string_view compute_stage);

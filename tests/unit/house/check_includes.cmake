@@ -44,6 +44,7 @@ foreach(room IN LISTS MIXRIG_ROOM_NAMES)
     endif()
   endforeach()
   list(FILTER files EXCLUDE REGEX "^firmware/port/stm32f4/")  # a project of its own
+  list(FILTER files EXCLUDE REGEX "^host/bench/opencv_peers.cpp$")  # of MIXRIG_BENCH_PEERS alone
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "^#include [\"<]")
     foreach(line IN LISTS lines)
