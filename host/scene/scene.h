@@ -236,6 +236,13 @@ struct FocusSettings {
   bool fast = false;                         ///< the rung: fewer taps
 };
 
+/// What virtual objects take on of what the camera does to real things.
+struct LookSettings {
+  bool grain = false;
+  bool blur = false;
+  bool operator==(const LookSettings&) const = default;
+};
+
 struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
@@ -252,6 +259,7 @@ struct Scene {
   std::vector<PoseOut> pose_outs;       ///< in a run
   std::vector<StreamOut> stream_outs;   ///< in a run
   std::optional<FocusSettings> focus;
+  LookSettings look;
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

@@ -112,6 +112,7 @@ void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
   setup.light = light_of(scene.light);
   setup.open_walls = scene.background.open_walls;
   setup.people_cast_shadows = scene.set ? scene.set->model.has_value() : scene.light.people_cast;
+  setup.look = {scene.look.grain, scene.look.blur};
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = scene.key.color;

@@ -136,6 +136,14 @@ float light_at(const MixInput& input, int x, int y) {
   return input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
 }
 
+/// Shaded colour of a covered pixel as the camera shows it.
+glm::vec3 virtual_color(const MixInput& input, int x, int y) {
+  const glm::vec3 c = to_vec(input.objects->color.row(y)[x]) * input.gain;
+  if (input.grain == nullptr) return c;
+  const float coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
+  return input.grain->added(c, coverage, x, y);
+}
+
 /// Of a pixel with or without virtual coverage.
 Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, bool covered) {
   const float light = light_at(input, x, y);
@@ -148,7 +156,7 @@ Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y, b
   p.person_m = matte > 0 ? measured_m : 0;
   if (matte > 0 && matte < 255) p.room = room_color(input, x, y, light);
   if (covered) {
-    p.shaded = to_vec(input.objects->color.row(y)[x]) * input.gain;
+    p.shaded = virtual_color(input, x, y);
     p.coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
     p.virtual_m = 1 / input.objects->w.row(y)[x];
   }
@@ -193,8 +201,9 @@ void store_backdrop(const MixInput& input, int x, int y, FrameOutput& output) {
 void store_set(const MixInput& input, int x, int y, FrameOutput& output) {
   const Rgbx16 c = input.objects->color.row(y)[x];
   if (output.wanted & kColor)
-    output.color.row(y)[x] =
-        input.gain == glm::vec3(1) ? encode(c) : encode(to_vec(c) * input.gain);
+    output.color.row(y)[x] = input.gain == glm::vec3(1) && input.grain == nullptr
+                                 ? encode(c)
+                                 : encode(virtual_color(input, x, y));
   if (output.wanted & kAlpha) output.alpha.row(y)[x] = 255;
   if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = 1 / input.objects->w.row(y)[x];
   if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
