@@ -1,17 +1,15 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the light map of what the plate shows; only blocks that may show people are drawn
-// over the background's. A person hides the shadow behind.
+// Pass light: the light of people, drawn over the background's in the blocks that may show them. A
+// person hides the shadow behind.
 //   matte               people, 0..1
 //   tile_w, tile_light  of light_tile_w.frag and light_tiles.frag
-//   background_light    of light_background.frag
 //   light               0..1
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D matte;
 layout(binding = 1) uniform sampler2D tile_w;
 layout(binding = 2) uniform sampler2D tile_light;
-layout(binding = 3) uniform sampler2D background_light;
 out float light;
 
 // Bilinear over the tiles that hold people; 1 where none does.
@@ -31,7 +29,6 @@ float people_light(ivec2 at) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  bool is_person = texelFetch(matte, at, 0).r >= person_matte;
-  light = is_person ? clamp(people_light(at), 0.0, 1.0)
-                    : texelFetch(background_light, at, 0).r;
+  if (texelFetch(matte, at, 0).r < person_matte) discard;
+  light = clamp(people_light(at), 0.0, 1.0);
 }

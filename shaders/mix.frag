@@ -26,6 +26,10 @@ layout(binding = 9) uniform sampler2D backdrop;
 // keyed: there is a matte; shows_room: the real background is shown; open_walls: it hides nothing.
 uniform bool keyed, has_background, has_color, has_light, has_objects;
 uniform bool shows_room, open_walls, has_backdrop;
+layout(binding = 10) uniform sampler2D grain_noise;  // of sigma 1 over grain_sigmas, repeats
+uniform bool has_grain;
+uniform ivec2 grain_offset;
+uniform vec3 grain_floor, grain_slope;  // variance of the noise over light
 uniform vec3 gain;  // of the camera since the background was learned
 layout(location = 0) out vec4 color;
 layout(location = 1) out float mixed_m;
@@ -55,6 +59,13 @@ vec3 person_alone(vec3 real, vec3 empty, float a) {
   return empty.r >= 0.0 ? real - room_share(real, empty, a) * empty : a * real;
 }
 
+// Shaded colour with the sensor's noise.
+vec3 with_grain(vec4 shaded, ivec2 at) {
+  vec3 noise = texelFetch(grain_noise, (at + grain_offset) & ivec2(grain_texels - 1), 0).rgb;
+  vec3 sigma = sqrt(grain_floor + grain_slope * (shaded.rgb / shaded.a));
+  return max(shaded.rgb + grain_sigmas * shaded.a * sigma * noise, 0.0);
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   float a = keyed ? texelFetch(matte, at, 0).r : 0.0;
@@ -76,6 +87,7 @@ void main() {
   vec4 shaded = texelFetch(virtual_color, at, 0);
   if (shaded.a == 0.0) return;
   shaded.rgb *= gain;
+  if (has_grain) shaded.rgb = with_grain(shaded, at);
   float z = 1.0 / texelFetch(virtual_w, at, 0).r;
   // A surface that the object touches does not hide it; unknown depth never does.
   bool hides = shows_room && !open_walls;

@@ -83,6 +83,11 @@ struct Errors {
     std::optional<double> pixels_pct;  ///< share of the pixels
     std::optional<double> key_iou, matte_mse, light_rmse, color_psnr_db;
   } contested;
+  /// look_of(): noise of 255 at equal brightness, and sharpness, 1: as the truth.
+  struct Look {
+    std::optional<double> real_noise, virtual_noise;
+    std::optional<double> real_sharpness, virtual_sharpness, outline_sharpness;
+  } look;
 };
 inline constexpr double kEqualPsnr_db = 100.0;
 

@@ -138,6 +138,14 @@ struct Focus {
 };
 inline constexpr float kMostBlur_px = 200;
 
+/// What the camera does to real things and virtual ones then show, too. How much is measured in the
+/// first plate (picture_look.h).
+struct LookSettings {
+  bool grain = false;  ///< noise of the sensor
+  bool blur = false;   ///< of the lens, and of its resampling
+  bool any() const { return grain || blur; }
+};
+
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
 /// textures and background, which are borrowed.
 struct CompositorSetup {
@@ -163,6 +171,7 @@ struct CompositorSetup {
   bool open_walls = false;           ///< the background does not hide virtual objects
   std::optional<Backdrop> backdrop;  ///< the real background is not shown
   bool people_cast_shadows = false;  ///< on virtual objects
+  LookSettings look;                 ///< of virtual objects and the set
   std::optional<Focus> focus;        ///< of the colour; depth and matte stay sharp
   /// Of the first frame, where it is known: what is found out once a pose is then found when the
   /// compositor is made, in its thread, and not in the first frame.

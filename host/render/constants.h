@@ -175,6 +175,14 @@ inline constexpr int kMostFaces = 6;
 /// Metres: an object this far behind the background still touches it; noise of the learned depth.
 inline constexpr float kContactSlackM = 0.02F;
 
+// --- look (picture_look.h)
+/// Texels: the grain repeats after so many, a power of two.
+inline constexpr int kGrainTexels = 256;
+/// Standard deviations that a byte of the grain reaches.
+inline constexpr float kGrainSigmas = 3.5F;
+/// Taps of the lens's blur to either side.
+inline constexpr int kBlurReach = 2;
+
 // --- focus
 /// Pixels: discs of this radius and less are one pixel.
 inline constexpr float kFocusSharpPx = 0.6F;

@@ -14,7 +14,10 @@ namespace mixrig::render {
 namespace {
 
 constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
-constexpr int kSmallestMap = 64, kLargestMap = 1024;
+/// Along an axis, so that the border of a shadow where an object touches the floor is that of a
+/// pixel.
+constexpr int kMapTexelsPerPixel = 2;
+constexpr int kSmallestMap = 256, kLargestMap = 1024;
 /// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
 /// objects alone fewer will do.
 constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 512;
@@ -91,6 +94,9 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
   rect = {std::min(rect.x0, box.x0), std::min(rect.y0, box.y0), std::max(rect.x1, box.x1),
           std::max(rect.y1, box.y1)};
 }
+
+/// Of a disc of the lamp's area.
+double disc_radius_m(const Lamp& lamp) { return std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI); }
 
 /// Whether people are looked for between the lamps and the objects alone.
 bool people_around_objects(const CompositorSetup& setup) {
@@ -227,7 +233,13 @@ void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
   if (params_.people_lamps.empty() || (stay && people_fits_[0].near_m > 0)) return;
   if (around_objects) {
     for (std::size_t i = 0; i < people_fits_.size(); ++i) {
-      people_fits_[i] = fit_map(setup_.light.lamps[i], corners_m_);
+      const Lamp& lamp = setup_.light.lamps[i];
+      people_fits_[i] = fit_map(lamp, corners_m_);
+      // The floor in the objects' penumbrae, and the filters around it.
+      if (people_fits_[i].tan_half > 0)
+        people_fits_[i].tan_half =
+            std::min(kLargestTanHalf,
+                     people_fits_[i].tan_half + disc_radius_m(lamp) / people_fits_[i].near_m);
       people_fits_[i].near_m = std::max(kNearPeopleM, kPeopleNearPart * people_fits_[i].near_m);
     }
     return;
@@ -253,12 +265,12 @@ void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
   }
 }
 
-/// Texels across: as many as view pixels across the casters, as a power of two, so that a moving
-/// camera seldom changes it.
+/// Texels across: twice as many as view pixels across the casters, as a power of two, so that a
+/// moving camera seldom changes it.
 int FramePreparer::map_size(const glm::dmat4& camera_from_world) const {
   Rect rect;
   include_box(caster_corners_m_, camera_from_world, setup_.view, rect);
-  const int wanted = std::max(rect.x1 - rect.x0, rect.y1 - rect.y0);
+  const int wanted = kMapTexelsPerPixel * std::max(rect.x1 - rect.x0, rect.y1 - rect.y0);
   int size = kSmallestMap;
   while (size < wanted && size < kLargestMap) size *= 2;
   return size;
@@ -271,7 +283,7 @@ LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int m
   out.position_m = apply(camera_from_world, lamp.position_m);
   out.direction =
       lamp.direction ? glm::vec3(glm::dmat3(camera_from_world) * *lamp.direction) : glm::vec3(0);
-  out.radius_m = static_cast<float>(std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI));
+  out.radius_m = static_cast<float>(disc_radius_m(lamp));
   out.intensity = lamp.intensity;
   out.map_size_texel = fit.tan_half > 0 ? map_size_texel : 0;
   if (out.map_size_texel == 0) return out;

@@ -237,6 +237,13 @@ struct FocusSettings {
   bool fast = false;                         ///< the rung: fewer taps
 };
 
+/// What virtual objects take on of what the camera does to real things.
+struct LookSettings {
+  bool grain = false;
+  bool blur = false;
+  bool operator==(const LookSettings&) const = default;
+};
+
 struct Scene {
   std::filesystem::path path;
   std::filesystem::path calibration;  ///< calibration.toml that replaces the source's own, or empty
@@ -254,6 +261,7 @@ struct Scene {
   std::vector<StreamOut> stream_outs;   ///< in a run
   std::optional<FocusSettings> focus;
   Quality quality;
+  LookSettings look;
 };
 
 /// Reads scene.toml and the models it names; relative paths start at the file's folder.

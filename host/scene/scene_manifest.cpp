@@ -194,6 +194,13 @@ Light read_light(const Table& table) {
   return light;
 }
 
+LookSettings read_look(const Table& table) {
+  LookSettings look;
+  look.grain = table.boolean_or("grain", look.grain);
+  look.blur = table.boolean_or("blur", look.blur);
+  return look;
+}
+
 Background read_background(const Table& table, const std::filesystem::path& folder) {
   Background background;
   if (table.has("learn")) {
@@ -256,6 +263,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& pa
     scene.stream_outs.push_back(read_stream_out(table));
   scene.focus = read_focus(root.table("focus"));
   scene.quality = read_quality(root);
+  scene.look = read_look(root.table("look"));
   MIXRIG_TRY(document.finish());
   return scene;
 }

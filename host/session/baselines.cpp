@@ -46,6 +46,7 @@ Result<void> Baselines::open(const render::CompositorSetup& setup) {
   setup_ = &setup;
   objects_setup_ = setup;
   objects_setup_.background = {};
+  objects_setup_.look = {};
   objects_setup_.background_models.clear();
   objects_setup_.backdrop.emplace();  // nothing behind the objects
   // Without a background a volume has to tell people from it; without depth nobody is in it.

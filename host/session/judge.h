@@ -6,6 +6,7 @@
 #include "host/capture/truth.h"
 #include "host/measure/errors.h"
 #include "host/measure/flicker.h"
+#include "host/measure/look.h"
 #include "host/render/compositor.h"
 
 namespace mixrig::session {
@@ -34,6 +35,7 @@ class Judge {
   bool room_shown_;
   measure::ErrorSums sums_;
   measure::MatteFlicker flicker_;
+  measure::LookSums look_;
   Image<std::uint8_t> own_layer_;
 };
 

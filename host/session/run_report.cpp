@@ -46,6 +46,14 @@ std::array<NamedError, 5> named(const measure::Errors::Contested& e) {
            {"color_psnr_db", e.color_psnr_db}}};
 }
 
+std::array<NamedError, 5> named(const measure::Errors::Look& e) {
+  return {{{"real_noise", e.real_noise},
+           {"virtual_noise", e.virtual_noise},
+           {"real_sharpness", e.real_sharpness},
+           {"virtual_sharpness", e.virtual_sharpness},
+           {"outline_sharpness", e.outline_sharpness}}};
+}
+
 double rounded(double value, int digits = 4) {
   if (value == 0.0 || !std::isfinite(value)) return value;
   const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
@@ -233,8 +241,8 @@ std::string error_table(const RunReport& report) {
     out += fmt::format(" {:>10}", measure::name(b.baseline));
   out += "\n";
   out += error_rows(report, "", [](const measure::Errors& e) { return e; });
-  return out +
-         error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
+  out += error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
+  return out + error_rows(report, "look ", [](const measure::Errors& e) { return e.look; });
 }
 
 nlohmann::json to_json(const output::StreamOutReport& stream) {
@@ -261,6 +269,7 @@ double fps(const RunReport& report) {
 nlohmann::json to_json(const measure::Errors& errors) {
   nlohmann::json out = errors_json(named(errors));
   out["contested"] = errors_json(named(errors.contested));
+  out["look"] = errors_json(named(errors.look));
   return out;
 }
 

@@ -39,7 +39,7 @@ float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, fl
 }
 
 // Share of a lamp that a point sees past map `layer` (percentage-closer soft shadows, Fernando
-// 2005).
+// 2005). The normal is 0 of a surface that is not in the map, so that it cannot shade itself.
 float visibility_past(Lamp lamp, sampler2DArray maps, int layer, vec3 position_m, vec3 normal) {
   if (lamp.map_size_texel.x == 0) return 1.0;
   float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
@@ -93,7 +93,7 @@ float light_ratio(vec3 position_m, vec3 normal) {
     float light = luminance(irradiance(i, position_m, normal));
     if (light <= 0.0) continue;
     light *= seen_in_room(i, position_m, normal);
-    with_objects += light * visibility(i, position_m, normal);
+    with_objects += light * visibility(i, position_m, vec3(0));
     without += light;
   }
   return without > 0.0 ? with_objects / without : 1.0;

@@ -54,7 +54,7 @@ TEST_F(ShadeRun, ALampThatIsDimmedIsFollowed) {
   EXPECT_LE(changed[0].at("frame").get<int>(), 39 + 25) << "a second after it";
 }
 
-TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensIt) {
+TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensItAndItsShadow) {
   // From frame 40 on a person walks between the lamp at (3.75, 1.1) and the object.
   ASSERT_EQ(mixrig("studio --plain " + path("take") +
                    " --scenario walk --seed 7 --frames 46 --size 160x128 --object 4.1,2.6"),
@@ -64,6 +64,10 @@ TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensIt) {
     const std::string options = " --frames 40-46 --backend " + backend;
     EXPECT_LE(error_of("object_rmse", cast, options),
               0.65 * error_of("object_rmse", path("take/scene.toml"), options))
+        << backend;
+    // What the person shades of the floor is not shaded by the object again.
+    EXPECT_LE(error_of("light_shadow_rmse", cast, options),
+              0.8 * error_of("light_shadow_rmse", path("take/scene.toml"), options))
         << backend;
   }
 }

@@ -125,8 +125,10 @@ TEST_F(LightPassTest, person_takes_the_shadow_of_its_own_surface) {
   const auto matte = make_image<std::uint8_t>(
       kLightView, [](int x, int) { return static_cast<std::uint8_t>(x < 16 ? 255 : 0); });
   const Image<float> blocks({4, 4}, static_cast<float>(kMayShowPeople));
-  light->draw_people(make_texture(blocks.view(), GL_R32F), make_texture(matte.view(), GL_R8),
-                     make_texture(person_w.view(), GL_R32F), shadow->maps());
+  const Texture of_blocks = make_texture(blocks.view(), GL_R32F);
+  const Texture of_matte = make_texture(matte.view(), GL_R8);
+  const Texture of_w = make_texture(person_w.view(), GL_R32F);
+  light->draw_people({of_blocks, of_matte, of_w}, shadow->maps(), {});
   const auto seen = read(light->light());
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x)

@@ -393,6 +393,47 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
   expect_agreement(pair, room.frame());
 }
 
+/// A person between a lamp and the floor: the object's shadow there is that of the other lamp
+/// alone.
+TEST(WholeFrame, agrees_where_a_person_shades_the_floor) {
+  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  Pair without = make_pair(room);
+  expect_agreement(without, room.frame());
+  room.setup.people_cast_shadows = true;
+  Pair pair = make_pair(room);
+  expect_agreement(pair, room.frame());
+  EXPECT_LT(share_within(pair.cpu_frame.light, without.cpu_frame.light, 0.02), 0.999)
+      << "nothing of the object's shadow is in that of the person";
+  room.draw_background_for_each_pose();
+  Pair moving = make_pair(room);
+  expect_agreement_as_it_turns(moving, room.frame());
+}
+
+TEST(WholeFrame, agrees_with_the_grain_and_blur_of_the_plate) {
+  RoomSetup room(RoomSetup::Options{});
+  Pair plain = make_pair(room);
+  expect_agreement(plain, room.frame());
+  room.setup.look = {.grain = true, .blur = true};
+  Pair pair = make_pair(room);
+  for (int i = 0; i < 3; ++i) expect_agreement(pair, room.frame());
+  EXPECT_LT(psnr_db(pair.cpu_frame.color, plain.cpu_frame.color), 70);
+  const Image<Rgb8> last = pair.cpu_frame.color;
+  expect_agreement(pair, room.frame());
+  EXPECT_LT(psnr_db(pair.cpu_frame.color, last), 90) << "the grain stands still";
+  room.setup.people_cast_shadows = true;
+  Pair past_people = make_pair(room);
+  for (int i = 0; i < 2; ++i) expect_agreement(past_people, room.frame());
+}
+
+TEST(WholeFrame, agrees_with_grain_and_blur_on_a_set) {
+  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  const render::FrameInput frame = volume_frame(room);
+  room.setup.backdrop.emplace();
+  room.setup.look = {.grain = true, .blur = true};
+  Pair pair = make_pair(room);
+  for (int i = 0; i < 2; ++i) expect_agreement(pair, frame);
+}
+
 /// By distance, by pixel, by a pixel that the frame names; in the last frame what is far is sharp.
 TEST(WholeFrame, agrees_in_the_depth_of_field_of_a_lens) {
   for (const bool fast : {false, true}) {

@@ -14,6 +14,7 @@
 #include "host/render/cpu/focus.h"
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
+#include "host/render/cpu/look.h"
 #include "host/render/cpu/mix.h"
 #include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/plate.h"
@@ -69,6 +70,9 @@ class CpuCompositor final : public Compositor {
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
   void draw_peoples_shadows(const Image<std::uint8_t>& matte);
+  void light_real(const Image<std::uint8_t>& matte);
+  void take_look(ImageView<const Rgb8> plate);
+  void blur_objects();
   bool people_cast() const { return !preparer_.params().people_lamps.empty(); }
   MixInput mix_input(const glm::vec3& gain, bool shadows) const;
   void store_warped_depth(Image<float>& depth_m) const;
@@ -94,6 +98,12 @@ class CpuCompositor final : public Compositor {
   std::vector<ShadowMap> shadow_maps_;
   LightLayer light_;
   PeopleShadow people_shadow_;
+  std::optional<LookMeter> look_meter_;  ///< until the first frame
+  float blur_px_ = 0;
+  bool objects_drawn_ = false;  ///< since they were blurred
+  BlurScratch blurred_;
+  GrainOf grain_;
+  std::uint32_t frames_ = 0;
   FocusScratch focus_scratch_;
   Image<std::uint8_t> matte_;  ///< where it is not wanted
   struct Frame {
@@ -125,6 +135,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
+  if (setup_.look.any() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (setup_.objects.empty()) return;
@@ -165,6 +176,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   if (own_matte) std::swap(matte_, output.matte);
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   follow(input);
+  take_look(input.plate);
   watch.lap(Stage::kUpload);
   draw_background(watch);
   const glm::vec3 gain = meter_.gain(input.plate);
@@ -186,9 +198,8 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   watch.lap(Stage::kKey);
   if (people_cast() && needed.light) draw_peoples_shadows(output.matte);
   const bool shadows = has_shadows(frame);
-  if (shadows && needed.light)
-    light_people(crew_, {frame, tables_, setup_.background, shadow_maps_}, view_w_, output.matte,
-                 light_);
+  if (shadows && needed.light) light_real(output.matte);
+  blur_objects();
   watch.lap(Stage::kLight);
   if (needed.mix) mix(crew_, mix_input(gain, shadows), output);
   watch.lap(Stage::kMix);
@@ -255,6 +266,7 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
   const FrameParams& frame = preparer_.params();
   if (!frame.pose_changed || setup_.objects.empty()) return;
   draw_virtual(crew_, frame, virtual_scratch_, objects_);
+  objects_drawn_ = true;
   watch.lap(Stage::kVirtual);
   if (frame.maps_changed) draw_shadow_maps(crew_, frame, shadow_maps_);
   watch.lap(Stage::kShadow);
@@ -278,6 +290,36 @@ void CpuCompositor::draw_peoples_shadows(const Image<std::uint8_t>& matte) {
                          .maps = shadow_maps_,
                          .people = &people_shadow_};
   shade_behind_people(crew_, input, objects_);
+  objects_drawn_ = true;
+}
+
+void CpuCompositor::light_real(const Image<std::uint8_t>& matte) {
+  const LightInput input{.frame = preparer_.params(),
+                         .tables = tables_,
+                         .background = setup_.background,
+                         .maps = shadow_maps_,
+                         .moving = moving_background_.get(),
+                         .people = people_cast() ? &people_shadow_ : nullptr};
+  light_people(crew_, input, view_w_, matte, light_);
+  if (people_cast() && !setup_.backdrop) light_past_people(crew_, input, matte, light_);
+}
+
+/// What virtual things take on of the plate: found in the first frame; grain moves in each.
+void CpuCompositor::take_look(ImageView<const Rgb8> plate) {
+  if (look_meter_) {
+    const PictureLook look = look_meter_->measure(plate);
+    look_meter_.reset();
+    blur_px_ = look.blur_px;
+    grain_.grain = look.grain;
+    if (setup_.look.grain) grain_.noise = make_grain(look.grain);
+  }
+  grain_.offset = grain_offset(frames_++);
+}
+
+void CpuCompositor::blur_objects() {
+  if (!(blur_px_ > 0) || !objects_drawn_) return;
+  blur_layer(crew_, blur_px_, objects_, blurred_);
+  objects_drawn_ = false;
 }
 
 MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
@@ -286,10 +328,13 @@ MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
           .room_m = edges ? tables_.edge_depth_m.view() : setup_.background.depth_m,
           .plate = plate_,
           .view_w = view_w_,
-          .objects = setup_.objects.empty() ? nullptr : &objects_,
+          .objects = setup_.objects.empty() ? nullptr
+                     : blur_px_ > 0         ? &blurred_.layer
+                                            : &objects_,
           .light = shadows ? &light_ : nullptr,
           .gain = gain,
           .key = &key_scratch_,
+          .grain = grain_.any() ? &grain_ : nullptr,
           .open_walls = setup_.open_walls,
           .replaced = setup_.backdrop.has_value(),
           .backdrop = setup_.backdrop ? setup_.backdrop->picture : ImageView<const Rgb8>{}};

@@ -70,23 +70,40 @@ FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const Su
 
 }  // namespace
 
+namespace {
+
+/// Of real surfaces, which are in no map of objects.
+VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
+
+/// Luminance of a lamp of the real scene without the virtual objects.
+FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps* people,
+                      const SurfaceLanes& at) {
+  const LampParams& lamp = frame.lamps[k];
+  FloatLanes light = irradiance(lamp, at) * luminance(lamp.intensity);
+  if (!any(light > 0)) return light;
+  light *= room_share(frame, lamp, at);
+  if (people != nullptr && k < people->maps.size() && holds(people->maybe, k))
+    light *= visibility(people->lamps[k], people->maps[k], at.position_m, at.normal);
+  return light;
+}
+
+}  // namespace
+
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const SurfaceLanes& at) {
+                       const SurfaceLanes& at, const PeopleMaps* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
   FloatLanes lost{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     if (!holds(maybe, k)) continue;
-    const FloatLanes light = irradiance(lamp, at);
-    if (!any(light > 0)) continue;
-    const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, at.normal);
+    if (!any(irradiance(lamp, at) > 0)) continue;
+    const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal());
     if (!any(hidden > 0)) continue;
-    lost += light * hidden * room_share(frame, lamp, at) * luminance(lamp.intensity);
+    lost += hidden * real_light(frame, k, people, at);
   }
   if (!any(lost > 0)) return one;
   FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
-  for (const LampParams& lamp : frame.lamps)
-    all += irradiance(lamp, at) * room_share(frame, lamp, at) * luminance(lamp.intensity);
+  for (std::size_t k = 0; k < frame.lamps.size(); ++k) all += real_light(frame, k, people, at);
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 

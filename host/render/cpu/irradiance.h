@@ -25,21 +25,23 @@ struct SurfaceLanes {
   }
 };
 
-/// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp.
-FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const SurfaceLanes& at);
-
-/// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
-/// `diffuse` is set. `maybe`: lamps that objects may hide.
-ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at);
-
 /// Maps of people, and the lamps that they may hide: at most the first kMostLamps.
 struct PeopleMaps {
   const std::vector<LampParams>& lamps;
   const std::vector<ShadowMap>& maps;
   LampSet maybe = kAllLamps;
 };
+
+/// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp. What
+/// `people` hide of a lamp is dark already.
+FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                       const SurfaceLanes& at, const PeopleMaps* people = nullptr);
+
+/// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
+/// `diffuse` is set. `maybe`: lamps that objects may hide.
+ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const SurfaceLanes& at);
+
 /// The same light past people too. False where people hide
 /// nothing; then `light` is not set.
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,

@@ -221,7 +221,8 @@ VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
 }
 
 /// A row of a tile; precondition: at least one pixel.
-void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out) {
+void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out,
+               const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
   std::array<PackedNormal, kTileWidth> normals{};
   background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
@@ -230,7 +231,7 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
     const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
     const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
                           unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
-    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at, people);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
       out[x + i] = depth[i] > 0 ? to_fixed(ratio[i]) : kLit;
   }
@@ -361,6 +362,31 @@ TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<f
   return lamps;
 }
 
+/// A tile of the background that an object shades, past people.
+void light_tile_past_people(const LightInput& input, const Rect& rect,
+                            const Image<std::uint8_t>& matte, LightLayer& light) {
+  bool in_shadow = false;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) in_shadow |= light.background.row(y)[x] < kLit;
+  if (!in_shadow) return;
+  const auto [near_m, far_m] = positive_range(lit_depth_m(input), rect);
+  if (!(far_m > 0)) return;
+  const PinholeParams& view = input.tables.warp.view;
+  const PeopleMaps people{
+      input.people->lamps, input.people->maps,
+      lamps_in_doubt(view, input.people->lamps, input.people->maps, rect, near_m, far_m)};
+  if (people.maybe == 0) return;
+  const LampSet maybe = lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m);
+  std::array<std::uint16_t, kTileWidth> row;
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    // Rows are written from x0 on.
+    light_row(input, maybe, y, rect.x0, rect.x1, row.data() - rect.x0, &people);
+    for (int x = rect.x0; x < rect.x1; ++x)
+      if (matte.row(y)[x] < kPersonByte)
+        light.visible.row(y)[x] = row[static_cast<std::size_t>(x - rect.x0)];
+  }
+}
+
 }  // namespace
 
 LightLayer::LightLayer(Size view_size) : background(view_size, kLit), visible(view_size, kLit) {
@@ -380,6 +406,17 @@ void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
   crew.rows(out.height(), kTileHeight, [&](int begin, int end) {
     for (int x = 0; x < out.width(); x += kTileWidth)
       light_tile(input, {x, begin, std::min(x + kTileWidth, out.width()), end}, out);
+  });
+}
+
+void light_past_people(Crew& crew, const LightInput& input, const Image<std::uint8_t>& matte,
+                       LightLayer& light) {
+  if (input.background.depth_m.empty()) return;
+  const Size size = light.background.size();
+  crew.rows(size.height, kTileHeight, [&](int begin, int end) {
+    for (int x = 0; x < size.width; x += kTileWidth)
+      light_tile_past_people(input, {x, begin, std::min(x + kTileWidth, size.width), end}, matte,
+                             light);
   });
 }
 

@@ -45,6 +45,10 @@ void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
 void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer);
 /// Gives the layer the images that shade_behind_people needs.
 void size_for_people(Size view_size, VirtualLayer& layer);
+/// Light of the visible background where people hide a lamp from an object's shadow: the plate is
+/// dark there already. After light_background and light_people.
+void light_past_people(Crew& crew, const LightInput& input, const Image<std::uint8_t>& matte,
+                       LightLayer& light);
 /// Light of the visible surfaces: people where `matte` is at least half, with depth `view_w`, found
 /// once in a tile (no ToF camera sees finer) and interpolated.
 void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,

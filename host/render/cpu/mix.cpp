@@ -85,14 +85,21 @@ Rgbx16 to_linear16(const glm::vec3& linear) {
           static_cast<std::uint16_t>(c.b), 0};
 }
 
+F4 to_float4(Rgbx16 p) { return __builtin_convertvector(std::bit_cast<U16x4>(p), F4); }
+
+/// As virtual_color.
+F4 virtual_color4(const MixInput& input, int x, int y) {
+  if (input.grain != nullptr) {
+    const glm::vec3 c = virtual_color(input, x, y);
+    return F4{c.r, c.g, c.b, 0};
+  }
+  return to_float4(input.objects->color.row(y)[x]) *
+         F4{input.gain.r, input.gain.g, input.gain.b, 0};
+}
+
 /// As mixed_color where nobody is.
-void mix_without_people(Rgbx16 plate, float light, Rgbx16 shaded, F4 gain, float coverage,
-                        Rgbx16& out) {
-  const auto to_float4 = [](Rgbx16 p) {
-    return __builtin_convertvector(std::bit_cast<U16x4>(p), F4);
-  };
-  const F4 real = to_float4(plate) * light;
-  const F4 sum = to_float4(shaded) * gain + (1 - coverage) * real;
+void mix_without_people(Rgbx16 plate, float light, F4 shaded, float coverage, Rgbx16& out) {
+  const F4 sum = shaded + (1 - coverage) * (to_float4(plate) * light);
   const F4 white = F4{} + kLinearOne;
   const F4 c = (sum < white ? sum : white) + 0.5F;
   out = std::bit_cast<Rgbx16>(__builtin_convertvector(__builtin_convertvector(c, I4), U16x4));
@@ -103,7 +110,6 @@ void mix_without_people(Rgbx16 plate, float light, Rgbx16 shaded, F4 gain, float
 int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& output, Rgbx16* linear) {
   const VirtualLayer& objects = *input.objects;
   const bool layers = output.wanted & (kMixedDepth | kLayer);
-  const F4 gain{input.gain.r, input.gain.g, input.gain.b, 0};
   const float* learned_m = input.room_m.empty() ? nullptr : input.room_m.row(y);
   for (int x = x0; x < x1; ++x) {
     Rgbx16& out = linear[x - x0];
@@ -117,7 +123,7 @@ int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& outpu
     const float virtual_m = 1 / objects.w.row(y)[x];
     if (!input.open_walls && virtual_m > learned_m[x] + kContactSlackM) return x - x0;
     const std::uint8_t coverage = objects.coverage.row(y)[x];
-    mix_without_people(input.plate.row(y)[x], light_at(input, x, y), objects.color.row(y)[x], gain,
+    mix_without_people(input.plate.row(y)[x], light_at(input, x, y), virtual_color4(input, x, y),
                        static_cast<float>(coverage) / 255, out);
     if (!layers || coverage < 128) continue;
     if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = virtual_m;

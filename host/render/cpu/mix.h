@@ -5,6 +5,7 @@
 #include "hal/base/parallel.h"
 #include "host/render/cpu/key.h"
 #include "host/render/cpu/light.h"
+#include "host/render/cpu/look.h"
 #include "host/render/cpu/virtual.h"
 
 namespace mixrig::render::cpu {
@@ -19,6 +20,7 @@ struct MixInput {
   const LightLayer* light;
   glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
   const KeyScratch* key = nullptr;  ///< colours of the room beside people
+  const GrainOf* grain = nullptr;   ///< of virtual things
   bool open_walls = false;
   bool replaced = false;           ///< the real background is not shown...
   ImageView<const Rgb8> backdrop;  ///< ...but this picture, where there is one

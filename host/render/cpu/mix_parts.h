@@ -58,6 +58,14 @@ inline float light_at(const MixInput& input, int x, int y) {
   return input.light ? static_cast<float>(input.light->visible.row(y)[x]) / kLinearOne : 1;
 }
 
+/// Shaded colour of a covered pixel as the camera shows it.
+inline glm::vec3 virtual_color(const MixInput& input, int x, int y) {
+  const glm::vec3 c = to_vec(input.objects->color.row(y)[x]) * input.gain;
+  if (input.grain == nullptr) return c;
+  const float coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
+  return input.grain->added(c, coverage, x, y);
+}
+
 /// Of a pixel with or without virtual coverage.
 inline Parts parts_at(const MixInput& input, const FrameOutput& output, int x, int y,
                       bool covered) {
@@ -71,7 +79,7 @@ inline Parts parts_at(const MixInput& input, const FrameOutput& output, int x, i
   p.person_m = matte > 0 ? measured_m : 0;
   if (matte > 0 && matte < 255) p.room = room_color(input, x, y, light);
   if (covered) {
-    p.shaded = to_vec(input.objects->color.row(y)[x]) * input.gain;
+    p.shaded = virtual_color(input, x, y);
     p.coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
     p.virtual_m = 1 / input.objects->w.row(y)[x];
   }

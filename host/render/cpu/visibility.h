@@ -15,8 +15,8 @@ struct VectorLanes {
   FloatLanes x, y, z;
 };
 
-/// Share of the lamp that each point sees, 0..1. `position_m`, `normal` (unit): camera axes,
-/// finite.
+/// Share of the lamp that each point sees, 0..1. `position_m`, `normal` (unit; 0 of a surface that
+/// is not in the map, so that it cannot shade itself): camera axes, finite.
 FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
                       const VectorLanes& normal);
 

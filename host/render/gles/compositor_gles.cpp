@@ -21,6 +21,7 @@
 #include "host/render/gles/gpu_colors.h"
 #include "host/render/gles/key_pass.h"
 #include "host/render/gles/light_pass.h"
+#include "host/render/gles/look_pass.h"
 #include "host/render/gles/mix_pass.h"
 #include "host/render/gles/people_shadow_pass.h"
 #include "host/render/gles/plate_pass.h"
@@ -68,6 +69,8 @@ class GlesCompositor final : public Compositor {
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
+  void take_look(ImageView<const Rgb8> plate);
+  void blur_objects();
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
   static Result<void> fetch(const Frame& frame, FrameOutput& output);
@@ -106,6 +109,10 @@ class GlesCompositor final : public Compositor {
   std::optional<PeopleShadowPass> people_shadow_;
   KeyPass key_;
   LightPass light_;
+  std::optional<LookMeter> look_meter_;  ///< until the first frame
+  std::optional<LookPass> look_;
+  bool objects_shaded_ = false;  ///< since they were blurred
+  std::uint32_t frames_ = 0;
   MixPass mix_;
   std::optional<FocusPass> focus_;
   bool has_shadows_ = false;
@@ -123,6 +130,7 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
+  if (setup_.look.any() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
   if (!setup_.lens_moves) return;
   crew_.emplace();
   plate_px_.reset(tables_.view_size);
@@ -169,6 +177,9 @@ Result<void> GlesCompositor::create_passes() {
     if (!preparer_.params().people_lamps.empty()) {
       MIXRIG_ASSIGN(people_shadow_, PeopleShadowPass::create(tables_));
     }
+  }
+  if (look_meter_) {
+    MIXRIG_ASSIGN(look_, LookPass::create(tables_));
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
   if (setup_.focus) {
@@ -221,6 +232,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   {
     const StageScope stage(timer, Stage::kUpload, true);
     follow(input);
+    take_look(input.plate);
     if (!background_pass_) gain_ = meter_.gain(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
@@ -249,6 +261,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
                background_pass_ ? &background_pass_->limit_w() : nullptr});
   }
   MIXRIG_TRY(draw_light(needed.light, timer));
+  if (needed.mix) blur_objects();
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const bool colors = frame.wanted & (kColor | kGpuColor), focuses = focus_ && colors;
   {
@@ -309,6 +322,7 @@ Result<void> GlesCompositor::draw_objects(StageTimer& timer) {
 Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
   if (!has_objects()) return {};
   const StageScope stage(timer, Stage::kLight);
+  objects_shaded_ |= preparer_.params().pose_changed || (people_shadow_ && people);
   if (preparer_.params().pose_changed) {
     if (preparer_.params().room_changed) MIXRIG_TRY(light_.set_room(preparer_.params()));
     light_.set_lamps(preparer_.params());
@@ -320,12 +334,33 @@ Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
       light_.draw_background(background_pass_ ? background_m() : light_m_, shadow_.maps(),
                              background_pass_ ? &background_pass_->normal() : nullptr);
   }
-  if (has_light_map() && people)
-    light_.draw_people(key_.blocks(), key_.matte(), key_.visible_w(), shadow_.maps());
-  if (!people_shadow_ || !people) return {};
-  MIXRIG_TRY(people_shadow_->draw(preparer_.params(), key_.matte(), key_.visible_w()));
+  if (!people) return {};
+  if (people_shadow_)
+    MIXRIG_TRY(people_shadow_->draw(preparer_.params(), key_.matte(), key_.visible_w()));
+  if (has_light_map()) {
+    LightPass::PastPeople past;
+    if (people_shadow_ && tables_.has_background && !setup_.backdrop)
+      past = {people_shadow_->maps(), background_pass_ ? &background_m() : &light_m_,
+              background_pass_ ? &background_pass_->normal() : nullptr};
+    light_.draw_people({key_.blocks(), key_.matte(), key_.visible_w()}, shadow_.maps(), past);
+  }
+  if (!people_shadow_) return {};
   light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps(), people_shadow_->maps());
   return {};
+}
+
+/// What virtual things take on of the plate, found in the first frame.
+void GlesCompositor::take_look(ImageView<const Rgb8> plate) {
+  ++frames_;
+  if (!look_meter_) return;
+  look_->set(look_meter_->measure(plate));
+  look_meter_.reset();
+}
+
+void GlesCompositor::blur_objects() {
+  if (!look_ || !look_->blurs() || !objects_shaded_) return;
+  look_->draw(preparer_.params().virtual_rect, light_.virtual_color(), light_.virtual_w());
+  objects_shaded_ = false;
 }
 
 Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
@@ -338,8 +373,16 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   input.room = keyed ? &key_.room() : nullptr;
   input.learned = &learned();
   input.light = has_light_map() ? &light_.light() : nullptr;
-  input.virtual_color = has_objects() ? &light_.virtual_color() : nullptr;
-  input.virtual_w = has_objects() ? &light_.virtual_w() : nullptr;
+  const bool blurs = look_ && look_->blurs();
+  if (has_objects()) {
+    input.virtual_color = blurs ? &look_->virtual_color() : &light_.virtual_color();
+    input.virtual_w = blurs ? &look_->virtual_w() : &light_.virtual_w();
+  }
+  if (look_ && look_->noise() != nullptr) {
+    input.noise = look_->noise();
+    input.grain = look_->grain();
+    input.grain_offset = grain_offset(frames_ - 1);
+  }
   input.gain = gain_;
   return mix_.draw(input, wanted);
 }

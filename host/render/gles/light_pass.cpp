@@ -87,14 +87,14 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
   pass.virtual_color_ = make_texture(view, GL_RGBA16F);
   pass.virtual_w_ = make_texture(view, GL_R32F);
   MIXRIG_ASSIGN(pass.background_, make_step("light_background.frag", {&pass.background_light_}));
+  MIXRIG_ASSIGN(pass.past_people_, make_step("light_past_people.frag", {&pass.light_}));
   MIXRIG_ASSIGN(pass.tile_depth_, make_step("light_tile_w.frag", {&pass.tile_w_}));
   MIXRIG_ASSIGN(pass.tiles_, make_step("light_tiles.frag", {&pass.tile_light_}));
   MIXRIG_ASSIGN(pass.people_,
                 make_block_step("light_people.frag", {&pass.light_}, kMayShowPeople, kBlockPx));
   MIXRIG_ASSIGN(pass.shade_,
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
-  for (const Step* step : {&pass.background_, &pass.tiles_, &pass.shade_})
-    set_constants(step->program, setup);
+  for (const Step* step : pass.lit_steps()) set_constants(step->program, setup);
   pass.shade_.program.use();
   glUniform1fv(pass.shade_.program.location("lobe_losses"), kLobeLoss.size(), kLobeLoss.data());
   glUniform1fv(pass.shade_.program.location("lobe_grazings"), kLobeGrazing.size(),
@@ -111,7 +111,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
 }
 
 void LightPass::set_view(const Tables& tables) const {
-  for (const Step* step : {&background_, &tiles_, &shade_}) {
+  for (const Step* step : lit_steps()) {
     step->program.set("focal_px", tables.warp.view.focal_px);
     step->program.set("center_px", tables.warp.view.center_px);
   }
@@ -126,8 +126,7 @@ void LightPass::set_lamps(const FrameParams& params) {
                     &params.room.cell_from_camera);
   }
   upload(params.people_lamps, people_lamps_);
-  for (const Step* step : {&background_, &tiles_, &shade_})
-    step->program.set("ambient", params.light.ambient);
+  for (const Step* step : lit_steps()) step->program.set("ambient", params.light.ambient);
   shade_.program.set("exposure", params.light.exposure);
   shade_.program.set("by_direction", params.light.by_direction);
   if (!params.light.by_direction) return;
@@ -160,7 +159,7 @@ Result<void> LightPass::set_room(const FrameParams& params) {
     glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  for (const Step* step : {&background_, &tiles_, &shade_}) {
+  for (const Step* step : lit_steps()) {
     step->program.set("room_cells", cells);
     step->program.set("room_lift_m", params.room.lift_m);
   }
@@ -200,9 +199,7 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   set_uniform(has_people_, people_maps != 0);
   set_uniform(glossy_, params.glossy && samples.gloss() != nullptr);
   set_uniform(emits_, params.emits && samples.emission() != nullptr);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 1, people_lamps_.get());
-  glActiveTexture(GL_TEXTURE0 + kPeopleMapUnit);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, people_maps);
+  bind_people(people_maps);
   bind_lamps(shadow_maps);
   glEnable(GL_SCISSOR_TEST);
   glScissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
@@ -211,17 +208,35 @@ void LightPass::shade_virtual(const FrameParams& params, const VirtualPass& samp
   glDisable(GL_SCISSOR_TEST);
 }
 
-void LightPass::draw_people(const Texture& blocks, const Texture& matte, const Texture& visible_w,
-                            GLuint shadow_maps) const {
-  run(tile_depth_, {&matte, &visible_w});
-  bind_lamps(shadow_maps);
-  run(tiles_, {&tile_w_});
+void LightPass::bind_people(GLuint maps) const {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, people_lamps_.get());
+  glActiveTexture(GL_TEXTURE0 + kPeopleMapUnit);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, maps);
+}
+
+/// Light of the empty room into that of the visible surfaces.
+void LightPass::copy_background() const {
   const Size size = light_.size;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, background_.target.handle.get());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, people_.target.handle.get());
   glBlitFramebuffer(0, 0, size.width, size.height, 0, 0, size.width, size.height,
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  run_blocks(people_, blocks, {&matte, &tile_w_, &tile_light_, &background_light_});
+}
+
+void LightPass::draw_people(const People& people, GLuint shadow_maps,
+                            const PastPeople& past) const {
+  run(tile_depth_, {&people.matte, &people.visible_w});
+  bind_lamps(shadow_maps);
+  run(tiles_, {&tile_w_});
+  if (past.maps != 0) {
+    bind_people(past.maps);
+    bind_lamps(shadow_maps);
+    run(past_people_,
+        {past.background_m, past.normal ? past.normal : &normal_, &background_light_});
+  } else {
+    copy_background();
+  }
+  run_blocks(people_, people.blocks, {&people.matte, &tile_w_, &tile_light_});
 }
 
 }  // namespace mixrig::render::gles

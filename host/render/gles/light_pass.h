@@ -2,6 +2,8 @@
 // Pass light: light map of the real surfaces, shading of the virtual ones.
 #pragma once
 
+#include <array>
+
 #include "host/render/gles/gl_step.h"
 #include "host/render/gles/virtual_pass.h"
 
@@ -29,9 +31,20 @@ class LightPass {
   /// where people cast shadows: `people_maps` of PeopleShadowPass, else 0.
   void shade_virtual(const FrameParams& params, const VirtualPass& samples, GLuint shadow_maps,
                      GLuint people_maps = 0) const;
-  /// Light of the visible surfaces; blocks, matte and visible_w of KeyPass.
-  void draw_people(const Texture& blocks, const Texture& matte, const Texture& visible_w,
-                   GLuint shadow_maps) const;
+  /// What of people's light is found from: blocks, matte and visible_w of KeyPass.
+  struct People {
+    const Texture& blocks;
+    const Texture& matte;
+    const Texture& visible_w;
+  };
+  /// What people hide of the background: as of draw_background(); maps 0: nothing.
+  struct PastPeople {
+    GLuint maps = 0;  ///< of PeopleShadowPass
+    const Texture* background_m = nullptr;
+    const Texture* normal = nullptr;
+  };
+  /// Light of the visible surfaces.
+  void draw_people(const People& people, GLuint shadow_maps, const PastPeople& past) const;
 
   const Texture& background_light() const { return background_light_; }  ///< GL_R16F
   const Texture& light() const { return light_; }                        ///< GL_R16F
@@ -42,9 +55,14 @@ class LightPass {
 
  private:
   void bind_lamps(GLuint shadow_maps) const;
+  void bind_people(GLuint maps) const;
+  void copy_background() const;
+  std::array<const Step*, 4> lit_steps() const {
+    return {&background_, &past_people_, &tiles_, &shade_};
+  }
 
   Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
-  Step background_, tile_depth_, tiles_, people_, shade_;
+  Step background_, past_people_, tile_depth_, tiles_, people_, shade_;
   BufferHandle lamps_, people_lamps_;
   TextureHandle room_;
   GLint shade_origin_px_ = -1, shade_size_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;

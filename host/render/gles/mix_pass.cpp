@@ -44,6 +44,10 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   pass.step_.program.set("has_objects", !setup.objects.empty());
   pass.gain_ = pass.step_.program.location("gain");
   pass.has_light_ = pass.step_.program.location("has_light");
+  pass.has_grain_ = pass.step_.program.location("has_grain");
+  pass.grain_offset_ = pass.step_.program.location("grain_offset");
+  pass.grain_floor_ = pass.step_.program.location("grain_floor");
+  pass.grain_slope_ = pass.step_.program.location("grain_slope");
   return pass;
 }
 
@@ -57,10 +61,14 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
   step_.program.use();
   set_uniform(has_light_, input.light != nullptr);
   set_uniform(gain_, input.gain);
+  set_uniform(has_grain_, input.noise != nullptr);
+  set_uniform(grain_offset_, input.grain_offset);
+  set_uniform(grain_floor_, input.grain.floor);
+  set_uniform(grain_slope_, input.grain.slope);
   run_into(target(), step_,
            {input.plate, input.matte, input.visible_w, input.background_m, input.learned,
             input.light, input.virtual_color, input.virtual_w, input.room,
-            backdrop_.size.empty() ? nullptr : &backdrop_});
+            backdrop_.size.empty() ? nullptr : &backdrop_, input.noise});
   if (has_alpha() && (wanted & kAlpha)) run(make_alpha_, {input.matte, input.virtual_color});
   return {};
 }

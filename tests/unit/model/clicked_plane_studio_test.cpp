@@ -92,6 +92,13 @@ void click(const ClickPicture& picture, const studio::Truth& truth, const studio
                            kDeg);
   tally.off_mm.push_back(1e3 *
                          std::abs(truth_there.normal.dot(plane.point_m - truth_there.point_m)));
+  if (tally.turn_deg.back() > 1 || tally.off_mm.back() > 5)
+    std::printf(
+        "  off %.0f,%.0f: %.2f deg (sigma %.2f), %.1f mm (sigma %.1f), residual %.2f, %d points of "
+        "%.3f m2 at %.2f m; true plane %s\n",
+        px.x(), px.y(), tally.turn_deg.back(), plane.normal_sigma_rad / kDeg, tally.off_mm.back(),
+        1e3 * plane.offset_sigma_m, plane.residual, plane.points, plane.area_m2,
+        plane.point_m.norm(), wide && wide->worst_m < kFlat_m ? "wide" : "close");
 }
 
 Tally click_in_studio(unsigned seed, studio::Scenario scenario, int clicks) {

@@ -1,0 +1,38 @@
+#version 310 es
+// SPDX-License-Identifier: Apache-2.0
+// Pass light: what the room keeps of its light beside the virtual objects where people hide a lamp,
+// so that the plate is dark already. Drawn over the background's light.
+//   background_m       z in metres, 0 unknown
+//   background_normal  camera axes, 0 unknown
+//   background_light   of light_background.frag
+//   light              0..1
+#include "common/precision.glsl"
+#include "common/constants.glsl"
+#include "common/color.glsl"
+#include "common/view.glsl"
+#include "common/lamps.glsl"
+layout(binding = 0) uniform sampler2D background_m;
+layout(binding = 1) uniform sampler2D background_normal;
+layout(binding = 2) uniform sampler2D background_light;
+layout(std140, binding = 1) uniform PeopleLamps { Lamp people_lamps[most_lamps]; };
+layout(binding = 6) uniform sampler2DArray people_maps;
+out float light;
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  light = texelFetch(background_light, at, 0).r;
+  float z = texelFetch(background_m, at, 0).r;
+  if (light >= 1.0 || z <= 0.0) return;
+  vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
+  vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
+  float with_objects = luminance(ambient), without = with_objects;
+  for (int i = 0; i < lamp_count; ++i) {
+    float of_lamp = luminance(irradiance(i, ray * z, normal));
+    if (of_lamp <= 0.0) continue;
+    of_lamp *= seen_in_room(i, ray * z, normal) *
+               visibility_past(people_lamps[i], people_maps, i, ray * z, normal);
+    with_objects += of_lamp * visibility(i, ray * z, vec3(0));
+    without += of_lamp;
+  }
+  light = without > 0.0 ? clamp(with_objects / without, 0.0, 1.0) : 1.0;
+}
