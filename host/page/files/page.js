@@ -60,6 +60,7 @@ function connect() {
   let timer = 0;
   socket.onopen = () => {
     request({ action: 'subscribe', properties: ['*'] });
+    Picture.tryWebrtc();
     askTime();
     timer = setInterval(askTime, 2000);
   };
@@ -399,7 +400,9 @@ function showAge() {
   const age_ms = Picture.age_ms();
   el('age').dataset.ms = age_ms === null ? '' : age_ms.toFixed(0);
   el('age').textContent = age_ms === null ? 'no picture yet'
-    : `frame ${Picture.frame}, ${age_ms < 10000 ? age_ms.toFixed(0) + ' ms' : (age_ms / 1000).toFixed(0) + ' s'} old`;
+    : `frame ${Picture.frame}, ${age_ms < 10000 ? age_ms.toFixed(0) + ' ms' : (age_ms / 1000).toFixed(0) + ' s'} old, by ${Picture.by}`;
+  el('age').title = Picture.by === 'MJPEG' && Picture.why_not ? `no WebRTC: ${Picture.why_not}` : '';
+  el('age').dataset.by = Picture.by;
   const stale = age_ms !== null && age_ms > 1000;
   el('stale').hidden = !stale;
   if (stale)
