@@ -36,7 +36,7 @@ constexpr const char* kDescription =
     "webrtcbin name=peer bundle-policy=max-bundle "
     "appsrc name=source is-live=true format=time max-buffers=1 leaky-type=downstream "
     "! videoconvert n-threads=1 ! video/x-raw,format=I420,colorimetry=bt601 "
-    "! vp8enc deadline=1 cpu-used=8 threads=1 end-usage=cbr target-bitrate=4000000 "
+    "! vp8enc deadline=1 cpu-used=12 threads=1 end-usage=cbr target-bitrate=4000000 "
     "min-quantizer=4 max-quantizer=50 lag-in-frames=0 keyframe-max-dist=300 static-threshold=1 "
     "! rtpvp8pay pt=96 timestamp-offset=0 picture-id-mode=15-bit "
     "! application/x-rtp,media=video,encoding-name=VP8,payload=96,clock-rate=90000 ! peer.";

@@ -46,14 +46,27 @@ def learns_the_room(page, rig):
     assert rig.state()["scan"]["total"] == 0
 
 
+def tells_the_disk(page, rig):
+    """What is left where recordings go, by the system's own figure."""
+    def told_gb():
+        found = re.search(r"([0-9.]+) GB free", by_id(page, "health").text)
+        return found and float(found[1])
+    comes_true("the disk", lambda: told_gb() is not None and
+               abs(told_gb() - shutil.disk_usage(rig.folder).free / 1e9) < 0.3)
+
+
 def records(page, rig, mixrig):
     by_id(page, "take-name").send_keys("shot 1")
     by_id(page, "take-notes").send_keys('said "good"')
     by_id(page, "record").click()
     comes_true("recording", lambda: by_id(page, "tally").get_attribute("data-on") == "true")
+    assert by_id(page, "tally").text == "recording shot 1"
+    assert rig.state()["recording"]["tally"] == "record"
     comes_true("2 s of it", lambda: rig.state()["recording"]["seconds"] >= 2)
     by_id(page, "record").click()
     comes_true("the end of it", lambda: by_id(page, "tally").get_attribute("data-on") == "false")
+    assert by_id(page, "tally").text == "not recording"
+    assert rig.state()["recording"]["tally"] == "preview"
     shot = rig.folder / "recordings/shot 1"
     note = tomllib.loads((shot / "recording.toml").read_text())
     assert note["notes"] == 'said "good"' and note["seconds"] >= 2, note
@@ -212,6 +225,7 @@ def main():
             a_recording_is_not_scanned(page, rig)
             learns_the_room(page, rig)
             records(page, rig, mixrig)
+            tells_the_disk(page, rig)
             freezes(page)
             two_pages_agree(page)
             all_of_it_survives_a_restart(rig, mixrig)
