@@ -210,7 +210,7 @@ void WebrtcPeer::take(const WebrtcAnswer& answer) {
   gst_webrtc_session_description_free(description);
 }
 
-std::optional<std::uint32_t> WebrtcPeer::put(ImageView<const Rgb8> picture, HostTime mid_exposure) {
+std::optional<std::uint32_t> WebrtcPeer::put(ImageView<const Rgb8> picture, HostTime now) {
   GstAppSrc* const source = GST_APP_SRC(graph_->source.get());
   if (picture.size != graph_->size) {
     GstCaps* const caps = gst_caps_new_simple(
@@ -222,8 +222,8 @@ std::optional<std::uint32_t> WebrtcPeer::put(ImageView<const Rgb8> picture, Host
   }
   GstBuffer* const buffer = buffer_of(picture);
   if (buffer == nullptr) return std::nullopt;
-  if (!graph_->first) graph_->first = mid_exposure;
-  const Duration at = std::max(mid_exposure - *graph_->first, graph_->last + Duration(1));
+  if (!graph_->first) graph_->first = now;
+  const Duration at = std::max(now - *graph_->first, graph_->last + Duration(1));
   constexpr Duration kLeast = std::chrono::milliseconds(10), kMost = std::chrono::seconds(1);
   // The encoder's rate of bits goes by it.
   GST_BUFFER_DURATION(buffer) =

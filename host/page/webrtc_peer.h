@@ -36,9 +36,10 @@ class WebrtcPeer {
   /// What comes of it is told. Once.
   void take(const WebrtcAnswer& answer);
   /// Gives a picture to the encoder, without waiting. Returns its RTP time stamp (90 kHz, modulo
-  /// 2^32), by which the browser knows it; nothing where it could not be given. One thread at a
-  /// time.
-  std::optional<std::uint32_t> put(ImageView<const Rgb8> picture, HostTime mid_exposure);
+  /// 2^32), by which the browser knows it; nothing where it could not be given. The stamp is of
+  /// `now`, not of mid-exposure: browsers hold pictures back by how unevenly they come after their
+  /// stamps. One thread at a time.
+  std::optional<std::uint32_t> put(ImageView<const Rgb8> picture, HostTime now);
 
  private:
   struct Graph;

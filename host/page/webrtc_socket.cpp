@@ -61,9 +61,9 @@ void WebrtcSocket::begin(Result<std::shared_ptr<WebrtcPeer>> made) {
   }
   peer_ = *std::move(made);
   taker_ = hub_.pictures->add_taker(
-      view_, [self = weak(), peer = peer_, outlet = hub_.outlet](ImageView<const Rgb8> picture,
-                                                                 int frame, HostTime mid_exposure) {
-        const auto rtp = peer->put(picture, mid_exposure);
+      view_, [self = weak(), peer = peer_, outlet = hub_.outlet, &clock = hub_.clock](
+                 ImageView<const Rgb8> picture, int frame, HostTime mid_exposure) {
+        const auto rtp = peer->put(picture, clock.now());
         if (!rtp) return;
         outlet->post([self, frame, mid_exposure, rtp = *rtp] {
           if (const auto socket = self.lock()) socket->tell_picture(frame, mid_exposure, rtp);
@@ -103,7 +103,7 @@ void WebrtcSocket::refuse(const std::string& why) {
 }
 
 void WebrtcSocket::tell_picture(int frame, HostTime mid_exposure, std::uint32_t rtp) {
-  if (ended_ || writes()) return;
+  if (ended_) return;
   send(fmt::format(R"({{"type":"event","data":{{"action":"picture","frame":{},)"
                    R"("captured_ms":{:.3f},"rtp":{}}}}})",
                    frame, milliseconds(mid_exposure.time_since_epoch()), rtp));

@@ -19,8 +19,8 @@ import urllib.request
 
 from rig import (By, HalfLost, HeadRig, LiveRig, Rig, age_ms, browser, by_id, comes_true, field, has_names,
                  types)
-from picture import (brightness, comes_by_webrtc, focuses, freezes, says_when_the_rig_is_gone, says_why_it_is_mjpeg,
-                     shows_a_live_picture, two_pages_agree)
+from picture import (brightness, comes_by_webrtc, falls_back_to_mjpeg, focuses, freezes, says_when_the_rig_is_gone,
+                     says_why_it_is_mjpeg, shows_a_live_picture, two_pages_agree)
 from selenium.webdriver.common.keys import Keys
 from things import (adds_a_lamp, adds_a_lamp_where_it_is_seen, colors_a_lamp, dims_a_lamp, drags_an_object,
                     loads_and_removes_a_model, moves_it_by_keys, removes_a_lamp, saves, scales_and_hides_it,
@@ -202,6 +202,7 @@ def main():
             page.get(rig.url)
             shows_a_live_picture(page)
             comes_by_webrtc(page, rig)
+            falls_back_to_mjpeg(page)
             has_names(page)
             console_is_clean(page)
             name = drags_an_object(page, rig)

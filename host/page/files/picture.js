@@ -33,7 +33,7 @@ const Picture = {
     this.webrtc = new Webrtc(this.view || 'composite', (video, captured_ms, frame) => {
       if (this.by === 'MJPEG' && this.abort) this.abort.abort();
       this.by = 'WebRTC';
-      this.drawn(video, video.videoWidth, video.videoHeight, captured_ms, frame || this.frame);
+      this.drawn(video, video.videoWidth, video.videoHeight, captured_ms, frame);
     }, why => {
       const was = this.by;
       this.webrtc = null;

@@ -9,8 +9,8 @@ class Webrtc {
     this.shown = shown;
     this.ended = ended;
     this.video = document.getElementById('video');
-    this.frames = new Map();  // of the last RTP time stamps
-    this.zero_ms = null;      // host time of RTP time stamp 0
+    this.told = new Map();   // pictures by their RTP time stamps, the last ones
+    this.captured_ms = 0;
     this.told_since = null;   // first picture that was told after the last one that came
     if (!window.RTCPeerConnection || !this.video.requestVideoFrameCallback) {
       this.end('this browser has no WebRTC');
@@ -35,9 +35,8 @@ class Webrtc {
       }
     }
     if (data.action === 'picture') {
-      if (this.frames.size >= 64) this.frames.delete(this.frames.keys().next().value);
-      this.frames.set(data.rtp, data.frame);
-      this.zero_ms = data.captured_ms - data.rtp / 90;
+      if (this.told.size >= 64) this.told.delete(this.told.keys().next().value);
+      this.told.set(data.rtp, data);
       if (this.told_since === null) this.told_since = performance.now();
     }
   }
@@ -63,17 +62,13 @@ class Webrtc {
         return;
       }
       this.told_since = null;
-      if (this.zero_ms !== null) this.show_picture(picture.rtpTimestamp);
+      const told = this.told.get(picture.rtpTimestamp);
+      if (told) {
+        this.captured_ms = told.captured_ms;
+        this.shown(this.video, told.captured_ms, told.frame);
+      }
       this.next();
     });
-  }
-  // Time stamps of 32 bits begin again after 13 hours; the host's time is within half of that.
-  show_picture(rtp) {
-    const turn_ms = 2 ** 32 / 90, last_ms = this.captured_ms || this.zero_ms + rtp / 90;
-    let captured_ms = this.zero_ms + rtp / 90;
-    captured_ms += turn_ms * Math.round((last_ms - captured_ms) / turn_ms);
-    this.captured_ms = captured_ms;
-    this.shown(this.video, captured_ms, this.frames.get(rtp));
   }
 
   // The rig says that it sends, and nothing comes: a network that lets no UDP through.
