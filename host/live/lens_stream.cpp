@@ -13,7 +13,7 @@ namespace mixrig::live {
 
 Result<std::unique_ptr<LensStream>> LensStream::open(const RigConfig& config, const Clock& clock) {
   if (config.lens_uri.empty()) return std::unique_ptr<LensStream>();
-  MIXRIG_ASSIGN(const stream::FreeDAddress address, stream::parse_freed_address(config.lens_uri));
+  MIXRIG_ASSIGN(const stream::ListenAddress address, stream::parse_freed_address(config.lens_uri));
   auto receiver = stream::FreeDReceiver::open(address);
   if (!receiver)
     return Error{receiver.error().code,
@@ -27,7 +27,7 @@ LensStream::LensStream(stream::FreeDReceiver receiver, Duration delay, const Clo
 LensStream::~LensStream() {
   stop_ = true;
   thread_.join();
-  const stream::FreeDCounts& counts = receiver_.counts();
+  const stream::StreamCounts& counts = receiver_.counts();
   if (counts.packets == 0 || counts.malformed > 0)
     log_warning("live", fmt::format("lens: {} packets of FreeD came, {} could not be read, {} were "
                                     "of another camera",

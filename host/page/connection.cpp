@@ -12,6 +12,7 @@
 #include "host/page/files.h"
 #include "host/page/json_body.h"
 #include "host/page/picture_stream.h"
+#include "host/page/webrtc_socket.h"
 
 namespace mixrig::page {
 
@@ -130,10 +131,16 @@ void Connection::serve(const Request& request) {
   }
   if (const auto* picture = std::get_if<GetPicture>(&route))
     return std::make_shared<PictureStream>(hub_, std::move(stream_), *picture)->start();
-  if (std::holds_alternative<OpenEvents>(route)) {
+  const auto* watched = std::get_if<WatchPicture>(&route);
+  if (watched != nullptr || std::holds_alternative<OpenEvents>(route)) {
     if (!beast::websocket::is_upgrade(header_->get()))
       return send(refusal(426, "this address is a WebSocket"));
-    return std::make_shared<EventSocket>(hub_, std::move(stream_))->open(header_->release());
+    std::shared_ptr<TextSocket> socket;
+    if (watched != nullptr)
+      socket = std::make_shared<WebrtcSocket>(hub_, std::move(stream_), watched->view);
+    else
+      socket = std::make_shared<EventSocket>(hub_, std::move(stream_));
+    return socket->open(header_->release());
   }
   if (const auto* upload = std::get_if<Upload>(&route)) return read_upload(upload->name);
   read_body(std::get<Change>(std::move(route)));

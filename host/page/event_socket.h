@@ -2,43 +2,25 @@
 // One client of the event socket. Private to this room.
 #pragma once
 
-#include <deque>
-#include <memory>
 #include <string>
 
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/websocket/stream.hpp>
-
 #include "host/page/events.h"
-#include "host/page/hub.h"
+#include "host/page/text_socket.h"
 
 namespace mixrig::page {
 
-/// A client that is slow to read misses values in between, and is told the newest; one that asks
-/// faster than it reads is closed. On the server's thread.
-class EventSocket : public std::enable_shared_from_this<EventSocket> {
+/// A client that is slow to read misses values in between, and is told the newest.
+class EventSocket final : public TextSocket {
  public:
-  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   EventSocket(Hub& hub, boost::beast::tcp_stream stream);
-  ~EventSocket();
-  void open(Request request);
+  ~EventSocket() override;
   void tell(const nlohmann::json& state);
 
  private:
-  void read();
-  void send(std::string message);
-  void write_next();
-  void close();
+  void on_open() override { send(opened_message()); }
+  void on_message(const std::string& message) override;
 
-  Hub& hub_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
-  boost::beast::flat_buffer buffer_;
-  Request request_;
   Subscriptions subscriptions_;
-  std::deque<std::string> queue_;  ///< the first is being written
 };
 
 }  // namespace mixrig::page

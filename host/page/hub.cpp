@@ -8,6 +8,7 @@
 
 #include "host/page/event_socket.h"
 #include "host/page/osc_port.h"
+#include "host/page/webrtc_peer.h"
 
 namespace mixrig::page {
 namespace {
@@ -22,6 +23,23 @@ Result<void> applied(Operator& op, const Command& command) {
 }
 
 }  // namespace
+
+void Outlet::post(std::function<void()> work) {
+  const std::lock_guard lock(mutex_);
+  if (io_ != nullptr) boost::asio::post(*io_, std::move(work));
+}
+
+void Outlet::close() {
+  const std::lock_guard lock(mutex_);
+  io_ = nullptr;
+}
+
+void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
+  boost::asio::post(peer_work, [this, peer = std::move(peer)]() mutable {
+    peer.reset();
+    outlet->post([this] { --peers; });
+  });
+}
 
 nlohmann::json Hub::state() const {
   return to_json(op.state(), {controls.view, controls.frozen, static_cast<int>(sockets.size())});

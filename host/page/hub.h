@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <set>
 
 #include <boost/asio/io_context.hpp>
@@ -23,6 +24,21 @@ namespace mixrig::page {
 class EventSocket;
 class OscPort;
 class PictureStream;
+class WebrtcPeer;
+class WebrtcSocket;
+
+/// The way to the server's thread for threads that may outlive it.
+class Outlet {
+ public:
+  explicit Outlet(boost::asio::io_context& io) : io_(&io) {}
+  void post(std::function<void()> work);
+  /// Nothing is posted after it.
+  void close();
+
+ private:
+  std::mutex mutex_;
+  boost::asio::io_context* io_;
+};
 
 struct Hub {
   Hub(Operator& run, output::RunControls& run_controls, const Clock& host_clock)
@@ -39,6 +55,8 @@ struct Hub {
   void act(Action action, std::function<void(Result<void>)> done);
   /// Tells every event socket, and who sends OSC, what changed.
   void tell();
+  /// Frees it in `peer_work`, and then its place among `peers`; null: the place alone.
+  void end_peer(std::shared_ptr<WebrtcPeer> peer);
 
   Operator& op;
   output::RunControls& controls;
@@ -48,10 +66,13 @@ struct Hub {
   int connections = 0;
   std::set<EventSocket*> sockets;
   std::set<PictureStream*> streams;
+  std::set<WebrtcSocket*> peer_sockets;
+  int peers = 0;           ///< WebRTC's, with those that begin or end
   OscPort* osc = nullptr;  ///< null: none is taken
   int at_work = 0;         ///< commands that are not done yet
   boost::asio::io_context io{1};
-  boost::asio::thread_pool work{1};
+  boost::asio::thread_pool work{1}, peer_work{1};
+  std::shared_ptr<Outlet> outlet = std::make_shared<Outlet>(io);
 };
 
 }  // namespace mixrig::page

@@ -33,6 +33,8 @@ Image<Rgb8> PictureSink::depth(ImageView<const float> depth_m) {
 Result<void> PictureSink::put(View view, const output::Composite& composite,
                               ImageView<const Rgb8> picture) {
   constexpr int kQuality = 80;
+  pictures_->give(view, picture, composite.capture->number, composite.capture->mid_exposure);
+  if (!pictures_->is_looked_at(view)) return {};
   auto made = std::make_shared<Picture>();
   MIXRIG_ASSIGN(made->jpeg, image_io::encode_jpeg(picture, kQuality));
   made->frame = composite.capture->number;
@@ -44,7 +46,7 @@ Result<void> PictureSink::put(View view, const output::Composite& composite,
 Result<void> PictureSink::write(const output::CompositePtr& composite) {
   const render::FrameOutput& images = composite->images;
   const auto has = [&](View view, render::OutputMask needs) {
-    return pictures_->is_looked_at(view) && (images.wanted & needs) == needs;
+    return pictures_->is_wanted(view) && (images.wanted & needs) == needs;
   };
   if (has(View::kComposite, render::kColor))
     MIXRIG_TRY(put(View::kComposite, *composite, images.color));

@@ -30,13 +30,14 @@ Route file_route(Method method, const Parts& parts) {
   return parts.size() == 1 ? Route(GetFile{parts[0]}) : Route(no_such());
 }
 
-/// "composite.mjpeg", "key.jpg".
+/// "composite.mjpeg", "key.jpg", "composite.webrtc".
 Route picture_route(Method method, const std::string& file) {
   const std::size_t dot = file.rfind('.');
   const auto view = view_named(file.substr(0, dot));
   const std::string kind = dot == std::string::npos ? "" : file.substr(dot + 1);
-  if (!view || (kind != "mjpeg" && kind != "jpg")) return no_such();
+  if (!view || (kind != "mjpeg" && kind != "jpg" && kind != "webrtc")) return no_such();
   if (method != Method::kGet) return wrong_method("GET");
+  if (kind == "webrtc") return WatchPicture{*view};
   return GetPicture{*view, kind == "mjpeg"};
 }
 

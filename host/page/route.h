@@ -28,6 +28,10 @@ struct GetPicture {
   View view = View::kComposite;
   bool stream = false;  ///< else one
 };
+/// By WebRTC: opens its socket.
+struct WatchPicture {
+  View view = View::kComposite;
+};
 struct OpenEvents {};
 /// Of output::RunControls.
 struct SelectView {
@@ -49,7 +53,8 @@ struct Change {
                      ///< "cancel"
 };
 
-using Route = std::variant<Answer, GetFile, GetState, GetPicture, OpenEvents, Upload, Change>;
+using Route =
+    std::variant<Answer, GetFile, GetState, GetPicture, WatchPicture, OpenEvents, Upload, Change>;
 using Action = std::variant<Command, SelectView, Freeze>;
 
 inline constexpr std::size_t kMostBody = std::size_t{64} << 10;

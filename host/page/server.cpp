@@ -19,6 +19,7 @@
 #include "host/page/osc_port.h"
 #include "host/page/picture_sink.h"
 #include "host/page/picture_stream.h"
+#include "host/page/webrtc_socket.h"
 
 namespace mixrig::page {
 
@@ -163,8 +164,11 @@ Server::Impl::~Impl() {
   hub.pictures->set_on_new({});
   hub.io.stop();
   if (thread.joinable()) thread.join();
+  hub.outlet->close();
+  for (WebrtcSocket* socket : hub.peer_sockets) socket->end();
   hub.work.stop();
   hub.work.join();
+  hub.peer_work.join();
 }
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -37,6 +37,16 @@ struct StreamState {
   double jitter_s = 0;  ///< of arrival; of stamps it is the track's
 };
 
+StreamState state_of(const stream::StreamCounts& counts, long unstamped = 0) {
+  const auto unsigned_of = [](long count) { return static_cast<std::uint64_t>(count); };
+  StreamState state;
+  state.count = unsigned_of(counts.packets);
+  state.packets.packets_lost = unsigned_of(counts.lost);
+  state.packets.packets_late = unsigned_of(counts.late);
+  state.packets.packets_bad = unsigned_of(counts.malformed + counts.foreign + unstamped);
+  return state;
+}
+
 class FreeDInput {
  public:
   FreeDInput(CameraStreamOptions options, stream::FreeDReceiver receiver)
@@ -57,10 +67,7 @@ class FreeDInput {
     return std::optional(sample);
   }
   StreamState state() const {
-    StreamState state;
-    state.count = static_cast<std::uint64_t>(receiver_.counts().packets);
-    state.packets.packets_bad =
-        static_cast<std::uint64_t>(receiver_.counts().malformed + receiver_.counts().foreign);
+    StreamState state = state_of(receiver_.counts());
     if (options_.rate_hz > 0) state.jitter_s = seconds(comb_.jitter());
     return state;
   }
@@ -100,16 +107,7 @@ class OpenTrackInput {
       sample.seen = target_seen(*reading->stage_from_camera, options_);
     return std::optional(sample);
   }
-  StreamState state() const {
-    const stream::OpenTrackCounts counts = receiver_.counts();
-    StreamState state;
-    state.count = static_cast<std::uint64_t>(counts.samples);
-    state.packets.packets_lost = static_cast<std::uint64_t>(counts.lost);
-    state.packets.packets_late = static_cast<std::uint64_t>(counts.late);
-    state.packets.packets_bad =
-        static_cast<std::uint64_t>(counts.malformed + counts.foreign + unstamped_);
-    return state;
-  }
+  StreamState state() const { return state_of(receiver_.counts(), unstamped_); }
 
  private:
   /// The system clock may be set while this runs.
@@ -130,10 +128,6 @@ std::string text_of(std::string_view protocol, const CameraStreamOptions& option
       "newest sample",
       protocol, options.address, 1e3 * options.delay_s,
       options.system_stamps ? " (stamps of the system clock)" : "", 1e3 * options.most_ahead_s);
-}
-
-PoseTrackOptions track_options(const CameraStreamOptions& options, bool host_time) {
-  return {options.delay_s, options.most_ahead_s, kGapOfCameras_s, host_time};
 }
 
 template <typename Input>
@@ -198,6 +192,16 @@ class CameraStream final : public capture::PoseSource {
   std::thread thread_;
 };
 
+template <typename Input, typename Receiver>
+std::unique_ptr<capture::PoseSource> stream_of(const char* protocol, CameraStreamOptions options,
+                                               Receiver receiver, bool host_time,
+                                               const Clock& clock) {
+  std::string describe = text_of(protocol, options);
+  const PoseTrackOptions track{options.delay_s, options.most_ahead_s, kGapOfCameras_s, host_time};
+  return std::make_unique<CameraStream<Input>>(
+      protocol, std::move(describe), track, Input(std::move(options), std::move(receiver)), clock);
+}
+
 }  // namespace
 
 TargetSeen target_seen(const Pose& tracker_from_camera, const CameraStreamOptions& options) {
@@ -216,11 +220,7 @@ Result<std::unique_ptr<capture::PoseSource>> open_freed_poses(CameraStreamOption
                                                               const Clock& clock) {
   MIXRIG_ASSIGN(const auto address, stream::parse_freed_address("freed:" + options.address));
   MIXRIG_ASSIGN(auto receiver, stream::FreeDReceiver::open(address));
-  std::string describe = text_of("freed", options);
-  const PoseTrackOptions track = track_options(options, true);
-  return std::unique_ptr<capture::PoseSource>(std::make_unique<CameraStream<FreeDInput>>(
-      "freed", std::move(describe), track, FreeDInput(std::move(options), std::move(receiver)),
-      clock));
+  return stream_of<FreeDInput>("freed", std::move(options), std::move(receiver), true, clock);
 }
 
 Result<std::unique_ptr<capture::PoseSource>> open_opentrack_poses(CameraStreamOptions options,
@@ -228,11 +228,9 @@ Result<std::unique_ptr<capture::PoseSource>> open_opentrack_poses(CameraStreamOp
   MIXRIG_ASSIGN(const auto address,
                 stream::parse_opentrack_address("opentrackio:" + options.address));
   MIXRIG_ASSIGN(auto receiver, stream::OpenTrackReceiver::open(address));
-  std::string describe = text_of("opentrackio", options);
-  const PoseTrackOptions track = track_options(options, options.system_stamps);
-  return std::unique_ptr<capture::PoseSource>(std::make_unique<CameraStream<OpenTrackInput>>(
-      "opentrackio", std::move(describe), track,
-      OpenTrackInput(std::move(options), std::move(receiver)), clock));
+  const bool host_time = options.system_stamps;
+  return stream_of<OpenTrackInput>("opentrackio", std::move(options), std::move(receiver),
+                                   host_time, clock);
 }
 
 }  // namespace mixrig::pose

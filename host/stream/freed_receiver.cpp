@@ -3,21 +3,13 @@
 
 namespace mixrig::stream {
 
-Result<FreeDAddress> parse_freed_address(const std::string& uri) {
-  constexpr std::string_view kScheme = "freed:";
-  const auto listen =
-      uri.starts_with(kScheme)
-          ? parse_listen_address(std::string_view(uri).substr(kScheme.size()), 0, 255)
-          : std::nullopt;
-  if (!listen)
-    return Error{ErrorCode::kUsage,
-                 "\"" + uri + "\" is no address of FreeD: use freed:[HOST:]PORT[,CAMERA]"};
-  return FreeDAddress{listen->host, listen->port, listen->number};
+Result<ListenAddress> parse_freed_address(const std::string& uri) {
+  return parse_listen_uri(uri, {"freed", "FreeD", "CAMERA", 0, 255});
 }
 
-Result<FreeDReceiver> FreeDReceiver::open(const FreeDAddress& address) {
+Result<FreeDReceiver> FreeDReceiver::open(const ListenAddress& address) {
   MIXRIG_ASSIGN(auto socket, UdpReceiver::open("FreeD", address.host, address.port));
-  return FreeDReceiver(std::move(socket), address.camera);
+  return FreeDReceiver(std::move(socket), address.number);
 }
 
 Result<std::optional<FreeDPacket>> FreeDReceiver::next(Duration timeout) {

@@ -4,15 +4,7 @@
 namespace mixrig::stream {
 
 Result<ListenAddress> parse_opentrack_address(const std::string& uri) {
-  constexpr std::string_view kScheme = "opentrackio:";
-  const auto listen =
-      uri.starts_with(kScheme)
-          ? parse_listen_address(std::string_view(uri).substr(kScheme.size()), 1, 200)
-          : std::nullopt;
-  if (listen) return *listen;
-  return Error{
-      ErrorCode::kUsage,
-      "\"" + uri + "\" is no address of OpenTrackIO: use opentrackio:[HOST:]PORT[,SOURCE]"};
+  return parse_listen_uri(uri, {"opentrackio", "OpenTrackIO", "SOURCE", 1, 200});
 }
 
 Result<OpenTrackReceiver> OpenTrackReceiver::open(const ListenAddress& address) {
@@ -43,12 +35,12 @@ std::optional<OpenTrackReading> OpenTrackReceiver::take(std::span<const std::byt
     ++counts_.foreign;
     return std::nullopt;
   }
-  ++counts_.samples;
+  ++counts_.packets;
   return *std::move(reading);
 }
 
-OpenTrackCounts OpenTrackReceiver::counts() const {
-  OpenTrackCounts counts = counts_;
+StreamCounts OpenTrackReceiver::counts() const {
+  StreamCounts counts = counts_;
   counts.lost = assembler_.lost();
   counts.late = assembler_.late();
   return counts;

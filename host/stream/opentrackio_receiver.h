@@ -20,12 +20,6 @@ inline constexpr int kOpenTrackPort = 55555;
 /// Pure. Errors: kUsage.
 Result<ListenAddress> parse_opentrack_address(const std::string& uri);
 
-struct OpenTrackCounts {
-  long samples = 0, lost = 0, late = 0;
-  long malformed = 0;  ///< datagrams and samples that are none, or damaged
-  long foreign = 0;    ///< samples of another source
-};
-
 /// Without a SOURCE that of the first sample is read. Not thread-safe.
 class OpenTrackReceiver {
  public:
@@ -34,7 +28,7 @@ class OpenTrackReceiver {
   /// Waits for one datagram, `timeout` at most; nullopt where none came or no sample became whole.
   /// Errors: kDevice where the socket fails.
   Result<std::optional<OpenTrackReading>> next(Duration timeout);
-  OpenTrackCounts counts() const;
+  StreamCounts counts() const;
   int port() const { return socket_.port(); }
 
  private:
@@ -45,7 +39,7 @@ class OpenTrackReceiver {
   UdpReceiver socket_;
   std::optional<int> source_;
   OpenTrackAssembler assembler_;
-  OpenTrackCounts counts_;
+  StreamCounts counts_;
   std::array<std::byte, 65536> buffer_;
 };
 

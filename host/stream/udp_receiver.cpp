@@ -30,8 +30,7 @@ bool join(int fd, const in_addr& group) {
          ::setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0;
 }
 
-}  // namespace
-
+/// "[HOST:]PORT[,NUMBER]"; nullopt for another text.
 std::optional<ListenAddress> parse_listen_address(std::string_view text, int least_number,
                                                   int most_number) {
   ListenAddress address;
@@ -50,6 +49,19 @@ std::optional<ListenAddress> parse_listen_address(std::string_view text, int lea
   if (::inet_pton(AF_INET, address.host.c_str(), &host) != 1) return std::nullopt;
   if (!parse_whole(text, 1, 65535, address.port)) return std::nullopt;
   return address;
+}
+
+}  // namespace
+
+Result<ListenAddress> parse_listen_uri(const std::string& uri, const ListenScheme& scheme) {
+  const std::string start = std::string(scheme.scheme) + ":";
+  const auto listen = uri.starts_with(start)
+                          ? parse_listen_address(std::string_view(uri).substr(start.size()),
+                                                 scheme.least_number, scheme.most_number)
+                          : std::nullopt;
+  if (listen) return *listen;
+  return Error{ErrorCode::kUsage, "\"" + uri + "\" is no address of " + scheme.protocol + ": use " +
+                                      start + "[HOST:]PORT[," + scheme.number + "]"};
 }
 
 Result<UdpReceiver> UdpReceiver::open(std::string protocol, const std::string& host, int port) {

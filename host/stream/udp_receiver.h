@@ -43,8 +43,20 @@ struct ListenAddress {
   int port = 0;
   std::optional<int> number;
 };
-/// nullopt for another text, a port of 0 or above 65535, a number outside the range. Pure.
-std::optional<ListenAddress> parse_listen_address(std::string_view text, int least_number,
-                                                  int most_number);
+/// How a protocol's addresses are written: "SCHEME:[HOST:]PORT[,NUMBER]".
+struct ListenScheme {
+  const char *scheme, *protocol, *number;  ///< "freed", "FreeD", "CAMERA"
+  int least_number, most_number;
+};
+/// Errors: kUsage for another text, a port of 0 or above 65535, a number outside the range. Pure.
+Result<ListenAddress> parse_listen_uri(const std::string& uri, const ListenScheme& scheme);
+
+/// What became of the datagrams of a stream.
+struct StreamCounts {
+  long packets = 0;         ///< that were read: of OpenTrackIO whole samples
+  long lost = 0, late = 0;  ///< by their numbers; FreeD has none
+  long malformed = 0;       ///< none of the protocol, or damaged
+  long foreign = 0;         ///< of another camera or source
+};
 
 }  // namespace mixrig::stream

@@ -5,12 +5,10 @@
 usage: page_test.py MIXRIG [SCREENSHOT.png]
 Exit status 77: skipped, Chromium or selenium is not there.
 """
-import json
 import os
 import pathlib
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -19,314 +17,19 @@ import tomllib
 import urllib.error
 import urllib.request
 
-try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.action_chains import ActionChains
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.common.keys import Keys
-except ImportError:
-    print("skipped: python3-selenium is not there: scripts/setup browser")
-    sys.exit(77)
-
-LIMIT_S = 120  # for what hangs; a loaded machine is slow
-
-
-def comes_true(what, condition):
-    end = time.monotonic() + LIMIT_S
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"never: {what}")
-
-
-class Rig:
-    """A studio take, and `mixrig run --page` on it."""
-
-    def __init__(self, mixrig, folder):
-        self.folder = pathlib.Path(folder)
-        self.scene_file = self.folder / "take/scene.toml"
-        take = self.folder / "take"
-        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "walk", "--rig", "kinect2", "--seed", "7",
-                        "--size", "640x512", "--frames", "40"], check=True, stdout=subprocess.DEVNULL)
-        # At a rate that a loaded machine can follow.
-        text = (take / "take.toml").read_text()
-        (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", "rate_hz = 10.0", text))
-        self.log = open(self.folder / "log", "w+")
-        self.source = f"take:{take}"
-        self.start(mixrig)
-
-    def start(self, mixrig):
-        self.process = subprocess.Popen(
-            [mixrig, "run", self.scene_file, "--source", self.source, "--backend", "cpu", "--page", "127.0.0.1:0",
-             "--record-to", self.folder / "recordings"], stderr=self.log, stdout=subprocess.DEVNULL)
-        self.url = comes_true("the page's address", self.address)
-
-    def address(self):
-        assert self.process.poll() is None, self.text()
-        found = re.search(r"page: (http://\S+)", self.text())
-        return found and found[1]
-
-    def text(self):
-        return (self.folder / "log").read_text()
-
-    def state(self):
-        with urllib.request.urlopen(self.url + "api/v1/state", timeout=30) as answer:
-            return json.load(answer)
-
-    def scene(self):
-        with open(self.scene_file, "rb") as file:
-            return tomllib.load(file)
-
-    def object(self, name):
-        return next(one for one in self.scene()["object"] if one["name"] == name)
-
-    def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        return self.process.wait(LIMIT_S)
-
-
-def browser(folder):
-    options = Options()
-    options.binary_location = shutil.which("chromium")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=1280,1100", f"--user-data-dir={folder}/profile"):
-        options.add_argument(argument)
-    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-
-
-def by_id(page, name):
-    return page.find_element(By.ID, name)
-
-
-def age_ms(page):
-    text = by_id(page, "age").get_attribute("data-ms")
-    return float(text) if text else None
-
-
-def field(page, label, name):
-    found = By.CSS_SELECTOR, f'[aria-label="{label} of {name}"]'
-    return comes_true(f"{label} of {name}", lambda: page.find_elements(*found))[0]
-
-
-def shows_a_live_picture(page):
-    comes_true("a picture", lambda: age_ms(page) is not None)
-    first = int(by_id(page, "canvas").get_attribute("data-frame"))
-    comes_true("the next pictures", lambda: int(by_id(page, "canvas").get_attribute("data-frame")) > first + 5)
-    ages = []
-    for _ in range(20):
-        ages.append(age_ms(page))
-        time.sleep(0.05)
-    print(f"age of the picture in the page: median {sorted(ages)[10]:.0f} ms, most {max(ages):.0f} ms")
-    size = page.execute_script("const c = document.getElementById('canvas'); return [c.width, c.height]")
-    assert size == [640, 512], size
-    colors = page.execute_script(
-        "const c = document.getElementById('canvas');"
-        "return new Set(new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer)).size")
-    assert colors > 1000, f"{colors} colours: no picture"
-
-
-def has_names(page):
-    for control in page.find_elements(By.CSS_SELECTOR, "button, input, textarea, select"):
-        assert control.accessible_name.strip(), control.get_attribute("outerHTML")
-
-
-def drags_an_object(page, rig):
-    thing = next(o for o in rig.state()["objects"] if o["at"])
-    before = rig.object(thing["name"])["position_m"]
-    handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {thing["name"]}"]')
-    stage = by_id(page, "stage").rect
-    dx, dy = int(-0.08 * stage["width"]), int(-0.04 * stage["height"])
-    ActionChains(page).click_and_hold(handle).move_by_offset(dx // 2, dy // 2).move_by_offset(
-        dx - dx // 2, dy - dy // 2).release().perform()
-    want = [thing["at"][0] + dx / stage["width"], thing["at"][1] + dy / stage["height"]]
-
-    def written():
-        now = rig.object(thing["name"])["position_m"]
-        at = next(o for o in rig.state()["objects"] if o["name"] == thing["name"])["at"]
-        near = at and max(abs(at[i] - want[i]) for i in (0, 1)) < 0.01
-        return near and now != before and now
-    now = comes_true("the dragged object in scene.toml", written)
-    assert abs(now[2] - before[2]) < 1e-6, "it stays on the floor"
-    print(f"dragged {thing['name']}: {before} -> {now}")
-    return thing["name"]
-
-
-def moves_it_by_keys(page, rig, name):
-    before = rig.object(name)["position_m"]
-    page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {name}"]').send_keys(Keys.ARROW_LEFT)
-    comes_true("the object moved by a key",
-               lambda: rig.object(name)["position_m"] != before)
-
-
-def sets_it_on_a_surface(page, rig, name):
-    """On the floor that was learned: it stands upright within the depth's noise, where the mark is let go."""
-    before = rig.object(name)
-    by_id(page, "onto").click()
-    handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {name}"]')
-    ActionChains(page).click_and_hold(handle).move_by_offset(12, 6).move_by_offset(12, 6).release().perform()
-    now = comes_true("the object on the floor that is seen there", lambda: rig.object(name) != before and rig.object(name))
-    by_id(page, "onto").click()
-    x, y = now["rotation_xyzw"][:2]
-    assert abs(1 - 2 * (x * x + y * y)) > 0.999, now  # cosine between its axis and the world's
-    assert now["position_m"] != before["position_m"] and abs(now["position_m"][2]) < 0.03, now
-    print(f"set {name} on the floor: {now['position_m']}")
-
-
-def scales_and_hides_it(page, rig, name):
-    scale = field(page, "scale", name)
-    before = rig.object(name).get("scale", 1.0)
-    scale.send_keys(Keys.ARROW_UP, Keys.TAB)
-    comes_true("its scale", lambda: rig.object(name).get("scale", 1.0) > before)
-    hide = field(page, "hide", name)
-    for hidden in (True, False):
-        hide.click()
-        comes_true(f"hidden {hidden}", lambda: rig.object(name).get("hidden", False) == hidden)
-        comes_true("the page knows", lambda: hide.get_attribute("aria-pressed") == str(hidden).lower())
-
-
-def turns_it(page, rig, name):
-    before = rig.object(name)
-    field(page, "turn", name).send_keys(*[Keys.ARROW_RIGHT] * 10)
-    comes_true("the turned object", lambda: rig.object(name).get("rotation_xyzw", before) != before.get(
-        "rotation_xyzw", before) and abs(next(o for o in rig.state()["objects"] if o["name"] == name)["turn_deg"]) > 1)
-
-
-def loads_and_removes_a_model(page, rig):
-    model = next((rig.folder / "take").glob("**/*.glb"))
-    copy = rig.folder / "new thing.glb"
-    shutil.copy(model, copy)
-    count = len(rig.scene()["object"])
-    by_id(page, "upload").send_keys(str(copy))
-    comes_true("the new object", lambda: len(rig.scene()["object"]) == count + 1)
-    assert (rig.folder / "take/models/new_thing.glb").exists()
-    removes(page, field(page, "remove", "new thing"))
-    comes_true("the object is gone", lambda: len(rig.scene()["object"]) == count)
-    comes_true("the run knows", lambda: len(rig.state()["objects"]) == count)
-
-
-def removes(page, button):
-    button.click()
-    page.switch_to.alert.accept()
-
-
-def switches_a_lamp(page, rig):
-    name = rig.scene()["light"]["lamp"][0]["name"]
-    strength = lambda: max(rig.scene()["light"]["lamp"][0]["intensity"])
-    before = strength()
-    for on in (False, True):
-        field(page, "on", name).click()
-        comes_true(f"the lamp {on}", lambda: (strength() > 0) == on)
-        comes_true("the page knows", lambda: field(page, "on", name).get_attribute("aria-pressed") == str(on).lower())
-    assert abs(strength() - before) < 1e-4, "it has what it had"
-
-
-def colors_a_lamp(page, rig):
-    name = rig.scene()["light"]["lamp"][0]["name"]
-    page.execute_script(
-        "const c = document.querySelector(arguments[0]); c.value = '#ff0000';"
-        "c.dispatchEvent(new Event('change'))", f'[aria-label="color of {name}"]')
-
-    def red():
-        r, g, b = rig.scene()["light"]["lamp"][0]["intensity"]
-        return g + b < 0.01 * r
-    comes_true("the red lamp", red)
-
-
-def removes_a_lamp(page, rig):
-    lamps = rig.scene()["light"]["lamp"]
-    removes(page, field(page, "remove", lamps[-1]["name"]))
-    comes_true("the lamp is gone", lambda: len(rig.scene()["light"]["lamp"]) == len(lamps) - 1)
+from rig import (By, HalfLost, HeadRig, LiveRig, Rig, age_ms, browser, by_id, comes_true, field, has_names,
+                 types)
+from picture import (brightness, comes_by_webrtc, falls_back_to_mjpeg, focuses, freezes, says_when_the_rig_is_gone,
+                     says_why_it_is_mjpeg, shows_a_live_picture, two_pages_agree)
+from selenium.webdriver.common.keys import Keys
+from things import (adds_a_lamp, adds_a_lamp_where_it_is_seen, colors_a_lamp, dims_a_lamp, drags_an_object,
+                    loads_and_removes_a_model, moves_it_by_keys, removes_a_lamp, saves, scales_and_hides_it,
+                    sets_it_on_a_surface, switches_a_lamp, turns_it)
 
 
 def takes_changes(page):
     by_id(page, "learn").click()
     comes_true("that nothing waits", lambda: "waits to be accepted" in by_id(page, "log").text)
-
-
-def saves(page, rig):
-    with_preview = json.dumps({"turn_deg": 77, "preview": True}).encode()
-    name = rig.scene()["object"][0]["name"]
-    request = urllib.request.Request(rig.url + f"api/v1/objects/{name}", with_preview,
-                                     {"Content-Type": "application/json"}, method="PUT")
-    urllib.request.urlopen(request, timeout=30)
-    before = rig.scene_file.read_text()
-    by_id(page, "save").click()
-    comes_true("the saved preview", lambda: rig.scene_file.read_text() != before)
-
-
-def dims_a_lamp(page, rig):
-    lamp = rig.scene()["light"]["lamp"][0]
-    strength = field(page, "strength", lamp["name"])
-    strength.send_keys(*[Keys.ARROW_LEFT] * 20)
-
-    def dimmed():
-        now = rig.scene()["light"]["lamp"][0]["intensity"]
-        return max(now) < 0.6 * max(lamp["intensity"]) and now
-    print(f"dimmed {lamp['name']}: {lamp['intensity']} -> {comes_true('the dimmed lamp', dimmed)}")
-
-
-def adds_a_lamp_where_it_is_seen(page, rig):
-    """On the wall in the upper middle of the picture, by the learned room."""
-    count = len(rig.scene()["light"]["lamp"])
-    page.find_element(By.CSS_SELECTOR, '#lamp-where option[value=""]').click()
-    by_id(page, "add-lamp").click()
-    ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
-        -0.35 * by_id(page, "stage").rect["height"])).click().perform()
-    comes_true("the lamp on the wall", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
-    comes_true("the run knows", lambda: len(rig.state()["lamps"]) == count + 1)
-    lamp = rig.state()["lamps"][-1]
-    assert lamp["at"] and abs(lamp["at"][0] - 0.5) < 0.02 and abs(lamp["at"][1] - 0.15) < 0.02, lamp
-    print(f"a lamp where the wall is seen: {lamp['position_m']}")
-
-
-def adds_a_lamp(page, rig):
-    count = len(rig.scene()["light"]["lamp"])
-    page.find_element(By.CSS_SELECTOR, '#lamp-where option[value="above_floor_m"]').click()
-    by_id(page, "add-lamp").click()
-    ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
-        0.4 * by_id(page, "stage").rect["height"])).click().perform()
-    comes_true("the added lamp", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
-
-
-def focuses(page, rig):
-    """Depth of field: on, by a click, by numbers, off; each is in scene.toml."""
-    focus = lambda: rig.scene().get("focus")
-    by_id(page, "focus-on").click()
-    comes_true("a focus in scene.toml", focus)
-    comes_true("the page knows", lambda: by_id(page, "focus-on").get_attribute("aria-pressed") == "true")
-    sharp = comes_true("a picture", lambda: edge_strength(page))
-    stage = by_id(page, "stage").rect
-    by_id(page, "focus-pick").click()
-    ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), int(-0.25 * stage["width"]), int(
-        0.25 * stage["height"])).click().perform()
-    comes_true("the pixel in scene.toml", lambda: abs(focus()["pixel"][0] - 160) < 4 and
-               abs(focus()["pixel"][1] - 384) < 4)
-    comes_true("the ring", lambda: page.find_elements(By.CSS_SELECTOR, ".handle.focus"))
-    for name, text, key in (("focus-distance", "0.5", "distance_m"), ("focus-number", "0.5", "f_number")):
-        types(page, name, text)
-        comes_true(f"{key} in scene.toml", lambda: focus().get(key) == 0.5)
-    assert "pixel" not in focus(), focus()
-    comes_true("a blurred room", lambda: edge_strength(page) < 0.7 * sharp)
-    by_id(page, "focus-on").click()
-    comes_true("no focus in scene.toml", lambda: not focus())
-    comes_true("a sharp room", lambda: edge_strength(page) > 0.9 * sharp)
-
-
-def types(page, name, text):
-    """In place of what is there; what the run tells meanwhile does not come between."""
-    by_id(page, name).send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.TAB)
-
-
-def edge_strength(page):
-    return page.execute_script(
-        "const c = document.getElementById('canvas');"
-        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-        "let sum = 0; for (let i = 4; i < d.length; i += 4) sum += Math.abs(d[i] - d[i - 4]);"
-        "return sum / d.length")
 
 
 def learns_the_room(page, rig):
@@ -343,14 +46,27 @@ def learns_the_room(page, rig):
     assert rig.state()["scan"]["total"] == 0
 
 
+def tells_the_disk(page, rig):
+    """What is left where recordings go, by the system's own figure."""
+    def told_gb():
+        found = re.search(r"([0-9.]+) GB free", by_id(page, "health").text)
+        return found and float(found[1])
+    comes_true("the disk", lambda: told_gb() is not None and
+               abs(told_gb() - shutil.disk_usage(rig.folder).free / 1e9) < 0.3)
+
+
 def records(page, rig, mixrig):
     by_id(page, "take-name").send_keys("shot 1")
     by_id(page, "take-notes").send_keys('said "good"')
     by_id(page, "record").click()
     comes_true("recording", lambda: by_id(page, "tally").get_attribute("data-on") == "true")
+    assert by_id(page, "tally").text == "recording shot 1"
+    assert rig.state()["recording"]["tally"] == "record"
     comes_true("2 s of it", lambda: rig.state()["recording"]["seconds"] >= 2)
     by_id(page, "record").click()
     comes_true("the end of it", lambda: by_id(page, "tally").get_attribute("data-on") == "false")
+    assert by_id(page, "tally").text == "not recording"
+    assert rig.state()["recording"]["tally"] == "preview"
     shot = rig.folder / "recordings/shot 1"
     note = tomllib.loads((shot / "recording.toml").read_text())
     assert note["notes"] == 'said "good"' and note["seconds"] >= 2, note
@@ -362,35 +78,11 @@ def records(page, rig, mixrig):
     comes_true("the refusal", lambda: "exists" in by_id(page, "message").text)
 
 
-class LiveRig(Rig):
-    """Cameras of the studio as devices: their exposure can be set."""
-
-    def __init__(self, mixrig, folder):
-        self.folder = pathlib.Path(folder) / "live"
-        self.folder.mkdir()
-        self.scene_file = self.folder / "scene.toml"
-        self.scene_file.write_text('[camera]\npose = "identity"\n')
-        studio = 'uri = "studio:sweep,7,sr3000,,64x48/'
-        self.rig_file = self.folder / "rig.toml"
-        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\n{studio}target"\n'
-                                 f'exposure_ms = 8.0  # at rest\n[depth]\n{studio}tof"\n'
-                                 f'[pan_tilt]\n{studio}head"\n')
-        self.follow(mixrig)
-
-    def follow(self, mixrig):
-        self.source = f"rig:{self.rig_file}"
-        self.log = open(self.folder / "log", "w+")
-        self.start(mixrig)
-
-    def exposure_ms(self):
-        with open(self.rig_file, "rb") as file:
-            return tomllib.load(file)["camera"][0]["exposure_ms"]
-
-
 def sets_the_exposure(page, mixrig, folder):
     rig = LiveRig(mixrig, folder)
     try:
         page.get(rig.url)
+        says_why_it_is_mjpeg(page)
         comes_true("the cameras", lambda: by_id(page, "cameras-panel").is_displayed())
         has_names(page)
         bright = comes_true("a picture", lambda: brightness(page))
@@ -410,47 +102,6 @@ def sets_the_exposure(page, mixrig, folder):
         print(f"exposure 8 -> 2 ms: brightness {bright:.0f} -> below {0.7 * bright:.0f}, kept over a restart")
     finally:
         rig.process.kill()
-
-
-class HalfLost(LiveRig):
-    """The depth camera's recording ends long before that of the colour camera."""
-
-    def __init__(self, mixrig, folder):
-        self.folder = pathlib.Path(folder) / "lost"
-        self.folder.mkdir()
-        self.scene_file = self.folder / "scene.toml"
-        self.scene_file.write_text('[camera]\npose = "identity"\n')
-        for name, frames in (("long", 300), ("short", 10)):
-            subprocess.run([mixrig, "studio", self.folder / name, "--plain", "--scenario", "walk", "--rig", "sr3000",
-                            "--seed", "7", "--size", "64x48", "--frames", str(frames)], check=True,
-                           stdout=subprocess.DEVNULL)
-        self.rig_file = self.folder / "rig.toml"
-        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
-                                 f'[depth]\nname = "depth"\nuri = "take:{self.folder}/short/depth"\n')
-        self.follow(mixrig)
-
-
-class HeadRig(LiveRig):
-    """With a head that the pose follows, and the calibration of a take of the same rig."""
-
-    def __init__(self, mixrig, folder):
-        self.folder = pathlib.Path(folder) / "head"
-        take = self.folder / "take"
-        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "sweep", "--rig", "sr3000", "--seed", "31",
-                        "--size", "64x48", "--field", "80x60", "--view-frames", "2"], check=True,
-                       stdout=subprocess.DEVNULL)
-        self.scene_file = self.folder / "scene.toml"
-        base = re.search(r"\[camera.world_from_base\]\n.*\n.*\n", (take / "scene_pan_tilt.toml").read_text())[0]
-        self.scene_file.write_text(f'# ours\n[camera]\npose = "pan_tilt"\n{base}')
-        studio = 'uri = "studio:sweep,31,sr3000,,64x48/'
-        self.rig_file = self.folder / "rig.toml"
-        self.rig_file.write_text(f'format = 1\ncalibration = "take/truth/calibration.toml"\n[[camera]]\n'
-                                 f'name = "color"\n{studio}target"\n[depth]\n{studio}tof"\n'
-                                 f'[pan_tilt]\n{studio}head"\n')
-        self.follow(mixrig)
-
-    def sweep(self):
-        return self.state()["sweep"]
 
 
 def scans_with_the_head(page, mixrig, folder):
@@ -510,46 +161,6 @@ def shows_a_lost_device(page, mixrig, folder):
         rig.process.kill()
 
 
-def brightness(page):
-    return page.execute_script(
-        "if (!Picture.frame) return 0;"
-        "const c = document.getElementById('canvas');"
-        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-        "let sum = 0; for (let i = 0; i < d.length; i += 4) sum += d[i] + d[i + 1] + d[i + 2];"
-        "return 4 * sum / 3 / d.length")
-
-
-def freezes(page):
-    by_id(page, "freeze").click()
-    comes_true("the age over a frozen picture", lambda: by_id(page, "stale").is_displayed())
-    assert "frozen" in by_id(page, "stale").text
-    by_id(page, "freeze").click()
-    comes_true("a live picture again", lambda: not by_id(page, "stale").is_displayed())
-
-
-def two_pages_agree(page):
-    first = page.current_window_handle
-    url = page.current_url
-    page.switch_to.new_window("window")
-    page.get(url)
-    comes_true("the second page", lambda: age_ms(page) is not None)
-    page.find_element(By.CSS_SELECTOR, '[data-view="key"]').click()
-    page.switch_to.window(first)
-    tab = page.find_element(By.CSS_SELECTOR, '[data-view="key"]')
-    comes_true("the other page's view", lambda: tab.get_attribute("aria-selected") == "true")
-    page.refresh()
-    comes_true("the view after a reload", lambda: page.find_element(
-        By.CSS_SELECTOR, '[data-view="key"]').get_attribute("aria-selected") == "true")
-    comes_true("its picture", lambda: age_ms(page) is not None)
-    page.find_element(By.CSS_SELECTOR, '[data-view="composite"]').click()
-
-
-def says_when_the_rig_is_gone(page, rig):
-    assert rig.stop() == 0, rig.text()
-    comes_true("no connection", lambda: "no connection" in by_id(page, "summary").text)
-    comes_true("an old picture that says so", lambda: by_id(page, "stale").is_displayed())
-
-
 def of_the_scene(rig):
     """Objects, lamps and depth of field of the state; where they are in the picture is of its frame."""
     state = rig.state()
@@ -590,6 +201,8 @@ def main():
         try:
             page.get(rig.url)
             shows_a_live_picture(page)
+            comes_by_webrtc(page, rig)
+            falls_back_to_mjpeg(page)
             has_names(page)
             console_is_clean(page)
             name = drags_an_object(page, rig)
@@ -613,6 +226,7 @@ def main():
             a_recording_is_not_scanned(page, rig)
             learns_the_room(page, rig)
             records(page, rig, mixrig)
+            tells_the_disk(page, rig)
             freezes(page)
             two_pages_agree(page)
             all_of_it_survives_a_restart(rig, mixrig)

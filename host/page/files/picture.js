@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live picture: a stream of JPEGs, drawn into a canvas, with its age.
+// The live picture, drawn into a canvas, with its age: a stream of JPEGs until pictures come by
+// WebRTC, and where they do not.
 'use strict';
 
 const Picture = {
-  view: '', abort: null, captured_ms: 0, frame: 0, offset_ms: null, offset_error_ms: 0,
+  view: '', abort: null, webrtc: null, by: 'MJPEG', why_not: '', captured_ms: 0, frame: 0, offset_ms: null, offset_error_ms: 0,
 
   // Host time = performance.now() + offset. The answer that came back soonest tells it best.
   noteClock(sent_ms, host_ms) {
@@ -23,17 +24,38 @@ const Picture = {
   show(view) {
     if (view === this.view) return;
     this.view = view;
+    if (this.webrtc) this.webrtc.show(view);
+    if (this.by === 'MJPEG') this.startJpegs();
+  },
+  // Once a connection of the page.
+  tryWebrtc() {
+    if (this.webrtc || new URLSearchParams(location.search).get('picture') === 'mjpeg') return;
+    this.webrtc = new Webrtc(this.view || 'composite', (video, captured_ms, frame) => {
+      if (this.by === 'MJPEG' && this.abort) this.abort.abort();
+      this.by = 'WebRTC';
+      this.drawn(video, video.videoWidth, video.videoHeight, captured_ms, frame);
+    }, why => {
+      const was = this.by;
+      this.webrtc = null;
+      this.by = 'MJPEG';
+      this.why_not = why;
+      if (was === 'WebRTC' && this.view) this.startJpegs();
+    });
+    if (this.webrtc.is_over) this.webrtc = null;
+  },
+
+  startJpegs() {
     if (this.abort) this.abort.abort();
-    this.run(view);
+    this.run(this.view);
   },
 
   async run(view) {
-    while (this.view === view) {
-      this.abort = new AbortController();
+    const abort = this.abort = new AbortController();
+    while (!abort.signal.aborted) {
       try {
-        await this.read(view, this.abort.signal);
+        await this.read(view, abort.signal);
       } catch (error) {
-        if (this.view === view) await new Promise(done => setTimeout(done, 500));
+        if (!abort.signal.aborted) await new Promise(done => setTimeout(done, 500));
       }
     }
   },
@@ -61,16 +83,22 @@ const Picture = {
 
   async draw(part) {
     const bitmap = await createImageBitmap(new Blob([part.bytes], { type: 'image/jpeg' }));
-    const canvas = document.getElementById('canvas');
-    if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
-      canvas.width = bitmap.width;
-      canvas.height = bitmap.height;
-    }
-    canvas.getContext('2d').drawImage(bitmap, 0, 0);
+    if (this.by === 'MJPEG')
+      this.drawn(bitmap, bitmap.width, bitmap.height, Number(part.fields['x-captured-ms']),
+        Number(part.fields['x-frame']));
     bitmap.close();
-    this.captured_ms = Number(part.fields['x-captured-ms']);
-    this.frame = Number(part.fields['x-frame']);
-    canvas.dataset.frame = this.frame;
+  },
+
+  drawn(image, width, height, captured_ms, frame) {
+    const canvas = document.getElementById('canvas');
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    canvas.getContext('2d').drawImage(image, 0, 0, width, height);
+    this.captured_ms = captured_ms;
+    this.frame = frame;
+    canvas.dataset.frame = frame;
   },
 };
 

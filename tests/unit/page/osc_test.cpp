@@ -150,6 +150,12 @@ TEST_F(OscServer, AButtonActsAndTheStateIsToldBack) {
   one.send(stream::OscMessage("/mixrig/view").add(std::string_view("matte")).bytes());
   EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/view").arguments[0]), "matte");
   EXPECT_EQ(controls_.view, View::kMatte);
+  State recording = run_.state();
+  recording.recording.on = true, recording.recording.name = "shot 1";
+  run_.set(recording);
+  EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/take").arguments[0]), "shot 1");
+  two.send(stream::OscMessage("/mixrig/state").bytes());
+  EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/tally").arguments[0]), "record");
   controls_.frozen = true;  // by a key of the viewfinder
   EXPECT_EQ(std::get<double>(two.next_of("/mixrig/freeze").arguments.at(0)), 1);
 }

@@ -276,9 +276,12 @@ TEST_F(OperatorDeskTest, ASettingOfACameraIsInForceAndInRigToml) {
   EXPECT_NE(test::read_bytes(rig).find("# ours"), std::string::npos);
   EXPECT_NE(desk_->state().calibration.verdict, page::Verdict::kNoGo);
   ASSERT_TRUE(desk_->apply(page::SetCamera{"color", {{"zoom", 200}}}));
+  EXPECT_NE(test::read_bytes(rig).find("zoom = 200"), std::string::npos);
+  EXPECT_EQ(desk_->state().cameras.at(0).values.at(1).value, 200);
   EXPECT_EQ(desk_->state().calibration.verdict, page::Verdict::kNoGo) << "of another lens setting";
   session_.cameras->end();
   EXPECT_EQ(camera.get(device::CameraControl::kExposure).value(), 0.01);
+  EXPECT_EQ(camera.get(device::CameraControl::kZoom).value(), 200);
 }
 
 }  // namespace

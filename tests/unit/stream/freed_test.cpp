@@ -89,12 +89,12 @@ TEST(FreeDAddress, IsReadOrRefused) {
   ASSERT_TRUE(own);
   EXPECT_EQ(own->host, "127.0.0.1");
   EXPECT_EQ(own->port, 6301);
-  EXPECT_FALSE(own->camera);
+  EXPECT_FALSE(own->number);
   const auto all = parse_freed_address("freed:0.0.0.0:40000,3");
   ASSERT_TRUE(all);
   EXPECT_EQ(all->host, "0.0.0.0");
   EXPECT_EQ(all->port, 40000);
-  EXPECT_EQ(all->camera, 3);
+  EXPECT_EQ(all->number, 3);
   for (const char* uri :
        {"", "freed", "freed:", "freed:0", "freed:70000", "freed:1x", "freed:host:1", "freed::1",
         "freed:1,", "freed:1,256", "freed:1,-1", "fried:1"})

@@ -236,8 +236,8 @@ TEST(OpenTrackReceiver, ReadsOneSourceAndCountsTheRest) {
     samples += reading->has_value();
   }
   EXPECT_EQ(samples, 2);
-  const OpenTrackCounts counts = receiver->counts();
-  EXPECT_EQ(counts.samples, 2);
+  const StreamCounts counts = receiver->counts();
+  EXPECT_EQ(counts.packets, 2);
   EXPECT_EQ(counts.foreign, 1);
   EXPECT_EQ(counts.malformed, 2);
   EXPECT_EQ(counts.lost, 1);

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of mixrig with a page, the browser, and what all tests ask of both."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+import urllib.request
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+except ImportError:
+    print("skipped: python3-selenium is not there: scripts/setup browser")
+    sys.exit(77)
+
+LIMIT_S = 120  # for what hangs; a loaded machine is slow
+
+
+def comes_true(what, condition):
+    end = time.monotonic() + LIMIT_S
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError(f"never: {what}")
+
+
+class Rig:
+    """A studio take, and `mixrig run --page` on it."""
+
+    environment = {}
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder)
+        self.scene_file = self.folder / "take/scene.toml"
+        take = self.folder / "take"
+        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "walk", "--rig", "kinect2", "--seed", "7",
+                        "--size", "640x512", "--frames", "40"], check=True, stdout=subprocess.DEVNULL)
+        # At a rate that a loaded machine can follow.
+        text = (take / "take.toml").read_text()
+        (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", "rate_hz = 10.0", text))
+        self.log = open(self.folder / "log", "w+")
+        self.source = f"take:{take}"
+        self.start(mixrig)
+
+    def start(self, mixrig):
+        self.process = subprocess.Popen(
+            [mixrig, "run", self.scene_file, "--source", self.source, "--backend", "cpu", "--page", "127.0.0.1:0",
+             "--record-to", self.folder / "recordings"], stderr=self.log, stdout=subprocess.DEVNULL,
+            env=os.environ | self.environment)
+        self.url = comes_true("the page's address", self.address)
+
+    def address(self):
+        assert self.process.poll() is None, self.text()
+        found = re.search(r"page: (http://\S+)", self.text())
+        return found and found[1]
+
+    def text(self):
+        return (self.folder / "log").read_text()
+
+    def state(self):
+        with urllib.request.urlopen(self.url + "api/v1/state", timeout=30) as answer:
+            return json.load(answer)
+
+    def scene(self):
+        with open(self.scene_file, "rb") as file:
+            return tomllib.load(file)
+
+    def object(self, name):
+        return next(one for one in self.scene()["object"] if one["name"] == name)
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        return self.process.wait(LIMIT_S)
+
+
+class LiveRig(Rig):
+    """Cameras of the studio as devices: their exposure can be set. Without plug-ins of GStreamer."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "live"
+        (self.folder / "no_plugins").mkdir(parents=True)
+        self.environment = {"GST_PLUGIN_SYSTEM_PATH_1_0": str(self.folder / "no_plugins"),
+                            "GST_REGISTRY_1_0": str(self.folder / "registry")}
+        self.scene_file = self.folder / "scene.toml"
+        self.scene_file.write_text('[camera]\npose = "identity"\n')
+        studio = 'uri = "studio:sweep,7,sr3000,,64x48/'
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\n{studio}target"\n'
+                                 f'exposure_ms = 8.0  # at rest\n[depth]\n{studio}tof"\n'
+                                 f'[pan_tilt]\n{studio}head"\n')
+        self.follow(mixrig)
+
+    def follow(self, mixrig):
+        self.source = f"rig:{self.rig_file}"
+        self.log = open(self.folder / "log", "w+")
+        self.start(mixrig)
+
+    def exposure_ms(self):
+        with open(self.rig_file, "rb") as file:
+            return tomllib.load(file)["camera"][0]["exposure_ms"]
+
+
+class HalfLost(LiveRig):
+    """The depth camera's recording ends long before that of the colour camera."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "lost"
+        self.folder.mkdir()
+        self.scene_file = self.folder / "scene.toml"
+        self.scene_file.write_text('[camera]\npose = "identity"\n')
+        for name, frames in (("long", 300), ("short", 10)):
+            subprocess.run([mixrig, "studio", self.folder / name, "--plain", "--scenario", "walk", "--rig", "sr3000",
+                            "--seed", "7", "--size", "64x48", "--frames", str(frames)], check=True,
+                           stdout=subprocess.DEVNULL)
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
+                                 f'[depth]\nname = "depth"\nuri = "take:{self.folder}/short/depth"\n')
+        self.follow(mixrig)
+
+
+class HeadRig(LiveRig):
+    """With a head that the pose follows, and the calibration of a take of the same rig."""
+
+    def __init__(self, mixrig, folder):
+        self.folder = pathlib.Path(folder) / "head"
+        take = self.folder / "take"
+        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "sweep", "--rig", "sr3000", "--seed", "31",
+                        "--size", "64x48", "--field", "80x60", "--view-frames", "2"], check=True,
+                       stdout=subprocess.DEVNULL)
+        self.scene_file = self.folder / "scene.toml"
+        base = re.search(r"\[camera.world_from_base\]\n.*\n.*\n", (take / "scene_pan_tilt.toml").read_text())[0]
+        self.scene_file.write_text(f'# ours\n[camera]\npose = "pan_tilt"\n{base}')
+        studio = 'uri = "studio:sweep,31,sr3000,,64x48/'
+        self.rig_file = self.folder / "rig.toml"
+        self.rig_file.write_text(f'format = 1\ncalibration = "take/truth/calibration.toml"\n[[camera]]\n'
+                                 f'name = "color"\n{studio}target"\n[depth]\n{studio}tof"\n'
+                                 f'[pan_tilt]\n{studio}head"\n')
+        self.follow(mixrig)
+
+    def sweep(self):
+        return self.state()["sweep"]
+
+
+def browser(folder):
+    options = Options()
+    options.binary_location = shutil.which("chromium")
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                     "--window-size=1280,1100", f"--user-data-dir={folder}/profile"):
+        options.add_argument(argument)
+    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+
+
+def by_id(page, name):
+    return page.find_element(By.ID, name)
+
+
+def age_ms(page):
+    text = by_id(page, "age").get_attribute("data-ms")
+    return float(text) if text else None
+
+
+def field(page, label, name):
+    found = By.CSS_SELECTOR, f'[aria-label="{label} of {name}"]'
+    return comes_true(f"{label} of {name}", lambda: page.find_elements(*found))[0]
+
+
+def types(page, name, text):
+    """In place of what is there; what the run tells meanwhile does not come between."""
+    by_id(page, name).send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.TAB)
+
+
+def has_names(page):
+    for control in page.find_elements(By.CSS_SELECTOR, "button, input, textarea, select"):
+        assert control.accessible_name.strip(), control.get_attribute("outerHTML")
+
+
+def removes(page, button):
+    button.click()
+    page.switch_to.alert.accept()
+
+
+def brightness(page):
+    return page.execute_script(
+        "if (!Picture.frame) return 0;"
+        "const c = document.getElementById('canvas');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let sum = 0; for (let i = 0; i < d.length; i += 4) sum += d[i] + d[i + 1] + d[i + 2];"
+        "return 4 * sum / 3 / d.length")
+
+
+def edge_strength(page):
+    return page.execute_script(
+        "const c = document.getElementById('canvas');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let sum = 0; for (let i = 4; i < d.length; i += 4) sum += Math.abs(d[i] - d[i - 4]);"
+        "return sum / d.length")
