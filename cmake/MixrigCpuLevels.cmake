@@ -21,8 +21,12 @@ function(mixrig_cpu_levels target)
     add_library(${objects} OBJECT ${ARGN})
     target_link_libraries(${objects} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
     target_include_directories(${objects} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
-    target_compile_options(${objects} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level})
-    target_compile_definitions(${objects} PRIVATE MIXRIG_CPU_BACK_END=mixrig_cpu_${id})
+    target_compile_options(${objects} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS> -march=${level}
+      -fno-gnu-unique)  # such symbols stay to be seen
+    # Setups and frames must lie in memory as in the rest of the program: Eigen aligns its types as the
+    # level likes it, 16 bytes at the lowest one (back_end.h checks).
+    target_compile_definitions(${objects} PRIVATE MIXRIG_CPU_BACK_END=mixrig_cpu_${id}
+      EIGEN_MAX_ALIGN_BYTES=16)
     set(merged ${CMAKE_CURRENT_BINARY_DIR}/${id}.o)
     add_custom_command(OUTPUT ${merged} DEPENDS ${objects} $<TARGET_OBJECTS:${objects}> VERBATIM
       COMMAND_EXPAND_LISTS

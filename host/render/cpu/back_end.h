@@ -2,6 +2,7 @@
 // The one door between this room's code, compiled for one level of the processor, and all else.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -9,8 +10,19 @@
 
 namespace mixrig::render {
 
+/// Changes where a level's compiler lays out what passes the door in another way.
+constexpr std::size_t door_layout() {
+  std::size_t layout = 0;
+  for (const std::size_t n :
+       {sizeof(CompositorSetup), alignof(CompositorSetup), sizeof(FrameInput), alignof(FrameInput),
+        sizeof(VirtualObject), sizeof(FrameOutput), sizeof(BackgroundModel)})
+    layout = 1009 * layout + n;
+  return layout;
+}
+
 /// The room compiled for one level.
 struct CpuBackEnd {
+  std::size_t layout;  ///< door_layout()
   Result<std::unique_ptr<Compositor>> (*make)(const CompositorSetup&, int threads);
   std::string (*vectors)();  ///< as cpu_vectors()
 };

@@ -379,4 +379,5 @@ Result<std::unique_ptr<Compositor>> make(const CompositorSetup& setup, int threa
 }  // namespace
 }  // namespace mixrig::render
 
-const mixrig::render::CpuBackEnd MIXRIG_CPU_BACK_END{mixrig::render::make, mixrig::render::vectors};
+const mixrig::render::CpuBackEnd MIXRIG_CPU_BACK_END{mixrig::render::door_layout(),
+                                                     mixrig::render::make, mixrig::render::vectors};

@@ -8,9 +8,12 @@ namespace {
 
 const CpuBackEnd& back_end([[maybe_unused]] std::string_view most) {
 #ifdef MIXRIG_CPU_LEVELS
-  const auto may_be = [&](std::string_view level) { return most.empty() || level <= most; };
-  if (may_be("x86-64-v4") && __builtin_cpu_supports("x86-64-v4")) return mixrig_cpu_x86_64_v4;
-  if (may_be("x86-64-v3") && __builtin_cpu_supports("x86-64-v3")) return mixrig_cpu_x86_64_v3;
+  const auto may_be = [&](std::string_view level, const CpuBackEnd& b) {
+    return (most.empty() || level <= most) && b.layout == door_layout();
+  };
+  const CpuBackEnd &v4 = mixrig_cpu_x86_64_v4, &v3 = mixrig_cpu_x86_64_v3;
+  if (__builtin_cpu_supports("x86-64-v4") && may_be("x86-64-v4", v4)) return v4;
+  if (__builtin_cpu_supports("x86-64-v3") && may_be("x86-64-v3", v3)) return v3;
 #endif
   return mixrig_cpu;
 }
