@@ -6,7 +6,6 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd/depth.hpp>
 #include <opencv2/video/background_segm.hpp>
@@ -55,14 +54,12 @@ void register_depth(const PeerSetup& setup, int divisor, bool dilated, const Pee
   for (int y = 0; y < tof.height; ++y)
     for (int x = 0; x < tof.width; ++x)
       if (const float z_m = in.tof_z_m.row(y)[x]; z_m > 0) z.at<float>(y, x) = z_m;
-  const Eigen::Matrix4d pose = [&] {
-    Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-    m.topLeftCorner<3, 3>() = setup.target_from_tof.rotation.toRotationMatrix();
-    m.topRightCorner<3, 1>() = setup.target_from_tof.translation_m;
-    return m;
-  }();
-  cv::Mat rt;
-  cv::eigen2cv(pose, rt);
+  cv::Matx44d rt = cv::Matx44d::eye();
+  const Eigen::Matrix3d rotation = setup.target_from_tof.rotation.toRotationMatrix();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) rt(i, j) = rotation(i, j);
+    rt(i, 3) = setup.target_from_tof.translation_m[i];
+  }
   cv::Mat registered;
   cv::rgbd::registerDepth(matrix_of(setup.tof), matrix_of(session::resized(setup.view, size)),
                           cv::Mat(), rt, z, plane, registered, dilated);
