@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <limits>
 
 #include <fmt/format.h>
-#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd/depth.hpp>
 #include <opencv2/video/background_segm.hpp>
@@ -53,14 +54,12 @@ void register_depth(const PeerSetup& setup, int divisor, bool dilated, const Pee
   for (int y = 0; y < tof.height; ++y)
     for (int x = 0; x < tof.width; ++x)
       if (const float z_m = in.tof_z_m.row(y)[x]; z_m > 0) z.at<float>(y, x) = z_m;
-  const Eigen::Matrix4d pose = [&] {
-    Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-    m.topLeftCorner<3, 3>() = setup.target_from_tof.rotation.toRotationMatrix();
-    m.topRightCorner<3, 1>() = setup.target_from_tof.translation_m;
-    return m;
-  }();
-  cv::Mat rt;
-  cv::eigen2cv(pose, rt);
+  cv::Matx44d rt = cv::Matx44d::eye();
+  const Eigen::Matrix3d rotation = setup.target_from_tof.rotation.toRotationMatrix();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) rt(i, j) = rotation(i, j);
+    rt(i, 3) = setup.target_from_tof.translation_m[i];
+  }
   cv::Mat registered;
   cv::rgbd::registerDepth(matrix_of(setup.tof), matrix_of(session::resized(setup.view, size)),
                           cv::Mat(), rt, z, plane, registered, dilated);
@@ -76,7 +75,7 @@ std::vector<Peer> warp_peers(const PeerSetup& setup) {
     for (const bool dilated : {false, true})
       peers.push_back({fmt::format("rgbd::registerDepth{}{}", dilated ? ", dilated" : "",
                                    divisor > 1 ? fmt::format(", 1/{} size", divisor) : ""),
-                       dilated && divisor == 2, [=](const PeerInput& in, PeerOutput& out) {
+                       false, [=](const PeerInput& in, PeerOutput& out) {
                          register_depth(setup, divisor, dilated, in, out);
                        }});
   return peers;
@@ -139,18 +138,18 @@ void solve_depth(double space_px, double luma, double lambda, const PeerInput& i
   copy_known(solved, out.depth_m);
 }
 
-void add_filter(std::vector<Peer>& peers, std::string name, bool best, Filter filter) {
+void add_filter(std::vector<Peer>& peers, std::string name, Filter filter) {
   peers.push_back(
-      {std::move(name), best, [filter = std::move(filter)](const PeerInput& in, PeerOutput& out) {
+      {std::move(name), false, [filter = std::move(filter)](const PeerInput& in, PeerOutput& out) {
          filter_depth(filter, in, out);
        }});
 }
 
 void add_bilateral(std::vector<Peer>& peers) {
-  for (const int d : {5, 11, 21})
-    for (const double color : {8.0, 20.0, 50.0})
+  for (const int d : {3, 5, 11, 21})
+    for (const double color : {4.0, 8.0, 20.0, 50.0})
       add_filter(peers, fmt::format("ximgproc::jointBilateralFilter d {} color {}", d, color),
-                 false, [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
+                 [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
                    cv::Mat joint;
                    guide.convertTo(joint, CV_32F);
                    cv::ximgproc::jointBilateralFilter(joint, source, filtered, d, color, d / 2.0);
@@ -158,29 +157,29 @@ void add_bilateral(std::vector<Peer>& peers) {
 }
 
 void add_guided(std::vector<Peer>& peers) {
-  for (const int radius : {2, 4, 8, 16})
-    for (const double eps : {6.5, 65.0, 650.0})
-      add_filter(peers, fmt::format("ximgproc::guidedFilter r {} eps {}", radius, eps), false,
+  for (const int radius : {1, 2, 4, 8})
+    for (const double eps : {0.65, 6.5, 65.0})
+      add_filter(peers, fmt::format("ximgproc::guidedFilter r {} eps {}", radius, eps),
                  [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
                    cv::ximgproc::guidedFilter(guide, source, filtered, radius, eps);
                  });
 }
 
 void add_global(std::vector<Peer>& peers) {
-  for (const double lambda : {5.0, 50.0, 500.0})
-    for (const double color : {4.0, 8.0, 16.0})
+  for (const double lambda : {1.0, 5.0, 50.0})
+    for (const double color : {2.0, 4.0, 8.0})
       add_filter(
           peers,
           fmt::format("ximgproc::fastGlobalSmootherFilter lambda {} color {}", lambda, color),
-          false, [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
+          [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
             cv::ximgproc::fastGlobalSmootherFilter(guide, source, filtered, lambda, color);
           });
 }
 
 void add_domain(std::vector<Peer>& peers) {
-  for (const double space : {4.0, 10.0, 30.0})
-    for (const double color : {8.0, 20.0, 50.0})
-      add_filter(peers, fmt::format("ximgproc::dtFilter RF space {} color {}", space, color), false,
+  for (const double space : {2.0, 4.0, 10.0})
+    for (const double color : {4.0, 8.0, 20.0})
+      add_filter(peers, fmt::format("ximgproc::dtFilter RF space {} color {}", space, color),
                  [=](const cv::Mat& guide, const cv::Mat& source, cv::Mat& filtered) {
                    cv::ximgproc::dtFilter(guide, source, filtered, space, color,
                                           cv::ximgproc::DTF_RF);
@@ -188,9 +187,9 @@ void add_domain(std::vector<Peer>& peers) {
 }
 
 void add_solver(std::vector<Peer>& peers) {
-  for (const double space : {4.0, 8.0, 16.0})
-    for (const double luma : {4.0, 8.0, 16.0})
-      for (const double lambda : {8.0, 128.0})
+  for (const double space : {4.0, 8.0})
+    for (const double luma : {2.0, 4.0, 8.0})
+      for (const double lambda : {1.0, 8.0})
         peers.push_back(
             {fmt::format("ximgproc::fastBilateralSolverFilter space {} luma {} lambda {}", space,
                          luma, lambda),
@@ -218,8 +217,7 @@ std::vector<Peer> key_peers(const PeerSetup& setup) {
           static_cast<int>(std::max<std::size_t>(setup.empty_plates.size(), 1)), threshold, true);
       cv::Mat mask;
       for (const Image<Rgb8>& plate : setup.empty_plates) model->apply(bgr_of(plate), mask);
-      peers.push_back({fmt::format("MOG2 threshold {} median {}", threshold, median_px),
-                       threshold == 16 && median_px == 5,
+      peers.push_back({fmt::format("MOG2 threshold {} median {}", threshold, median_px), false,
                        [=](const PeerInput& in, PeerOutput& out) {
                          cv::Mat people;
                          model->apply(bgr_of(in.plate), people, 0);
@@ -233,16 +231,37 @@ std::vector<Peer> key_peers(const PeerSetup& setup) {
   return peers;
 }
 
+/// Best of their grids (docs/bench.md): in a suite of the studio on walk 7, of pairs on the three.
+bool is_best(const std::string& suite, const std::string& name) {
+  constexpr std::array kStudio{"rgbd::registerDepth, dilated, 1/2 size",
+                               "MOG2 threshold 16 median 5",
+                               "ximgproc::jointBilateralFilter d 5 color 8",
+                               "ximgproc::guidedFilter r 2 eps 6.5",
+                               "ximgproc::fastGlobalSmootherFilter lambda 5 color 4",
+                               "ximgproc::dtFilter RF space 4 color 8",
+                               "ximgproc::fastBilateralSolverFilter space 4 luma 4 lambda 8"};
+  constexpr std::array kPairs{"ximgproc::jointBilateralFilter d 5 color 8",
+                              "ximgproc::guidedFilter r 2 eps 6.5",
+                              "ximgproc::fastGlobalSmootherFilter lambda 5 color 4",
+                              "ximgproc::dtFilter RF space 4 color 8"};
+  const auto has = [&](const auto& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return suite == "pairs" ? has(kPairs) : has(kStudio);
+}
+
 }  // namespace
 
 bool has_peers() { return true; }
 
 std::vector<Peer> peers_of(const std::string& suite, const PeerSetup& setup) {
   cv::setNumThreads(1);
-  if (suite == "warp") return warp_peers(setup);
-  if (suite == "refine") return refine_peers();
-  if (suite == "key") return key_peers(setup);
-  return {};
+  std::vector<Peer> peers;
+  if (suite == "warp") peers = warp_peers(setup);
+  if (suite == "refine" || suite == "pairs") peers = refine_peers();
+  if (suite == "key") peers = key_peers(setup);
+  for (Peer& peer : peers) peer.best = is_best(suite, peer.name);
+  return peers;
 }
 
 }  // namespace mixrig::bench

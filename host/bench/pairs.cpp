@@ -145,7 +145,7 @@ Result<Row> run_method(const Pair& pair, const Method& method, bool peer, int ti
 std::vector<Method> peer_methods(const Pair& pair, const Image<float>& blurred, bool grid) {
   std::vector<Method> methods;
   const SystemClock clock;
-  for (const Peer& peer : peers_of("refine", {}))
+  for (const Peer& peer : peers_of("pairs", {}))
     if (grid || peer.best)
       methods.emplace_back(peer.name, [&pair, &blurred, peer, clock](Image<float>& found) {
         PeerOutput out;

@@ -42,8 +42,8 @@ struct PeerSetup {
 /// Whether this build has any.
 bool has_peers();
 
-/// Those of a suite ("warp", "refine", "key"; of others none), at every setting of the grid. One
-/// thread each.
+/// Those of a suite ("warp", "refine", "key", and "pairs", which is refine's; of others none), at
+/// every setting of the grid. One thread each.
 std::vector<Peer> peers_of(const std::string& suite, const PeerSetup& setup);
 
 /// Adds the peers of a suite, each at its best setting, or with `grid` at all. Errors: those of
