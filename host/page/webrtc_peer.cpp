@@ -113,6 +113,8 @@ void on_connection(GstElement* peer, GParamSpec*, gpointer data) {
   g_object_get(peer, "connection-state", &state, nullptr);
   if (state == GST_WEBRTC_PEER_CONNECTION_STATE_FAILED)
     static_cast<Call*>(data)->listener->fail("the browser cannot be reached");
+  if (state == GST_WEBRTC_PEER_CONNECTION_STATE_CLOSED)
+    static_cast<Call*>(data)->listener->fail("the browser has ended it");
 }
 
 /// One address, UDP alone.

@@ -63,9 +63,7 @@ void WebrtcSocket::begin(Result<std::shared_ptr<WebrtcPeer>> made) {
   taker_ = hub_.pictures->add_taker(
       view_, [self = weak(), peer = peer_, outlet = hub_.outlet, &clock = hub_.clock](
                  ImageView<const Rgb8> picture, int frame, HostTime mid_exposure) {
-        const auto rtp = peer->put(picture, clock.now());
-        if (!rtp) return;
-        outlet->post([self, frame, mid_exposure, rtp = *rtp] {
+        outlet->post([self, frame, mid_exposure, rtp = peer->put(picture, clock.now())] {
           if (const auto socket = self.lock()) socket->tell_picture(frame, mid_exposure, rtp);
         });
       });
@@ -102,11 +100,13 @@ void WebrtcSocket::refuse(const std::string& why) {
   send(event({{"action", "refused"}, {"error", why}}));
 }
 
-void WebrtcSocket::tell_picture(int frame, HostTime mid_exposure, std::uint32_t rtp) {
+void WebrtcSocket::tell_picture(int frame, HostTime mid_exposure,
+                                std::optional<std::uint32_t> rtp) {
   if (ended_) return;
+  if (!rtp) return told(Error{ErrorCode::kIo, "WebRTC: the browser takes no more pictures"});
   send(fmt::format(R"({{"type":"event","data":{{"action":"picture","frame":{},)"
                    R"("captured_ms":{:.3f},"rtp":{}}}}})",
-                   frame, milliseconds(mid_exposure.time_since_epoch()), rtp));
+                   frame, milliseconds(mid_exposure.time_since_epoch()), *rtp));
 }
 
 void WebrtcSocket::end() {

@@ -31,7 +31,7 @@ class WebrtcSocket final : public TextSocket {
   void begin(Result<std::shared_ptr<WebrtcPeer>> made);
   void told(Result<std::string> offer);
   void refuse(const std::string& why);
-  void tell_picture(int frame, HostTime mid_exposure, std::uint32_t rtp);
+  void tell_picture(int frame, HostTime mid_exposure, std::optional<std::uint32_t> rtp);
   std::weak_ptr<WebrtcSocket> weak() {
     return std::static_pointer_cast<WebrtcSocket>(shared_from_this());
   }

@@ -55,11 +55,12 @@ def comes_by_webrtc(page, rig):
 def falls_back_to_mjpeg(page):
     """Where no more pictures come by WebRTC, and in a browser that has none."""
     def by_mjpeg(why):
-        comes_true(why, lambda: comes_by(page) == "MJPEG" and why in by_id(page, "age").get_attribute("title"))
+        comes_true(f"MJPEG: {why}", lambda: comes_by(page) == "MJPEG" and re.search(
+            why, by_id(page, "age").get_attribute("title")))
         before = int(by_id(page, "canvas").get_attribute("data-frame") or 0)
         comes_true("pictures go on", lambda: int(by_id(page, "canvas").get_attribute("data-frame") or 0) > before + 3)
     page.execute_script("Picture.webrtc.peer.close()")
-    by_mjpeg("no picture comes by it")
+    by_mjpeg("no WebRTC: .")  # who notices first says why
     without = page.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.RTCPeerConnection"})
     page.refresh()
     by_mjpeg("this browser has no WebRTC")
