@@ -190,15 +190,6 @@ def removes(page, button):
     page.switch_to.alert.accept()
 
 
-def brightness(page):
-    return page.execute_script(
-        "if (!Picture.frame) return 0;"
-        "const c = document.getElementById('canvas');"
-        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-        "let sum = 0; for (let i = 0; i < d.length; i += 4) sum += d[i] + d[i + 1] + d[i + 2];"
-        "return 4 * sum / 3 / d.length")
-
-
 def edge_strength(page):
     return page.execute_script(
         "const c = document.getElementById('canvas');"

@@ -220,7 +220,7 @@ VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
   return {n.x * scale, n.y * scale, n.z * scale};
 }
 
-/// A row of a tile; precondition: at least one pixel.
+/// A row of a tile, from out[0] on; precondition: at least one pixel.
 void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out,
                const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
@@ -233,7 +233,7 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
                           unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
     const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at, people);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
-      out[x + i] = depth[i] > 0 ? to_fixed(ratio[i]) : kLit;
+      out[x - x0 + i] = depth[i] > 0 ? to_fixed(ratio[i]) : kLit;
   }
 }
 
@@ -246,7 +246,7 @@ void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>&
       lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, near_m, far_m);
   if (maybe == 0 && input.maps.size() <= kLampBits) return;
   for (int y = rect.y0; y < rect.y1; ++y)
-    light_row(input, maybe, y, rect.x0, rect.x1, light.row(y));
+    light_row(input, maybe, y, rect.x0, rect.x1, light.row(y) + rect.x0);
 }
 
 /// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.
@@ -379,8 +379,7 @@ void light_tile_past_people(const LightInput& input, const Rect& rect,
   const LampSet maybe = lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m);
   std::array<std::uint16_t, kTileWidth> row;
   for (int y = rect.y0; y < rect.y1; ++y) {
-    // Rows are written from x0 on.
-    light_row(input, maybe, y, rect.x0, rect.x1, row.data() - rect.x0, &people);
+    light_row(input, maybe, y, rect.x0, rect.x1, row.data(), &people);
     for (int x = rect.x0; x < rect.x1; ++x)
       if (matte.row(y)[x] < kPersonByte)
         light.visible.row(y)[x] = row[static_cast<std::size_t>(x - rect.x0)];

@@ -10,7 +10,6 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBandRows = 16;
-constexpr float kSampleTurn = kSampleTurnPx * kVirtualSamples;  // in samples
 
 SampleGrid sample_grid(const PinholeParams& view, const Rect& rect) {
   // Sample i of an axis lies at pixel (i - 0.5) / 2.

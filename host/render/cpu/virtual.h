@@ -12,6 +12,8 @@
 
 namespace mixrig::render::cpu {
 
+inline constexpr float kSampleTurn = kSampleTurnPx * kVirtualSamples;  ///< in samples
+
 /// Gloss of a pixel, 255 = 1.
 struct GlossBytes {
   std::uint8_t metallic = 0, roughness = 0, specular = 0, unused = 0;

@@ -14,9 +14,8 @@ namespace {
 constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
 static_assert(kPixelSamples == 4, "the samples of a pixel fill an F4");
 /// Where the samples of a pixel lie, in samples from the first of a grid that is not turned.
-constexpr float kTurn = kSampleTurnPx * kVirtualSamples;
-constexpr F4 kColumn = {kTurn, 1 + kTurn, -kTurn, 1 - kTurn};
-constexpr F4 kRow = {-kTurn, kTurn, 1 - kTurn, 1 + kTurn};
+constexpr F4 kColumn = {kSampleTurn, 1 + kSampleTurn, -kSampleTurn, 1 - kSampleTurn};
+constexpr F4 kRow = {-kSampleTurn, kSampleTurn, 1 - kSampleTurn, 1 + kSampleTurn};
 
 F4 sqrt4(F4 f) {
   for (int i = 0; i < 4; ++i) f[i] = std::sqrt(f[i]);

@@ -111,9 +111,9 @@ TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
   // 1 m below the camera, from 5 m behind to 5 m before it, seen from above.
   const DrawnObjects d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
   for (int y = 0; y < 32; ++y) {
-    const float expected = (static_cast<float>(y) - 15.5F) / 32;  // w at 1 m below
-    // The nearest sample lies 0.375 px below the middle.
-    EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 0.0125F) << y;
+    // w at 1 m below, of the nearest sample: it lies 0.375 px below the middle.
+    const float expected = (static_cast<float>(y) + 0.375F - 15.5F) / 32;
+    EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 1e-5F) << y;
   }
 }
 
