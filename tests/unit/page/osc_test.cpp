@@ -154,8 +154,9 @@ TEST_F(OscServer, AButtonActsAndTheStateIsToldBack) {
   recording.recording.on = true, recording.recording.name = "shot 1";
   run_.set(recording);
   EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/take").arguments[0]), "shot 1");
-  two.send(stream::OscMessage("/mixrig/state").bytes());
   EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/tally").arguments[0]), "record");
+  two.send(stream::OscMessage("/mixrig/state").bytes());
+  EXPECT_EQ(std::get<double>(two.next_of("/mixrig/freeze").arguments.at(0)), 0) << "told anew";
   controls_.frozen = true;  // by a key of the viewfinder
   EXPECT_EQ(std::get<double>(two.next_of("/mixrig/freeze").arguments.at(0)), 1);
 }
