@@ -4,6 +4,7 @@
 // tiles (He, Sun and Tang 2010).
 //   counts, with_p, squares, products  of key_tiles.frag
 //   line    a, b
+//   people  mean of p, and of p c
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D counts;
@@ -11,10 +12,11 @@ layout(binding = 1) uniform sampler2D with_p;
 layout(binding = 2) uniform sampler2D squares;
 layout(binding = 3) uniform sampler2D products;
 layout(location = 0) out vec4 line;
+layout(location = 1) out vec4 people;
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(counts, 0) - 1;
-  line = vec4(0);
+  line = people = vec4(0);
   if (texelFetch(counts, at, 0).x == 0.0) return;
   vec4 n = vec4(0), p = vec4(0), s = vec4(0), t = vec4(0);
   ivec2 from = max(at - matte_window_tiles, 0), to = min(at + matte_window_tiles, last);
@@ -36,4 +38,5 @@ void main() {
   vec3 w = vec3(u.z, v.z, rr * gg - rg * rg);
   vec3 a = (cov_p.r * u + cov_p.g * v + cov_p.b * w) / (rr * u.x + rg * u.y + rb * u.z);
   line = vec4(a, share - dot(a, mean));
+  people = vec4(share, scale * p.yzw);
 }

@@ -4,13 +4,16 @@
 //   voted, band  of key_decide.frag and key_fill.frag, and of key_band.frag
 //   state, counts  of key_state.frag and key_speckles.frag
 //   plate        linear light
-//   line         of key_lines.frag, bilinear over the centres of tiles
+//   line, people of key_lines.frag, bilinear over the centres of tiles
+//   learned      background colour, linear, red negative where unknown
 //   w            1/m, sign aside; 0 unknown
 //   matte        people, 0..1
 //   visible_w    of the visible real surface, 1/m, 0 unknown
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
+#include "common/color.glsl"
+#include "common/tone.glsl"
 layout(binding = 0) uniform sampler2D voted;
 layout(binding = 1) uniform sampler2D band;
 layout(binding = 2) uniform sampler2D state;
@@ -18,24 +21,46 @@ layout(binding = 3) uniform sampler2D counts;
 layout(binding = 4) uniform sampler2D plate;
 layout(binding = 5) uniform sampler2D line;
 layout(binding = 6) uniform sampler2D w;
-uniform bool refine;
+layout(binding = 7) uniform sampler2D people;
+layout(binding = 8) uniform sampler2D learned;
+uniform bool refine, has_learned;
 uniform int tile_px;
 uniform vec2 parallax_px_m;
 layout(location = 0) out float matte;
 layout(location = 1) out float visible_w;
 
-vec4 line_at(ivec2 at) {
+vec4 of_tiles(sampler2D tiles, ivec2 at) {
   vec2 uv = max((vec2(at) + 0.5) / float(tile_px) - 0.5, 0.0);
-  ivec2 i = ivec2(uv), j = min(i + 1, textureSize(line, 0) - 1);
+  ivec2 i = ivec2(uv), j = min(i + 1, textureSize(tiles, 0) - 1);
   vec2 f = uv - vec2(i);
-  vec4 above = mix(texelFetch(line, i, 0), texelFetch(line, ivec2(j.x, i.y), 0), f.x);
-  vec4 below = mix(texelFetch(line, ivec2(i.x, j.y), 0), texelFetch(line, j, 0), f.x);
+  vec4 above = mix(texelFetch(tiles, i, 0), texelFetch(tiles, ivec2(j.x, i.y), 0), f.x);
+  vec4 below = mix(texelFetch(tiles, ivec2(i.x, j.y), 0), texelFetch(tiles, j, 0), f.x);
   return mix(above, below, f.y);
 }
 
+// The share of people by the line, mixed with that by both colours, by how sure that is.
+float share_of_colors(ivec2 at, vec3 p, float share) {
+  vec4 around = of_tiles(people, at);
+  vec3 known = texelFetch(learned, at, 0).rgb;
+  if (known.r < 0.0 || around.x < share_least) return share;
+  vec3 b = min(shown_now(known), 1.0), root = around.yzw / around.x, f = root * root;
+  vec3 apart = f - b, off = p - b;
+  float by_colors = dot(off, apart) / max(dot(apart, apart), 1e-6);
+  vec3 rest = off - by_colors * apart;
+  float shade = clamp(dot(f, b) / max(dot(b, b), 1e-8), share_shadow, 1.0);
+  vec3 unlike = f - shade * b;
+  float sigma = share_noise + share_part * luminance(p), sigma2 = sigma * sigma;
+  float unlike2 = dot(unlike, unlike);
+  float sure = unlike2 / (unlike2 + share_apart * share_apart * sigma2) * sigma2 /
+               (sigma2 + dot(rest, rest)) * max(4.0 * share * (1.0 - share), 0.0);
+  return share + sure * (clamp(by_colors, 0.0, 1.0) - share);
+}
+
 float refined(ivec2 at) {
-  vec4 l = line_at(at);
-  float share = dot(l.rgb, sqrt(texelFetch(plate, at, 0).rgb)) + l.a;
+  vec4 l = of_tiles(line, at);
+  vec3 p = texelFetch(plate, at, 0).rgb;
+  float share = dot(l.rgb, sqrt(p)) + l.a;
+  if (has_learned) share = share_of_colors(at, p, share);
   return floor(255.0 * clamp(0.5 + matte_gain * (share - 0.5), 0.0, 1.0) + 0.5) / 255.0;
 }
 

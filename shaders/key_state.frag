@@ -40,7 +40,8 @@ void main() {
   float limit = by_volume ? volume_limit_w(ray_of(at)) : texelFetch(limit_w, at, 0).r;
   int s = unknown;
   bool learned = limit > 0.0 && limit < no_limit_w;
-  if (measured > 0.0) s = measured > abs(limit) ? foreground : learned ? background : doubt;
+  bool is_behind = measured < -behind_hole * limit;
+  if (measured > 0.0) s = measured > abs(limit) ? foreground : learned || is_behind ? background : doubt;
   if (crop && s >= foreground && outside_box(at, measured)) s = background;
   state = float(s) / 255.0;
 }

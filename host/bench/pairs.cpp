@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "hal/base/clock.h"
-#include "host/bench/color_upsample.h"
 #include "host/bench/peers.h"
 #include "host/image_io/image_io.h"
+#include "host/measure/srgb.h"
+#include "host/render/room_edges.h"
 
 namespace mixrig::bench {
 namespace {
@@ -61,6 +62,19 @@ Image<float> bilinear(const Image<float>& low, Size size) {
         if (d > 0) sum += weight * d, weights += weight;
       }
       out.row(y)[x] = weights > 0 ? sum / weights : 0;
+    }
+  return out;
+}
+
+Image<Rgbf> linear_light(const Image<Rgb8>& color) {
+  std::array<float, 256> linear;
+  for (int i = 0; i < 256; ++i)
+    linear[static_cast<std::size_t>(i)] = measure::linear_of(static_cast<std::uint8_t>(i));
+  Image<Rgbf> out(color.size());
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      const Rgb8 c = color.row(y)[x];
+      out.row(y)[x] = {linear[c.r], linear[c.g], linear[c.b]};
     }
   return out;
 }
@@ -182,6 +196,21 @@ Image<float> decimated(const Image<float>& values, int factor) {
   return low;
 }
 
+Image<float> sides_by_color(const Image<float>& low, const Image<Rgb8>& color) {
+  // Of depth, with 1 / disparity as unit: the surfaces and their order are the same.
+  Image<float> depth(color.size());
+  const auto sample = [&](int x, int y) {
+    return low.row(std::min(y / kFactor, low.height() - 1))[std::min(x / kFactor, low.width() - 1)];
+  };
+  const auto inverse = [](float v) { return v > 0 ? 1 / v : 0; };
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x) depth.row(y)[x] = inverse(sample(x, y));
+  Image<float> found = render::depth_at_color_edges({depth, {}, linear_light(color), {}}, kFactor);
+  for (int y = 0; y < found.height(); ++y)
+    std::transform(found.row(y), found.row(y) + found.width(), found.row(y), inverse);
+  return found;
+}
+
 Result<Suite> run_pairs(const std::filesystem::path& folder, bool grid, bool quick,
                         const session::ProgressFn& progress) {
   MIXRIG_ASSIGN(const std::vector<Pair> pairs, read_pairs(folder));
@@ -204,7 +233,7 @@ Result<Suite> run_pairs(const std::filesystem::path& folder, bool grid, bool qui
         {"correct and warp", [&](Image<float>& found) { return warped.run(pair, found); }},
         {"side by colour", [&](Image<float>& found) {
            const HostTime begin = clock.now();
-           upsample_by_color(low, pair.color, kFactor, 0.03F, found);
+           found = sides_by_color(low, pair.color);
            return Result<float>(static_cast<float>(milliseconds(clock.now() - begin)));
          }}};
     for (const Method& method : ours) {

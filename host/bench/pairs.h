@@ -28,9 +28,13 @@ Result<std::vector<Pair>> read_pairs(const std::filesystem::path& folder);
 /// Every `factor`-th value, from the middle of the blocks.
 Image<float> decimated(const Image<float>& values, int factor);
 
+/// `low`, decimated by 8, made as large as `color` by render::depth_at_color_edges: what the
+/// compositor does to the learned depth of a room.
+Image<float> sides_by_color(const Image<float>& low, const Image<Rgb8>& color);
+
 /// A row for each pair and method: ms of one thread, rms_px, mae_px and wrong_pct (unknown or off
 /// by more than 3 px) over the pixels with a true disparity. Ours are the compositor's passes
-/// correct and warp, and upsample_by_color(). Errors: of reading, of the compositor.
+/// correct and warp, and sides_by_color(). Errors: of reading, of the compositor.
 Result<Suite> run_pairs(const std::filesystem::path& folder, bool grid, bool quick,
                         const session::ProgressFn& progress);
 

@@ -66,6 +66,7 @@ inline constexpr int kNearBlocks = 3;
 /// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
 /// a few pixels there.
 inline constexpr int kBandBlocks = 1;
+inline constexpr int kBandBlockCount = 9;
 /// Depth of people's pixels that have none of their own: foreground is looked for so far along rows
 /// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
 /// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.
@@ -78,6 +79,9 @@ inline constexpr float kNoLimitW = 1e30F;
 /// Of a camera that stands still: what is nearer than the background around such a place, by this
 /// factor of its limit, is foreground all the same (a mirror, glass, black things).
 inline constexpr float kHolePart = 1.1F;
+/// And what is farther than it by this factor of that limit is background: who is seen in a mirror
+/// is no person there.
+inline constexpr float kBehindHole = 0.85F;
 
 // --- key: colour votes, in log odds
 /// Least standard deviation of a linear colour: camera noise in the dark...
@@ -125,6 +129,18 @@ inline constexpr int kMatteWindowTiles = 2;
 inline constexpr float kMatteSpread2 = 2e-4F;
 /// The line is made steeper around one half: least squares leave a veil on both sides of a border.
 inline constexpr float kMatteGain = 1.25F;
+
+// --- key: the matte by both colours, where people's and background's differ enough
+/// Standard deviation of a pixel about its share of two colours: noise, and part of the luminance.
+inline constexpr float kShareNoise = 0.01F;
+inline constexpr float kSharePart = 0.1F;
+/// The share counts by half where the colours are as many deviations apart.
+inline constexpr float kShareApart = 4.0F;
+/// Background that is darker by no more than this may be in the shadow of people, and tells no
+/// share: of people's colour counts what it differs from the most alike of these.
+inline constexpr float kShareShadow = 0.4F;
+/// Least part of a window that people fill.
+inline constexpr float kShareLeast = 0.02F;
 
 // --- light
 /// Side of a tile in pixels: people's light is found once a tile, no ToF camera sees finer.

@@ -9,6 +9,7 @@
 #include "host/render/cpu/simd.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/passes.h"
+#include "host/render/tone_curve.h"
 
 namespace mixrig::render::cpu {
 
@@ -23,6 +24,19 @@ inline FloatLanes luminance(const ColorLanes& c) {
 }
 inline FloatLanes dot(const ColorLanes& a, const ColorLanes& b) {
   return a.r * b.r + a.g * b.g + a.b * b.b;
+}
+
+/// Learned light as the camera shows it now, as far as white.
+inline ColorLanes shown_now(const ToneCurve& tone, const ColorLanes& learned) {
+  constexpr FloatLanes kOne = FloatLanes{} + 1;
+  if (!tone.bends)
+    return {min(tone.gain.r * learned.r, kOne), min(tone.gain.g * learned.g, kOne),
+            min(tone.gain.b * learned.b, kOne)};
+  const auto least = [](FloatLanes a, FloatLanes b) { return min(a, b); };
+  const auto most = [](FloatLanes a, FloatLanes b) { return max(a, b); };
+  return {min(tone.at(learned.r, 0, least, most), kOne),
+          min(tone.at(learned.g, 1, least, most), kOne),
+          min(tone.at(learned.b, 2, least, most), kOne)};
 }
 
 /// Calls read(pixels) with the kLanes pixels from x on; beyond the row's ends those at its ends.

@@ -21,7 +21,8 @@ void classify_row(const float* w, const float* limit_w, int width, std::uint8_t*
   for (int x = 0; x < width; ++x) {
     const float limit = limit_w[x];
     const bool known = w[x] > 0, learned = (limit > 0) & (limit < kNoLimitW);
-    const std::uint8_t behind = learned ? kBackground : kDoubt;
+    const bool is_behind = learned | (w[x] < -kBehindHole * limit);
+    const std::uint8_t behind = is_behind ? kBackground : kDoubt;
     const std::uint8_t measured = w[x] > std::abs(limit) ? kForeground : behind;
     state[x] = known ? measured : kUnknown;
   }
@@ -168,7 +169,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
                [&](int b0, int b1) { votes.decide(input, b0, b1, by, scratch, matte); });
   });
   if (input.params.color && input.params.refine)
-    refine(crew, input.plate, scratch.planes, scratch.refine, matte);
+    refine(crew, input, scratch.planes, scratch.refine, matte);
   each_decided([&](int bx, int by) { fill_depth(input, scratch, bx, by, matte, view_w); });
   each_decided([&](int bx, int by) { drop_depth(scratch, bx, by, matte, view_w); });
 }

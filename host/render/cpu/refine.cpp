@@ -6,14 +6,14 @@
 #include <cmath>
 
 #include "host/render/cpu/color_lanes.h"
-#include "host/render/cpu/key_blocks.h"
+#include "host/render/cpu/key.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
 using SumLanes = std::array<FloatLanes, RefineScratch::kSums>;
-using LineLanes = std::array<FloatLanes, 4>;
+using LineLanes = std::array<FloatLanes, RefineScratch::kLine>;
 
 ColorLanes guide(const Rgbx16* row, int x, int width) {
   const ColorLanes c = color_lanes(row, x, width);
@@ -63,7 +63,7 @@ SumLanes sum_windows(const RefineScratch& scratch, int x, int y) {
   return s;
 }
 
-/// a = (cov(c, c) + kMatteSpread2)^-1 cov(c, p), by cofactors.
+/// Line and means of windows: a = (cov(c, c) + kMatteSpread2)^-1 cov(c, p), by cofactors.
 LineLanes fit(const SumLanes& s) {
   const FloatLanes n = 1 / s[0], p = s[1] * n;
   const ColorLanes mean{n * s[2], n * s[3], n * s[4]};
@@ -80,7 +80,7 @@ LineLanes fit(const SumLanes& s) {
   const ColorLanes a{over * (with_p.r * u.r + with_p.g * v.r + with_p.b * w.r),
                      over * (with_p.r * u.g + with_p.g * v.g + with_p.b * w.g),
                      over * (with_p.r * u.b + with_p.g * v.b + with_p.b * w.b)};
-  return {a.r, a.g, a.b, p - dot(a, mean)};
+  return {a.r, a.g, a.b, p - dot(a, mean), p, n * s[5], n * s[6], n * s[7]};
 }
 
 void fit_tiles(int x, int y, RefineScratch& scratch) {
@@ -91,7 +91,7 @@ void fit_tiles(int x, int y, RefineScratch& scratch) {
 
 /// Lines beyond the picture are those at its border.
 void end_lines(int y, RefineScratch& scratch) {
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < RefineScratch::kLine; ++k) {
     float* row = scratch.lines.at(k, 0, y);
     row[-1] = row[0], row[scratch.tiles.width] = row[scratch.tiles.width - 1];
   }
@@ -123,7 +123,7 @@ LineLanes lines_at(const RefineScratch& s, int x, int y) {
   const float part = v - static_cast<float>(j);
   const int first = x / kTilePx - (kTilePx > 1 ? 1 : 0);
   LineLanes line;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < RefineScratch::kLine; ++k) {
     const auto above = load<FloatLanes>(s.lines.at(k, first, j));
     const auto below = load<FloatLanes>(s.lines.at(k, first, j1));
     FloatLanes& at = line[static_cast<std::size_t>(k)];
@@ -133,13 +133,40 @@ LineLanes lines_at(const RefineScratch& s, int x, int y) {
   return line;
 }
 
+/// The share of people by the line, mixed with that by both colours, by how sure that is.
+FloatLanes share_of_colors(const KeyInput& input, const LineLanes& line, FloatLanes share, int x,
+                           int y) {
+  constexpr FloatLanes kNone{}, kAll = kNone + 1;
+  const int width = input.tables.view_size.width;
+  const ColorLanes p = color_lanes(input.plate.row(y), x, width);
+  const ColorLanes learned = color_lanes(input.background.color.row(y), x, width);
+  const ColorLanes b = shown_now(input.tone, learned);
+  const FloatLanes over = 1 / max(line[4], kNone + kShareLeast);
+  const ColorLanes root{line[5] * over, line[6] * over, line[7] * over};
+  const ColorLanes f{root.r * root.r, root.g * root.g, root.b * root.b};
+  const ColorLanes apart{f.r - b.r, f.g - b.g, f.b - b.b}, off{p.r - b.r, p.g - b.g, p.b - b.b};
+  const FloatLanes by_colors = dot(off, apart) / max(dot(apart, apart), kNone + 1e-6F);
+  const ColorLanes rest{off.r - by_colors * apart.r, off.g - by_colors * apart.g,
+                        off.b - by_colors * apart.b};
+  const FloatLanes shade =
+      min(max(dot(f, b) / max(dot(b, b), kNone + 1e-8F), kNone + kShareShadow), kAll);
+  const ColorLanes unlike{f.r - shade * b.r, f.g - shade * b.g, f.b - shade * b.b};
+  const FloatLanes sigma = kShareNoise + kSharePart * luminance(p), sigma2 = sigma * sigma;
+  const FloatLanes unlike2 = dot(unlike, unlike);
+  FloatLanes sure = unlike2 / (unlike2 + kShareApart * kShareApart * sigma2);
+  sure *= sigma2 / (sigma2 + dot(rest, rest)) * max(4 * share * (1 - share), kNone);
+  sure = (learned.r < 0) | (line[4] < kShareLeast) ? kNone : sure;
+  return share + sure * (min(max(by_colors, kNone), kAll) - share);
+}
+
 template <int kTilePx>
-void refine_row(const Image<Rgbx16>& plate, const RefineScratch& scratch, int x0, int x1, int y,
+void refine_row(const KeyInput& input, const RefineScratch& scratch, int x0, int x1, int y,
                 Image<std::uint8_t>& matte) {
   for (int x = x0; x < x1; x += kLanes) {
     const LineLanes line = lines_at<kTilePx>(scratch, x, y);
-    const ColorLanes c = guide(plate.row(y), x, matte.width());
-    const FloatLanes share = line[0] * c.r + line[1] * c.g + line[2] * c.b + line[3];
+    const ColorLanes c = guide(input.plate.row(y), x, matte.width());
+    FloatLanes share = line[0] * c.r + line[1] * c.g + line[2] * c.b + line[3];
+    if (input.learned()) share = share_of_colors(input, line, share, x, y);
     const FloatLanes none{}, all = none + 1;
     const FloatLanes steep = min(max(0.5F + kMatteGain * (share - 0.5F), none), all);
     const ByteLanes bytes = to_bytes(truncate(255 * steep + 0.5F));
@@ -148,7 +175,7 @@ void refine_row(const Image<Rgbx16>& plate, const RefineScratch& scratch, int x0
 }
 
 template <int kTilePx>
-void refine_by_tiles(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
+void refine_by_tiles(Crew& crew, const KeyInput& input, const BlockPlanes& blocks,
                      RefineScratch& scratch, Image<std::uint8_t>& matte) {
   constexpr int kPerBlock = kBlockPx / kTilePx, kGrain = 2;
   // Of each row of blocks the runs of flagged ones.
@@ -165,7 +192,8 @@ void refine_by_tiles(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& 
   };
   runs(blocks.decided2, [&](int by, int x0, int x1) {
     tile_rows(by, [&](int ty) {
-      for (int x = x0; x < x1; x += kLanes) sum_tiles<kTilePx>(plate, matte, x, ty, scratch.sums);
+      for (int x = x0; x < x1; x += kLanes)
+        sum_tiles<kTilePx>(input.plate, matte, x, ty, scratch.sums);
     });
   });
   runs(blocks.decided1, [&](int by, int x0, int x1) {
@@ -176,7 +204,7 @@ void refine_by_tiles(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& 
   });
   runs(blocks.decided, [&](int by, int x0, int x1) {
     for (int y = block_begin(by); y < block_end(by, matte.height()); ++y)
-      refine_row<kTilePx>(plate, scratch, x0, std::min(x1, matte.width()), y, matte);
+      refine_row<kTilePx>(input, scratch, x0, std::min(x1, matte.width()), y, matte);
   });
 }
 
@@ -189,13 +217,13 @@ RefineScratch::RefineScratch(Size view_size, float tof_footprint_px)
     : tile_px(matte_tile_px(tof_footprint_px)),
       tiles{(view_size.width + tile_px - 1) / tile_px, (view_size.height + tile_px - 1) / tile_px},
       sums(tiles, kSums),
-      lines(tiles, 4) {}
+      lines(tiles, kLine) {}
 
-void refine(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
-            RefineScratch& scratch, Image<std::uint8_t>& matte) {
-  if (scratch.tile_px == 4) return refine_by_tiles<4>(crew, plate, blocks, scratch, matte);
-  if (scratch.tile_px == 2) return refine_by_tiles<2>(crew, plate, blocks, scratch, matte);
-  refine_by_tiles<1>(crew, plate, blocks, scratch, matte);
+void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, RefineScratch& scratch,
+            Image<std::uint8_t>& matte) {
+  if (scratch.tile_px == 4) return refine_by_tiles<4>(crew, input, blocks, scratch, matte);
+  if (scratch.tile_px == 2) return refine_by_tiles<2>(crew, input, blocks, scratch, matte);
+  refine_by_tiles<1>(crew, input, blocks, scratch, matte);
 }
 
 }  // namespace mixrig::render::cpu

@@ -9,6 +9,7 @@
 namespace mixrig::render::cpu {
 
 struct BlockPlanes;
+struct KeyInput;
 
 /// Numbers of tiles, a row of an image for each number of a row of tiles, so that those of
 /// neighbouring tiles lie side by side. Tiles beyond the picture have room.
@@ -32,14 +33,17 @@ struct RefineScratch {
   /// rr, rg, rb, gg, gb, bb).
   static constexpr int kSums = 14;
   TileNumbers sums;
-  /// Of the windows around them: the matte as a line of the colour, a . c + b.
+  /// Of the windows around them: the matte as a line of the colour, a . c + b; means of p and c p.
+  static constexpr int kLine = 8;
   TileNumbers lines;
 };
 
 /// Refines the matte of blocks where votes decide by a guided filter: in windows of 5x5 tiles the
 /// matte is a line of the plate's colour, fitted to the voted matte by least squares (He, Sun and
-/// Tang 2010); lines are found once a tile and interpolated (He and Sun 2015).
-void refine(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
-            RefineScratch& scratch, Image<std::uint8_t>& matte);
+/// Tang 2010); lines are found once a tile and interpolated (He and Sun 2015). Where a background
+/// was learned and people have another colour, a pixel in doubt gets the share that its colour has
+/// of both.
+void refine(Crew& crew, const KeyInput& input, const BlockPlanes& blocks, RefineScratch& scratch,
+            Image<std::uint8_t>& matte);
 
 }  // namespace mixrig::render::cpu

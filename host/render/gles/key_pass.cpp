@@ -23,7 +23,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
     const int px = matte_tile_px(tables.tof_footprint_px);
     const Size matte_tiles{(view.width + px - 1) / px, (view.height + px - 1) / px};
     for (Texture* image : {&pass.tile_counts_, &pass.tile_with_p_, &pass.tile_squares_,
-                           &pass.tile_products_, &pass.lines_})
+                           &pass.tile_products_, &pass.lines_, &pass.people_})
       *image = make_texture(matte_tiles, GL_RGBA32F);
   }
   pass.voted_ = make_texture(view, GL_R8);
@@ -53,7 +53,7 @@ Result<void> KeyPass::make_steps() {
   if (refine_) {
     MIXRIG_ASSIGN(sum_tiles_, make_step("key_tiles.frag", {&tile_counts_, &tile_with_p_,
                                                            &tile_squares_, &tile_products_}));
-    MIXRIG_ASSIGN(fit_, make_step("key_lines.frag", {&lines_}));
+    MIXRIG_ASSIGN(fit_, make_step("key_lines.frag", {&lines_, &people_}));
   }
   MIXRIG_ASSIGN(finish_, make_step("key_matte.frag", {&matte_, &visible_w_}));
   return {};
@@ -81,6 +81,8 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.program.set("refine", refine_);
+  finish_.program.set("has_learned", has_learned_);
+  matte_tone_ = ToneUniforms(finish_.program);
   state_.program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
@@ -102,16 +104,21 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   if (use_color_) {
     vote_.program.use();
     tone_.set(input.tone);
+    // Unit 6 is that of blocks.vert.
     run_blocks(vote_, band_,
-               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_,
+                nullptr, &kept_counts_, &kept_colors_});
   }
   run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
   if (refine_) {
     run(sum_tiles_, {&input.plate, &voted_, &band_});
     run(fit_, {&tile_counts_, &tile_with_p_, &tile_squares_, &tile_products_});
   }
-  run(finish_, {&voted_, &band_, &state_image_, &kept_counts_, &input.plate,
-                refine_ ? &lines_ : nullptr, &input.w});
+  finish_.program.use();
+  matte_tone_.set(input.tone);
+  run(finish_,
+      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr,
+       &input.w, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr});
 }
 
 }  // namespace mixrig::render::gles

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/bench/color_upsample.h"
 #include "host/image_io/image_io.h"
 #include "tests/support/temporary_folder.h"
 
@@ -43,25 +42,14 @@ TEST(Decimated, TakesTheMiddlesOfBlocks) {
   EXPECT_EQ(low.at(1, 0), 9);
 }
 
-TEST(UpsampleByColor, FindsTheSideOfAStep) {
+TEST(SidesByColor, FindsTheSideOfAStep) {
   const Pair pair = slanted();
-  Image<float> found;
-  upsample_by_color(decimated(pair.disparity, 8), pair.color, 8, 0.03F, found);
-  EXPECT_LE(wrong(found, pair.disparity), kSize.height / 4);
+  const Image<float> low = decimated(pair.disparity, 8);
+  EXPECT_LE(wrong(sides_by_color(low, pair.color), pair.disparity), kSize.height / 4);
 }
 
-TEST(UpsampleByColor, IsBilinearWhereNothingSteps) {
-  Image<float> low({4, 4}, 10.0F);
-  low.at(2, 2) = 10.2F;
-  Image<float> found;
-  upsample_by_color(low, Image<Rgb8>({32, 32}, {5, 5, 5}), 8, 0.03F, found);
-  EXPECT_NEAR(found.at(20, 20), 10.2F, 1e-5F);
-  EXPECT_NEAR(found.at(16, 20), 10.1F, 1e-5F);
-}
-
-TEST(UpsampleByColor, UnknownStaysUnknown) {
-  Image<float> found;
-  upsample_by_color(Image<float>({4, 4}), Image<Rgb8>({32, 32}), 8, 0.03F, found);
+TEST(SidesByColor, UnknownStaysUnknown) {
+  const Image<float> found = sides_by_color(Image<float>({4, 4}), Image<Rgb8>({32, 32}));
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) EXPECT_EQ(found.at(x, y), 0);
 }

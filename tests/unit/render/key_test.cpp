@@ -223,6 +223,47 @@ TEST(Key, who_stands_before_a_mirror_in_the_colour_of_the_wall_is_kept_by_depth)
   for (int x = 58; x < 64; ++x) EXPECT_FALSE(k.is_person(x, 32)) << x;
 }
 
+TEST(Key, who_is_seen_in_a_mirror_is_nobody) {
+  Keyed k;
+  for (int y = 16; y < 48; ++y)
+    for (int x = 16; x < 48; ++x) k.depth.at(x, y) = 0;
+  k.person(24, 20, 40, 44, 6);  // farther than the wall around
+  k.paint(24, 20, 40, 44, kShirt);
+  k.run();
+  EXPECT_EQ(k.people(), 0);
+}
+
+TEST(Key, a_shirt_like_the_wall_over_dark_trousers_is_kept_by_depth) {
+  Keyed k;
+  k.person(16, 8, 48, 56);
+  k.paint(16, 32, 48, 56, {0.05F, 0.05F, 0.05F});
+  k.run();
+  for (int y = 26; y < 32; ++y)
+    for (int x = 20; x < 44; ++x) ASSERT_TRUE(k.is_person(x, y)) << x << "," << y;
+}
+
+TEST(Key, the_share_of_a_pixel_is_that_of_its_colour_between_both_on_a_striped_wall) {
+  Keyed k;
+  const Rgbf stripe{0.1F, 0.4F, 0.1F};
+  const auto half = [](Rgbf a, Rgbf b) {
+    return Rgbf{(a.r + b.r) / 2, (a.g + b.g) / 2, (a.b + b.b) / 2};
+  };
+  k.person(16, 0, 40, 64);
+  for (int y = 0; y < 64; ++y) {
+    const Rgbf wall = y / 4 % 2 == 0 ? kWall : stripe;
+    for (int x = 0; x < 64; ++x) k.color.at(x, y) = wall;
+    k.paint(0, y, 64, y + 1, wall);
+    k.paint(40, y, 41, y + 1, half(wall, kShirt));
+  }
+  k.paint(16, 0, 40, 64, kShirt);
+  k.run();
+  for (const int y : {29, 33}) {
+    EXPECT_NEAR(k.matte.at(40, y) / 255.0, 0.5, 0.1) << y;
+    EXPECT_GT(k.matte.at(38, y), 240) << y;
+    EXPECT_LT(k.matte.at(42, y), 15) << y;
+  }
+}
+
 TEST(Key, what_is_brighter_than_measured_background_is_no_shadow) {
   for (const auto& [light, is_person] : {std::pair(0.9F, true), std::pair(0.25F, false)}) {
     Keyed k;
