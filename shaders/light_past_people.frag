@@ -26,11 +26,16 @@ void main() {
   vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
   vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
   float with_objects = luminance(ambient), without = with_objects;
+  int past_of = -1;
+  float past = 1.0;
   for (int i = 0; i < lamp_count; ++i) {
     float of_lamp = luminance(irradiance(i, ray * z, normal));
     if (of_lamp <= 0.0) continue;
-    of_lamp *= seen_in_room(i, ray * z, normal) *
-               visibility_past(people_lamps[i], people_maps, i, ray * z, normal);
+    int whole = lamps[i].map_size_texel.z;
+    if (whole != past_of)
+      past = visibility_past(people_lamps[whole], people_maps, whole, ray * z, normal);
+    past_of = whole;
+    of_lamp *= seen_in_room(i, ray * z, normal) * past;
     with_objects += of_lamp * visibility(i, ray * z, vec3(0));
     without += of_lamp;
   }

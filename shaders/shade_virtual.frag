@@ -48,11 +48,16 @@ void main() {
   Lobe lobe = lobe_of(ray / w, normal, gloss.y);
   Shading light = Shading(diffuse_ambient(normal), vec3(0), vec3(0), vec3(0));
   if (glossy) add_ambient_gloss(lobe, light);
+  int past_of = -1;
+  float past = 1.0;
   for (int i = 0; i < lamp_count; ++i) {
     float seen = visibility(i, ray / w, normal);
-    if (has_people)
-      seen *= visibility_past(people_lamps[i], people_maps, i, ray / w, normal);
-    vec3 of_lamp = irradiance(i, ray / w, normal) * seen * seen_in_room(i, ray / w, normal);
+    int whole = lamps[i].map_size_texel.z;
+    if (has_people && whole != past_of)
+      past = visibility_past(people_lamps[whole], people_maps, whole, ray / w, normal);
+    past_of = whole;
+    seen *= past * seen_in_room(i, ray / w, normal);
+    vec3 of_lamp = irradiance(i, ray / w, normal) * seen;
     light.diffuse += of_lamp;
     if (glossy && of_lamp != vec3(0)) add_lamp_gloss(i, ray / w, lobe, of_lamp, light);
   }

@@ -149,6 +149,9 @@ inline constexpr int kLightTilePx = 4;
 /// what is seen, the search needs only a mean depth. Cost grows with both.
 inline constexpr int kBlockerTapCount = 12;
 inline constexpr int kShadowTapCount = 24;
+/// The same of one of the four parts of a panel.
+inline constexpr int kPartBlockerTapCount = 6;
+inline constexpr int kPartShadowTapCount = 8;
 /// Texels by which a receiver is lifted along its normal off its own shadow.
 inline constexpr float kLiftTexels = 2.0F;
 /// Texels: a filter is never narrower.

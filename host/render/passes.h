@@ -31,16 +31,17 @@ inline NoiseParams noise_params(const geometry::DepthNoise& noise) {
           static_cast<float>(noise.quadratic_per_m)};
 }
 
-/// Tap i of n on the unit disc: evenly spread along a spiral (Vogel 1979).
-inline glm::vec2 vogel_tap(int i, int n) {
-  const float radius = std::sqrt((static_cast<float>(i) + 0.5F) / static_cast<float>(n));
-  const float angle = 2.39996323F * static_cast<float>(i);
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+/// Tap i of n on a panel that reaches from -1 to 1 along both axes: a Fibonacci lattice, no two of
+/// which hide behind each other.
+inline glm::vec2 panel_tap(int i, int n) {
+  const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(n);
+  const float across = 0.61803399F * (static_cast<float>(i) + 0.5F);
+  return {2 * along - 1, 2 * (across - std::floor(across)) - 1};
 }
 template <int kTaps>
-std::array<glm::vec2, kTaps> vogel_disc() {
+std::array<glm::vec2, kTaps> panel_taps() {
   std::array<glm::vec2, kTaps> taps;
-  for (int i = 0; i < kTaps; ++i) taps[static_cast<std::size_t>(i)] = vogel_tap(i, kTaps);
+  for (int i = 0; i < kTaps; ++i) taps[static_cast<std::size_t>(i)] = panel_tap(i, kTaps);
   return taps;
 }
 
@@ -92,6 +93,8 @@ struct LampParams {
   glm::vec3 position_m{0};
   glm::vec3 direction{0};  ///< zero for all directions
   float radius_m = 0;      ///< of a disc of the panel's area
+  /// From its middle to those of its sides, in radii, axes of the lamp's map.
+  glm::vec3 panel_u{1, 0, 0}, panel_v{0, 1, 0};
   glm::vec3 intensity{1};
   glm::mat4 lamp_from_camera{1};
   float map_focal_texel = 1;
@@ -99,6 +102,8 @@ struct LampParams {
   int map_size_texel = 0;    ///< 0: this lamp casts no shadow into the view
   float casters_near_m = 0;  ///< lamp z of the nearest caster: what is nearer is lit
   int room_layer = -1;       ///< of RoomShade; -1: nothing real hides the lamp
+  int part_of = 0;           ///< which of Light::lamps it is, or belongs to
+  bool is_part = false;      ///< a quarter of a panel
 };
 
 /// RoomShade in camera axes: cell = cell_from_camera * p.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -110,6 +111,23 @@ PackedNormal normal_at(ImageView<const float> depth_m, const geometry::Pinhole& 
 Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinhole& view,
                             int radius_px);
 
+/// Of a disc of the lamp's area.
+double disc_radius_m(const Lamp& lamp);
+/// From the middle of a lamp to those of its sides, world: `size_m` lies along the horizontal (x of
+/// the world where the panel faces up or down) and across it. A lamp that shines to all sides is
+/// a square that faces along `toward`.
+std::array<glm::dvec3, 2> half_sides_m(const Lamp& lamp, const glm::dvec3& toward);
+
+/// A lamp, or a part of it.
+struct LampPart {
+  Lamp lamp;
+  int part_of = 0;  ///< which of Light::lamps
+  bool is_part = false;
+};
+/// Each panel as 2x2 panels of a quarter of its light, in the order of the lamps: the penumbra of a
+/// small one is nearer to what one map a lamp can tell. Whole where that were more than kMostLamps.
+std::vector<LampPart> parts_of_lamps(const std::vector<Lamp>& lamps);
+
 /// Half-open pixel rectangle.
 struct Rect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -137,8 +155,8 @@ struct FrameParams {
   LightParams light;
   RoomShadeParams room;
   std::span<const float> room_share;     ///< RoomShade::share
-  std::vector<LampParams> lamps;         ///< as Light::lamps
-  std::vector<LampParams> people_lamps;  ///< the same with maps of people; empty: they cast none
+  std::vector<LampParams> lamps;         ///< Light::lamps; panels in parts (parts_of_lamps)
+  std::vector<LampParams> people_lamps;  ///< whole, with maps of people; empty: they cast none
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
   std::vector<Draw> draws;
   Rect virtual_rect;  ///< view pixels that virtual objects may touch
@@ -190,12 +208,13 @@ class FramePreparer {
   FrameParams params_;
   bool has_pose_ = false;
   geometry::Pose last_pose_;
+  std::vector<LampPart> parts_;  ///< as FrameParams::lamps
   int map_size_ = 0;
   bool has_room_ = false;
-  RoomShade room_;                       ///< of the first pose
-  std::optional<AmbientTerms> ambient_;  ///< the same
-  glm::vec3 ambient_then_{0};            ///< Light::ambient when they were found
-  std::vector<MapFit> fits_, people_fits_;
+  RoomShade room_;                                        ///< of the first pose
+  std::optional<AmbientTerms> ambient_;                   ///< the same
+  glm::vec3 ambient_then_{0};                             ///< Light::ambient when they were found
+  std::vector<MapFit> fits_, people_fits_;                ///< of parts_, of the lamps
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };
 

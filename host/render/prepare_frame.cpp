@@ -95,8 +95,17 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
           std::max(rect.y1, box.y1)};
 }
 
-/// Of a disc of the lamp's area.
-double disc_radius_m(const Lamp& lamp) { return std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI); }
+/// Whether light is found once and stays, so that it may take longer.
+bool light_stays(const CompositorSetup& setup) {
+  return setup.background_models.empty() && !setup.lens_moves && !setup.people_cast_shadows;
+}
+
+std::vector<LampPart> whole_lamps(const std::vector<Lamp>& lamps) {
+  std::vector<LampPart> parts;
+  for (const Lamp& lamp : lamps)
+    parts.push_back({lamp, static_cast<int>(&lamp - lamps.data()), false});
+  return parts;
+}
 
 /// Whether people are looked for between the lamps and the objects alone.
 bool people_around_objects(const CompositorSetup& setup) {
@@ -111,6 +120,40 @@ KeyBy key_by(const CompositorSetup& setup) {
   if (!setup.background.depth_m.empty() || !setup.background_models.empty())
     return KeyBy::kBackground;
   return setup.capture_box ? KeyBy::kVolume : KeyBy::kNothing;
+}
+
+double disc_radius_m(const Lamp& lamp) { return std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI); }
+
+std::array<glm::dvec3, 2> half_sides_m(const Lamp& lamp, const glm::dvec3& toward) {
+  constexpr double kFlat = 0.9;
+  const glm::dvec3 normal = glm::normalize(lamp.direction.value_or(toward));
+  const glm::dvec3 along =
+      std::abs(normal.z) > kFlat ? glm::dvec3(1, 0, 0) : glm::cross(glm::dvec3(0, 0, 1), normal);
+  const glm::dvec3 u = glm::normalize(along - glm::dot(along, normal) * normal);
+  const glm::dvec2 half_m =
+      lamp.direction ? 0.5 * lamp.size_m : glm::dvec2(0.5 * std::sqrt(M_PI) * disc_radius_m(lamp));
+  return {half_m.x * u, half_m.y * glm::cross(normal, u)};
+}
+
+std::vector<LampPart> parts_of_lamps(const std::vector<Lamp>& lamps) {
+  const auto is_panel = [](const Lamp& lamp) { return lamp.direction && disc_radius_m(lamp) > 0; };
+  const auto panels = static_cast<std::size_t>(std::count_if(lamps.begin(), lamps.end(), is_panel));
+  const bool split = lamps.size() + 3 * panels <= std::size_t{kMostLamps};
+  std::vector<LampPart> parts;
+  for (const Lamp& lamp : lamps) {
+    const int part_of = static_cast<int>(&lamp - lamps.data());
+    if (!split || !is_panel(lamp)) {
+      parts.push_back({lamp, part_of});
+      continue;
+    }
+    const auto [u_m, v_m] = half_sides_m(lamp, *lamp.direction);
+    for (const auto& [u, v] : {std::pair(-0.5, -0.5), {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}})
+      parts.push_back({{lamp.position_m + u * u_m + v * v_m, lamp.direction, 0.5 * lamp.size_m,
+                        0.25F * lamp.intensity},
+                       part_of,
+                       true});
+  }
+  return parts;
 }
 
 bool place_objects(std::span<const geometry::Pose> world_from_object, CompositorSetup& setup) {
@@ -149,7 +192,7 @@ void FramePreparer::fit_objects() {
     append_corners(object, corners_m_);
     if (object.casts_shadow) append_corners(object, caster_corners_m_);
   }
-  for (const Lamp& lamp : setup_.light.lamps) fits_.push_back(fit_map(lamp, caster_corners_m_));
+  for (const LampPart& part : parts_) fits_.push_back(fit_map(part.lamp, caster_corners_m_));
 }
 
 FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
@@ -157,8 +200,9 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   for (std::size_t i = 0; i < objects; ++i)
     for (const MeshView& mesh : setup.objects[i].meshes)
       params_.draws.push_back({&mesh, static_cast<int>(i), setup.objects[i].casts_shadow, {}});
-  params_.lamps.resize(setup.light.lamps.size());
-  params_.lamp_from_object.assign(setup.light.lamps.size(), std::vector<glm::mat4>(objects));
+  parts_ = light_stays(setup) ? parts_of_lamps(setup.light.lamps) : whole_lamps(setup.light.lamps);
+  params_.lamps.resize(parts_.size());
+  params_.lamp_from_object.assign(parts_.size(), std::vector<glm::mat4>(objects));
   fit_objects();
   if (setup.people_cast_shadows && !setup.objects.empty() && key_by(setup) != KeyBy::kNothing) {
     params_.people_lamps.resize(setup.light.lamps.size());
@@ -289,6 +333,11 @@ LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int m
   if (out.map_size_texel == 0) return out;
   out.lamp_from_camera = glm::mat4(fit.lamp_from_world * world_from_camera);
   out.map_center_texel = 0.5F * static_cast<float>(map_size_texel - 1);
+  if (out.radius_m > 0) {
+    const glm::dmat3 turn(fit.lamp_from_world);
+    const auto [u_m, v_m] = half_sides_m(lamp, glm::transpose(turn)[2]);
+    out.panel_u = turn * u_m / disc_radius_m(lamp), out.panel_v = turn * v_m / disc_radius_m(lamp);
+  }
   // One texel of margin, so that what lies outside the map is lit.
   out.map_focal_texel = (out.map_center_texel - 1) / static_cast<float>(fit.tan_half);
   out.casters_near_m = static_cast<float>(fit.near_m);
@@ -302,8 +351,9 @@ void FramePreparer::find_room(const geometry::Pose& world_from_target) {
   if (!needs_room_shade(setup_)) return;
   room_ = make_room_shade(setup_, world_from_target);
   params_.room_share = room_.share;
-  for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
-    params_.lamps[i].room_layer = room_.layer_of[i];
+  if (room_.layer_of.empty()) return;
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    params_.lamps[i].room_layer = room_.layer_of[static_cast<std::size_t>(parts_[i].part_of)];
 }
 
 void FramePreparer::update_room(const geometry::Pose& world_from_target) {
@@ -340,8 +390,9 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
     const MapFit& fit = fits_[i];
     const int room_layer = params_.lamps[i].room_layer;
     params_.lamps[i] =
-        lamp_params(setup_.light.lamps[i], fit, map_size_, world_from_camera, camera_from_world);
+        lamp_params(parts_[i].lamp, fit, map_size_, world_from_camera, camera_from_world);
     params_.lamps[i].room_layer = room_layer;
+    params_.lamps[i].part_of = parts_[i].part_of, params_.lamps[i].is_part = parts_[i].is_part;
     if (params_.lamps[i].map_size_texel == 0) continue;
     for (std::size_t k = 0; k < setup_.objects.size(); ++k)
       params_.lamp_from_object[i][k] =
@@ -360,6 +411,15 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
                          world_from_target.translation_m != last_pose_.translation_m;
   params_.maps_changed = params_.room_changed = false;
   if (!params_.pose_changed) return;
+  // Lamps of which there are parts are whole once an object has moved.
+  const bool split = parts_.size() > setup_.light.lamps.size();
+  if (light_changed && split) parts_ = parts_of_lamps(setup_.light.lamps);
+  if ((light_changed && !split) || (objects_moved && split)) {
+    parts_ = whole_lamps(setup_.light.lamps);
+    params_.lamps.resize(parts_.size());
+    for (std::size_t i = 0; i < room_.layer_of.size(); ++i)
+      params_.lamps[i].room_layer = room_.layer_of[i];
+  }
   if (objects_moved) {
     fit_objects();
     map_size_ = 0;  // they are drawn again

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "host/render/prepare.h"
 #include "host/render/room_mesh.h"
@@ -42,14 +41,10 @@ Box box_of(const VirtualObject& object) {
   return box;
 }
 
-double radius_of(const Lamp& lamp) {
-  return std::sqrt(lamp.size_m.x * lamp.size_m.y / std::numbers::pi);
-}
-
 /// Whether the shadow of a ball can reach a point.
 bool may_shade(const Lamp& lamp, const ObjectBall& ball, const glm::dvec3& p) {
   const glm::dvec3 axis = ball.center_m - lamp.position_m, to = p - lamp.position_m;
-  const double distance = glm::length(axis), reach = ball.radius_m + radius_of(lamp);
+  const double distance = glm::length(axis), reach = ball.radius_m + disc_radius_m(lamp);
   if (distance <= reach) return true;
   if (glm::length(to) < distance - ball.radius_m) return false;
   const double across = reach / distance;  // sine of the cone's half angle
@@ -155,17 +150,14 @@ class LampView {
   Image<float> w_;
 };
 
-/// Points spread over the disc of a panel's area; one for a point lamp.
+/// Points spread over a panel; one for a point lamp.
 std::vector<glm::dvec3> points_of(const Lamp& lamp, const glm::dvec3& target_m) {
-  const double radius_m = radius_of(lamp);
-  if (!(radius_m > 0)) return {lamp.position_m};
-  const glm::dvec3 z = glm::normalize(lamp.direction.value_or(target_m - lamp.position_m));
-  const glm::dvec3 other = std::abs(z.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 x = glm::normalize(glm::cross(other, z)), y = glm::cross(z, x);
+  if (!(disc_radius_m(lamp) > 0)) return {lamp.position_m};
+  const auto [u_m, v_m] = half_sides_m(lamp, target_m - lamp.position_m);
   std::vector<glm::dvec3> points;
   for (int i = 0; i < kLampPoints; ++i) {
-    const glm::dvec2 tap(vogel_tap(i, kLampPoints));
-    points.push_back(lamp.position_m + radius_m * (tap.x * x + tap.y * y));
+    const glm::dvec2 tap(panel_tap(i, kLampPoints));
+    points.push_back(lamp.position_m + tap.x * u_m + tap.y * v_m);
   }
   return points;
 }

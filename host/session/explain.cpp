@@ -134,8 +134,10 @@ void add_times(const RunReport& report, std::vector<PassLine>& passes) {
 std::vector<ShadowMapLine> maps_of(const Session& session, const render::FrameParams& frame) {
   std::vector<ShadowMapLine> lines;
   for (std::size_t i = 0; i < frame.lamps.size(); ++i) {
-    const int size = frame.lamps[i].map_size_texel;
-    lines.push_back({session.scene.light.lamps[i].name, size,
+    const int size = frame.lamps[i].map_size_texel, lamp = frame.lamps[i].part_of;
+    // The parts of a panel are alike.
+    if (i > 0 && frame.lamps[i - 1].part_of == lamp) continue;
+    lines.push_back({session.scene.light.lamps[static_cast<std::size_t>(lamp)].name, size,
                      size > 0 ? "as many texels as its casters span in the view"
                               : "dark, faces away from all casters, or there is none"});
   }

@@ -4,8 +4,9 @@
 struct Lamp {
   mat4 lamp_from_camera;
   vec4 position_m, direction, intensity;  // direction 0: to all sides
+  vec4 panel_u, panel_v;                  // passes.h
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
-  ivec4 map_size_texel;                   // x; 0 without map; y: layer of room_share, or -1
+  ivec4 map_size_texel;                   // x; 0 without map; y: layer of room_share, or -1; z: part_of; w: is_part
 };
 layout(std140, binding = 0) uniform Lamps {
   Lamp lamps[most_lamps];
@@ -19,6 +20,7 @@ uniform float room_lift_m;
 uniform int lamp_count;
 uniform vec3 ambient;
 uniform vec2 blocker_taps[blocker_tap_count], shadow_taps[shadow_tap_count];
+uniform vec2 part_blocker_taps[part_blocker_tap_count], part_shadow_taps[part_shadow_tap_count];
 
 // Inverse lamp depth of the nearest texel of map `layer`, 0 outside.
 float texel(Lamp lamp, sampler2DArray maps, int layer, vec2 at) {
@@ -28,11 +30,13 @@ float texel(Lamp lamp, sampler2DArray maps, int layer, vec2 at) {
 }
 
 // Mean lamp depth of what lies before w within radius texels; 0 for nothing.
-float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, float radius,
-                      float w) {
+float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, mat2 panel, float w) {
   float sum = 0.0, count = 0.0;
-  for (int k = 0; k < blocker_tap_count; ++k) {
-    float blocker = texel(lamp, maps, layer, center + radius * blocker_taps[k]);
+  bool part = lamp.map_size_texel.w != 0;
+  int taps = part ? part_blocker_tap_count : blocker_tap_count;
+  for (int k = 0; k < taps; ++k) {
+    vec2 tap = panel * (part ? part_blocker_taps[k] : blocker_taps[k]);
+    float blocker = texel(lamp, maps, layer, center + tap);
     if (blocker > w) sum += 1.0 / blocker, count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
@@ -51,16 +55,23 @@ float visibility_past(Lamp lamp, sampler2DArray maps, int layer, vec3 position_m
   if (p.z <= near_m) return 1.0;
   vec2 center = p.xy * (focal / p.z) + lamp.map_center_texel;
   float w = 1.0 / p.z, reach = focal * lamp.radius_m;
-  float search = reach * (1.0 / near_m - w);
-  float last = float(lamp.map_size_texel.x - 1) + search;
-  if (min(center.x, center.y) <= -search || max(center.x, center.y) >= last) return 1.0;
-  float blocker_m =
-      blocker_depth_m(lamp, maps, layer, center, max(search, least_radius_texel), w);
+  // A point of the panel that is nearer than its middle seems to lie aside of it.
+  vec2 ray = p.xy / p.z;
+  mat2 panel = mat2(lamp.panel_u.xy - lamp.panel_u.z * ray, lamp.panel_v.xy - lamp.panel_v.z * ray);
+  float search = max(reach * (1.0 / near_m - w), least_radius_texel);
+  vec2 beside = search * (abs(panel[0]) + abs(panel[1]));
+  vec2 last = float(lamp.map_size_texel.x - 1) + beside;
+  if (any(lessThanEqual(center, -beside)) || any(greaterThanEqual(center, last))) return 1.0;
+  float blocker_m = blocker_depth_m(lamp, maps, layer, center, search * panel, w);
   if (blocker_m <= 0.0) return 1.0;
   float radius = max(reach * (1.0 / blocker_m - w), least_radius_texel), lit = 0.0;
-  for (int k = 0; k < shadow_tap_count; ++k)
-    lit += texel(lamp, maps, layer, center + radius * shadow_taps[k]) > w ? 0.0 : 1.0;
-  return lit / float(shadow_tap_count);
+  bool part = lamp.map_size_texel.w != 0;
+  int taps = part ? part_shadow_tap_count : shadow_tap_count;
+  for (int k = 0; k < taps; ++k) {
+    vec2 tap = radius * (panel * (part ? part_shadow_taps[k] : shadow_taps[k]));
+    lit += texel(lamp, maps, layer, center + tap) > w ? 0.0 : 1.0;
+  }
+  return lit / float(taps);
 }
 
 float visibility(int i, vec3 position_m, vec3 normal) {

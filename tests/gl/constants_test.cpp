@@ -75,6 +75,8 @@ const std::map<std::string, double> kOurs = {
     {"least_distance2", kLeastDistance2},
     {"normal_footprints", kNormalFootprints},
     {"most_lamps", kMostLamps},
+    {"part_blocker_tap_count", kPartBlockerTapCount},
+    {"part_shadow_tap_count", kPartShadowTapCount},
     {"ambient_term_count", kAmbientTermCount},
     {"diffuse_band1", kDiffuseBand1},
     {"diffuse_band2", kDiffuseBand2},

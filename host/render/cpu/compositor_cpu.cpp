@@ -128,7 +128,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)),
-      shadow_maps_(setup_.light.lamps.size()) {
+      shadow_maps_(preparer_.params().lamps.size()) {
   if (!setup_.background_models.empty()) {
     moving_background_ = std::make_unique<MovingBackground>(crew_, setup_);
     setup_.background = moving_background_->view();
@@ -268,6 +268,7 @@ void CpuCompositor::draw_objects(StopWatch& watch) {
   draw_virtual(crew_, frame, virtual_scratch_, objects_);
   objects_drawn_ = true;
   watch.lap(Stage::kVirtual);
+  shadow_maps_.resize(frame.lamps.size());
   if (frame.maps_changed) draw_shadow_maps(crew_, frame, shadow_maps_);
   watch.lap(Stage::kShadow);
   const LightInput input{.frame = frame,
@@ -299,9 +300,9 @@ void CpuCompositor::light_real(const Image<std::uint8_t>& matte) {
                          .background = setup_.background,
                          .maps = shadow_maps_,
                          .moving = moving_background_.get(),
-                         .people = people_cast() ? &people_shadow_ : nullptr};
+                         .people = people_cast() && !setup_.backdrop ? &people_shadow_ : nullptr};
+  light_visible_background(crew_, input, light_);
   light_people(crew_, input, view_w_, matte, light_);
-  if (people_cast() && !setup_.backdrop) light_past_people(crew_, input, matte, light_);
 }
 
 /// What virtual things take on of the plate: found in the first frame; grain moves in each.

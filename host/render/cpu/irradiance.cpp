@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
 
 namespace mixrig::render::cpu {
 namespace {
@@ -75,16 +74,37 @@ namespace {
 /// Of real surfaces, which are in no map of objects.
 VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
 
+/// What is seen of the whole lamps past people.
+class PastPeople {
+ public:
+  PastPeople(const PeopleMaps& people, const SurfaceLanes& at)
+      : count_(std::min(people.maps.size(), share_.size())) {
+    for (std::size_t k = 0; k < count_; ++k) {
+      share_[k] = FloatLanes{} + 1.0F;
+      if (!holds(people.maybe, k)) continue;
+      share_[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
+      hides_ |= any(share_[k] < 1);
+    }
+  }
+  bool hides() const { return hides_; }
+  FloatLanes of(const LampParams& lamp) const {
+    const auto whole = static_cast<std::size_t>(lamp.part_of);
+    return whole < count_ ? share_[whole] : FloatLanes{} + 1.0F;
+  }
+
+ private:
+  std::size_t count_;
+  std::array<FloatLanes, kMostLamps> share_;
+  bool hides_ = false;
+};
+
 /// Luminance of a lamp of the real scene without the virtual objects.
-FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps* people,
+FloatLanes real_light(const FrameParams& frame, const LampParams& lamp, const PastPeople* past,
                       const SurfaceLanes& at) {
-  const LampParams& lamp = frame.lamps[k];
   FloatLanes light = irradiance(lamp, at) * luminance(lamp.intensity);
   if (!any(light > 0)) return light;
   light *= room_share(frame, lamp, at);
-  if (people != nullptr && k < people->maps.size() && holds(people->maybe, k))
-    light *= visibility(people->lamps[k], people->maps[k], at.position_m, at.normal);
-  return light;
+  return past != nullptr ? light * past->of(lamp) : light;
 }
 
 }  // namespace
@@ -92,6 +112,7 @@ FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps*
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at, const PeopleMaps* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
+  std::optional<PastPeople> past;
   FloatLanes lost{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
@@ -99,20 +120,21 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
     if (!any(irradiance(lamp, at) > 0)) continue;
     const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal());
     if (!any(hidden > 0)) continue;
-    lost += hidden * real_light(frame, k, people, at);
+    if (people != nullptr && !past) past.emplace(*people, at);
+    lost += hidden * real_light(frame, lamp, past ? &*past : nullptr, at);
   }
   if (!any(lost > 0)) return one;
   FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
-  for (std::size_t k = 0; k < frame.lamps.size(); ++k) all += real_light(frame, k, people, at);
+  for (const LampParams& lamp : frame.lamps)
+    all += real_light(frame, lamp, past ? &*past : nullptr, at);
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
 namespace {
 
-/// `maybe`: lamps that objects may hide; `share`: of the first lamps that is seen past people, the
-/// others are not hidden by them.
+/// `maybe`: lamps that objects may hide; `past`: people, or null.
 ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                        std::span<const FloatLanes> share, const SurfaceLanes& at) {
+                        const PastPeople* past, const SurfaceLanes& at) {
   ShadingLanes sum;
   add_ambient(frame.light, at.normal, sum);
   std::optional<GlossLanes> gloss;
@@ -123,7 +145,7 @@ ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& 
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);
-    if (k < share.size()) of_lamp *= share[k];
+    if (past != nullptr) of_lamp *= past->of(lamp);
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
     if (lamp.room_layer >= 0) of_lamp *= room_share(frame, lamp, at);
@@ -138,23 +160,15 @@ ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& 
 
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                      const SurfaceLanes& at) {
-  return shading_of(frame, maps, maybe, {}, at);
+  return shading_of(frame, maps, maybe, nullptr, at);
 }
 
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light) {
-  std::array<FloatLanes, kMostLamps> share;
-  const std::size_t count = std::min(maps.size(), share.size());
-  bool hidden = false;
-  for (std::size_t k = 0; k < count; ++k) {
-    share[k] = FloatLanes{} + 1.0F;
-    if (!holds(people.maybe, k)) continue;
-    share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
-    hidden |= any(share[k] < 1);
-  }
-  if (hidden) light = shading_of(frame, maps, maybe, std::span(share).first(count), at);
-  return hidden;
+  const PastPeople past(people, at);
+  if (past.hides()) light = shading_of(frame, maps, maybe, &past, at);
+  return past.hides();
 }
 
 }  // namespace mixrig::render::cpu

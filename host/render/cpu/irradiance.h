@@ -25,7 +25,7 @@ struct SurfaceLanes {
   }
 };
 
-/// Maps of people, and the lamps that they may hide: at most the first kMostLamps.
+/// Maps of people, and the whole lamps that they may hide: at most the first kMostLamps.
 struct PeopleMaps {
   const std::vector<LampParams>& lamps;
   const std::vector<ShadowMap>& maps;

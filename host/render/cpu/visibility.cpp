@@ -10,9 +10,11 @@ namespace {
 
 constexpr float kLitAll_w = std::numeric_limits<float>::max();
 
-/// A filter of `radius_texel` around a place in a map, for each point.
+/// A filter around a place in a map, for each point: tap (s, t) of the lamp's panel lies
+/// radius_texel * (s panel_u + t panel_v) away.
 struct FilterLanes {
   FloatLanes x_texel, y_texel, radius_texel;
+  FloatLanes panel_ux, panel_uy, panel_vx, panel_vy;  ///< as the point sees it along its ray
   FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w where it sees all of the lamp
 };
 
@@ -25,9 +27,9 @@ class TapReader {
         last_(FloatLanes{} + static_cast<float>(map_w.width() - 1)) {}
   /// Nearest texel of tap (x, y) of each filter. The border of a map is empty, as is everything
   /// outside.
-  FloatLanes read(const FilterLanes& filter, glm::vec2 tap) const {
-    const FloatLanes x = filter.x_texel + filter.radius_texel * tap.x;
-    const FloatLanes y = filter.y_texel + filter.radius_texel * tap.y;
+  FloatLanes read(const FilterLanes& f, glm::vec2 tap) const {
+    const FloatLanes x = f.x_texel + f.radius_texel * (tap.x * f.panel_ux + tap.y * f.panel_vx);
+    const FloatLanes y = f.y_texel + f.radius_texel * (tap.x * f.panel_uy + tap.y * f.panel_vy);
     return gather(texels_, texel(y) * stride_ + texel(x));
   }
 
@@ -56,19 +58,33 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   const FloatLanes lamp_z = in_lamp(m, 2, x, y, z);
   const IntLanes behind = (unmoved_z > near_m) & (lamp_z > near_m);
   const FloatLanes w = 1 / (behind ? lamp_z : FloatLanes{} + near_m);
-  const FloatLanes u = in_lamp(m, 0, x, y, z) * w * focal + lamp.map_center_texel;
-  const FloatLanes v = in_lamp(m, 1, x, y, z) * w * focal + lamp.map_center_texel;
-  const FloatLanes radius = (1 / near_m - w) * (focal * lamp.radius_m);
-  const FloatLanes last = radius + static_cast<float>(lamp.map_size_texel - 1);
-  const IntLanes inside = behind & (u > -radius) & (v > -radius) & (u < last) & (v < last);
-  return {inside ? u : FloatLanes{}, inside ? v : FloatLanes{},
-          inside ? max(radius, FloatLanes{} + kLeastRadiusTexel) : FloatLanes{},
-          inside ? w : FloatLanes{} + kLitAll_w};
+  const FloatLanes ray_x = in_lamp(m, 0, x, y, z) * w, ray_y = in_lamp(m, 1, x, y, z) * w;
+  const FloatLanes u = ray_x * focal + lamp.map_center_texel;
+  const FloatLanes v = ray_y * focal + lamp.map_center_texel;
+  const FloatLanes radius =
+      max((1 / near_m - w) * (focal * lamp.radius_m), FloatLanes{} + kLeastRadiusTexel);
+  // A point of the panel that is nearer than its middle seems to lie aside of it.
+  FilterLanes filter{};
+  filter.panel_ux = lamp.panel_u.x - lamp.panel_u.z * ray_x;
+  filter.panel_uy = lamp.panel_u.y - lamp.panel_u.z * ray_y;
+  filter.panel_vx = lamp.panel_v.x - lamp.panel_v.z * ray_x;
+  filter.panel_vy = lamp.panel_v.y - lamp.panel_v.z * ray_y;
+  const FloatLanes reach_x = radius * (abs(filter.panel_ux) + abs(filter.panel_vx));
+  const FloatLanes reach_y = radius * (abs(filter.panel_uy) + abs(filter.panel_vy));
+  const float last = static_cast<float>(lamp.map_size_texel - 1);
+  const IntLanes inside =
+      behind & (u > -reach_x) & (v > -reach_y) & (u < last + reach_x) & (v < last + reach_y);
+  filter.x_texel = inside ? u : FloatLanes{};
+  filter.y_texel = inside ? v : FloatLanes{};
+  filter.radius_texel = inside ? radius : FloatLanes{};
+  filter.w = inside ? w : FloatLanes{} + kLitAll_w;
+  return filter;
 }
 
 /// Makes the filters as wide as the penumbra of what lies before each point.
+template <int kCount>
 void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes& filter) {
-  static const auto kTaps = vogel_disc<kBlockerTapCount>();
+  static const auto kTaps = panel_taps<kCount>();
   FloatLanes sum_m{}, count{};
   for (const glm::vec2 tap : kTaps) {
     const FloatLanes w = reader.read(filter, tap);
@@ -83,21 +99,28 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   filter.w = found ? filter.w : FloatLanes{} + kLitAll_w;
 }
 
+/// Share of the lamp that is seen through the filters of place().
+template <int kBlockers, int kCount>
+FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
+  static const auto kTaps = panel_taps<kCount>();
+  const TapReader reader(map.w);
+  find_blockers<kBlockers>(lamp, reader, filter);
+  if (!any(filter.w < kLitAll_w)) return FloatLanes{} + 1.0F;
+  FloatLanes lit{};
+  for (const glm::vec2 tap : kTaps) lit -= to_float(reader.read(filter, tap) <= filter.w);
+  return lit / static_cast<float>(kCount);
+}
+
 }  // namespace
 
 FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
                       const VectorLanes& normal) {
-  static const auto kTaps = vogel_disc<kShadowTapCount>();
   const FloatLanes all = FloatLanes{} + 1.0F;
   if (map.empty()) return all;
   FilterLanes filter = place(lamp, position_m, normal);
   if (!any(filter.w < kLitAll_w)) return all;
-  const TapReader reader(map.w);
-  find_blockers(lamp, reader, filter);
-  if (!any(filter.w < kLitAll_w)) return all;
-  FloatLanes lit{};
-  for (const glm::vec2 tap : kTaps) lit -= to_float(reader.read(filter, tap) <= filter.w);
-  return lit / static_cast<float>(kShadowTapCount);
+  return lamp.is_part ? seen_by<kPartBlockerTapCount, kPartShadowTapCount>(lamp, map, filter)
+                      : seen_by<kBlockerTapCount, kShadowTapCount>(lamp, map, filter);
 }
 
 bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners_m) {
@@ -119,10 +142,14 @@ bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners
   const float slope = std::max(std::max(-x0, x1), std::max(-y0, y1));
   const float moved_texel = kLiftTexels * (1 + std::max(slope, 0.0F)) / (1 - lift);
   const float w = 1 / (z1 * (1 + lift)), reach = focal * lamp.radius_m;
+  // Of the panel along an axis of the map, in radii.
+  const float steep = (slope + lift) / (1 - lift);
+  const glm::vec3 panel = glm::abs(lamp.panel_u) + glm::abs(lamp.panel_v);
+  const float extent = std::max(panel.x, panel.y) + panel.z * steep;
   // Nothing that is farther than the point hides it; 0.1 % for rounding.
   const auto largest_within = [&](float blocker_w) {
     const float margin =
-        moved_texel + std::max(reach * (blocker_w - w), kLeastRadiusTexel) * 1.001F + 1;
+        moved_texel + std::max(reach * (blocker_w - w), kLeastRadiusTexel) * extent * 1.001F + 1;
     const float center = lamp.map_center_texel;
     return 1.001F * largest_w(map, focal * x0 + center - margin, focal * y0 + center - margin,
                               focal * x1 + center + margin, focal * y1 + center + margin);

@@ -21,22 +21,24 @@ constexpr int kRoomUnit = 5;       // common/lamps.glsl
 /// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
 struct GpuLamp {
   glm::mat4 lamp_from_camera;
-  glm::vec4 position_m, direction, intensity;
+  glm::vec4 position_m, direction, intensity, panel_u, panel_v;
   float radius_m, map_focal_texel, map_center_texel, casters_near_m;
   glm::ivec4 map_size_texel;
 };
-static_assert(sizeof(GpuLamp) == 9 * sizeof(glm::vec4));
+static_assert(sizeof(GpuLamp) == 11 * sizeof(glm::vec4));
 
 GpuLamp to_gpu(const LampParams& lamp) {
   return {lamp.lamp_from_camera,
           glm::vec4(lamp.position_m, 1),
           glm::vec4(lamp.direction, 0),
           glm::vec4(lamp.intensity, 0),
+          glm::vec4(lamp.panel_u, 0),
+          glm::vec4(lamp.panel_v, 0),
           lamp.radius_m,
           lamp.map_focal_texel,
           lamp.map_center_texel,
           lamp.casters_near_m,
-          glm::ivec4(lamp.map_size_texel, lamp.room_layer, 0, 0)};
+          glm::ivec4(lamp.map_size_texel, lamp.room_layer, lamp.part_of, lamp.is_part)};
 }
 
 /// A uniform block of kMostLamps, and RoomShadeParams::cell_from_camera.
@@ -58,12 +60,15 @@ void upload(const std::vector<LampParams>& from, const BufferHandle& to) {
                   lamps.data());
 }
 
-void set_constants(const Program& program, const CompositorSetup& setup) {
-  program.set("lamp_count", static_cast<int>(setup.light.lamps.size()));
-  const auto blockers = vogel_disc<kBlockerTapCount>();
-  const auto shadows = vogel_disc<kShadowTapCount>();
-  glUniform2fv(program.location("blocker_taps"), kBlockerTapCount, &blockers[0].x);
-  glUniform2fv(program.location("shadow_taps"), kShadowTapCount, &shadows[0].x);
+void set_constants(const Program& program) {
+  program.use();
+  const auto set_taps = [&](const char* name, const auto& taps) {
+    glUniform2fv(program.location(name), static_cast<GLsizei>(taps.size()), &taps[0].x);
+  };
+  set_taps("blocker_taps", panel_taps<kBlockerTapCount>());
+  set_taps("shadow_taps", panel_taps<kShadowTapCount>());
+  set_taps("part_blocker_taps", panel_taps<kPartBlockerTapCount>());
+  set_taps("part_shadow_taps", panel_taps<kPartShadowTapCount>());
 }
 
 }  // namespace
@@ -94,7 +99,7 @@ Result<LightPass> LightPass::create(const Tables& tables, const CompositorSetup&
                 make_block_step("light_people.frag", {&pass.light_}, kMayShowPeople, kBlockPx));
   MIXRIG_ASSIGN(pass.shade_,
                 make_step("shade_virtual.frag", {&pass.virtual_color_, &pass.virtual_w_}));
-  for (const Step* step : pass.lit_steps()) set_constants(step->program, setup);
+  for (const Step* step : pass.lit_steps()) set_constants(step->program);
   pass.shade_.program.use();
   glUniform1fv(pass.shade_.program.location("lobe_losses"), kLobeLoss.size(), kLobeLoss.data());
   glUniform1fv(pass.shade_.program.location("lobe_grazings"), kLobeGrazing.size(),
@@ -126,7 +131,10 @@ void LightPass::set_lamps(const FrameParams& params) {
                     &params.room.cell_from_camera);
   }
   upload(params.people_lamps, people_lamps_);
-  for (const Step* step : lit_steps()) step->program.set("ambient", params.light.ambient);
+  for (const Step* step : lit_steps()) {
+    step->program.set("ambient", params.light.ambient);
+    step->program.set("lamp_count", static_cast<int>(params.lamps.size()));
+  }
   shade_.program.set("exposure", params.light.exposure);
   shade_.program.set("by_direction", params.light.by_direction);
   if (!params.light.by_direction) return;
@@ -236,7 +244,10 @@ void LightPass::draw_people(const People& people, GLuint shadow_maps,
   } else {
     copy_background();
   }
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   run_blocks(people_, people.blocks, {&people.matte, &tile_w_, &tile_light_});
+  glDisable(GL_BLEND);
 }
 
 }  // namespace mixrig::render::gles
