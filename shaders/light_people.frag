@@ -1,16 +1,16 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the light of people, drawn over the background's in the blocks that may show them. A
-// person hides the shadow behind.
+// Pass light: the light of people, blended over the background's by the matte in the blocks that may
+// show them.
 //   matte               people, 0..1
 //   tile_w, tile_light  of light_tile_w.frag and light_tiles.frag
-//   light               0..1
+//   light               0..1, and the matte as alpha
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 layout(binding = 0) uniform sampler2D matte;
 layout(binding = 1) uniform sampler2D tile_w;
 layout(binding = 2) uniform sampler2D tile_light;
-out float light;
+out vec4 light;
 
 // Bilinear over the tiles that hold people; 1 where none does.
 float people_light(ivec2 at) {
@@ -29,6 +29,7 @@ float people_light(ivec2 at) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  if (texelFetch(matte, at, 0).r < person_matte) discard;
-  light = clamp(people_light(at), 0.0, 1.0);
+  float share = texelFetch(matte, at, 0).r;
+  if (share <= 0.0) discard;
+  light = vec4(clamp(people_light(at), 0.0, 1.0), 0.0, 0.0, share);
 }

@@ -195,8 +195,9 @@ Tables make_tables(const CompositorSetup& setup) {
     t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
     return t;
   }
-  LightSurface surface =
-      light_surface(setup.background.depth_m, setup.view, t.correct.noise, radius_px);
+  const ImageView<const float> room_m =
+      t.edge_depth_m.empty() ? setup.background.depth_m : t.edge_depth_m.view();
+  LightSurface surface = light_surface(room_m, setup.view, t.correct.noise, radius_px);
   t.light_depth_m = std::move(surface.depth_m), t.background_normal = std::move(surface.normal);
   return t;
 }

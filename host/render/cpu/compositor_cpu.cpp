@@ -299,9 +299,9 @@ void CpuCompositor::light_real(const Image<std::uint8_t>& matte) {
                          .background = setup_.background,
                          .maps = shadow_maps_,
                          .moving = moving_background_.get(),
-                         .people = people_cast() ? &people_shadow_ : nullptr};
+                         .people = people_cast() && !setup_.backdrop ? &people_shadow_ : nullptr};
+  light_visible_background(crew_, input, light_);
   light_people(crew_, input, view_w_, matte, light_);
-  if (people_cast() && !setup_.backdrop) light_past_people(crew_, input, matte, light_);
 }
 
 /// What virtual things take on of the plate: found in the first frame; grain moves in each.

@@ -45,12 +45,12 @@ void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
 void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer);
 /// Gives the layer the images that shade_behind_people needs.
 void size_for_people(Size view_size, VirtualLayer& layer);
-/// Light of the visible background where people hide a lamp from an object's shadow: the plate is
-/// dark there already. After light_background and light_people.
-void light_past_people(Crew& crew, const LightInput& input, const Image<std::uint8_t>& matte,
-                       LightLayer& light);
-/// Light of the visible surfaces: people where `matte` is at least half, with depth `view_w`, found
-/// once in a tile (no ToF camera sees finer) and interpolated.
+/// Light of the background in this frame: where `people` hide a lamp from an object's shadow the
+/// plate is dark already. After light_background.
+void light_visible_background(Crew& crew, const LightInput& input, LightLayer& light);
+/// Light of the visible surfaces, people's mixed with the background's by `matte`. That of people,
+/// where it is at least half, with depth `view_w`, is found once in a tile (no ToF camera sees
+/// finer) and interpolated. After light_visible_background.
 void light_people(Crew& crew, const LightInput& input, const Image<float>& view_w,
                   const Image<std::uint8_t>& matte, LightLayer& light);
 

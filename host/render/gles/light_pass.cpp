@@ -236,7 +236,10 @@ void LightPass::draw_people(const People& people, GLuint shadow_maps,
   } else {
     copy_background();
   }
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   run_blocks(people_, people.blocks, {&people.matte, &tile_w_, &tile_light_});
+  glDisable(GL_BLEND);
 }
 
 }  // namespace mixrig::render::gles

@@ -228,14 +228,38 @@ TEST(Light, ratio_of_the_background_is_by_hand) {
   render::cpu::light_background(
       crew, {preparer.params(), tables, with_background.background, lit.maps}, layer);
   // Column 31, row 63: z = 4.06 m, lit. Nothing is known above the horizon: light 1.
-  EXPECT_EQ(layer.background.at(31, 63 - 63), 65535);
-  EXPECT_EQ(layer.background.at(31, 60), layer.background.at(31, 60));
+  EXPECT_EQ(layer.background.at(31, 0), 65535);
   // z = 2.67 m at row 79.5 is outside; the shadow of +-1 m around z = 2 m ends before z = 3 m.
   for (int y = 41; y < 64; ++y) {
     const float z = floor.at(31, y);
     const bool shadowed = z < 2.9F;
     EXPECT_EQ(layer.background.at(31, y) < 65535, shadowed) << z;
   }
+}
+
+TEST(Light, of_a_pixel_that_shows_a_person_by_half_is_that_of_both) {
+  Lit lit(point_lamp({0, 0, 2}));
+  lit.setup.light.ambient = glm::vec3(0.2F);
+  render::FramePreparer preparer(lit.setup);
+  preparer.update({});
+  const render::Tables tables = render::make_tables(lit.setup);
+  render::cpu::LightLayer layer({64, 64});
+  layer.background.fill(13107);  // 0.2, all of it behind a caster
+  Image<std::uint8_t> matte({64, 64}, 255);
+  // Columns of one tile between people, who stand in the light, and nobody.
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 64; ++x)
+      matte.row(y)[x] = static_cast<std::uint8_t>(x == 32 ? 204 : x == 33 ? 51 : 0);
+  const Image<float> w({64, 64}, 1 / 0.9F);  // above the caster
+  Crew crew(2);
+  const render::cpu::LightInput input{preparer.params(), tables, lit.setup.background, lit.maps};
+  render::cpu::light_visible_background(crew, input, layer);
+  render::cpu::light_people(crew, input, w, matte, layer);
+  const auto at = [&](int x) { return layer.visible.at(x, 20) / 65535.0; };
+  EXPECT_NEAR(at(16), 1, 1e-3);
+  EXPECT_NEAR(at(32), 0.8 * 1 + 0.2 * 0.2, 1e-3);
+  EXPECT_NEAR(at(33), 0.2 * 1 + 0.8 * 0.2, 1e-3);
+  EXPECT_NEAR(at(34), 0.2, 1e-3);
 }
 
 TEST(Light, shading_is_lambert_by_hand) {
