@@ -10,8 +10,6 @@
 namespace mixrig::render::cpu {
 namespace {
 
-bool holds(LampSet set, std::size_t lamp) { return lamp >= kLampBits || (set >> lamp & 1) != 0; }
-
 /// Irradiance by an unhidden lamp of intensity 1, as CONVENTIONS.md has it.
 FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   const FloatLanes x = lamp.position_m.x - at.position_m.x, y = lamp.position_m.y - at.position_m.y,
@@ -79,7 +77,7 @@ VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
 FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps* people,
                       const SurfaceLanes& at) {
   const LampParams& lamp = frame.lamps[k];
-  FloatLanes light = irradiance(lamp, at) * luminance(lamp.intensity);
+  FloatLanes light = lamp_light(lamp, at);
   if (!any(light > 0)) return light;
   light *= room_share(frame, lamp, at);
   if (people != nullptr && k < people->maps.size() && holds(people->maybe, k))
@@ -88,6 +86,10 @@ FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps*
 }
 
 }  // namespace
+
+FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
+  return irradiance(lamp, at) * luminance(lamp.intensity);
+}
 
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at, const PeopleMaps* people) {
@@ -107,12 +109,8 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
-namespace {
-
-/// `maybe`: lamps that objects may hide; `share`: of the first lamps that is seen past people, the
-/// others are not hidden by them.
-ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                        std::span<const FloatLanes> share, const SurfaceLanes& at) {
+ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const SurfaceLanes& at, std::span<const FloatLanes> share) {
   ShadingLanes sum;
   add_ambient(frame.light, at.normal, sum);
   std::optional<GlossLanes> gloss;
@@ -134,13 +132,6 @@ ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& 
   return sum;
 }
 
-}  // namespace
-
-ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at) {
-  return shading_of(frame, maps, maybe, {}, at);
-}
-
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light) {
@@ -153,7 +144,7 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
     share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
     hidden |= any(share[k] < 1);
   }
-  if (hidden) light = shading_of(frame, maps, maybe, std::span(share).first(count), at);
+  if (hidden) light = shading(frame, maps, maybe, at, std::span(share).first(count));
   return hidden;
 }
 
