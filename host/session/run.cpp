@@ -153,7 +153,7 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   reader_ = std::make_unique<capture::CaptureReader>(*session_.source, range.first,
                                                      live() ? capture::kEndless : range.second,
                                                      reads_truth(), gate());
-  return live() ? warm_up() : Result<void>();
+  return warm_up();
 }
 
 Result<void> Runner::open_poses() {
@@ -223,8 +223,9 @@ Result<std::optional<capture::CaptureItem>> Runner::next_item() {
 }
 
 /// The first frame costs much more than others: shaders are built, memory is touched, and it is
-/// found what the room hides of the lamps. The first capture of a live run is composited once for
-/// that, and what was exposed meanwhile is late, so that it is not composited (next_fresh_item).
+/// found what the room hides of the lamps. The first capture is composited once for that, before
+/// times are taken. What was exposed meanwhile in a live run is late, so that it is not composited
+/// (next_fresh_item).
 Result<void> Runner::warm_up() {
   MIXRIG_ASSIGN(auto item, next_item());
   if (!item) return {};
@@ -239,7 +240,7 @@ Result<void> Runner::warm_up() {
     composite->world_from_object.clear();
     MIXRIG_TRY(compositor_.compose(*composite, wanted(capture.number), composite->images));
   }
-  ready_ = clock_.now();
+  if (live()) ready_ = clock_.now();
   held_.insert(held_.begin(), *std::move(item));
   return {};
 }

@@ -3,7 +3,9 @@
 //   render_bench --benchmark_repetitions=5
 // heap_mb: what the compositor and the images of a frame hold. moved_mb: bytes that a still frame
 // reads and writes at least, each image once in each pass that needs all of it; copy_ms: the time
-// in which one thread of this machine copies so many.
+// in which one thread of this machine copies so many. Of a build with MIXRIG_CPU_LEVELS the
+// environment's MIXRIG_CPU_LEVEL, as "x86-64-v3", is the highest level that runs.
+#include <cstdlib>
 #include <string>
 
 #include <benchmark/benchmark.h>
@@ -35,11 +37,14 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
   const bool zooms = state.range(1) == 3;
   room.setup.lens_moves = zooms;
   const double before_mb = heap_mb();
-  auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)));
+  const char* level = std::getenv("MIXRIG_CPU_LEVEL");
+  auto compositor = render::make_cpu_compositor(room.setup, static_cast<int>(state.range(0)),
+                                                level != nullptr ? level : "");
   if (!compositor) {
     state.SkipWithError(compositor.error().context.c_str());
     return;
   }
+  state.SetLabel((*compositor)->renderer());
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
   if (zooms) frame.lens = render::FrameLens{room.setup.target, 0};

@@ -14,6 +14,13 @@ namespace {
 constexpr int kBackgroundGrain = 16;
 constexpr std::size_t kRun = MovingBackground::kMostColumns;
 constexpr std::uint16_t kUnknownColor = 65535;
+/// Pixels along an axis that share the spread of the depth: it differs little from one to the next.
+constexpr int kSpreadStep = 2;
+
+Size spread_size(Size view) {
+  return {(view.width + kSpreadStep - 1) / kSpreadStep,
+          (view.height + kSpreadStep - 1) / kSpreadStep};
+}
 
 /// Largest of `from` within `radius` along a row.
 void most_within(const float* from, int width, int radius, float* to) {
@@ -78,6 +85,17 @@ Interval sum_of(float constant, float a, float a_from, float a_to, float b, floa
   return {constant + a0 + b0 - slack, constant + a1 + b1 + slack};
 }
 
+/// Least and largest of numbers; none: precondition.
+Interval range_of(std::span<const float> from) {
+  float least = from[0], most = from[0];
+#pragma omp simd reduction(min : least) reduction(max : most)
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    least = std::min(least, from[i]);
+    most = std::max(most, from[i]);
+  }
+  return {least, most};
+}
+
 }  // namespace
 
 // One index serves the tables of depth, spread and normals.
@@ -94,6 +112,9 @@ struct MovingBackground::Run {
       std::array<std::int32_t, kRun> at;  ///< nearest pixel of the tables of 4-byte values; 0: none
   std::size_t count = 0;
 };
+
+/// What of a Run is found: `z_m`, `score` and `part` too, or only where it lies.
+enum class MovingBackground::Find { kPlace, kAll };
 
 MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorSetup& setup,
                                                    const BackgroundModel& from, Normals normals) {
@@ -128,7 +149,7 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Nor
       has_color_(has_model_color(setup)),
       w_(with_margin(setup.view.size_px)),
       row_most_w_(setup.view.size_px),
-      depth_sigma_m_(setup.view.size_px),
+      depth_sigma_m_(spread_size(setup.view.size_px)),
       depth_m_(setup.view.size_px) {
   for (const BackgroundModel& model : setup.background_models) {
     parts_.push_back(make_part(crew, setup, model, normals));
@@ -163,12 +184,8 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   if (before == Before::kNothing) w_.fill(0);
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
-    Run run;
     for (int y = begin; y < end; ++y) {
-      for (int x = 0; x < width; x += static_cast<int>(kRun)) {
-        find(x, y, width - x, run);
-        look_up(x, y, run);
-      }
+      look_up(y);
       most_within(w_.row(y), width, limit_radius_px_, row_most_w_.row(y));
     }
   });
@@ -177,40 +194,42 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   });
 }
 
-void MovingBackground::find(int x0, int y, int width, Run& run) const {
-  find_in(0, x0, y, width, run);
+void MovingBackground::find(const Pixels& pixels, Run& run) const {
+  if (parts_.size() == 1) return find_in(0, pixels, Find::kPlace, run);
+  find_in(0, pixels, Find::kAll, run);
   for (std::size_t part = 1; part < parts_.size(); ++part) {
     Run other;
-    find_in(part, x0, y, width, other);
+    find_in(part, pixels, Find::kAll, other);
     keep_better(other, run);
   }
-  if (parts_.size() == 1) return;
   for (std::size_t i = 0; i < run.count; ++i)
     if (!shows(run, i)) run.at[i] = 0;
 }
 
 /// In the face of a model whose axis is nearest.
-void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& run) const {
+void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what, Run& run) const {
   const Part& in = parts_[part];
   // Stores into the run cannot change these, which g++ does not know of members.
-  const std::size_t count = std::min(kRun, static_cast<std::size_t>(width));
-  const std::int32_t face_rows = in.tables.face_rows, number = static_cast<std::int32_t>(part);
+  const std::size_t count = std::min(kRun, static_cast<std::size_t>(pixels.count));
+  const std::int32_t face_rows = in.tables.face_rows;
   run.count = count;
   const PinholeParams view = in.tables.grid.warp.view, model = in.tables.camera;
-  const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
-  const float to_ray = 1 / view.focal_px.x;
-  const float first_x = static_cast<float>(x0) - view.center_px.x;
-  const float* w = w_.row(y) + x0;
+  const float ray_y = (static_cast<float>(pixels.y) - view.center_px.y) / view.focal_px.y;
+  const float to_ray = 1 / view.focal_px.x, step = static_cast<float>(pixels.step);
+  const float first_x = static_cast<float>(pixels.x0) - view.center_px.x;
+  alignas(64) std::array<float, kRun> w;
+  const float* from_w = w_.row(pixels.y) + pixels.x0;
+  for (std::size_t i = 0; i < count; ++i) w[i] = from_w[i * static_cast<std::size_t>(pixels.step)];
   // The face whose axis is nearest: the largest z of the point times its own w.
   alignas(64) std::array<float, kRun> qx, qy, qz;
-  run.face.fill(0);
-  qz.fill(-std::numeric_limits<float>::infinity());
-  const auto [least_w, most_w] = std::minmax_element(w, w + count);
-  const float last_x = first_x + static_cast<float>(static_cast<int>(count) - 1);
+  std::fill_n(run.face.begin(), count, 0);
+  std::fill_n(qz.begin(), count, -std::numeric_limits<float>::infinity());
+  const Interval range = range_of(std::span(w).first(count));
+  const float last_x = first_x + step * static_cast<float>(static_cast<int>(count) - 1);
   const auto z_on_run = [&](const Face& face) {
     const glm::mat3& r = face.from_camera;
     return sum_of(r[1].z * ray_y + r[2].z, r[0].z, first_x * to_ray, last_x * to_ray,
-                  face.camera_m.z, *least_w, *most_w);
+                  face.camera_m.z, range.least, range.most);
   };
   float surely_z = -std::numeric_limits<float>::infinity();
   for (const Face& face : in.faces) surely_z = std::max(surely_z, z_on_run(face).least);
@@ -220,7 +239,7 @@ void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& 
     const glm::vec3 t = in.faces[f].camera_m, row = r[1] * ray_y + r[2];
     const auto face = static_cast<std::int32_t>(f);
     for (std::size_t i = 0; i < count; ++i) {
-      const float ray_x = (first_x + static_cast<float>(static_cast<int>(i))) * to_ray;
+      const float ray_x = (first_x + step * static_cast<float>(static_cast<int>(i))) * to_ray;
       const float face_x = r[0].x * ray_x + row.x + t.x * w[i];
       const float face_y = r[0].y * ray_x + row.y + t.y * w[i];
       const float face_z = r[0].z * ray_x + row.z + t.z * w[i];
@@ -242,14 +261,17 @@ void MovingBackground::find_in(std::size_t part, int x0, int y, int width, Run& 
         (w[i] > 0) & (qz[i] > 0) & (u >= -0.5F) & (v >= -0.5F) & (u < most_u) & (v < most_v);
     run.u_px[i] = u;
     run.v_px[i] = v;
-    run.z_m[i] = qz[i] / w[i];
-    run.score[i] = qz[i] / (qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
-    run.part[i] = number;
     // The tables have borders of one pixel that know nothing.
     const auto column = static_cast<std::int32_t>(inside ? u + 1.5F : 0.0F);
     const auto line = static_cast<std::int32_t>(inside ? v + 1.5F : 0.0F);
     const std::int32_t top = inside ? run.face[i] * (face_rows + 2) : 0;
     run.at[i] = (top + line) * stride + column;
+  }
+  if (what == Find::kPlace) return;
+  std::fill_n(run.part.begin(), count, static_cast<std::int32_t>(part));
+  for (std::size_t i = 0; i < count; ++i) {
+    run.z_m[i] = qz[i] / w[i];
+    run.score[i] = qz[i] / (qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]);
   }
 }
 
@@ -269,55 +291,77 @@ void MovingBackground::keep_better(const Run& other, Run& run) const {
   }
 }
 
-void MovingBackground::look_up(int x0, int y, const Run& run) {
-  const float* w = w_.row(y) + x0;
-  float* depth_m = depth_m_.row(y) + x0;
-  float* sigma_m = depth_sigma_m_.row(y) + x0;
-  for (std::size_t i = 0; i < run.count; ++i) depth_m[i] = w[i] > 0 ? 1 / w[i] : 0;
-  if (parts_.size() == 1) {
-    const float* model_sigma_m = parts_[0].sigma_m.row(0);
-    for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
-    return;
+/// Depths of a row; of every other row and column the spread.
+void MovingBackground::look_up(int y) {
+  const int width = depth_m_.width();
+  const float* w = w_.row(y);
+  float* depth_m = depth_m_.row(y);
+  for (int x = 0; x < width; ++x) depth_m[x] = w[x] > 0 ? 1 / w[x] : 0;
+  if (y % kSpreadStep != 0) return;
+  float* sigma_m = depth_sigma_m_.row(y / kSpreadStep);
+  Run run;
+  constexpr int kColumns = kMostColumns * kSpreadStep;
+  for (int x0 = 0; x0 < width; x0 += kColumns, sigma_m += kMostColumns) {
+    const int pixels = std::min(kColumns, width - x0);
+    find({x0, y, (pixels + kSpreadStep - 1) / kSpreadStep, kSpreadStep}, run);
+    if (parts_.size() == 1) {
+      const float* model_sigma_m = parts_[0].sigma_m.row(0);
+      for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
+      continue;
+    }
+    for (std::size_t i = 0; i < run.count; ++i)
+      sigma_m[i] = parts_[static_cast<std::size_t>(run.part[i])].sigma_m.row(0)[run.at[i]];
   }
-  for (std::size_t i = 0; i < run.count; ++i)
-    sigma_m[i] = parts_[static_cast<std::size_t>(run.part[i])].sigma_m.row(0)[run.at[i]];
 }
 
-void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out) const {
+void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out, int step) const {
   Run run;
-  find(x0, y, static_cast<int>(out.size()), run);
+  find({x0, y, static_cast<int>(out.size()), step}, run);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const PackedNormal* model_normal = parts_[p].normal.row(0);
+    const auto is_of = [&](std::size_t i) {
+      return parts_.size() == 1 || run.part[i] == static_cast<std::int32_t>(p);
+    };
     std::array<PackedNormal, kRun> turned{};
     for (std::size_t i = 0; i < run.count; ++i)
-      if (run.part[i] == static_cast<std::int32_t>(p)) turned[i] = model_normal[run.at[i]];
+      if (is_of(i)) turned[i] = model_normal[run.at[i]];
     rotate(glm::transpose(parts_[p].faces.front().from_camera), std::span(turned).first(run.count));
     for (std::size_t i = 0; i < run.count; ++i)
-      if (run.part[i] == static_cast<std::int32_t>(p)) out[i] = turned[i];
+      if (is_of(i)) out[i] = turned[i];
   }
 }
 
-/// Colour of pixel i of a run, and its spread as fourth; red negative where the model knows none.
-F4 MovingBackground::color_at(const Run& run, std::size_t i) const {
-  constexpr F4 kNone{-1, -1, -1, 0};
-  const Part& part = parts_[static_cast<std::size_t>(run.part[i])];
-  const std::int32_t at = run.at[i];
-  const float seen_w = part.w.row(0)[at];
-  // The model saw another surface before this one: that one's colour says nothing about it.
-  const bool hidden = seen_w > 0 && std::abs(1 - run.z_m[i] * seen_w) > kHiddenPart;
-  if (at == 0 || hidden) return kNone;
+/// Colours of a run and, as x, their spread or kUnknownColor.
+void MovingBackground::colors_of(const Part& part, const Run& run,
+                                 std::array<Rgbx16, kMostColumns>& out) {
+  const float* seen_w = part.w.row(0);
   // In the table of colours, whose faces have a border too.
   const auto factor = static_cast<float>(part.color_factor);
   const int table_rows = part.color_factor * part.tables.face_rows + 2;
-  const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
-  const float v_px =
-      (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
-  const int x = static_cast<int>(u_px + 0.5F), line = static_cast<int>(v_px + 0.5F);
-  if (part.color.row(line)[x].x == kUnknownColor) return kNone;
-  const Split u = split(u_px, part.color.width()), v = split(v_px, part.color.height());
-  const Rgbx16* p = part.color.row(static_cast<int>(v.pixel)) + u.pixel;
-  return __builtin_convertvector(blend(p, p + part.color.stride(), u.fraction, v.fraction), F4) /
-         kLinearOne;
+  const auto stride = static_cast<std::uint32_t>(part.color.stride());
+  const Rgbx16* table = part.color.row(0);
+  std::array<Tap, kRun> taps;
+  std::array<bool, kRun> known;
+  for (std::size_t i = 0; i < run.count; ++i) {
+    const std::int32_t at = run.at[i];
+    // The model saw another surface before this one: that one's colour says nothing about it.
+    const bool hidden = seen_w[at] > 0 && std::abs(1 - run.z_m[i] * seen_w[at]) > kHiddenPart;
+    known[i] = at != 0 && !hidden;
+    const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
+    const float v_px =
+        (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
+    const float x = known[i] ? u_px : 0, y = known[i] ? v_px : 0;
+    const Split u = split(x, part.color.width()), v = split(y, part.color.height());
+    taps[i] = {v.pixel * stride + u.pixel, u.fraction, v.fraction};
+    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(x + 0.5F));
+    const auto line = static_cast<std::uint32_t>(static_cast<std::int32_t>(y + 0.5F));
+    known[i] = known[i] && table[line * stride + column].x != kUnknownColor;
+  }
+  std::fill_n(taps.begin() + run.count, (kRun - run.count) % kBlendPx, Tap{});
+  for (std::size_t i = 0; i < run.count; i += kBlendPx)
+    blend_run(&taps[i], table, part.color.stride(), &out[i]);
+  for (std::size_t i = 0; i < run.count; ++i)
+    if (!known[i]) out[i].x = kUnknownColor;
 }
 
 void MovingBackground::draw_color(int x0, int y, int width) {
@@ -326,18 +370,21 @@ void MovingBackground::draw_color(int x0, int y, int width) {
   const std::size_t count = std::min(kRun, static_cast<std::size_t>(width));
   std::fill_n(color, count, Rgbf{-1, -1, -1});
   std::fill_n(color_sigma, count, 0.0F);
-  std::array<float, kRun> best{};  // score of the model whose colour a pixel has
+  std::array<float, kRun> best;  // score of the model whose colour a pixel has
+  std::fill_n(best.begin(), count, 0.0F);
+  std::array<Rgbx16, kRun> found;
   Run run;
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     if (parts_[part].color.empty()) continue;
-    find_in(part, x0, y, width, run);
+    find_in(part, {x0, y, width, 1}, Find::kAll, run);
+    colors_of(parts_[part], run, found);
     for (std::size_t i = 0; i < run.count; ++i) {
       if (parts_.size() > 1 && !(shows(run, i) && run.score[i] > best[i])) continue;
-      const F4 c = color_at(run, i);
-      if (c[0] < 0) continue;
+      const Rgbx16 c = found[i];
+      if (c.x == kUnknownColor) continue;
       best[i] = run.score[i];
-      color[i] = {c[0], c[1], c[2]};
-      color_sigma[i] = c[3];
+      color[i] = {c.r / kLinearOne, c.g / kLinearOne, c.b / kLinearOne};
+      color_sigma[i] = c.x / kLinearOne;
     }
   }
 }
@@ -357,13 +404,19 @@ void MovingBackground::limit_row(int y, float* limit_w) const {
     for (int x = 0; x < width; ++x) limit_w[x] = limit_w[x] < other[x] ? other[x] : limit_w[x];
   }
   const float* w = w_.row(y);
-  const float* spread_m = depth_sigma_m_.row(y);
-  for (int x = 0; x < width; ++x) {
-    const float z = 1 / limit_w[x];
-    const float sigma = noise.sigma_m(z);
-    const float by_noise = noise_factor * std::sqrt(spread_m[x] * spread_m[x] + sigma * sigma);
-    const float threshold = least_m > by_noise ? least_m : by_noise;
-    limit_w[x] = (w[x] > 0) & (threshold < z) ? 1 / (z - threshold) : kNever;
+  const float* spread_m = depth_sigma_m_.row(y / kSpreadStep);
+  std::array<float, kRun> spread;
+  for (int x0 = 0; x0 < width; x0 += kMostColumns) {
+    const int count = std::min(kMostColumns, width - x0);
+    for (int i = 0; i < kMostColumns; ++i) spread[i] = spread_m[(x0 + i) / kSpreadStep];
+    for (int i = 0; i < count; ++i) {
+      float& limit = limit_w[x0 + i];
+      const float z = 1 / limit;
+      const float sigma = noise.sigma_m(z);
+      const float by_noise = noise_factor * std::sqrt(spread[i] * spread[i] + sigma * sigma);
+      const float threshold = least_m > by_noise ? least_m : by_noise;
+      limit = (w[x0 + i] > 0) & (threshold < z) ? 1 / (z - threshold) : kNever;
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 // Pass background: the background model as the camera sees it from its pose.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -37,13 +38,18 @@ class MovingBackground {
   static constexpr int kMostColumns = 128;
   /// Normals of at most kMostColumns pixels of a row from (x0, y) on, as Tables::background_normal
   /// has them. Few pixels need them: those that a shadow can reach. Any thread. Precondition: made
-  /// with Normals::kMake.
-  void normals(int x0, int y, std::span<PackedNormal> out) const;
+  /// with Normals::kMake. `step`: of every so many pixels.
+  void normals(int x0, int y, std::span<PackedNormal> out, int step = 1) const;
   /// Valid for the life of this; changed by the draws.
   BackgroundView view() const { return {depth_m_, {}, color_, color_sigma_}; }
 
  private:
   struct Run;
+  /// The pixel (x0, y) of the view and every `step`-th after it along the row.
+  struct Pixels {
+    int x0 = 0, y = 0, count = 0, step = 1;
+  };
+  enum class Find;
   struct Face {
     geometry::Pose world_from_face;
     TofGrid grid;
@@ -65,12 +71,12 @@ class MovingBackground {
   };
   static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,
                         Normals normals);
-  void find(int x0, int y, int width, Run& run) const;
-  void find_in(std::size_t part, int x0, int y, int width, Run& run) const;
+  void find(const Pixels& pixels, Run& run) const;
+  void find_in(std::size_t part, const Pixels& pixels, Find what, Run& run) const;
   void keep_better(const Run& other, Run& run) const;
   bool shows(const Run& run, std::size_t i) const;
-  F4 color_at(const Run& run, std::size_t i) const;
-  void look_up(int x0, int y, const Run& run);
+  static void colors_of(const Part& part, const Run& run, std::array<Rgbx16, kMostColumns>& out);
+  void look_up(int y);
   void limit_row(int y, float* limit_w) const;
 
   KeyParams key_;
@@ -78,9 +84,9 @@ class MovingBackground {
   std::vector<Part> parts_;
   int limit_radius_px_ = 1;  ///< largest of the models
   bool has_color_ = false;
-  Image<float> w_;           ///< with kViewMargin
-  Image<float> row_most_w_;  ///< largest w_ within the radius, along the row
-  Image<float> depth_sigma_m_;
+  Image<float> w_;              ///< with kViewMargin
+  Image<float> row_most_w_;     ///< largest w_ within the radius, along the row
+  Image<float> depth_sigma_m_;  ///< of squares of pixels
   Image<float> depth_m_;
   Image<Rgbf> color_;
   Image<float> color_sigma_;

@@ -9,8 +9,6 @@
 namespace mixrig::render::cpu {
 namespace {
 
-bool holds(LampSet set, std::size_t lamp) { return lamp >= kLampBits || (set >> lamp & 1) != 0; }
-
 /// Irradiance by an unhidden lamp of intensity 1, as CONVENTIONS.md has it.
 FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   const FloatLanes x = lamp.position_m.x - at.position_m.x, y = lamp.position_m.y - at.position_m.y,
@@ -101,13 +99,17 @@ class PastPeople {
 /// Luminance of a lamp of the real scene without the virtual objects.
 FloatLanes real_light(const FrameParams& frame, const LampParams& lamp, const PastPeople* past,
                       const SurfaceLanes& at) {
-  FloatLanes light = irradiance(lamp, at) * luminance(lamp.intensity);
+  FloatLanes light = lamp_light(lamp, at);
   if (!any(light > 0)) return light;
   light *= room_share(frame, lamp, at);
   return past != nullptr ? light * past->of(lamp) : light;
 }
 
 }  // namespace
+
+FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
+  return irradiance(lamp, at) * luminance(lamp.intensity);
+}
 
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at, const PeopleMaps* people) {
@@ -130,11 +132,8 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
-namespace {
-
-/// `maybe`: lamps that objects may hide; `past`: people, or null.
-ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                        const PastPeople* past, const SurfaceLanes& at) {
+ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const SurfaceLanes& at, std::span<const FloatLanes> share) {
   ShadingLanes sum;
   add_ambient(frame.light, at.normal, sum);
   std::optional<GlossLanes> gloss;
@@ -145,7 +144,7 @@ ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& 
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);
-    if (past != nullptr) of_lamp *= past->of(lamp);
+    if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
     if (lamp.room_layer >= 0) of_lamp *= room_share(frame, lamp, at);
@@ -156,19 +155,16 @@ ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& 
   return sum;
 }
 
-}  // namespace
-
-ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at) {
-  return shading_of(frame, maps, maybe, nullptr, at);
-}
-
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light) {
   const PastPeople past(people, at);
-  if (past.hides()) light = shading_of(frame, maps, maybe, &past, at);
-  return past.hides();
+  if (!past.hides()) return false;
+  std::array<FloatLanes, kMostLamps> share;
+  const std::size_t count = std::min(maps.size(), share.size());
+  for (std::size_t k = 0; k < count; ++k) share[k] = past.of(frame.lamps[k]);
+  light = shading(frame, maps, maybe, at, std::span(share).first(count));
+  return true;
 }
 
 }  // namespace mixrig::render::cpu

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/render/cpu/gloss.h"
@@ -13,6 +14,9 @@ namespace mixrig::render::cpu {
 /// Lamps that may be hidden, by bit; those without a bit of their own always may.
 using LampSet = std::uint64_t;
 inline constexpr std::size_t kLampBits = 64;
+inline bool holds(LampSet set, std::size_t lamp) {
+  return lamp >= kLampBits || (set >> lamp & 1) != 0;
+}
 inline constexpr LampSet kAllLamps = ~LampSet{0};
 
 /// Points of surfaces with unit normals, camera axes; finite.
@@ -32,15 +36,19 @@ struct PeopleMaps {
   LampSet maybe = kAllLamps;
 };
 
+/// Luminance of an unhidden lamp on the points.
+FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at);
+
 /// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp. What
 /// `people` hide of a lamp is dark already.
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        const SurfaceLanes& at, const PeopleMaps* people = nullptr);
 
 /// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
-/// `diffuse` is set. `maybe`: lamps that objects may hide.
+/// `diffuse` is set. `maybe`: lamps that objects may hide; `share`: of the first lamps what is seen
+/// of each past what else hides them.
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at);
+                     const SurfaceLanes& at, std::span<const FloatLanes> share = {});
 
 /// The same light past people too. False where people hide
 /// nothing; then `light` is not set.

@@ -5,16 +5,15 @@
 #include <limits>
 #include <span>
 
+#include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/light_cells.h"
 #include "host/render/cpu/light_parts.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-/// Of the background in a row of a tile.
-void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out) {
-  if (input.moving) return input.moving->normals(x0, y, out);
-  std::copy_n(input.tables.background_normal.row(y) + x0, out.size(), out.begin());
-}
+/// Tiles of a row that are tested together for shadows at first.
+constexpr int kTilesTogether = 8;
 
 /// Depths that light falls on.
 ImageView<const float> lit_depth_m(const LightInput& input) {
@@ -22,21 +21,12 @@ ImageView<const float> lit_depth_m(const LightInput& input) {
                                                             : input.tables.light_depth_m.view();
 }
 
-/// As ray_of and unpack.
+/// As ray_of.
 VectorLanes rays_of(const PinholeParams& view, int x, int y) {
   const FloatLanes u = lane_numbers() + static_cast<float>(x);
   return {(u - view.center_px.x) / view.focal_px.x,
           FloatLanes{} + (static_cast<float>(y) - view.center_px.y) / view.focal_px.y,
           FloatLanes{} + 1.0F};
-}
-VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
-  static_assert(sizeof(PackedNormal) == sizeof(std::int32_t));
-  const auto byte = [&](int shift) { return to_float((packed << (24 - shift)) >> 24); };
-  const IntLanes none = (packed & 0xFFFFFF) == 0;
-  const auto of = [&](FloatLanes n, FloatLanes r) { return none ? -r : n; };
-  const VectorLanes n{of(byte(0), ray.x), of(byte(8), ray.y), of(byte(16), ray.z)};
-  const FloatLanes scale = 1 / sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-  return {n.x * scale, n.y * scale, n.z * scale};
 }
 
 /// A row of a tile, from out[0] on; precondition: at least one pixel.
@@ -44,7 +34,7 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
                const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
   std::array<PackedNormal, kLitTileWidth> normals{};
-  background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
+  background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)), 1);
   for (int x = x0; x < x1; x += kLanes) {
     const FloatLanes depth = max(float_lanes(depth_m, x, x1), FloatLanes{});
     const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
@@ -56,16 +46,49 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
   }
 }
 
-void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
-  for (int y = rect.y0; y < rect.y1; ++y)
-    std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
-  const auto [near_m, far_m] = positive_range(lit_depth_m(input), rect);
-  if (!(far_m > 0)) return;
-  const LampSet maybe =
-      lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, near_m, far_m);
+/// Least and largest depth of a rectangle, 0 where none is known.
+using DepthRange = std::pair<float, float>;
+
+/// Lamps that may be hidden from the background in a rectangle.
+LampSet lamps_in_doubt(const LightInput& input, const Rect& rect, const DepthRange& depth_m) {
+  if (!(depth_m.second > 0)) return 0;
+  return lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, depth_m.first,
+                        depth_m.second);
+}
+
+void light_tile(const LightInput& input, const Rect& rect, const DepthRange& depth_m,
+                Image<std::uint16_t>& light) {
+  if (!(depth_m.second > 0)) return;
+  const LampSet maybe = lamps_in_doubt(input, rect, depth_m);
   if (maybe == 0 && input.maps.size() <= kLampBits) return;
+  if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight &&
+      blur_allows_cells(input, maybe, rect, depth_m.first, depth_m.second))
+    return light_in_cells(input, maybe, lit_depth_m(input), rect, light);
   for (int y = rect.y0; y < rect.y1; ++y)
     light_row(input, maybe, y, rect.x0, rect.x1, light.row(y) + rect.x0);
+}
+
+/// A row of tiles from (x0, y0) on: what they show together first.
+void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
+  for (int y = rect.y0; y < rect.y1; ++y)
+    std::fill(light.row(y) + rect.x0, light.row(y) + rect.x1, kLit);
+  std::array<DepthRange, kTilesTogether> depth_m;
+  DepthRange all{0, 0};
+  const auto tile = [&](int i) {
+    const int x0 = rect.x0 + i * kLitTileWidth;
+    return Rect{x0, rect.y0, std::min(x0 + kLitTileWidth, rect.x1), rect.y1};
+  };
+  const int count = (rect.x1 - rect.x0 + kLitTileWidth - 1) / kLitTileWidth;
+  for (int i = 0; i < count; ++i) {
+    const DepthRange range = positive_range(lit_depth_m(input), tile(i));
+    depth_m[static_cast<std::size_t>(i)] = range;
+    if (!(range.second > 0)) continue;
+    all.first = all.second > 0 ? std::min(all.first, range.first) : range.first;
+    all.second = std::max(all.second, range.second);
+  }
+  if (lamps_in_doubt(input, rect, all) == 0 && input.maps.size() <= kLampBits) return;
+  for (int i = 0; i < count; ++i)
+    light_tile(input, tile(i), depth_m[static_cast<std::size_t>(i)], light);
 }
 
 /// A tile of the background that an object shades, past people.
@@ -88,18 +111,24 @@ void light_tile_past_people(const LightInput& input, const Rect& rect, LightLaye
 
 }  // namespace
 
+void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out,
+                        int step) {
+  if (input.moving) return input.moving->normals(x0, y, out, step);
+  const PackedNormal* from = input.tables.background_normal.row(y) + x0;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = from[i * static_cast<std::size_t>(step)];
+}
+
 std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect) {
-  constexpr float kMost = std::numeric_limits<float>::max();
-  float least = kMost, largest = 0;
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    const float* row = image.row(y);
-#pragma omp simd reduction(min : least) reduction(max : largest)
-    for (int x = rect.x0; x < rect.x1; ++x) {
-      least = std::min(least, row[x] > 0 ? row[x] : kMost);
-      largest = std::max(largest, row[x]);
+  const FloatLanes none = FloatLanes{} + std::numeric_limits<float>::max();
+  FloatLanes least = none, largest{};
+  for (int x = rect.x0; x < rect.x1; x += kLanes)
+    for (int y = rect.y0; y < rect.y1; ++y) {
+      const FloatLanes v = float_lanes(image.row(y), x, rect.x1);
+      least = min(least, v > 0 ? v : none), largest = max(largest, v);
     }
-  }
-  return {largest > 0 ? least : 0, largest};
+  float low = least[0], high = largest[0];
+  for (int i = 1; i < kLanes; ++i) low = std::min(low, least[i]), high = std::max(high, largest[i]);
+  return {high > 0 ? low : 0, high};
 }
 
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
@@ -124,8 +153,9 @@ void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
   Image<std::uint16_t>& out = light.background;
   if (input.background.depth_m.empty()) return out.fill(kLit);
   crew.rows(out.height(), kLitTileHeight, [&](int begin, int end) {
-    for (int x = 0; x < out.width(); x += kLitTileWidth)
-      light_tile(input, {x, begin, std::min(x + kLitTileWidth, out.width()), end}, out);
+    for (int x = 0; x < out.width(); x += kTilesTogether * kLitTileWidth)
+      light_tiles(input, {x, begin, std::min(x + kTilesTogether * kLitTileWidth, out.width()), end},
+                  out);
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace mixrig::render::cpu {
 
 /// Pixels that are tested together for shadows. A register divides the width.
-inline constexpr int kLitTileWidth = 16, kLitTileHeight = 8;
+inline constexpr int kLitTileWidth = 32, kLitTileHeight = 16;
 inline constexpr std::uint16_t kLit = 65535;
 
 inline std::uint16_t light_to_fixed(float share) {
@@ -24,6 +25,24 @@ inline glm::vec3 ray_of(const PinholeParams& view, int x, int y) {
   return {(static_cast<float>(x) - view.center_px.x) / view.focal_px.x,
           (static_cast<float>(y) - view.center_px.y) / view.focal_px.y, 1};
 }
+
+inline glm::vec3 unpack(PackedNormal n, const glm::vec3& ray) {
+  const glm::vec3 normal(n.x, n.y, n.z);
+  return normal == glm::vec3(0) ? -glm::normalize(ray) : glm::normalize(normal);
+}
+inline VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
+  static_assert(sizeof(PackedNormal) == sizeof(std::int32_t));
+  const auto byte = [&](int shift) { return to_float((packed << (24 - shift)) >> 24); };
+  const IntLanes none = (packed & 0xFFFFFF) == 0;
+  const auto of = [&](FloatLanes n, FloatLanes r) { return none ? -r : n; };
+  const VectorLanes n{of(byte(0), ray.x), of(byte(8), ray.y), of(byte(16), ray.z)};
+  const FloatLanes scale = 1 / sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+  return {n.x * scale, n.y * scale, n.z * scale};
+}
+
+/// Normals of the background from (x0, y) on, of every `step`-th pixel of the row.
+void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out,
+                        int step);
 
 /// Least and largest positive value of a rectangle; 0, 0 where none is.
 std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect);

@@ -6,15 +6,12 @@
 #include <span>
 
 #include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/light_cells.h"
 #include "host/render/cpu/light_parts.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-glm::vec3 unpack(PackedNormal n, const glm::vec3& ray) {
-  const glm::vec3 normal(n.x, n.y, n.z);
-  return normal == glm::vec3(0) ? -glm::normalize(ray) : glm::normalize(normal);
-}
 glm::vec3 lane(const VectorLanes& v, int i) { return {v.x[i], v.y[i], v.z[i]}; }
 
 /// Of albedo `base`, premultiplied by `coverage`, both of kLinearOne.
@@ -73,10 +70,11 @@ struct Place {
 /// Whether smooth pixels are looked at together.
 enum class Squares { kSingle, kOfTwo };
 
-/// Calls shade(places, at) for the covered pixels of a tile, a register of places at a time.
-template <Squares squares, typename Shade>
+/// Calls shade(places, at) for the covered pixels of a tile that are wanted(x, y), which 2x2 of
+/// them are together, a register of places at a time.
+template <Squares squares, typename Wanted, typename Shade>
 void for_each_place(const LightInput& input, const Rect& tile, const VirtualLayer& layer,
-                    Shade&& shade) {
+                    Wanted&& wanted, Shade&& shade) {
   SurfaceLanes at;
   std::array<Place, kLanes> places;
   int count = 0;
@@ -96,6 +94,7 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
   };
   for (int y = tile.y0; y < tile.y1; y += 2)
     for (int x = tile.x0; x < tile.x1; x += 2) {
+      if (!wanted(x, y)) continue;
       if (squares == Squares::kOfTwo && y + 1 < tile.y1 && x + 1 < tile.x1 &&
           is_smooth(layer, x, y)) {
         add({x, y, 2});
@@ -116,7 +115,8 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
   if (lamps.by_people == 0) return;
   const PeopleMaps people{input.people->lamps, input.people->maps, lamps.by_people};
   for_each_place<Squares::kOfTwo>(
-      input, tile, layer, [&](std::span<const Place> places, const auto& at) {
+      input, tile, layer, [](int, int) { return true; },
+      [&](std::span<const Place> places, const auto& at) {
         ShadingLanes light;
         if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light))
           return;
@@ -129,28 +129,60 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
       });
 }
 
+ShadingLanes shading_in_cells(const LightInput& input, LampSet maybe, const VirtualCells& cells,
+                              const Rect& tile, std::span<const Place> places,
+                              const SurfaceLanes& at) {
+  FloatLanes x = FloatLanes{} + static_cast<float>(tile.x0);
+  FloatLanes y = FloatLanes{} + static_cast<float>(tile.y0);
+  for (int i = 0; const Place& p : places) {
+    const float middle = 0.5F * static_cast<float>(p.side - 1);
+    x[i] = static_cast<float>(p.x) + middle, y[i] = static_cast<float>(p.y) + middle;
+    ++i;
+  }
+  std::array<FloatLanes, kMostLamps> share;
+  const std::size_t count = std::min(input.maps.size(), share.size());
+  for (std::size_t k = 0; k < count; ++k)
+    share[k] = holds(maybe, k) ? cells.share(k, x, y) : FloatLanes{} + 1.0F;
+  const LampSet others = count < kLampBits ? maybe >> count << count : 0;
+  return shading(input.frame, input.maps, others, at, std::span(share).first(count));
+}
+
 /// Turns the albedo of a tile into shaded colour.
 void shade_tile(const LightInput& input, const Rect& tile, VirtualLayer& layer) {
   const auto [least_w, most_w] = positive_range(layer.w, tile);
   if (!(most_w > 0)) return;
   const LampSet maybe = lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, tile,
                                        1 / most_w, 1 / least_w);
-  const auto shade = [&](std::span<const Place> places, const auto& at) {
-    const ShadingLanes light = shading(input.frame, input.maps, maybe, at);
-    for (int i = 0; const Place& p : places) {
-      for (int y = p.y; y < p.y + p.side; ++y)
-        for (int x = p.x; x < p.x + p.side; ++x) {
-          Rgbx16& color = layer.color.row(y)[x];
-          color = shaded(input, layer, x, y, color, light, i);
-        }
-      ++i;
-    }
+  const auto each = [&](auto&& wanted, auto&& light_at) {
+    const auto shade = [&](std::span<const Place> places, const SurfaceLanes& at) {
+      const ShadingLanes light = light_at(places, at);
+      for (int i = 0; const Place& p : places) {
+        for (int y = p.y; y < p.y + p.side; ++y)
+          for (int x = p.x; x < p.x + p.side; ++x) {
+            Rgbx16& color = layer.color.row(y)[x];
+            color = shaded(input, layer, x, y, color, light, i);
+          }
+        ++i;
+      }
+    };
+    // What is mirrored changes faster than the light that falls on a smooth surface.
+    if (layer.gloss.empty())
+      for_each_place<Squares::kOfTwo>(input, tile, layer, wanted, shade);
+    else
+      for_each_place<Squares::kSingle>(input, tile, layer, wanted, shade);
   };
-  // What is mirrored changes faster than the light that falls on a smooth surface.
-  if (layer.gloss.empty())
-    for_each_place<Squares::kOfTwo>(input, tile, layer, shade);
-  else
-    for_each_place<Squares::kSingle>(input, tile, layer, shade);
+  const auto exact = [&](std::span<const Place>, const SurfaceLanes& at) {
+    return shading(input.frame, input.maps, maybe, at);
+  };
+  if (maybe == 0 || !blur_allows_cells(input, maybe, tile, 1 / most_w, 1 / least_w))
+    return each([](int, int) { return true; }, exact);
+  const VirtualCells cells(input, maybe, tile, layer);
+  if (cells.any_smooth())
+    each([&](int x, int y) { return cells.is_smooth(x, y); },
+         [&](std::span<const Place> places, const SurfaceLanes& at) {
+           return shading_in_cells(input, maybe, cells, tile, places, at);
+         });
+  each([&](int x, int y) { return !cells.is_smooth(x, y); }, exact);
 }
 
 TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
