@@ -9,6 +9,7 @@
 #include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
+#include "common/contact.glsl"
 #include "common/lamps.glsl"
 #include "common/gloss.glsl"
 layout(binding = 0) uniform sampler2D albedo;
@@ -48,6 +49,11 @@ void main() {
   Lobe lobe = lobe_of(ray / w, normal, gloss.y);
   Shading light = Shading(diffuse_ambient(normal), vec3(0), vec3(0), vec3(0));
   if (glossy) add_ambient_gloss(lobe, light);
+  if (contact_count > 0) {
+    Contact contact = contact_at(ray / w, normal, 1.0);
+    light.diffuse = contact.open * light.diffuse + contact.sent;
+    light.straight *= contact.open, light.grazing *= contact.open, light.lost *= contact.open;
+  }
   for (int i = 0; i < lamp_count; ++i) {
     float seen = visibility(i, ray / w, normal);
     if (has_people)

@@ -13,6 +13,7 @@
 
 #include "hal/base/image.h"
 #include "host/render/compositor.h"
+#include "host/render/contact_shade.h"
 #include "host/render/passes.h"
 #include "host/render/room_ambient.h"
 #include "host/render/room_shade.h"
@@ -140,6 +141,8 @@ struct FrameParams {
   std::vector<LampParams> lamps;         ///< as Light::lamps
   std::vector<LampParams> people_lamps;  ///< the same with maps of people; empty: they cast none
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
+  std::vector<ContactParams> contacts;
+  std::span<const HiddenShares> contact_hidden;  ///< kContactNodes^3 of each of `contacts`
   std::vector<Draw> draws;
   Rect virtual_rect;  ///< view pixels that virtual objects may touch
 };
@@ -184,6 +187,8 @@ class FramePreparer {
   void find_room(const geometry::Pose& world_from_target);
   void update_room(const geometry::Pose& world_from_target);
   void update_ambient(const geometry::Pose& world_from_target);
+  void find_contacts();
+  void update_contacts(const geometry::Pose& world_from_target);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
   const CompositorSetup& setup_;
@@ -195,6 +200,12 @@ class FramePreparer {
   RoomShade room_;                       ///< of the first pose
   std::optional<AmbientTerms> ambient_;  ///< the same
   glm::vec3 ambient_then_{0};            ///< Light::ambient when they were found
+  struct Contact {
+    std::size_t object = 0;
+    glm::vec3 albedo{0};
+  };
+  std::vector<Contact> contacts_;             ///< as FrameParams::contacts
+  std::vector<HiddenShares> contact_hidden_;  ///< of all of them
   std::vector<MapFit> fits_, people_fits_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };

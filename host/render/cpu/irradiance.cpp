@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 
+#include "host/render/cpu/contact.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
@@ -87,12 +89,20 @@ FloatLanes real_light(const FrameParams& frame, std::size_t k, const PeopleMaps*
   return light;
 }
 
+/// What the objects take of the ambient light of the real scene, luminance.
+FloatLanes lost_ambient(const FrameParams& frame, const SurfaceLanes& at) {
+  const ContactLanes contact = contact_at(frame, at.position_m, at.normal, Receiver::kReal);
+  return luminance(frame.light.ambient) * (1 - contact.open) -
+         (kRec709Red * contact.sent.x + kRec709Green * contact.sent.y +
+          kRec709Blue * contact.sent.z);
+}
+
 }  // namespace
 
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const SurfaceLanes& at, const PeopleMaps* people) {
+                       bool near, const SurfaceLanes& at, const PeopleMaps* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
-  FloatLanes lost{};
+  FloatLanes lost = near ? lost_ambient(frame, at) : FloatLanes{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     if (!holds(maybe, k)) continue;
@@ -109,17 +119,28 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
 
 namespace {
 
+/// Ambient light past the objects, on these.
+void add_ambient_past_objects(const FrameParams& frame, const SurfaceLanes& at,
+                              const std::optional<GlossLanes>& gloss, ShadingLanes& sum) {
+  add_ambient(frame.light, at.normal, sum);
+  if (gloss) add_ambient_gloss(frame.light, *gloss, sum);
+  if (frame.contacts.empty()) return;
+  const ContactLanes contact = contact_at(frame, at.position_m, at.normal, Receiver::kObject);
+  for (VectorLanes* part : {&sum.diffuse, &sum.straight, &sum.grazing, &sum.lost})
+    part->x *= contact.open, part->y *= contact.open, part->z *= contact.open;
+  const float exposure = frame.light.exposure;
+  sum.diffuse.x += exposure * contact.sent.x, sum.diffuse.y += exposure * contact.sent.y,
+      sum.diffuse.z += exposure * contact.sent.z;
+}
+
 /// `maybe`: lamps that objects may hide; `share`: of the first lamps that is seen past people, the
 /// others are not hidden by them.
 ShadingLanes shading_of(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                         std::span<const FloatLanes> share, const SurfaceLanes& at) {
   ShadingLanes sum;
-  add_ambient(frame.light, at.normal, sum);
   std::optional<GlossLanes> gloss;
-  if (frame.glossy) {
-    gloss.emplace(at.position_m, at.normal, at.roughness);
-    add_ambient_gloss(frame.light, *gloss, sum);
-  }
+  if (frame.glossy) gloss.emplace(at.position_m, at.normal, at.roughness);
+  add_ambient_past_objects(frame, at, gloss, sum);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);

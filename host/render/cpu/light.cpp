@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/contact.h"
 #include "host/render/cpu/irradiance.h"
 
 namespace mixrig::render::cpu {
@@ -90,7 +91,7 @@ void light_tiles(const LightInput& input, int y, LightLayer& light) {
   int count = 0;
   const auto find = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    const FloatLanes ratio = light_ratio(input.frame, input.maps, kAllLamps, at);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, kAllLamps, true, at);
     for (int i = 0; i < count; ++i)
       light.tile_light.row(y)[tiles[static_cast<std::size_t>(i)]] = ratio[i];
     count = 0;
@@ -177,14 +178,20 @@ std::pair<float, float> positive_range(ImageView<const float> image, const Rect&
   return {largest > 0 ? least : 0, largest};
 }
 
-/// Lamps that may be hidden from anything that the rectangle's pixels show.
-LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
-                       const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
-                       float far_m) {
+/// What the rectangle's pixels show between two depths.
+Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m) {
   Corners corners_m;
   for (std::size_t i = 0; i < 8; ++i)
     corners_m[i] = ray_of(view, i & 1 ? rect.x1 - 1 : rect.x0, i & 2 ? rect.y1 - 1 : rect.y0) *
                    (i & 4 ? far_m : near_m);
+  return corners_m;
+}
+
+/// Lamps that may be hidden from anything that the rectangle's pixels show.
+LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
+                       const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
+                       float far_m) {
+  const Corners corners_m = corners_of(view, rect, near_m, far_m);
   LampSet set = 0;
   for (std::size_t k = 0; k < std::min(maps.size(), kLampBits); ++k)
     set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
@@ -221,8 +228,8 @@ VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
 }
 
 /// A row of a tile, from out[0] on; precondition: at least one pixel.
-void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out,
-               const PeopleMaps* people = nullptr) {
+void light_row(const LightInput& input, LampSet maybe, bool near, int y, int x0, int x1,
+               std::uint16_t* out, const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
   std::array<PackedNormal, kTileWidth> normals{};
   background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)));
@@ -231,10 +238,61 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
     const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
     const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
                           unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
-    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at, people);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, near, at, people);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
       out[x - x0 + i] = depth[i] > 0 ? to_fixed(ratio[i]) : kLit;
   }
+}
+
+/// Columns or rows of a tile at which light is found where it is smooth.
+template <std::size_t kCount>
+std::array<int, kCount> every_fourth(int begin, int end) {
+  std::array<int, kCount> at;
+  for (std::size_t i = 0; i < kCount; ++i)
+    at[i] = std::min(begin + 4 * static_cast<int>(i), end - 1);
+  return at;
+}
+
+/// A tile that no lamp's shadow touches, on one surface: what objects hide of the ambient light
+/// changes slowly, and is found at every fourth pixel. False where there is no surface at one.
+bool light_smooth_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
+  constexpr std::size_t kColumns = kTileWidth / 4 + 1, kRows = kTileHeight / 4 + 1;
+  const auto xs = every_fourth<kColumns>(rect.x0, rect.x1);
+  const auto ys = every_fourth<kRows>(rect.y0, rect.y1);
+  const ImageView<const float> depth_m = lit_depth_m(input);
+  std::array<float, kColumns * kRows> found{};
+  SurfaceLanes at;
+  std::array<PackedNormal, kTileWidth> normals{};
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const int x = xs[k % kColumns], y = ys[k / kColumns];
+    const float z = depth_m.row(y)[x];
+    if (!(z > 0)) return false;
+    if (k % kColumns == 0)
+      background_normals(input, rect.x0, y,
+                         std::span(normals).first(static_cast<std::size_t>(rect.x1 - rect.x0)));
+    const glm::vec3 ray = ray_of(input.tables.warp.view, x, y);
+    const std::size_t lane = k % kLanes;
+    at.set(static_cast<int>(lane), ray * z,
+           unpack(normals[static_cast<std::size_t>(x - rect.x0)], ray));
+    if (lane + 1 < kLanes && k + 1 < found.size()) continue;
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, 0, true, at);
+    for (std::size_t i = 0; i <= lane; ++i) found[k - lane + i] = ratio[static_cast<int>(i)];
+  }
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      if (!(depth_m.row(y)[x] > 0)) continue;
+      const auto i = static_cast<std::size_t>(x - rect.x0) / 4,
+                 j = static_cast<std::size_t>(y - rect.y0) / 4;
+      const float s = static_cast<float>(x - xs[i]) /
+                      static_cast<float>(std::max(1, xs[i + 1] - xs[i])),
+                  t = static_cast<float>(y - ys[j]) /
+                      static_cast<float>(std::max(1, ys[j + 1] - ys[j]));
+      const float* above = &found[j * kColumns + i];
+      const float* below = above + kColumns;
+      light.row(y)[x] = to_fixed((1 - t) * ((1 - s) * above[0] + s * above[1]) +
+                                 t * ((1 - s) * below[0] + s * below[1]));
+    }
+  return true;
 }
 
 void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>& light) {
@@ -244,9 +302,14 @@ void light_tile(const LightInput& input, const Rect& rect, Image<std::uint16_t>&
   if (!(far_m > 0)) return;
   const LampSet maybe =
       lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, near_m, far_m);
-  if (maybe == 0 && input.maps.size() <= kLampBits) return;
+  const bool near =
+      may_be_near(input.frame, corners_of(input.tables.warp.view, rect, near_m, far_m));
+  const bool no_shadow = maybe == 0 && input.maps.size() <= kLampBits;
+  if (no_shadow && !near) return;
+  constexpr float kOneSurface = 1.08F;  // farthest over nearest
+  if (no_shadow && far_m < kOneSurface * near_m && light_smooth_tile(input, rect, light)) return;
   for (int y = rect.y0; y < rect.y1; ++y)
-    light_row(input, maybe, y, rect.x0, rect.x1, light.row(y) + rect.x0);
+    light_row(input, maybe, near, y, rect.x0, rect.x1, light.row(y) + rect.x0);
 }
 
 /// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.
@@ -379,7 +442,7 @@ void light_tile_past_people(const LightInput& input, const Rect& rect,
   const LampSet maybe = lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m);
   std::array<std::uint16_t, kTileWidth> row;
   for (int y = rect.y0; y < rect.y1; ++y) {
-    light_row(input, maybe, y, rect.x0, rect.x1, row.data(), &people);
+    light_row(input, maybe, true, y, rect.x0, rect.x1, row.data(), &people);
     for (int x = rect.x0; x < rect.x1; ++x)
       if (matte.row(y)[x] < kPersonByte)
         light.visible.row(y)[x] = row[static_cast<std::size_t>(x - rect.x0)];
@@ -395,7 +458,8 @@ LightLayer::LightLayer(Size view_size) : background(view_size, kLit), visible(vi
 }
 
 bool has_shadows(const FrameParams& frame) {
-  return std::any_of(frame.lamps.begin(), frame.lamps.end(),
+  return !frame.contacts.empty() ||
+         std::any_of(frame.lamps.begin(), frame.lamps.end(),
                      [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
 }
 
