@@ -80,20 +80,19 @@ TEST(Bounce, the_object_hides_ambient_light_from_the_floor_below_it) {
   const MirrorCorner corner;
   const Vec3 albedo = corner.materials.albedo({Kind::kPaint}, {}, {});
   Occluder plate{corner.device};
-  for (const double high : {0.05, 0.2}) {
-    constexpr double kWide = 0.3;  // to the right, and to both sides
+  for (const float high : {0.05F, 0.2F}) {
+    constexpr float kWide = 0.3F;  // to the right, and to both sides
     Mesh mesh;
-    add_quad(mesh, {1, -kWide, static_cast<float>(high)}, {0, 2 * kWide, 0}, {kWide, 0, 0},
-             {Kind::kPaint});
+    add_quad(mesh, {1, -kWide, high}, {0, 2 * kWide, 0}, {kWide, 0, 0}, {Kind::kPaint});
     plate.set(mesh);
     Reflector reflector = corner.reflector();
     reflector.object = &plate;
     const Bounce bounce = bounce_at(reflector, Vec3(1, 0, 1e-3F), Vec3::UnitZ(), 4096, false);
-    const double a = kWide / high, root = std::hypot(1, a);
-    const double form = 2 * a / root * std::atan(a / root) / pi;
+    const float a = kWide / high, root = std::hypot(1.0F, a);
+    const float form = 2 * a / root * std::atan(a / root) / static_cast<float>(pi);
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(bounce.mixed[c] - bounce.real[c], form * (albedo[c] - 1) * reflector.ambient[c],
-                  0.03 * reflector.ambient[c])
+                  0.03F * reflector.ambient[c])
           << high;
   }
 }
