@@ -12,6 +12,7 @@
 #include "common/constants.glsl"
 #include "common/key.glsl"
 #include "common/color.glsl"
+#include "common/tone.glsl"
 layout(binding = 0) uniform sampler2D plate;
 layout(binding = 1) uniform sampler2D learned;
 layout(binding = 2) uniform sampler2D learned_sigma;
@@ -19,7 +20,6 @@ layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
 uniform bool has_learned, has_sigma;
-uniform vec3 gain;  // of the camera since the background was learned
 out float vote;
 
 void main() {
@@ -39,7 +39,7 @@ void main() {
   if (has_learned) {
     vec3 known = texelFetch(learned, at, 0).rgb;
     if (known.r < 0.0) return;  // unknown
-    vec3 b = min(gain * known, 1.0);
+    vec3 b = min(shown_now(known), 1.0);
     float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
     variance = spread * spread + floor_variance(b);
     // A shadow darkens the background without changing its hue.

@@ -13,6 +13,7 @@
 //   mixed_m, segmented_m  z in metres, 0 unknown or without people; layer render::Layer / 255
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/tone.glsl"
 layout(binding = 0) uniform sampler2D plate;
 layout(binding = 1) uniform sampler2D matte;
 layout(binding = 2) uniform sampler2D visible_w;
@@ -30,7 +31,6 @@ layout(binding = 10) uniform sampler2D grain_noise;  // of sigma 1 over grain_si
 uniform bool has_grain;
 uniform ivec2 grain_offset;
 uniform vec3 grain_floor, grain_slope;  // variance of the noise over light
-uniform vec3 gain;  // of the camera since the background was learned
 layout(location = 0) out vec4 color;
 layout(location = 1) out float mixed_m;
 layout(location = 2) out float segmented_m;
@@ -40,7 +40,7 @@ layout(location = 3) out float layer;
 vec3 room_color(ivec2 at, float light) {
   if (has_color) {
     vec3 known = texelFetch(learned, at, 0).rgb;
-    return known.r >= 0.0 ? min(gain * known, 1.0) * light : vec3(-1);
+    return known.r >= 0.0 ? min(shown_now(known), 1.0) * light : vec3(-1);
   }
   if (!keyed) return vec3(-1);
   vec4 around = texelFetch(room, at / block_px, 0);
@@ -86,7 +86,7 @@ void main() {
   if (!has_objects) return;
   vec4 shaded = texelFetch(virtual_color, at, 0);
   if (shaded.a == 0.0) return;
-  shaded.rgb *= gain;
+  shaded.rgb = shown_now(shaded.rgb / shaded.a) * shaded.a;
   if (has_grain) shaded.rgb = with_grain(shaded, at);
   float z = 1.0 / texelFetch(virtual_w, at, 0).r;
   // A surface that the object touches does not hide it; unknown depth never does.

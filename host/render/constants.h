@@ -212,4 +212,8 @@ inline constexpr int kFocusAreaSteps = 16;
 inline constexpr int kFocusTileWide = 32;
 inline constexpr int kFocusTileHigh = 8;
 
+// exposure: pieces of the curve of the camera's tones, and the end of the first one. Knots double.
+inline constexpr int kTonePieces = 6;
+inline constexpr float kToneFirstKnot = 0.03125F;
+
 }  // namespace mixrig::render

@@ -13,6 +13,9 @@ constexpr int kGridX = 64, kGridY = 48;
 constexpr float kDarkest = 0.01F, kBrightest = 0.9F;  // linear; beyond, noise or saturation
 constexpr std::size_t kLeastSamples = 60;
 constexpr float kMostGain = 8;
+// Of the curve: less than this is noise (natural logarithm), and places that a knot needs.
+constexpr float kStraight = 0.04F;
+constexpr std::size_t kLeastAround = 40;
 
 bool is_usable(const glm::vec3& c) {
   return glm::all(glm::greaterThan(c, glm::vec3(kDarkest))) &&
@@ -83,22 +86,75 @@ glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
       ratios_.push_back({std::log(luminance(now) / luminance(s.learned)), now, s.learned});
   }
   if (ratios_.size() < kLeastSamples) return glm::vec3(1);
-  std::sort(ratios_.begin(), ratios_.end(),
+  const Ratio most = densest_third(ratios_);
+  return glm::clamp(most.plate / most.learned, 1 / kMostGain, kMostGain);
+}
+
+ExposureMeter::Ratio ExposureMeter::densest_third(std::span<Ratio> ratios) {
+  std::sort(ratios.begin(), ratios.end(),
             [](const Ratio& a, const Ratio& b) { return a.log_luminance < b.log_luminance; });
-  // The shortest interval that holds a third of the ratios: what most of the room agrees on.
-  const std::size_t third = ratios_.size() / 3;
+  const std::size_t third = ratios.size() / 3;
   std::size_t best = 0;
   const auto width = [&](std::size_t i) {
-    return ratios_[i + third].log_luminance - ratios_[i].log_luminance;
+    return ratios[i + third].log_luminance - ratios[i].log_luminance;
   };
-  for (std::size_t i = 1; i + third < ratios_.size(); ++i)
+  for (std::size_t i = 1; i + third < ratios.size(); ++i)
     if (width(i) < width(best)) best = i;
-  glm::vec3 plate_sum(0), learned_sum(0);
+  Ratio sum;
   for (std::size_t i = best; i <= best + third; ++i) {
-    plate_sum += ratios_[i].plate;
-    learned_sum += ratios_[i].learned;
+    sum.plate += ratios[i].plate;
+    sum.learned += ratios[i].learned;
   }
-  return glm::clamp(plate_sum / learned_sum, 1 / kMostGain, kMostGain);
+  return sum;
+}
+
+std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate, float knot,
+                                                    const glm::vec3& gain) {
+  constexpr float kHalfOctave = 1.4142136F;
+  const auto& linear = linear_of_srgb_bytes();
+  ratios_.clear();
+  for (const Sample& s : samples_) {
+    const float light = luminance(s.learned);
+    const bool is_first = knot == kToneFirstKnot;
+    if (light > knot * kHalfOctave || (light <= knot / kHalfOctave && !is_first)) continue;
+    const Rgb8 p = plate.row(s.y)[s.x];
+    const glm::vec3 seen(linear[p.r], linear[p.g], linear[p.b]);
+    if (glm::any(glm::lessThan(seen, glm::vec3(kDarkest)))) continue;
+    // White stays: the curve ends there, too.
+    const glm::vec3 now = glm::min(s.gain * seen, 1.0F);
+    ratios_.push_back({std::log(luminance(now) / light), now, s.learned});
+  }
+  if (ratios_.size() < kLeastAround) return std::nullopt;
+  const Ratio most = densest_third(ratios_);
+  glm::vec3 ratio = glm::clamp(most.plate / (most.learned * gain), 1 / kMostGain, kMostGain);
+  for (int c = 0; c < 3; ++c) {
+    const float off = std::log(ratio[c]);
+    ratio[c] = std::exp(off - std::clamp(off, -kStraight, kStraight));
+  }
+  return ratio;
+}
+
+ToneCurve ExposureMeter::curve(ImageView<const Rgb8> plate) {
+  ToneCurve curve(gain(plate));
+  std::array<std::optional<glm::vec3>, kTonePieces> ratio;
+  float knot = kToneFirstKnot;
+  for (auto& known : ratio) known = around_knot(plate, knot, curve.gain), knot *= 2;
+  for (std::size_t i = 1; i < ratio.size(); ++i)
+    if (!ratio[i]) ratio[i] = ratio[i - 1];
+  for (std::size_t i = ratio.size() - 1; i-- > 0;)
+    if (!ratio[i]) ratio[i] = ratio[i + 1];
+  const auto is_straight = [](const auto& r) { return !r || *r == glm::vec3(1); };
+  if (std::all_of(ratio.begin(), ratio.end(), is_straight)) return curve;
+  curve.bends = true;
+  glm::vec3 before(0);
+  float width = kToneFirstKnot;
+  knot = kToneFirstKnot;
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    const glm::vec3 value = glm::max(knot * *ratio[i] * curve.gain, before);
+    curve.slope[i] = (value - before) / width;
+    before = value, width = knot, knot *= 2;
+  }
+  return curve;
 }
 
 }  // namespace mixrig::render

@@ -2,6 +2,7 @@
 // How much brighter the camera is set than when the background was learned.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "hal/base/image.h"
 #include "host/render/compositor.h"
 #include "host/render/prepare.h"
+#include "host/render/tone_curve.h"
 
 namespace mixrig::render {
 
@@ -37,6 +39,10 @@ class ExposureMeter {
   /// of the samples' ratios, so that people may fill up to two thirds of the picture. 1 where too
   /// few pixels are usable. Allocates nothing.
   glm::vec3 gain(ImageView<const Rgb8> plate);
+  /// The gain, and what places of each brightness say beside it: the densest third of those around
+  /// each knot. Where it is within 4 % of the gain, or few places tell, it is the gain; what is
+  /// beyond is taken as it is less these 4 %, so that noise bends nothing. Allocates nothing.
+  ToneCurve curve(ImageView<const Rgb8> plate);
 
  private:
   struct Sample {
@@ -48,6 +54,11 @@ class ExposureMeter {
     float log_luminance = 0;
     glm::vec3 plate{0}, learned{0};
   };
+  /// Sums over the shortest interval that holds a third of the ratios, which are sorted.
+  static Ratio densest_third(std::span<Ratio> ratios);
+  /// The camera's gain around a knot over `gain`; none where too few places tell.
+  std::optional<glm::vec3> around_knot(ImageView<const Rgb8> plate, float knot,
+                                       const glm::vec3& gain);
   std::vector<Place> grid_;
   std::vector<Sample> samples_;
   std::vector<Ratio> ratios_;

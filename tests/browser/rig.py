@@ -35,6 +35,12 @@ def comes_true(what, condition):
     raise AssertionError(f"never: {what}")
 
 
+def play_at(rate_hz, take):
+    """Frames a second of a take, in place of its own."""
+    text = (take / "take.toml").read_text()
+    (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", f"rate_hz = {rate_hz:.1f}", text))
+
+
 class Rig:
     """A studio take, and `mixrig run --page` on it."""
 
@@ -45,10 +51,8 @@ class Rig:
         self.scene_file = self.folder / "take/scene.toml"
         take = self.folder / "take"
         subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "walk", "--rig", "kinect2", "--seed", "7",
-                        "--size", "640x512", "--frames", "40"], check=True, stdout=subprocess.DEVNULL)
-        # At a rate that a loaded machine can follow.
-        text = (take / "take.toml").read_text()
-        (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", "rate_hz = 10.0", text))
+                        "--size", "640x512", "--frames", "24"], check=True, stdout=subprocess.DEVNULL)
+        play_at(10, take)  # which a loaded machine can follow
         self.log = open(self.folder / "log", "w+")
         self.source = f"take:{take}"
         self.start(mixrig)
@@ -119,10 +123,11 @@ class HalfLost(LiveRig):
         self.folder.mkdir()
         self.scene_file = self.folder / "scene.toml"
         self.scene_file.write_text('[camera]\npose = "identity"\n')
-        for name, frames in (("long", 300), ("short", 10)):
+        for name, frames, rate_hz in (("long", 40, 2), ("short", 10, 30)):
             subprocess.run([mixrig, "studio", self.folder / name, "--plain", "--scenario", "walk", "--rig", "sr3000",
                             "--seed", "7", "--size", "64x48", "--frames", str(frames)], check=True,
                            stdout=subprocess.DEVNULL)
+            play_at(rate_hz, self.folder / name)
         self.rig_file = self.folder / "rig.toml"
         self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
                                  f'[depth]\nname = "depth"\nuri = "take:{self.folder}/short/depth"\n')

@@ -57,7 +57,7 @@ class OpenPorts : public CommandTest {
  protected:
   void SetUp() override {
     ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                     " --scenario walk --rig kinect2 --seed 7 --size 320x256 --frames 20"),
+                     " --scenario walk --rig sr3000 --seed 7 --size 160x128 --frames 20"),
               0);
   }
   std::vector<std::string> run_words(std::vector<std::string> more) const {

@@ -81,6 +81,8 @@ const std::map<std::string, double> kOurs = {
     {"matte_window_tiles", kMatteWindowTiles},
     {"matte_spread2", kMatteSpread2},
     {"matte_gain", kMatteGain},
+    {"tone_pieces", kTonePieces},
+    {"tone_first_knot", kToneFirstKnot},
     {"most_faces", kMostFaces},
     {"focus_sharp_px", kFocusSharpPx},
     {"focus_one_surface", kFocusOneSurface},

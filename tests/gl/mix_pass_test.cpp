@@ -52,7 +52,7 @@ class MixPassTest : public GlTest {
     glClearColor(shaded.r, shaded.g, shaded.b, shaded.a);
     glClear(GL_COLOR_BUFFER_BIT);
     const MixInput input{&plate,  &visible_w,     &mattes,    &wall, &learned,
-                         &lights, &virtual_color, &virtual_w, gain};
+                         &lights, &virtual_color, &virtual_w, tone};
     EXPECT_TRUE(pass->draw(input, render::kAll));
     std::array<ReadBack, 4> read_backs;
     read_backs[0].start_rgba(pass->target(), kMixColor);
@@ -73,7 +73,7 @@ class MixPassTest : public GlTest {
 
   Rgb8 plate_bytes{188, 188, 188};  // 0.5029 in linear light
   std::uint8_t matte = 0;
-  glm::vec3 gain{1};
+  render::ToneCurve tone;
   float w = 0.25F, wall_m = 4, light = 1, virtual_m = 3;
   glm::vec4 shaded{0.1F, 0.3F, 0.05F, 1};  // premultiplied
 };
@@ -141,11 +141,22 @@ TEST_F(MixPassTest, wrong_matte_takes_no_more_wall_out_of_a_pixel_than_is_in_it)
 }
 
 TEST_F(MixPassTest, gain_of_the_camera_brightens_the_object) {
-  gain = {2, 1, 0.5F};
+  tone = render::ToneCurve({2, 1, 0.5F});
   const Out out = draw();
   EXPECT_NEAR(out.color.r, srgb_byte(0.2F), 1);
   EXPECT_NEAR(out.color.g, srgb_byte(0.3F), 1);
   EXPECT_NEAR(out.color.b, srgb_byte(0.025F), 1);
+}
+
+/// Covered by half, so that the curve is asked for the colour itself.
+TEST_F(MixPassTest, tones_of_the_camera_are_those_of_the_object) {
+  tone.bends = true;  // as it is up to a quarter, half of what is brighter
+  for (std::size_t i = 4; i < tone.slope.size(); ++i) tone.slope[i] = glm::vec3(0.5F);
+  shaded = {0.05F, 0.3F, 0.2F, 0.5F};
+  const Out out = draw();
+  EXPECT_NEAR(out.color.r, srgb_byte(0.05F + 0.5F * 0.5029F), 1);
+  EXPECT_NEAR(out.color.g, srgb_byte(0.5F * (0.25F + 0.5F * 0.35F) + 0.5F * 0.5029F), 1);
+  EXPECT_NEAR(out.color.b, srgb_byte(0.5F * (0.25F + 0.5F * 0.15F) + 0.5F * 0.5029F), 1);
 }
 
 TEST_F(MixPassTest, light_map_scales_the_plate_in_linear_light) {

@@ -74,7 +74,7 @@ class CpuCompositor final : public Compositor {
   void take_look(ImageView<const Rgb8> plate);
   void blur_objects();
   bool people_cast() const { return !preparer_.params().people_lamps.empty(); }
-  MixInput mix_input(const glm::vec3& gain, bool shadows) const;
+  MixInput mix_input(const ToneCurve& tone, bool shadows) const;
   void store_warped_depth(Image<float>& depth_m) const;
   void store_light(Image<float>& light) const;
   void store_state(const Image<std::uint8_t>& matte, Image<std::uint8_t>& state) const;
@@ -179,7 +179,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   take_look(input.plate);
   watch.lap(Stage::kUpload);
   draw_background(watch);
-  const glm::vec3 gain = meter_.gain(input.plate);
+  const ToneCurve tone = meter_.curve(input.plate);
   const FrameParams& frame = preparer_.params();
   watch.lap(Stage::kUpload);
 
@@ -193,7 +193,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
 
   draw_objects(watch);
   if (needed.key)
-    key(crew_, {tables_, frame.key, setup_.background, plate_, gain, colors_of_key()}, key_scratch_,
+    key(crew_, {tables_, frame.key, setup_.background, plate_, tone, colors_of_key()}, key_scratch_,
         view_w_, output.matte);
   watch.lap(Stage::kKey);
   if (people_cast() && needed.light) draw_peoples_shadows(output.matte);
@@ -201,7 +201,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   if (shadows && needed.light) light_real(output.matte);
   blur_objects();
   watch.lap(Stage::kLight);
-  if (needed.mix) mix(crew_, mix_input(gain, shadows), output);
+  if (needed.mix) mix(crew_, mix_input(tone, shadows), output);
   watch.lap(Stage::kMix);
   if (focuses)
     draw_focus(crew_, focus_of(setup_, input), setup_.view.fx_px, focus_scratch_, output);
@@ -322,7 +322,7 @@ void CpuCompositor::blur_objects() {
   objects_drawn_ = false;
 }
 
-MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
+MixInput CpuCompositor::mix_input(const ToneCurve& tone, bool shadows) const {
   const bool edges = !moving_background_ && !tables_.edge_depth_m.empty();
   return {.background = setup_.background,
           .room_m = edges ? tables_.edge_depth_m.view() : setup_.background.depth_m,
@@ -332,7 +332,7 @@ MixInput CpuCompositor::mix_input(const glm::vec3& gain, bool shadows) const {
                      : blur_px_ > 0         ? &blurred_.layer
                                             : &objects_,
           .light = shadows ? &light_ : nullptr,
-          .gain = gain,
+          .tone = tone,
           .key = &key_scratch_,
           .grain = grain_.any() ? &grain_ : nullptr,
           .open_walls = setup_.open_walls,

@@ -11,6 +11,7 @@
 #include "host/render/cpu/refine.h"
 #include "host/render/cpu/srgb.h"
 #include "host/render/prepare.h"
+#include "host/render/tone_curve.h"
 
 namespace mixrig::render::cpu {
 
@@ -55,7 +56,7 @@ struct KeyInput {
   const KeyPassParams& params;
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
-  glm::vec3 gain{1};                   ///< of the plate over the learned background
+  ToneCurve tone{};                    ///< of the plate over the learned background
   MovingBackground* moving = nullptr;  ///< draws the colours of `background` that are needed
   bool learned() const { return !background.color.empty(); }
   bool needs_room() const { return params.color && !learned(); }  ///< its colours beside people

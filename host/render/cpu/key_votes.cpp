@@ -28,13 +28,25 @@ struct LearnedDistance {
   FloatLanes square, variance, most;
 };
 
+/// The learned colour as the camera shows it now, as far as white.
+ColorLanes shown_now(const ToneCurve& tone, const ColorLanes& learned) {
+  constexpr FloatLanes kOne = FloatLanes{} + 1;
+  if (!tone.bends)
+    return {min(tone.gain.r * learned.r, kOne), min(tone.gain.g * learned.g, kOne),
+            min(tone.gain.b * learned.b, kOne)};
+  const auto least = [](FloatLanes a, FloatLanes b) { return min(a, b); };
+  const auto most = [](FloatLanes a, FloatLanes b) { return max(a, b); };
+  return {min(tone.at(learned.r, 0, least, most), kOne),
+          min(tone.at(learned.g, 1, least, most), kOne),
+          min(tone.at(learned.b, 2, least, most), kOne)};
+}
+
 LearnedDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
                            FloatLanes sigma) {
   constexpr FloatLanes kOne = FloatLanes{} + 1;
-  const ColorLanes b{min(input.gain.r * learned.r, kOne), min(input.gain.g * learned.g, kOne),
-                     min(input.gain.b * learned.b, kOne)};
+  const ColorLanes b = shown_now(input.tone, learned);
   const FloatLanes light = luminance(b), floor = kColorNoise + kColorFlicker * light;
-  const FloatLanes spread = input.gain.g * sigma;
+  const FloatLanes spread = input.tone.gain.g * sigma;
   const FloatLanes variance = spread * spread + floor * floor;
   const FloatLanes k =
       clamp(dot(p, b) / max(dot(b, b), FloatLanes{} + 1e-8F), FloatLanes{} + kDarkestShadow, kOne);

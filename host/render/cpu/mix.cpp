@@ -89,12 +89,12 @@ F4 to_float4(Rgbx16 p) { return __builtin_convertvector(std::bit_cast<U16x4>(p),
 
 /// As virtual_color.
 F4 virtual_color4(const MixInput& input, int x, int y) {
-  if (input.grain != nullptr) {
+  if (input.grain != nullptr || input.tone.bends) {
     const glm::vec3 c = virtual_color(input, x, y);
     return F4{c.r, c.g, c.b, 0};
   }
   return to_float4(input.objects->color.row(y)[x]) *
-         F4{input.gain.r, input.gain.g, input.gain.b, 0};
+         F4{input.tone.gain.r, input.tone.gain.g, input.tone.gain.b, 0};
 }
 
 /// As mixed_color where nobody is.

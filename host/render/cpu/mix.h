@@ -7,6 +7,7 @@
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/look.h"
 #include "host/render/cpu/virtual.h"
+#include "host/render/tone_curve.h"
 
 namespace mixrig::render::cpu {
 
@@ -18,7 +19,7 @@ struct MixInput {
   const Image<float>& view_w;  ///< visible real surface, 0 unknown
   const VirtualLayer* objects;
   const LightLayer* light;
-  glm::vec3 gain{1};  ///< of the plate over the learned background; virtual objects follow it
+  ToneCurve tone{};  ///< of the plate over the learned background; virtual objects follow it
   const KeyScratch* key = nullptr;  ///< colours of the room beside people
   const GrainOf* grain = nullptr;   ///< of virtual things
   bool open_walls = false;

@@ -46,7 +46,7 @@ inline std::optional<glm::vec3> room_color(const MixInput& input, int x, int y, 
   if (!input.background.color.empty()) {
     const Rgbf b = input.background.color.row(y)[x];
     if (b.r < 0) return std::nullopt;
-    return glm::min(glm::vec3(b.r, b.g, b.b) * input.gain, 1.0F) * (light * kLinearOne);
+    return glm::min(input.tone(glm::vec3(b.r, b.g, b.b)), 1.0F) * (light * kLinearOne);
   }
   if (!input.key) return std::nullopt;
   const glm::vec3 around = input.key->at(x / kBlockPx, y / kBlockPx).room_color;
@@ -60,9 +60,11 @@ inline float light_at(const MixInput& input, int x, int y) {
 
 /// Shaded colour of a covered pixel as the camera shows it.
 inline glm::vec3 virtual_color(const MixInput& input, int x, int y) {
-  const glm::vec3 c = to_vec(input.objects->color.row(y)[x]) * input.gain;
-  if (input.grain == nullptr) return c;
+  const glm::vec3 shaded = to_vec(input.objects->color.row(y)[x]);
   const float coverage = static_cast<float>(input.objects->coverage.row(y)[x]) / 255;
+  const float one = coverage * kLinearOne;  // the colour is premultiplied
+  const glm::vec3 c = input.tone.bends ? input.tone(shaded / one) * one : shaded * input.tone.gain;
+  if (input.grain == nullptr) return c;
   return input.grain->added(c, coverage, x, y);
 }
 

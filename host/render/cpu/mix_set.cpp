@@ -41,9 +41,10 @@ void store_backdrop(const MixInput& input, int x, int y, FrameOutput& output) {
 void store_set(const MixInput& input, int x, int y, FrameOutput& output) {
   const Rgbx16 c = input.objects->color.row(y)[x];
   if (output.wanted & kColor)
-    output.color.row(y)[x] = input.gain == glm::vec3(1) && input.grain == nullptr
-                                 ? encode(c)
-                                 : encode(virtual_color(input, x, y));
+    output.color.row(y)[x] =
+        !input.tone.bends && input.tone.gain == glm::vec3(1) && input.grain == nullptr
+            ? encode(c)
+            : encode(virtual_color(input, x, y));
   if (output.wanted & kAlpha) output.alpha.row(y)[x] = 255;
   if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = 1 / input.objects->w.row(y)[x];
   if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);

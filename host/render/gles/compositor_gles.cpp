@@ -96,7 +96,7 @@ class GlesCompositor final : public Compositor {
   std::optional<Crew> crew_;   ///< where the lens moves
   Image<glm::vec2> plate_px_;  ///< the same
   ExposureMeter meter_;
-  glm::vec3 gain_{1};
+  ToneCurve tone_;
   Texture background_m_, light_m_, learned_, learned_sigma_;
   std::vector<GpuMesh> meshes_;  // as FrameParams::draws
   PlatePass plate_;
@@ -234,7 +234,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     const StageScope stage(timer, Stage::kUpload, true);
     follow(input);
     take_look(input.plate);
-    if (!background_pass_) gain_ = meter_.gain(input.plate);
+    if (!background_pass_) tone_ = meter_.curve(input.plate);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
     if (two) second_depth_->upload_depth(input.tof2_depth_m);
@@ -244,7 +244,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     plate_.draw();
   }
   draw_background(timer);
-  if (background_pass_) gain_ = meter_.gain(input.plate);
+  if (background_pass_) tone_ = meter_.curve(input.plate);
   {
     const StageScope stage(timer, Stage::kCorrect);
     two ? second_depth_->correct_both(correct_) : correct_.draw();
@@ -258,7 +258,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   if (keys() && needed.key) {
     const StageScope stage(timer, Stage::kKey);
     key_.draw(preparer_.params().key,
-              {warp_.w(), plate_.in_view(), learned(), learned_sigma(), gain_,
+              {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
                background_pass_ ? &background_pass_->limit_w() : nullptr});
   }
   MIXRIG_TRY(draw_light(needed.light, timer));
@@ -385,7 +385,7 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
     input.grain = look_->grain();
     input.grain_offset = grain_offset(frames_ - 1);
   }
-  input.gain = gain_;
+  input.tone = tone_;
   return mix_.draw(input, wanted);
 }
 

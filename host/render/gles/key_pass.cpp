@@ -75,7 +75,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   if (use_color_) {
     vote_.program.set("has_sigma", has_sigma);
     vote_.program.set("has_learned", has_learned_);
-    gain_ = vote_.program.location("gain");
+    tone_ = ToneUniforms(vote_.program);
   }
   decide_.program.set("use_color", use_color_);
   for (const Step* step : {&blocks_, &speckles_})
@@ -101,7 +101,7 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run(fill_, {&band_});
   if (use_color_) {
     vote_.program.use();
-    set_uniform(gain_, input.gain);
+    tone_.set(input.tone);
     run_blocks(vote_, band_,
                {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "host/render/gles/gl_step.h"
+#include "host/render/gles/tone_uniforms.h"
 
 namespace mixrig::render::gles {
 
@@ -12,7 +13,7 @@ struct KeyInput {
   const Texture& plate;    ///< linear light in the view when sampled
   const Texture& learned;  ///< the background's colour and its spread, where learned
   const Texture& learned_sigma;
-  glm::vec3 gain{1};                 ///< ExposureMeter
+  ToneCurve tone{};                  ///< ExposureMeter
   const Texture* limit_w = nullptr;  ///< of this frame; null: that of the take
 };
 
@@ -52,7 +53,8 @@ class KeyPass {
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_;  ///< a texel a tile
   Texture matte_, visible_w_;
   Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_, finish_;
-  GLint world_from_camera_ = -1, floor_w_ = -1, gain_ = -1;
+  GLint world_from_camera_ = -1, floor_w_ = -1;
+  ToneUniforms tone_;
 };
 
 }  // namespace mixrig::render::gles

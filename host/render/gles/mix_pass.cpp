@@ -42,7 +42,7 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   pass.step_.program.set("has_backdrop", pass.backdrop_.size.area() > 0);
   pass.step_.program.set("has_color", !setup.background.color.empty() || has_model_color(setup));
   pass.step_.program.set("has_objects", !setup.objects.empty());
-  pass.gain_ = pass.step_.program.location("gain");
+  pass.tone_ = ToneUniforms(pass.step_.program);
   pass.has_light_ = pass.step_.program.location("has_light");
   pass.has_grain_ = pass.step_.program.location("has_grain");
   pass.grain_offset_ = pass.step_.program.location("grain_offset");
@@ -60,7 +60,7 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
   choose_attachments(target(), wanted);
   step_.program.use();
   set_uniform(has_light_, input.light != nullptr);
-  set_uniform(gain_, input.gain);
+  tone_.set(input.tone);
   set_uniform(has_grain_, input.noise != nullptr);
   set_uniform(grain_offset_, input.grain_offset);
   set_uniform(grain_floor_, input.grain.floor);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "host/render/gles/gl_step.h"
+#include "host/render/gles/tone_uniforms.h"
 #include "host/render/picture_look.h"
 
 namespace mixrig::render::gles {
@@ -17,7 +18,7 @@ struct MixInput {
   const Texture* light = nullptr;          ///< with shadows
   const Texture* virtual_color = nullptr;  ///< with objects
   const Texture* virtual_w = nullptr;
-  glm::vec3 gain{1};               ///< ExposureMeter
+  ToneCurve tone{};                ///< ExposureMeter
   const Texture* room = nullptr;   ///< KeyPass::room
   const Texture* noise = nullptr;  ///< make_grain(), where virtual things have noise...
   Grain grain{};                   ///< ...of this strength,
@@ -47,7 +48,8 @@ class MixPass {
   Step step_, make_alpha_;
   Target layer_target_;
   bool has_layer_ = false;
-  GLint has_light_ = -1, gain_ = -1;
+  GLint has_light_ = -1;
+  ToneUniforms tone_;
   GLint has_grain_ = -1, grain_offset_ = -1, grain_floor_ = -1, grain_slope_ = -1;
 };
 

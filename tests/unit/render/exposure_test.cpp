@@ -69,6 +69,43 @@ TEST(ExposureMeter, PeopleInHalfOfThePictureDoNotMoveIt) {
   EXPECT_NEAR(meter.gain(plate).g, 1.5F, 0.03F);
 }
 
+/// A camera that compresses bright light, learned at one gain and seen at another; people in a
+/// third of the picture.
+TEST(ExposureMeter, FindsTheCurveOfACameraThatCompressesBrightLight) {
+  const auto shown = [](float light) { return 1.6F * light / (light + 0.6F); };
+  Room room;
+  Image<Rgb8> plate(kExposureSize);
+  for (int y = 0; y < kExposureSize.height; ++y)
+    for (int x = 0; x < kExposureSize.width; ++x) {
+      const float light = 0.01F * std::exp(0.075F * static_cast<float>((x * 7 + y * 3) % 60));
+      const float then = shown(light), now = shown(1.8F * light);
+      room.learned.at(x, y) = {then, then, then};
+      plate.at(x, y) = {srgb(now), srgb(now), srgb(now)};
+      if (x < kExposureSize.width / 3) plate.at(x, y) = {30, static_cast<std::uint8_t>(20 + y), 60};
+    }
+  ExposureMeter meter(room.tables, room.background());
+  const ToneCurve curve = meter.curve(plate);
+  ASSERT_TRUE(curve.bends);
+  double worst = 0, worst_by_gain = 0;
+  for (float then = 0.03F; then < 0.85F; then *= 1.1F) {
+    const float light = 0.6F * then / (1.6F - then), now = std::min(1.0F, shown(1.8F * light));
+    const glm::vec3 told = glm::min(curve(glm::vec3(then)), 1.0F);
+    worst = std::max<double>(worst, std::abs(told.g / now - 1));
+    worst_by_gain =
+        std::max<double>(worst_by_gain, std::abs(std::min(1.0F, curve.gain.g * then) / now - 1));
+  }
+  EXPECT_LT(worst, 0.09);
+  EXPECT_GT(worst_by_gain, 0.2) << "a gain alone does not tell it";
+}
+
+TEST(ExposureMeter, ACurveOfAGainAloneIsStraight) {
+  const Room room;
+  ExposureMeter meter(room.tables, room.background());
+  const ToneCurve curve = meter.curve(room.plate(glm::vec3(1.4F, 1.3F, 1.2F)));
+  EXPECT_FALSE(curve.bends);
+  EXPECT_NEAR(curve(glm::vec3(0.2F)).r, 0.28F, 0.003F);
+}
+
 TEST(ExposureMeter, SaysOneWhereNothingCanTell) {
   const Room room;
   ExposureMeter meter(room.tables, room.background());
