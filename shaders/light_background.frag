@@ -8,6 +8,7 @@
 #include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
+#include "common/contact.glsl"
 #include "common/lamps.glsl"
 layout(binding = 0) uniform sampler2D background_m;
 layout(binding = 1) uniform sampler2D background_normal;

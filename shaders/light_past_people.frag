@@ -10,6 +10,7 @@
 #include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
+#include "common/contact.glsl"
 #include "common/lamps.glsl"
 layout(binding = 0) uniform sampler2D background_m;
 layout(binding = 1) uniform sampler2D background_normal;
@@ -25,7 +26,7 @@ void main() {
   if (light >= 1.0 || z <= 0.0) return;
   vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
   vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
-  float with_objects = luminance(ambient), without = with_objects;
+  float with_objects = ambient_past_objects(ray * z, normal), without = luminance(ambient);
   int past_of = -1;
   float past = 1.0;
   for (int i = 0; i < lamp_count; ++i) {

@@ -7,6 +7,7 @@
 #include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
+#include "common/contact.glsl"
 #include "common/lamps.glsl"
 layout(binding = 0) uniform sampler2D tile_w;
 uniform int reach;  // tiles: two ToF footprints

@@ -9,6 +9,7 @@
 #include "common/constants.glsl"
 #include "common/color.glsl"
 #include "common/view.glsl"
+#include "common/contact.glsl"
 #include "common/lamps.glsl"
 #include "common/gloss.glsl"
 layout(binding = 0) uniform sampler2D albedo;
@@ -50,6 +51,11 @@ void main() {
   if (glossy) add_ambient_gloss(lobe, light);
   int past_of = -1;
   float past = 1.0;
+  if (contact_count > 0) {
+    Contact contact = contact_at(ray / w, normal, 1.0);
+    light.diffuse = contact.open * light.diffuse + contact.sent;
+    light.straight *= contact.open, light.grazing *= contact.open, light.lost *= contact.open;
+  }
   for (int i = 0; i < lamp_count; ++i) {
     float seen = visibility(i, ray / w, normal);
     int whole = lamps[i].map_size_texel.z;

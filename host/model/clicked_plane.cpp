@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -30,6 +31,8 @@ constexpr double kLeastArea_m2 = 0.01;
 constexpr double kLeastClickSine = 0.087;  ///< 5 degrees
 constexpr double kCommonShare = 0.1;       ///< of a depth's sigma, in common to a region
 constexpr int kClickRounds = 3;
+constexpr int kClickSquare = 6;      ///< pixels along a side, whose mean is looked at
+constexpr double kSquareSigmas = 3;  ///< of that mean, beyond kCommonShare of one depth
 
 /// A pixel of the depth camera in axes of the view.
 struct ClickSample {
@@ -158,6 +161,39 @@ class ClickRegion {
     }
   }
 
+  /// Keeps what goes on from the seeds over squares that lie on the plane as a whole: things on a
+  /// wall may be within the noise of each pixel, but not within that of their mean.
+  void keep_flat(const InversePlane& plane, const std::vector<ClickPlace>& seeds) {
+    const auto squares = [](int px) { return (px + kClickSquare - 1) / kClickSquare; };
+    const Size size{squares(part_.width()), squares(part_.height())};
+    struct Square {
+      double sum = 0, count = 0;
+    };
+    Image<Square> sums(size);
+    for (const ClickPlace& at : places_) {
+      Square& square = sums.at(at.x / kClickSquare, at.y / kClickSquare);
+      square.sum += sigmas(plane, at), square.count += 1;
+    }
+    Image<std::uint8_t> kept(size);
+    std::vector<ClickPlace> open;
+    const auto keep = [&](int x, int y, bool sure) {
+      if (x < 0 || y < 0 || x >= size.width || y >= size.height || kept.at(x, y) != 0) return;
+      const Square& square = sums.at(x, y);
+      const double most = kSquareSigmas * std::sqrt(square.count) + kCommonShare * square.count;
+      if (!sure && (square.count == 0 || std::abs(square.sum) > most)) return;
+      kept.at(x, y) = 1, open.push_back({x, y});
+    };
+    for (const ClickPlace& at : seeds) keep(at.x / kClickSquare, at.y / kClickSquare, true);
+    for (std::size_t i = 0; i < open.size(); ++i)
+      for (const ClickPlace step : {ClickPlace{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+        keep(open[i].x + step.x, open[i].y + step.y, false);
+    std::erase_if(places_, [&](const ClickPlace& at) {
+      const bool out = kept.at(at.x / kClickSquare, at.y / kClickSquare) == 0;
+      if (out) part_.at(at.x, at.y) = 0;
+      return out;
+    });
+  }
+
   std::optional<InversePlane> fit(const std::vector<ClickPlace>& places) const {
     Matrix3d information = Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
@@ -175,6 +211,16 @@ class ClickRegion {
     return plane;
   }
 
+  /// Those that lie two pixels within the region: at its border a pixel sees two surfaces.
+  std::vector<ClickPlace> inner_places() const {
+    const auto on = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < part_.width() && y < part_.height() && part_.at(x, y) != 0;
+    };
+    std::vector<ClickPlace> inner;
+    for (const auto& [x, y] : places_)
+      if (on(x - 2, y) && on(x + 2, y) && on(x, y - 2) && on(x, y + 2)) inner.push_back({x, y});
+    return inner;
+  }
   const std::vector<ClickPlace>& places() const { return places_; }
   Image<std::uint8_t> part() && { return std::move(part_); }
 
@@ -361,6 +407,16 @@ std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture
   for (int round = 0; round < kClickRounds; ++round) {
     region.grow(plane, on);
     const auto better = region.fit(region.places());
+    if (!better) return ClickRefusal::kNotFlat;
+    plane = *better;
+  }
+  for (int round = 0; round < kClickRounds; ++round) {
+    region.grow(plane, on);
+    region.keep_flat(plane, on);
+    if (static_cast<int>(region.places().size()) < kLeastClickPoints) return ClickRefusal::kNotFlat;
+    const auto inner = region.inner_places();
+    const auto better =
+        region.fit(static_cast<int>(inner.size()) < kLeastClickPoints ? region.places() : inner);
     if (!better) return ClickRefusal::kNotFlat;
     plane = *better;
   }

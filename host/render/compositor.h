@@ -73,6 +73,7 @@ struct Light {
   /// The ambient light on objects is what the learned room sends from each side, `ambient` from
   /// where nothing was learned.
   bool by_direction = false;
+  bool contact = false;  ///< objects hide ambient light from what is near, and from themselves
 };
 
 /// The room without people in the view; borrowed. Empty images where nothing was learned yet. A

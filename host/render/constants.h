@@ -163,6 +163,17 @@ inline constexpr float kNormalFootprints = 2.0F;
 /// Most lamps of the gles back end: 4.5 KiB of the 16 KiB that every driver's uniform block has.
 inline constexpr int kMostLamps = 32;
 
+// --- light: what objects hide of the ambient light (contact_shade.h)
+/// Cells of an object's grid along an axis: within its box, and beyond it on each side.
+inline constexpr int kContactInside = 19;
+inline constexpr int kContactOutside = 6;
+inline constexpr int kContactNodes = 32;
+/// What a real surface gets of the light of an object's sides: their own shadows are not known. Of
+/// walk 7, talk 8 and edges 5 light_rmse is least at a half (docs/lights.md).
+inline constexpr float kSentPart = 0.5F;
+/// Most objects with such a grid: OpenGL ES has 3D textures of 256 layers.
+inline constexpr int kMostContacts = 8;
+
 // --- light: gloss, and ambient light by direction
 /// Spherical harmonics of second order: 1 + 3 + 5.
 inline constexpr int kAmbientTermCount = 9;

@@ -113,6 +113,15 @@ struct RoomShadeParams {
   float lift_m = 0;  ///< of a receiver along its normal
 };
 
+/// A ContactShade in this frame.
+struct ContactParams {
+  glm::mat4 object_from_camera{1};
+  glm::vec3 low_m{0}, high_m{0};
+  float reach_m = 0;
+  /// Light of the object's sides x, y, z, -x, -y, -z on what they hide ambient light from.
+  std::array<glm::vec3, 6> sent{};
+};
+
 /// Light map of real surfaces, shading of virtual ones.
 struct LightParams {
   glm::vec3 ambient{0};

@@ -191,7 +191,7 @@ Tables make_tables(const CompositorSetup& setup) {
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
   if (!setup.objects.empty())
     t.edge_depth_m = depth_at_color_edges(setup.background, t.tof_footprint_px);
-  if (setup.objects.empty() || setup.light.lamps.empty()) {
+  if (setup.objects.empty() || (setup.light.lamps.empty() && !setup.light.contact)) {
     t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
     return t;
   }

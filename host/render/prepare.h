@@ -14,6 +14,7 @@
 
 #include "hal/base/image.h"
 #include "host/render/compositor.h"
+#include "host/render/contact_shade.h"
 #include "host/render/passes.h"
 #include "host/render/room_ambient.h"
 #include "host/render/room_shade.h"
@@ -158,6 +159,8 @@ struct FrameParams {
   std::vector<LampParams> lamps;         ///< Light::lamps; panels in parts (parts_of_lamps)
   std::vector<LampParams> people_lamps;  ///< whole, with maps of people; empty: they cast none
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
+  std::vector<ContactParams> contacts;
+  std::span<const HiddenShares> contact_hidden;  ///< kContactNodes^3 of each of `contacts`
   std::vector<Draw> draws;
   Rect virtual_rect;  ///< view pixels that virtual objects may touch
 };
@@ -202,6 +205,8 @@ class FramePreparer {
   void find_room(const geometry::Pose& world_from_target);
   void update_room(const geometry::Pose& world_from_target);
   void update_ambient(const geometry::Pose& world_from_target);
+  void find_contacts();
+  void update_contacts(const geometry::Pose& world_from_target);
   void update_lamps(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
 
   const CompositorSetup& setup_;
@@ -211,9 +216,15 @@ class FramePreparer {
   std::vector<LampPart> parts_;  ///< as FrameParams::lamps
   int map_size_ = 0;
   bool has_room_ = false;
-  RoomShade room_;                                        ///< of the first pose
-  std::optional<AmbientTerms> ambient_;                   ///< the same
-  glm::vec3 ambient_then_{0};                             ///< Light::ambient when they were found
+  RoomShade room_;                       ///< of the first pose
+  std::optional<AmbientTerms> ambient_;  ///< the same
+  glm::vec3 ambient_then_{0};            ///< Light::ambient when they were found
+  struct Contact {
+    std::size_t object = 0;
+    glm::vec3 albedo{0};
+  };
+  std::vector<Contact> contacts_;                         ///< as FrameParams::contacts
+  std::vector<HiddenShares> contact_hidden_;              ///< of all of them
   std::vector<MapFit> fits_, people_fits_;                ///< of parts_, of the lamps
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };

@@ -222,6 +222,7 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   key.by = key_by(setup);
   key.noise = noise_params(setup.noise);
   key.noise_factor = setup.key.noise_factor;
+  find_contacts();
   if (setup.first_pose) find_room(*setup.first_pose);
 }
 
@@ -427,6 +428,7 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
   }
   update_room(world_from_target);
   update_ambient(world_from_target);
+  update_contacts(world_from_target);
   has_pose_ = true;
   last_pose_ = world_from_target;
   const glm::dmat4 world_from_camera = to_glm(world_from_target.matrix());

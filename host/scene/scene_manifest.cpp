@@ -185,6 +185,7 @@ Light read_light(const Table& table) {
   light.exposure = table.number_or("exposure", light.exposure, {1e-6, 1e6});
   light.from_room = table.one_of("ambient_by", {"constant", "room"}, 0) == 1;
   light.people_cast = table.boolean_or("people_cast", light.people_cast);
+  light.contact = table.boolean_or("contact", light.from_room);
   light.follow = table.boolean_or("follow", light.follow);
   for (const Table& lamp : table.tables("lamp"))
     light.lamps.push_back(read_lamp(lamp, light.lamps.size() + 1));

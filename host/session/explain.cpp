@@ -50,6 +50,7 @@ std::string light_reason(const render::CompositorSetup& setup, std::size_t maps,
                                    "surface is known that could receive a shadow";
   if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on virtual surfaces";
   if (render::needs_room_shade(setup)) reason += "; what the room hides of the lamps, found once";
+  if (setup.light.contact) reason += "; objects hide ambient light, found once";
   return reason;
 }
 

@@ -65,7 +65,11 @@ void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshe
 }
 
 render::Light light_of(const scene::Light& light) {
-  render::Light out{to_glm(light.ambient), static_cast<float>(light.exposure), {}, light.from_room};
+  render::Light out{to_glm(light.ambient),
+                    static_cast<float>(light.exposure),
+                    {},
+                    light.from_room,
+                    light.contact};
   for (const scene::Lamp& lamp : light.lamps) {
     render::Lamp& added = out.lamps.emplace_back();
     added.position_m = to_glm(lamp.position_m);

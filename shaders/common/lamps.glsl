@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lamps with their shadow maps. Positions and normals in camera axes, light linear. Maps hold
-// nearest_m / z in lamp axes, 0 for nothing. Needs common/constants.glsl and common/color.glsl.
+// nearest_m / z in lamp axes, 0 for nothing. Needs common/constants.glsl, common/color.glsl and
+// common/contact.glsl.
 struct Lamp {
   mat4 lamp_from_camera;
   vec4 position_m, direction, intensity;  // direction 0: to all sides
@@ -97,9 +98,16 @@ vec3 irradiance(int i, vec3 position_m, vec3 normal) {
   return lamps[i].intensity.rgb * (max(0.0, dot(normal, direction)) * emitter / distance2);
 }
 
+// Ambient light of the real scene past the objects, luminance.
+float ambient_past_objects(vec3 position_m, vec3 normal) {
+  if (contact_count == 0) return luminance(ambient);
+  Contact contact = contact_at(position_m, normal, 0.0);
+  return contact.open * luminance(ambient) + luminance(contact.sent);
+}
+
 // Light with the virtual objects over light without.
 float light_ratio(vec3 position_m, vec3 normal) {
-  float with_objects = luminance(ambient), without = with_objects;
+  float with_objects = ambient_past_objects(position_m, normal), without = luminance(ambient);
   for (int i = 0; i < lamp_count; ++i) {
     float light = luminance(irradiance(i, position_m, normal));
     if (light <= 0.0) continue;

@@ -266,7 +266,7 @@ TEST(WholeFrame, agrees_with_person_object_and_shadows) {
 /// All that a material may have, under ambient light that differs from side to side.
 TEST(WholeFrame, agrees_on_glossy_objects_with_maps) {
   RoomSetup room(RoomSetup::Options{});
-  room.setup.light.by_direction = true;
+  room.setup.light.by_direction = room.setup.light.contact = true;
   const auto gloss_map = make_image<Rgb8>({8, 8}, [](int x, int y) {
     return Rgb8{0, static_cast<std::uint8_t>(120 + 16 * x),
                 static_cast<std::uint8_t>(y < 4 ? 0 : 255)};
@@ -293,7 +293,8 @@ TEST(WholeFrame, agrees_on_glossy_objects_with_maps) {
 
 TEST(WholeFrame, agrees_on_glossy_objects_past_people) {
   RoomSetup room(RoomSetup::Options{});
-  room.setup.people_cast_shadows = true, room.setup.light.by_direction = true;
+  room.setup.people_cast_shadows = true;
+  room.setup.light.by_direction = room.setup.light.contact = true;
   room.setup.objects.front().meshes.front().gloss = {0.3F, 0.3F, 1};
   Pair pair = make_pair(room);
   expect_agreement(pair, room.frame());

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "host/render/cpu/contact.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
@@ -105,6 +107,14 @@ FloatLanes real_light(const FrameParams& frame, const LampParams& lamp, const Pa
   return past != nullptr ? light * past->of(lamp) : light;
 }
 
+/// What the objects take of the ambient light of the real scene, luminance.
+FloatLanes lost_ambient(const FrameParams& frame, const SurfaceLanes& at) {
+  const ContactLanes contact = contact_at(frame, at.position_m, at.normal, Receiver::kReal);
+  return luminance(frame.light.ambient) * (1 - contact.open) -
+         (kRec709Red * contact.sent.x + kRec709Green * contact.sent.y +
+          kRec709Blue * contact.sent.z);
+}
+
 }  // namespace
 
 FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
@@ -112,10 +122,10 @@ FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
 }
 
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const SurfaceLanes& at, const PeopleMaps* people) {
+                       bool near, const SurfaceLanes& at, const PeopleMaps* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
   std::optional<PastPeople> past;
-  FloatLanes lost{};
+  FloatLanes lost = near ? lost_ambient(frame, at) : FloatLanes{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     if (!holds(maybe, k)) continue;
@@ -132,15 +142,30 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
 }
 
+namespace {
+
+/// Ambient light past the objects, on these.
+void add_ambient_past_objects(const FrameParams& frame, const SurfaceLanes& at,
+                              const std::optional<GlossLanes>& gloss, ShadingLanes& sum) {
+  add_ambient(frame.light, at.normal, sum);
+  if (gloss) add_ambient_gloss(frame.light, *gloss, sum);
+  if (frame.contacts.empty()) return;
+  const ContactLanes contact = contact_at(frame, at.position_m, at.normal, Receiver::kObject);
+  for (VectorLanes* part : {&sum.diffuse, &sum.straight, &sum.grazing, &sum.lost})
+    part->x *= contact.open, part->y *= contact.open, part->z *= contact.open;
+  const float exposure = frame.light.exposure;
+  sum.diffuse.x += exposure * contact.sent.x, sum.diffuse.y += exposure * contact.sent.y,
+      sum.diffuse.z += exposure * contact.sent.z;
+}
+
+}  // namespace
+
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                      const SurfaceLanes& at, std::span<const FloatLanes> share) {
   ShadingLanes sum;
-  add_ambient(frame.light, at.normal, sum);
   std::optional<GlossLanes> gloss;
-  if (frame.glossy) {
-    gloss.emplace(at.position_m, at.normal, at.roughness);
-    add_ambient_gloss(frame.light, *gloss, sum);
-  }
+  if (frame.glossy) gloss.emplace(at.position_m, at.normal, at.roughness);
+  add_ambient_past_objects(frame, at, gloss, sum);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     FloatLanes of_lamp = irradiance(lamp, at);

@@ -41,8 +41,9 @@ FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at);
 
 /// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp. What
 /// `people` hide of a lamp is dark already.
+/// `near`: objects may hide ambient light.
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       const SurfaceLanes& at, const PeopleMaps* people = nullptr);
+                       bool near, const SurfaceLanes& at, const PeopleMaps* people = nullptr);
 
 /// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
 /// `diffuse` is set. `maybe`: lamps that objects may hide; `share`: of the first lamps what is seen

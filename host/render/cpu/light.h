@@ -34,7 +34,7 @@ struct LightInput {
   const PeopleShadow* people = nullptr;
 };
 
-/// Whether any lamp casts a shadow; without, the light map is 1 everywhere.
+/// Whether any object takes light from others; without, the light map is 1 everywhere.
 bool has_shadows(const FrameParams& frame);
 
 /// Light of the background. After a change of pose.

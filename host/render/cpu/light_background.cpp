@@ -6,6 +6,7 @@
 #include <span>
 
 #include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/contact.h"
 #include "host/render/cpu/light_cells.h"
 #include "host/render/cpu/light_parts.h"
 
@@ -30,8 +31,8 @@ VectorLanes rays_of(const PinholeParams& view, int x, int y) {
 }
 
 /// A row of a tile, from out[0] on; precondition: at least one pixel.
-void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, std::uint16_t* out,
-               const PeopleMaps* people = nullptr) {
+void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x1,
+               std::uint16_t* out, const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
   std::array<PackedNormal, kLitTileWidth> normals{};
   background_normals(input, x0, y, std::span(normals).first(static_cast<std::size_t>(x1 - x0)), 1);
@@ -40,7 +41,8 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
     const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
     const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
                           unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
-    const FloatLanes ratio = light_ratio(input.frame, input.maps, maybe, at, people);
+    const FloatLanes ratio =
+        light_ratio(input.frame, input.maps, doubt.lamps, doubt.near, at, people);
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
       out[x - x0 + i] = depth[i] > 0 ? light_to_fixed(ratio[i]) : kLit;
   }
@@ -49,23 +51,29 @@ void light_row(const LightInput& input, LampSet maybe, int y, int x0, int x1, st
 /// Least and largest depth of a rectangle, 0 where none is known.
 using DepthRange = std::pair<float, float>;
 
-/// Lamps that may be hidden from the background in a rectangle.
-LampSet lamps_in_doubt(const LightInput& input, const Rect& rect, const DepthRange& depth_m) {
-  if (!(depth_m.second > 0)) return 0;
-  return lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect, depth_m.first,
-                        depth_m.second);
+/// What objects may hide from the background in a rectangle.
+Doubt doubt_of(const LightInput& input, const Rect& rect, const DepthRange& depth_m) {
+  if (!(depth_m.second > 0)) return {0, false};
+  const PinholeParams& view = input.tables.warp.view;
+  const auto [near_m, far_m] = depth_m;
+  return {lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m),
+          may_be_near(input.frame, corners_of(view, rect, near_m, far_m))};
+}
+
+bool is_sure(const LightInput& input, const Doubt& doubt) {
+  return doubt.lamps == 0 && !doubt.near && input.maps.size() <= kLampBits;
 }
 
 void light_tile(const LightInput& input, const Rect& rect, const DepthRange& depth_m,
                 Image<std::uint16_t>& light) {
   if (!(depth_m.second > 0)) return;
-  const LampSet maybe = lamps_in_doubt(input, rect, depth_m);
-  if (maybe == 0 && input.maps.size() <= kLampBits) return;
+  const Doubt doubt = doubt_of(input, rect, depth_m);
+  if (is_sure(input, doubt)) return;
   if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight &&
-      blur_allows_cells(input, maybe, rect, depth_m.first, depth_m.second))
-    return light_in_cells(input, maybe, lit_depth_m(input), rect, light);
+      blur_allows_cells(input, doubt.lamps, rect, depth_m.first, depth_m.second))
+    return light_in_cells(input, doubt, lit_depth_m(input), rect, light);
   for (int y = rect.y0; y < rect.y1; ++y)
-    light_row(input, maybe, y, rect.x0, rect.x1, light.row(y) + rect.x0);
+    light_row(input, doubt, y, rect.x0, rect.x1, light.row(y) + rect.x0);
 }
 
 /// A row of tiles from (x0, y0) on: what they show together first.
@@ -86,7 +94,7 @@ void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>
     all.first = all.second > 0 ? std::min(all.first, range.first) : range.first;
     all.second = std::max(all.second, range.second);
   }
-  if (lamps_in_doubt(input, rect, all) == 0 && input.maps.size() <= kLampBits) return;
+  if (is_sure(input, doubt_of(input, rect, all))) return;
   for (int i = 0; i < count; ++i)
     light_tile(input, tile(i), depth_m[static_cast<std::size_t>(i)], light);
 }
@@ -104,9 +112,9 @@ void light_tile_past_people(const LightInput& input, const Rect& rect, LightLaye
       input.people->lamps, input.people->maps,
       lamps_in_doubt(view, input.people->lamps, input.people->maps, rect, near_m, far_m)};
   if (people.maybe == 0) return;
-  const LampSet maybe = lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m);
+  const Doubt doubt = doubt_of(input, rect, {near_m, far_m});
   for (int y = rect.y0; y < rect.y1; ++y)
-    light_row(input, maybe, y, rect.x0, rect.x1, light.visible.row(y) + rect.x0, &people);
+    light_row(input, doubt, y, rect.x0, rect.x1, light.visible.row(y) + rect.x0, &people);
 }
 
 }  // namespace
@@ -131,13 +139,18 @@ std::pair<float, float> positive_range(ImageView<const float> image, const Rect&
   return {high > 0 ? low : 0, high};
 }
 
-LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
-                       const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
-                       float far_m) {
+Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m) {
   Corners corners_m;
   for (std::size_t i = 0; i < 8; ++i)
     corners_m[i] = ray_of(view, i & 1 ? rect.x1 - 1 : rect.x0, i & 2 ? rect.y1 - 1 : rect.y0) *
                    (i & 4 ? far_m : near_m);
+  return corners_m;
+}
+
+LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
+                       const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
+                       float far_m) {
+  const Corners corners_m = corners_of(view, rect, near_m, far_m);
   LampSet set = 0;
   for (std::size_t k = 0; k < std::min(maps.size(), kLampBits); ++k)
     set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
@@ -145,7 +158,8 @@ LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>&
 }
 
 bool has_shadows(const FrameParams& frame) {
-  return std::any_of(frame.lamps.begin(), frame.lamps.end(),
+  return !frame.contacts.empty() ||
+         std::any_of(frame.lamps.begin(), frame.lamps.end(),
                      [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
 }
 

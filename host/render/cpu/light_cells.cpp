@@ -95,11 +95,11 @@ BackgroundCorners corners_of(const LightInput& input, ImageView<const float> dep
 }
 
 /// Light of a register of background points.
-FloatLanes ratio_of(const LightInput& input, LampSet maybe, const VectorLanes& ray,
+FloatLanes ratio_of(const LightInput& input, const Doubt& doubt, const VectorLanes& ray,
                     FloatLanes depth, const PackedNormal* normals) {
   const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
                         unpack(load<IntLanes>(normals), ray)};
-  return light_ratio(input.frame, input.maps, maybe, at);
+  return light_ratio(input.frame, input.maps, doubt.lamps, doubt.near, at);
 }
 
 VectorLanes rays_at(const PinholeParams& view, FloatLanes x, FloatLanes y) {
@@ -108,7 +108,7 @@ VectorLanes rays_at(const PinholeParams& view, FloatLanes x, FloatLanes y) {
 }
 
 /// Light at the corners; 1 where the depth is not known.
-void find_ratios(const LightInput& input, LampSet maybe, const Rect& tile,
+void find_ratios(const LightInput& input, const Doubt& doubt, const Rect& tile,
                  const BackgroundCorners& corners, Size view, CornerValues& ratio) {
   CornerValues x, y;
   x.fill(0), y.fill(0);
@@ -119,22 +119,22 @@ void find_ratios(const LightInput& input, LampSet maybe, const Rect& tile,
     const VectorLanes ray =
         rays_at(input.tables.warp.view, load<FloatLanes>(&x[i]), load<FloatLanes>(&y[i]));
     const FloatLanes depth = max(load<FloatLanes>(&corners.depth_m[i]), FloatLanes{});
-    store(&ratio[i], ratio_of(input, maybe, ray, depth, &corners.normal[i]));
+    store(&ratio[i], ratio_of(input, doubt, ray, depth, &corners.normal[i]));
   }
 }
 
 /// Each pixel of cells by itself; the normals of a row of cells are read once.
 class ExactCells {
  public:
-  ExactCells(const LightInput& input, LampSet maybe, ImageView<const float> depth_m)
-      : input_(input), maybe_(maybe), depth_m_(depth_m) {}
+  ExactCells(const LightInput& input, const Doubt& doubt, ImageView<const float> depth_m)
+      : input_(input), doubt_(doubt), depth_m_(depth_m) {}
   void light(const Rect& tile, int column, int row, Image<std::uint16_t>& light);
 
  private:
   void read_normals(int x0, int y0);
 
   const LightInput& input_;
-  LampSet maybe_;
+  Doubt doubt_;
   ImageView<const float> depth_m_;
   int normals_row_ = -1;
   std::array<std::array<PackedNormal, kLitTileWidth>, kCellPx> normals_;
@@ -164,7 +164,7 @@ void ExactCells::light(const Rect& tile, int column, int row, Image<std::uint16_
     const FloatLanes depth = load<FloatLanes>(depth_m.data());
     const VectorLanes ray =
         rays_at(input_.tables.warp.view, load<FloatLanes>(x.data()), load<FloatLanes>(y.data()));
-    const FloatLanes ratio = ratio_of(input_, maybe_, ray, depth, normals.data());
+    const FloatLanes ratio = ratio_of(input_, doubt_, ray, depth, normals.data());
     for (int i = 0; i < kLanes; ++i)
       if (depth[i] > 0)
         light.row(y0 + (first + i) / kCellPx)[x0 + (first + i) % kCellPx] =
@@ -189,12 +189,12 @@ bool blur_allows_cells(const LightInput& input, LampSet maybe, const Rect& tile,
   return true;
 }
 
-void light_in_cells(const LightInput& input, LampSet maybe, ImageView<const float> depth_m,
+void light_in_cells(const LightInput& input, const Doubt& doubt, ImageView<const float> depth_m,
                     const Rect& tile, Image<std::uint16_t>& light) {
   const BackgroundCorners corners = corners_of(input, depth_m, tile);
   CornerValues ratio;
-  find_ratios(input, maybe, tile, corners, depth_m.size, ratio);
-  ExactCells exact(input, maybe, depth_m);
+  find_ratios(input, doubt, tile, corners, depth_m.size, ratio);
+  ExactCells exact(input, doubt, depth_m);
   each_cell([&](int column, int row) {
     const CellOf c = cell(column, row);
     const int x0 = tile.x0 + column * kCellPx, y0 = tile.y0 + row * kCellPx;

@@ -27,7 +27,7 @@ bool blur_allows_cells(const LightInput& input, LampSet maybe, const Rect& tile,
 
 /// Light of a tile of the background, which `light` holds as lit. Precondition: the whole tile lies
 /// in the view.
-void light_in_cells(const LightInput& input, LampSet maybe, ImageView<const float> depth_m,
+void light_in_cells(const LightInput& input, const Doubt& doubt, ImageView<const float> depth_m,
                     const Rect& tile, Image<std::uint16_t>& light);
 
 /// What virtual surfaces of a tile see of the lamps in doubt.

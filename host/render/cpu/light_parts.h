@@ -47,6 +47,15 @@ void background_normals(const LightInput& input, int x0, int y, std::span<Packed
 /// Least and largest positive value of a rectangle; 0, 0 where none is.
 std::pair<float, float> positive_range(ImageView<const float> image, const Rect& rect);
 
+/// What the rectangle's pixels show between two depths.
+Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m);
+
+/// What objects may hide.
+struct Doubt {
+  LampSet lamps = kAllLamps;
+  bool near = true;  ///< ambient light
+};
+
 /// Lamps that may be hidden from anything that the rectangle's pixels show between two depths.
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,

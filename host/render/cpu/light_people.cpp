@@ -68,7 +68,7 @@ void light_tiles(const LightInput& input, int y, LightLayer& light) {
   int count = 0;
   const auto find = [&] {
     for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
-    const FloatLanes ratio = light_ratio(input.frame, input.maps, kAllLamps, at);
+    const FloatLanes ratio = light_ratio(input.frame, input.maps, kAllLamps, true, at);
     for (int i = 0; i < count; ++i)
       light.tile_light.row(y)[tiles[static_cast<std::size_t>(i)]] = ratio[i];
     count = 0;

@@ -171,6 +171,7 @@ Result<void> GlesCompositor::create_passes() {
     const FrameParams& first = preparer_.params();
     MIXRIG_ASSIGN(virtual_, VirtualPass::create(first.glossy || first.emits));
     MIXRIG_ASSIGN(light_, LightPass::create(tables_, setup_));
+    light_.set_contacts(first);
     if (!setup_.light.lamps.empty()) {
       MIXRIG_ASSIGN(shadow_, ShadowPass::create());
     }
@@ -311,9 +312,10 @@ Result<void> GlesCompositor::draw_objects(StageTimer& timer) {
     const StageScope stage(timer, Stage::kVirtual);
     MIXRIG_TRY(virtual_.draw(params, meshes_));
   }
-  has_shadows_ = std::any_of(params.lamps.begin(), params.lamps.end(),
-                             [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
-  if (!has_shadows_ || !params.maps_changed) return {};
+  const bool has_maps = std::any_of(params.lamps.begin(), params.lamps.end(),
+                                    [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
+  has_shadows_ = has_maps || !params.contacts.empty();
+  if (!has_maps || !params.maps_changed) return {};
   const StageScope stage(timer, Stage::kShadow);
   return shadow_.draw(params, meshes_);
 }

@@ -68,6 +68,9 @@ inline void set_uniform(GLint at, const glm::mat4& v) {
 inline void set_uniform(GLint at, std::span<const glm::vec3> v) {
   glUniform3fv(at, static_cast<GLsizei>(v.size()), &v[0].x);
 }
+inline void set_uniform(GLint at, std::span<const float> v) {
+  glUniform1fv(at, static_cast<GLsizei>(v.size()), v.data());
+}
 inline void set_uniform(GLint at, std::span<const glm::mat4> v) {
   glUniformMatrix4fv(at, static_cast<GLsizei>(v.size()), GL_FALSE, &v[0][0][0]);
 }

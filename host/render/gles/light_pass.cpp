@@ -17,6 +17,7 @@ namespace {
 constexpr int kMapUnit = 7;        // common/lamps.glsl
 constexpr int kPeopleMapUnit = 6;  // shade_virtual.frag
 constexpr int kRoomUnit = 5;       // common/lamps.glsl
+constexpr int kContactUnit = 8;    // common/contact.glsl
 
 /// A lamp as the uniform block of common/lamps.glsl lays it out (std140).
 struct GpuLamp {
@@ -131,6 +132,7 @@ void LightPass::set_lamps(const FrameParams& params) {
                     &params.room.cell_from_camera);
   }
   upload(params.people_lamps, people_lamps_);
+  place_contacts(params);
   for (const Step* step : lit_steps()) {
     step->program.set("ambient", params.light.ambient);
     step->program.set("lamp_count", static_cast<int>(params.lamps.size()));
@@ -174,12 +176,67 @@ Result<void> LightPass::set_room(const FrameParams& params) {
   return {};
 }
 
+void LightPass::set_contacts(const FrameParams& params) {
+  for (const Step* step : lit_steps())
+    step->program.set("contact_count", static_cast<int>(params.contacts.size()));
+  if (params.contacts.empty()) return;
+  constexpr int kNodes = kContactNodes;
+  const int count = static_cast<int>(params.contacts.size());
+  // The rows of `up` of a plane, then those of `down`.
+  std::vector<std::array<std::uint8_t, 4>> texels;
+  texels.reserve(2 * params.contact_hidden.size());
+  for (std::size_t first = 0; first < params.contact_hidden.size(); first += kNodes * kNodes) {
+    const auto plane = params.contact_hidden.subspan(first, kNodes * kNodes);
+    for (const HiddenShares& shares : plane) texels.push_back(shares.up);
+    for (const HiddenShares& shares : plane) texels.push_back(shares.down);
+  }
+  GLuint name = 0;
+  glGenTextures(1, &name);
+  contacts_ = TextureHandle(name);
+  glBindTexture(GL_TEXTURE_3D, name);
+  glTexStorage3D(GL_TEXTURE_3D, 1, GL_RGBA8, kNodes, 2 * kNodes, kNodes * count);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, kNodes, 2 * kNodes, kNodes * count, GL_RGBA,
+                  GL_UNSIGNED_BYTE, texels.data());
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+/// Where the objects are in this frame, and their light.
+void LightPass::place_contacts(const FrameParams& params) const {
+  const std::size_t count = params.contacts.size();
+  if (count == 0) return;
+  std::array<glm::mat4, kMostContacts> from_camera;
+  std::array<glm::vec3, kMostContacts> low_m, high_m;
+  std::array<float, kMostContacts> reach_m{};
+  std::array<glm::vec3, std::size_t{6} * kMostContacts> sent;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ContactParams& p = params.contacts[i];
+    from_camera[i] = p.object_from_camera;
+    low_m[i] = p.low_m, high_m[i] = p.high_m, reach_m[i] = p.reach_m;
+    std::copy(p.sent.begin(), p.sent.end(), sent.begin() + static_cast<std::ptrdiff_t>(6 * i));
+  }
+  for (const Step* step : lit_steps()) {
+    const Program& program = step->program;
+    program.set("object_from_camera", std::span<const glm::mat4>(from_camera).first(count));
+    program.set("contact_low_m", std::span<const glm::vec3>(low_m).first(count));
+    program.set("contact_high_m", std::span<const glm::vec3>(high_m).first(count));
+    program.set("contact_reach_m", std::span<const float>(reach_m).first(count));
+    program.set("contact_sent", std::span<const glm::vec3>(sent).first(6 * count));
+  }
+}
+
 void LightPass::bind_lamps(GLuint shadow_maps) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, lamps_.get());
   glActiveTexture(GL_TEXTURE0 + kMapUnit);
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_maps);
   glActiveTexture(GL_TEXTURE0 + kRoomUnit);
   glBindTexture(GL_TEXTURE_3D, room_.get());
+  glActiveTexture(GL_TEXTURE0 + kContactUnit);
+  glBindTexture(GL_TEXTURE_3D, contacts_.get());
 }
 
 void LightPass::draw_background(const Texture& background_m, GLuint shadow_maps,

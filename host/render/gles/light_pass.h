@@ -19,6 +19,8 @@ class LightPass {
   /// What the real room hides of the lamps, where the frame says room_changed. Errors:
   /// kUnsupported.
   Result<void> set_room(const FrameParams& params);
+  /// What the objects hide of the ambient light. Once.
+  void set_contacts(const FrameParams& params);
   /// Lamps and maps (ShadowPass) of this pose.
   void set_lamps(const FrameParams& params);
   /// Light of the empty room, after a change of pose. `background_m`: z, GL_R32F.
@@ -56,6 +58,7 @@ class LightPass {
  private:
   void bind_lamps(GLuint shadow_maps) const;
   void bind_people(GLuint maps) const;
+  void place_contacts(const FrameParams& params) const;
   void copy_background() const;
   std::array<const Step*, 4> lit_steps() const {
     return {&background_, &past_people_, &tiles_, &shade_};
@@ -64,7 +67,7 @@ class LightPass {
   Texture normal_, background_light_, tile_w_, tile_light_, light_, virtual_color_, virtual_w_;
   Step background_, past_people_, tile_depth_, tiles_, people_, shade_;
   BufferHandle lamps_, people_lamps_;
-  TextureHandle room_;
+  TextureHandle room_, contacts_;
   GLint shade_origin_px_ = -1, shade_size_px_ = -1, has_people_ = -1, glossy_ = -1, emits_ = -1;
 };
 

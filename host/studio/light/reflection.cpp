@@ -27,8 +27,9 @@ Vec3 leaving(const Reflector& r, const Hit& hit, const Vec3& at, bool with_objec
                              r.lamps->irradiance(origin, hit.normal, open) * r.lamps->tint());
 }
 
-/// What a ray meets, without and with the object.
-Bounce met(const Reflector& r, const Vec3& origin, const Vec3& direction, bool people) {
+/// What a ray meets, without and with the object, which hides `behind_object`.
+Bounce met(const Reflector& r, const Vec3& origin, const Vec3& direction, bool people,
+           const Vec3& behind_object = Vec3::Zero()) {
   Hit hit, other;
   bool any = r.room->intersect(origin, direction, kMiss, hit);
   if (people && r.person->scene.intersect(origin, direction, any ? hit.t : kMiss, other))
@@ -40,7 +41,7 @@ Bounce met(const Reflector& r, const Vec3& origin, const Vec3& direction, bool p
     b.mixed = leaving(r, hit, at, true);
   }
   if (r.object->scene.intersect(origin, direction, any ? hit.t : kMiss, other))
-    b.mixed = leaving(r, other, origin + other.t * direction, true);
+    b.mixed = leaving(r, other, origin + other.t * direction, true) - behind_object;
   return b;
 }
 
@@ -138,7 +139,7 @@ Bounce indirect(const Reflector& reflector, const Vec3& position, const Vec3& di
   if (reflector.room->intersect(position, direction, kMiss, lamp) &&
       lamp.material.kind == Kind::kLamp)
     return {};
-  return met(reflector, position, direction, people);
+  return met(reflector, position, direction, people, reflector.ambient);
 }
 
 Bounce bounce_at(const Reflector& reflector, const Vec3& position, const Vec3& normal, int rays,

@@ -52,11 +52,13 @@ struct Bounce {
   Bounce operator*(float s) const { return {s * real, s * mixed}; }
 };
 /// Irradiance at a point: the mean of the radiance times pi of what `rays` rays of the hemisphere
-/// meet, spread as the cosine. People are met if `people`, but do not shade what is met.
+/// meet, spread as the cosine. People are met if `people`, but do not shade what is met. The object
+/// hides the ambient light too: that is taken from `mixed`, which may be negative.
 Bounce bounce_at(const Reflector& reflector, const Vec3& position, const Vec3& normal, int rays,
                  bool people);
 
 /// Radiance times pi that comes along a ray to a point by way of other surfaces: nothing of a lamp.
+/// `mixed` is less the ambient light behind the object.
 Bounce indirect(const Reflector& reflector, const Vec3& position, const Vec3& direction,
                 bool people);
 

@@ -74,6 +74,29 @@ TEST(Bounce, light_by_way_of_the_floor_is_the_integral_over_it) {
   }
 }
 
+// Ambient light alone, below one half of a square plate: its corner is right above. By formula the
+// plate hides F of what the floor gets, and sends its own albedo's share of it.
+TEST(Bounce, the_object_hides_ambient_light_from_the_floor_below_it) {
+  const MirrorCorner corner;
+  const Vec3 albedo = corner.materials.albedo({Kind::kPaint}, {}, {});
+  Occluder plate{corner.device};
+  for (const float high : {0.05F, 0.2F}) {
+    constexpr float kWide = 0.3F;  // to the right, and to both sides
+    Mesh mesh;
+    add_quad(mesh, {1, -kWide, high}, {0, 2 * kWide, 0}, {kWide, 0, 0}, {Kind::kPaint});
+    plate.set(mesh);
+    Reflector reflector = corner.reflector();
+    reflector.object = &plate;
+    const Bounce bounce = bounce_at(reflector, Vec3(1, 0, 1e-3F), Vec3::UnitZ(), 4096, false);
+    const float a = kWide / high, root = std::hypot(1.0F, a);
+    const float form = 2 * a / root * std::atan(a / root) / static_cast<float>(pi);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(bounce.mixed[c] - bounce.real[c], form * (albedo[c] - 1) * reflector.ambient[c],
+                  0.03F * reflector.ambient[c])
+          << high;
+  }
+}
+
 TEST(Bounce, a_node_on_another_surface_does_not_count) {
   ScreenCache<Bounce> cache;
   Crew crew(1);
