@@ -65,6 +65,9 @@ function(mixrig_test name)
   target_link_libraries(${name} PRIVATE mixrig_options ${T_LINKS} GTest::gtest_main)
   mixrig_precompile(${name} test)
   set(timeout_s 300)
+  if("long_take" IN_LIST T_LABELS)
+    set(timeout_s 900)  # the longest last 4 minutes on two cores
+  endif()
   if(MIXRIG_SANITIZE)
     set(timeout_s 1200)  # whole takes last up to twelve times as long
   endif()

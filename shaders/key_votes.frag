@@ -6,7 +6,6 @@
 //   learned       background colour, linear, red negative where unknown, and its spread (0 where
 //                 not learned)
 //   band, person, room  blocks, of key_band.frag
-//   counts, colors      blocks without speckles (common/key.glsl)
 //   vote          within color_vote_cap, or up to brighter_vote_cap; only blocks where votes decide
 //                 are drawn
 #include "common/precision.glsl"
@@ -20,32 +19,8 @@ layout(binding = 2) uniform sampler2D learned_sigma;
 layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
-layout(binding = 7) uniform sampler2D counts;
-layout(binding = 8) uniform sampler2D colors;
 uniform bool has_learned, has_sigma;
 out float vote;
-
-// Half the squared distance to a colour of people, and its spread's odds.
-float to_people(vec3 p, vec3 mean, float variance) {
-  vec3 off = p - mean;
-  return 0.5 * dot(off, off) / variance + spread_odds * log(variance);
-}
-
-// The least of it of the blocks around that hold enough people: a shirt, hair, a face.
-float to_nearest_part(vec3 p, ivec2 block, bool in_band, vec4 near) {
-  float least = 1e30;
-  ivec2 from = max(block - band_blocks, 0);
-  ivec2 to = min(block + band_blocks, textureSize(counts, 0) - 1);
-  for (int y = from.y; in_band && y <= to.y; ++y)
-    for (int x = from.x; x <= to.x; ++x) {
-      float inner = texelFetch(counts, ivec2(x, y), 0).y;
-      if (inner < float(block_px)) continue;
-      vec4 sums = texelFetch(colors, ivec2(x, y), 0) / inner;
-      float spread = max(0.0, (sums.a - dot(sums.rgb, sums.rgb)) / 3.0);
-      least = min(least, to_people(p, sums.rgb, spread + floor_variance(sums.rgb)));
-    }
-  return least < 1e30 ? least : to_people(p, texelFetch(person, block, 0).rgb, near.z);
-}
 
 void main() {
   ivec2 tile = ivec2(gl_FragCoord.xy), block = tile / (block_px + 2);
@@ -76,9 +51,9 @@ void main() {
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {
-    float to_person = has_learned ? to_nearest_part(p, block, (flags & 2) != 0, near)
-                                  : to_people(p, texelFetch(person, block, 0).rgb, near.z);
-    odds = 0.5 * background2 + spread_odds * log(variance) - to_person;
+    vec3 from_person = p - texelFetch(person, block, 0).rgb;
+    float person2 = dot(from_person, from_person) / near.z;
+    odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;
   vote = clamp(odds, -cap, is_brighter ? brighter_vote_cap : cap);

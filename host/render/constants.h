@@ -66,7 +66,6 @@ inline constexpr int kNearBlocks = 3;
 /// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
 /// a few pixels there.
 inline constexpr int kBandBlocks = 1;
-inline constexpr int kBandBlockCount = 9;
 /// Depth of people's pixels that have none of their own: foreground is looked for so far along rows
 /// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
 /// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.

@@ -43,7 +43,6 @@ const std::map<std::string, double> kOurs = {
     {"no_limit_w", kNoLimitW},
     {"hole_part", kHolePart},
     {"behind_hole", kBehindHole},
-    {"band_block_count", kBandBlockCount},
     {"share_noise", kShareNoise},
     {"share_part", kSharePart},
     {"share_apart", kShareApart},

@@ -112,14 +112,10 @@ NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius) 
       out.w += b.w_sum;
       people.add(b.people);
       room.add(b.room);
-      if (radius > kBandBlocks) continue;
-      const NearColor part = mean_of(b.people);
-      if (part.known) out.parts[static_cast<std::size_t>(out.part_count++)] = part;
     }
   if (foreground > 0) out.w /= static_cast<float>(foreground);
   out.people = mean_of(people);
   out.room = mean_of(room);
-  if (out.part_count == 0 && out.people.known) out.parts[0] = out.people, out.part_count = 1;
   return out;
 }
 

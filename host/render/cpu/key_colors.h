@@ -2,8 +2,6 @@
 // Pass key: colours of people and room around a block.
 #pragma once
 
-#include <array>
-
 #include "host/render/cpu/key.h"
 
 namespace mixrig::render::cpu {
@@ -18,9 +16,6 @@ struct NearColor {
 /// Around a block.
 struct NearColors {
   NearColor people, room;
-  /// Of the blocks of kBandBlocks around that hold enough people: a shirt, hair, a face.
-  std::array<NearColor, kBandBlockCount> parts;
-  int part_count = 0;
   float w = 0;  ///< mean of the foreground, 1/m
 };
 

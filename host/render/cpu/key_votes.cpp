@@ -51,15 +51,6 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
   return dot(d, d) / c.variance;
 }
 
-/// Least of half the squared distance to a part of the people and its spread's odds.
-FloatLanes to_nearest_part(const ColorLanes& p, const NearColors& near,
-                           const std::array<float, kBandBlockCount>& spread_odds) {
-  FloatLanes least = 0.5F * square_to(p, near.parts[0]) + spread_odds[0];
-  for (std::size_t k = 1; k < static_cast<std::size_t>(near.part_count); ++k)
-    least = min(least, 0.5F * square_to(p, near.parts[k]) + spread_odds[k]);
-  return least;
-}
-
 /// Log odds of people by the sum of the depth taps around a pixel.
 float depth_odds(std::uint8_t sum) {
   constexpr float kScale = 2.0F / (kDepthTaps * kFifths);
@@ -110,10 +101,7 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
   const NearColor &people = near.people, &room = near.room;
   const bool by_room = !input.learned();
   Votes votes;
-  const float odds = by_room ? kSpreadOdds * std::log(room.variance / people.variance) : 0;
-  std::array<float, kBandBlockCount> spread_odds{};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(near.part_count); ++k)
-    spread_odds[k] = kSpreadOdds * std::log(near.parts[k].variance);
+  const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
   for (std::size_t j = 0; j < kRows; ++j)
     for (int i = 0; i < kRows; i += kLanes) {
       const auto at = [&](const Rows& rows) { return load<FloatLanes>(rows[j].data() + i0 + i); };
@@ -126,8 +114,8 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
       } else {
         const FloatLanes most = at(most_);
         const FloatLanes least = most > 0 ? FloatLanes{} - kColorVoteCap : FloatLanes{};
-        vote = people.known ? clamp(0.5F * at(distance_) + kSpreadOdds * at(log_spread_) -
-                                        to_nearest_part(p, near, spread_odds),
+        vote = people.known ? clamp(0.5F * (at(distance_) - square_to(p, people)) +
+                                        (kSpreadOdds * at(log_spread_) + odds),
                                     least, most)
                             : clamp(0.5F * at(distance_) - kColorVoteCap, least,
                                     min(most, FloatLanes{} + kColorVoteCap));

@@ -104,10 +104,8 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   if (use_color_) {
     vote_.program.use();
     tone_.set(input.tone);
-    // Unit 6 is that of blocks.vert.
     run_blocks(vote_, band_,
-               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_,
-                nullptr, &kept_counts_, &kept_colors_});
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
   }
   run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
   if (refine_) {

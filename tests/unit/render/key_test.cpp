@@ -233,15 +233,6 @@ TEST(Key, who_is_seen_in_a_mirror_is_nobody) {
   EXPECT_EQ(k.people(), 0);
 }
 
-TEST(Key, a_shirt_like_the_wall_over_dark_trousers_is_kept_by_depth) {
-  Keyed k;
-  k.person(16, 8, 48, 56);
-  k.paint(16, 32, 48, 56, {0.05F, 0.05F, 0.05F});
-  k.run();
-  for (int y = 26; y < 32; ++y)
-    for (int x = 20; x < 44; ++x) ASSERT_TRUE(k.is_person(x, y)) << x << "," << y;
-}
-
 TEST(Key, the_share_of_a_pixel_is_that_of_its_colour_between_both_on_a_striped_wall) {
   Keyed k;
   const Rgbf stripe{0.1F, 0.4F, 0.1F};
