@@ -127,8 +127,10 @@ std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate,
   if (ratios_.size() < kLeastAround) return std::nullopt;
   const Ratio most = densest_third(ratios_);
   glm::vec3 ratio = glm::clamp(most.plate / (most.learned * gain), 1 / kMostGain, kMostGain);
+  // Tones do not differ where the exposure has not changed, and by no more than it has.
+  const float changed = std::abs(std::log(luminance(gain)));
   for (int c = 0; c < 3; ++c) {
-    const float off = std::log(ratio[c]);
+    const float off = std::clamp(std::log(ratio[c]), -changed, changed);
     ratio[c] = std::exp(off - std::clamp(off, -kStraight, kStraight));
   }
   return ratio;

@@ -40,8 +40,8 @@ class ExposureMeter {
   /// few pixels are usable. Allocates nothing.
   glm::vec3 gain(ImageView<const Rgb8> plate);
   /// The gain, and what places of each brightness say beside it: the densest third of those around
-  /// each knot. Where it is within 4 % of the gain, or few places tell, it is the gain; what is
-  /// beyond is taken as it is less these 4 %, so that noise bends nothing. Allocates nothing.
+  /// each knot, by no more from the gain than the gain is from 1, less 4 %, so that noise and
+  /// people bend nothing while the exposure stays. Allocates nothing.
   ToneCurve curve(ImageView<const Rgb8> plate);
 
  private:

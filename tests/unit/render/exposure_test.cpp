@@ -106,6 +106,17 @@ TEST(ExposureMeter, ACurveOfAGainAloneIsStraight) {
   EXPECT_NEAR(curve(glm::vec3(0.2F)).r, 0.28F, 0.003F);
 }
 
+/// Whoever hides all bright places is no curve of the camera.
+TEST(ExposureMeter, PeopleBendNothingWhileTheExposureStays) {
+  const Room room;
+  ExposureMeter meter(room.tables, room.background());
+  Image<Rgb8> plate = room.plate(glm::vec3(1));
+  for (int y = 0; y < kExposureSize.height; ++y)
+    for (int x = 0; x < kExposureSize.width; ++x)
+      if (room.learned.at(x, y).g > 0.2F) plate.at(x, y) = {60, 70, 80};
+  EXPECT_FALSE(meter.curve(plate).bends);
+}
+
 TEST(ExposureMeter, SaysOneWhereNothingCanTell) {
   const Room room;
   ExposureMeter meter(room.tables, room.background());
