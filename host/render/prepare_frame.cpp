@@ -18,6 +18,8 @@ constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 /// pixel.
 constexpr int kMapTexelsPerPixel = 2;
 constexpr int kSmallestMap = 256, kLargestMap = 1024;
+// The four maps of a panel's parts have as many texels as the largest one of all of it.
+constexpr int kLargestPartMap = 512;
 /// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
 /// objects alone fewer will do.
 constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 512;
@@ -390,8 +392,8 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
   for (std::size_t i = 0; i < params_.lamps.size(); ++i) {
     const MapFit& fit = fits_[i];
     const int room_layer = params_.lamps[i].room_layer;
-    params_.lamps[i] =
-        lamp_params(parts_[i].lamp, fit, map_size_, world_from_camera, camera_from_world);
+    const int size = parts_[i].is_part ? std::min(map_size_, kLargestPartMap) : map_size_;
+    params_.lamps[i] = lamp_params(parts_[i].lamp, fit, size, world_from_camera, camera_from_world);
     params_.lamps[i].room_layer = room_layer;
     params_.lamps[i].part_of = parts_[i].part_of, params_.lamps[i].is_part = parts_[i].is_part;
     if (params_.lamps[i].map_size_texel == 0) continue;
