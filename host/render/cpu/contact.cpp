@@ -8,7 +8,7 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr FloatLanes kZero{};
-constexpr float kLeastCosine = 0.05F;  ///< a normal has no part along an axis below it
+constexpr float kLeastAxisPart = 0.05F;  ///< a normal has no part along an axis below it
 
 using Three = std::array<FloatLanes, 3>;
 
@@ -93,8 +93,8 @@ void add_contact(const ContactParams& p, const HiddenShares* shares, const Vecto
     at[k] += p.object_from_camera[3][axis];
     if (receiver == Receiver::kObject)
       at[k] += n[k] * (0.5F / kContactInside * (p.high_m[axis] - p.low_m[axis]));
-    up[k] = n[k] > kLeastCosine ? n[k] * n[k] : kZero;
-    down[k] = n[k] < -kLeastCosine ? n[k] * n[k] : kZero;
+    up[k] = n[k] > kLeastAxisPart ? n[k] * n[k] : kZero;
+    down[k] = n[k] < -kLeastAxisPart ? n[k] * n[k] : kZero;
     const FloatLanes in_grid =
         min(max(along_axis(p, axis, at[k], off[k]), kZero), kZero + (kContactNodes - 1.001F));
     const IntLanes cell = truncate(in_grid);

@@ -67,10 +67,6 @@ FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const Su
   return a + (b - a) * z.share;
 }
 
-}  // namespace
-
-namespace {
-
 /// Of real surfaces, which are in no map of objects.
 VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
 

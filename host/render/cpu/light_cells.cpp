@@ -78,8 +78,8 @@ struct BackgroundCorners {
   alignas(64) std::array<PackedNormal, kCornersPadded> normal{};
 };
 
-BackgroundCorners corners_of(const LightInput& input, ImageView<const float> depth_m,
-                             const Rect& tile) {
+BackgroundCorners background_corners(const LightInput& input, ImageView<const float> depth_m,
+                                     const Rect& tile) {
   BackgroundCorners out;
   out.depth_m.fill(1);
   each_corner(tile, depth_m.size,
@@ -191,7 +191,7 @@ bool blur_allows_cells(const LightInput& input, LampSet maybe, const Rect& tile,
 
 void light_in_cells(const LightInput& input, const Doubt& doubt, ImageView<const float> depth_m,
                     const Rect& tile, Image<std::uint16_t>& light) {
-  const BackgroundCorners corners = corners_of(input, depth_m, tile);
+  const BackgroundCorners corners = background_corners(input, depth_m, tile);
   CornerValues ratio;
   find_ratios(input, doubt, tile, corners, depth_m.size, ratio);
   ExactCells exact(input, doubt, depth_m);

@@ -58,7 +58,7 @@ glm::vec3 person_normal(const PinholeParams& view, const Image<float>& tile_w, i
 }
 
 /// Light of a row of people's tiles.
-void light_tiles(const LightInput& input, int y, LightLayer& light) {
+void light_tiles_of_people(const LightInput& input, int y, LightLayer& light) {
   const PinholeParams& view = input.tables.warp.view;
   const int reach = normal_reach_tiles(input.tables.tof_footprint_px);
   const int columns = light.tile_w.width();
@@ -115,7 +115,7 @@ void light_people(Crew& crew, const LightInput& input, const Image<float>& view_
       for (int x = 0; x < columns; ++x) light.tile_w.row(y)[x] = mean_w(view_w, matte, x, y);
   });
   crew.rows(rows, 4, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) light_tiles(input, y, light);
+    for (int y = begin; y < end; ++y) light_tiles_of_people(input, y, light);
   });
   crew.rows(matte.height(), kPeopleGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
