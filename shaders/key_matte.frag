@@ -7,6 +7,7 @@
 //   line, people of key_lines.frag, bilinear over the centres of tiles
 //   learned      background colour, linear, red negative where unknown
 //   w            1/m, sign aside; 0 unknown
+//   plate_before, matte_before  of the frame before; motion_px of each cell since then
 //   matte        people, 0..1
 //   visible_w    of the visible real surface, 1/m, 0 unknown
 #include "common/precision.glsl"
@@ -23,7 +24,12 @@ layout(binding = 5) uniform sampler2D line;
 layout(binding = 6) uniform sampler2D w;
 layout(binding = 7) uniform sampler2D people;
 layout(binding = 8) uniform sampler2D learned;
-uniform bool refine, has_learned;
+layout(binding = 9) uniform sampler2D plate_before;
+layout(binding = 10) uniform sampler2D matte_before;
+layout(binding = 11) uniform sampler2D motion_px;
+uniform bool refine, has_learned, has_before;
+uniform int cell_px, reach_px;
+uniform float before_share, alike;
 uniform int tile_px;
 uniform vec2 parallax_px_m;
 layout(location = 0) out float matte;
@@ -104,6 +110,52 @@ float filled_w(ivec2 at, float otherwise) {
   return near.px <= fill_reach_px ? near.w : otherwise;
 }
 
+// Share of the matte before `from` pixels away, by how alike 3x3 pixels are.
+float share_of_before(ivec2 at, ivec2 from) {
+  ivec2 last = textureSize(plate, 0) - 1;
+  float sum = 0.0;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      ivec2 here = clamp(at + ivec2(i, j), ivec2(0), last);
+      vec3 a = texelFetch(plate, here, 0).rgb;
+      vec3 b = texelFetch(plate_before, clamp(here - from, ivec2(0), last), 0).rgb;
+      // sqrt(6) / 2 of this is what the roots of the three channels differ by, summed.
+      sum += dot(abs(a - b), vec3(1)) * inversesqrt(dot(a + b, vec3(1)) + 2e-5);
+    }
+  float off = 255.0 / 27.0 * 1.2247449 * sum / alike;
+  return before_share * exp(-off * off);
+}
+
+// False where the depth camera measures background at the pixel and on all sides.
+bool may_be_people(ivec2 at) {
+  ivec2 last = textureSize(state, 0) - 1;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      ivec2 beside = clamp(at + reach_px * ivec2(i, j), ivec2(0), last);
+      int s = to_state(texelFetch(state, beside, 0).r);
+      if (s != background && (s != foreground || is_foreground_at(beside))) return true;
+    }
+  return false;
+}
+
+// The matte before joins where the plate stayed alike. Where people move, the room stays and only
+// they come from elsewhere.
+float steadied(ivec2 at, float now) {
+  ivec2 middle = at / block_px * block_px + block_px / 2;
+  ivec2 cell = min(middle / cell_px, textureSize(motion_px, 0) - 1);
+  ivec2 moved = ivec2(floor(texelFetch(motion_px, cell, 0).xy + 0.5));
+  bool moves = moved != ivec2(0);
+  float then = texelFetch(matte_before, at, 0).r, share = share_of_before(at, ivec2(0));
+  if (then > now && (moves || !may_be_people(at))) share = 0.0;
+  if (moves) {
+    ivec2 from = clamp(at - moved, ivec2(0), textureSize(plate, 0) - 1);
+    float people = texelFetch(matte_before, from, 0).r, share_moved = share_of_before(at, moved);
+    bool joins = people >= now && (people == now || may_be_people(at));
+    if (joins && share_moved > share) share = share_moved, then = people;
+  }
+  return floor(255.0 * mix(now, then, share) + 0.5) / 255.0;
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), block = at / block_px;
   vec4 near = texelFetch(band, block, 0);
@@ -112,6 +164,7 @@ void main() {
   visible_w = measured;
   if ((int(near.x) & 4) == 0) return;
   if (refine) matte = refined(at);
+  if (has_before) matte = steadied(at, matte);
   bool is_foreground = is_foreground_at(at), is_person = matte > 0.0;
   if (is_person == is_foreground) return;
   visible_w = is_person ? filled_w(at, near.y) : 0.0;

@@ -107,6 +107,8 @@ struct KeyParams {
   float noise_factor = 4.0F;
   bool color = true;
   bool refine = true;  ///< the matte follows the edges of the plate; only with color
+  bool motion = true;  ///< people's depth is moved to the time of the plate; a still camera's
+  bool steady = true;  ///< votes and matte of the frame before join where the plate stayed alike
 };
 
 /// World axes, z up. Real points outside are not keyed (Cortes Reina 2015, section 3.1 "Cropping").
@@ -211,6 +213,8 @@ struct FrameInput {
   /// In place of the setup's distance: what is seen at this pixel of the view is sharp. Only where
   /// the setup has a focus.
   std::optional<glm::ivec2> focus_pixel{};
+  double time_s = 0;         ///< mid-exposure of the plate, any zero; frames of one time do not move
+  double depth_delay_s = 0;  ///< mid-exposure of tof_depth_m after that; 0 where it is not known
 };
 
 enum class Stage {

@@ -183,6 +183,8 @@ struct KeySettings {
   double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
   bool color = true;          ///< decide pixels in doubt by colour
   bool refine = true;         ///< the matte follows the edges of the plate; only with color
+  bool motion = true;         ///< people's depth is moved to the time of the plate
+  bool steady = true;         ///< the frame before joins where the plate stayed alike
 };
 
 /// What happens between people and objects is told.

@@ -230,6 +230,8 @@ KeySettings read_key(const Table& table) {
   key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
   key.color = table.boolean_or("color", key.color);
   key.refine = table.boolean_or("refine", key.refine);
+  key.motion = table.boolean_or("motion", key.motion);
+  key.steady = table.boolean_or("steady", key.steady);
   return key;
 }
 

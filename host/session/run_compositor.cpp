@@ -16,6 +16,12 @@ bool same_focus(const std::optional<scene::FocusSettings>& a,
   return a->distance_m == b->distance_m && a->pixel == b->pixel && a->f_number == b->f_number;
 }
 
+/// Of depth after the plate; 0 where it is not known.
+double depth_delay_s(const capture::Capture& capture) {
+  if (capture.depth_mid_exposure == HostTime{}) return 0;
+  return std::chrono::duration<double>(capture.depth_mid_exposure - capture.mid_exposure).count();
+}
+
 }  // namespace
 
 RunCompositor::RunCompositor(const Session& session, RunOptions& options, const Clock& clock,
@@ -105,7 +111,8 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
   return compositor_->compose(
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
-       composite.capture->depth2.depth_m, frame_light(), focus_pixel()},
+       composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
+       depth_delay_s(*composite.capture)},
       composite.objects_shown, images);
 }
 

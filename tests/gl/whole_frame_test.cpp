@@ -110,6 +110,34 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   expect_agreement(pair, frame);
 }
 
+/// A picture whose content has moved to the right; what comes in is its border.
+template <typename T>
+Image<T> moved_right(const Image<T>& from, int px) {
+  Image<T> to(from.size());
+  for (int y = 0; y < to.height(); ++y)
+    for (int x = 0; x < to.width(); ++x) to.at(x, y) = from.at(std::max(0, x - px), y);
+  return to;
+}
+
+/// All moves, so that both move people's depth and take what the matte was where they were.
+TEST(WholeFrame, agrees_where_people_move_between_frames) {
+  const RoomSetup room(RoomSetup::Options{});
+  Pair pair = make_pair(room), late = make_pair(room);
+  render::FrameInput frame = room.frame();
+  frame.time_s = 1;
+  expect_agreement(pair, frame);
+  expect_agreement(late, frame);
+  const Image<Rgb8> plate = moved_right(room.plate, 5);
+  const Image<float> depth = moved_right(room.depth, 2);
+  frame.plate = plate, frame.tof_depth_m = depth, frame.time_s = 1.04;
+  expect_agreement(pair, frame);
+  frame.depth_delay_s = -0.04;
+  expect_agreement(late, frame);
+  EXPECT_LT(share_within(pair.cpu_frame.segmented_depth_m, late.cpu_frame.segmented_depth_m, 0.002),
+            0.998)
+      << "late depth is moved";
+}
+
 /// In the frame in which it moves and after it: virtual pixels, shadow maps and what they fall on.
 TEST(WholeFrame, draws_a_moved_object_as_one_that_stood_there) {
   RoomSetup room(RoomSetup::Options{}), there(RoomSetup::Options{});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/look.h"
 #include "host/render/cpu/mix.h"
+#include "host/render/cpu/move_people.h"
 #include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/plate.h"
 #include "host/render/cpu/second_depth.h"
@@ -27,6 +30,7 @@
 #include "host/render/focus_discs.h"
 #include "host/render/frame_io.h"
 #include "host/render/in_flight.h"
+#include "host/render/people_motion.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render {
@@ -66,6 +70,8 @@ class CpuCompositor final : public Compositor {
   void draw(const FrameInput& input, OutputMask wanted, FrameOutput& output, StageTimes& times);
   void follow(const FrameInput& input);
   void draw_depth(const FrameInput& input, StopWatch& watch);
+  void follow_people(const FrameInput& input);
+  void key_people(const FrameInput& input, const ToneCurve& tone, Image<std::uint8_t>& matte);
   void draw_background(StopWatch& watch);
   MovingBackground* colors_of_key() const;
   void draw_objects(StopWatch& watch);
@@ -89,6 +95,12 @@ class CpuCompositor final : public Compositor {
   TofGrid grid_;
   WarpScratch warp_scratch_;
   std::optional<SecondDepth> second_depth_;  ///< of a rig with two depth cameras
+  std::optional<PeopleMotion> people_motion_;  ///< of a camera that stands still
+  Image<glm::vec2> depth_shift_px_;          ///< of its cells
+  Image<float> unmoved_w_;
+  Image<Rgbx16> plate_before_;                   ///< of the frame before, where its matte joins
+  Image<std::uint8_t> matte_now_, matte_before_;  ///< the same
+  bool has_now_ = false, has_before_ = false;
   KeyScratch key_scratch_;
   VirtualScratch virtual_scratch_;
   PlateScratch plate_scratch_;
@@ -137,6 +149,15 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   }
   if (setup_.look.any() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
+  if (follows_people(setup_)) {
+    people_motion_.emplace(tables_);
+    depth_shift_px_.reset(people_motion_->cells());
+    unmoved_w_.reset(tables_.view_size);
+    if (setup_.key.steady) {
+      plate_before_.reset(tables_.view_size);
+      matte_now_.reset(tables_.view_size), matte_before_.reset(tables_.view_size);
+    }
+  }
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (setup_.objects.empty()) return;
   objects_.coverage.reset(tables_.view_size);
@@ -183,6 +204,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   const FrameParams& frame = preparer_.params();
   watch.lap(Stage::kUpload);
 
+  if (people_motion_) follow_people(input);
   // What is mixed is drawn over it; where the real background is replaced, mix draws all.
   const bool shows_plate = (output.wanted & kColor) && needed.mix && !setup_.backdrop;
   draw_plate(crew_, input.plate, plate_scratch_, plate_, shows_plate ? &output.color : nullptr);
@@ -192,9 +214,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   watch.lap(Stage::kReadback);
 
   draw_objects(watch);
-  if (needed.key)
-    key(crew_, {tables_, frame.key, setup_.background, plate_, tone, colors_of_key()}, key_scratch_,
-        view_w_, output.matte);
+  if (needed.key) key_people(input, tone, output.matte);
   watch.lap(Stage::kKey);
   if (people_cast() && needed.light) draw_peoples_shadows(output.matte);
   const bool shadows = has_shadows(frame);
@@ -236,6 +256,40 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
   warp(crew_, tables_, grid_, warp_scratch_, view_w_);
   if (two) second_depth_->add_to(crew_, view_w_);
   watch.lap(Stage::kWarp);
+}
+
+/// How people moved since the frame before, whose plate and matte are kept.
+void CpuCompositor::follow_people(const FrameInput& input) {
+  const bool moves = setup_.key.motion && input.depth_delay_s != 0;
+  if (!moves && !setup_.key.steady) return;
+  if (!people_motion_->see(input) || !setup_.key.steady) return;
+  std::swap(plate_, plate_before_);
+  std::swap(matte_now_, matte_before_);
+  has_before_ = std::exchange(has_now_, false);
+}
+
+/// The matte and people's depth. This is brought to the time of the plate first.
+void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
+                               Image<std::uint8_t>& matte) {
+  if (people_motion_ && setup_.key.motion &&
+      people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_))
+    move_people(crew_, tables_.key_limit_w, depth_shift_px_, people_motion_->cell_px(), unmoved_w_,
+                view_w_);
+  const bool steady = people_motion_ && setup_.key.steady;
+  const Image<glm::vec2>* motion_px = steady ? people_motion_->motion_px() : nullptr;
+  std::optional<FrameBefore> before;
+  if (motion_px && has_before_)
+    before.emplace(
+        FrameBefore{plate_before_, matte_before_, *motion_px, people_motion_->cell_px(),
+                    static_cast<int>(std::lround(tables_.tof_footprint_px))});
+  key(crew_,
+      {tables_, preparer_.params().key, setup_.background, plate_, tone, colors_of_key(),
+       before ? &*before : nullptr},
+      key_scratch_, view_w_, matte);
+  if (!steady) return;
+  for (int y = 0; y < matte.height(); ++y)
+    std::copy_n(matte.row(y), matte.width(), matte_now_.row(y));
+  has_now_ = true;
 }
 
 Result<void> CpuCompositor::collect(FrameOutput& output) {

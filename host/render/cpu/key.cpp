@@ -170,6 +170,8 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   });
   if (input.params.color && input.params.refine)
     refine(crew, input, scratch.planes, scratch.refine, matte);
+  if (input.before)
+    join_before(crew, input.plate, scratch.planes, scratch.state, *input.before, matte);
   each_decided([&](int bx, int by) { fill_depth(input, scratch, bx, by, matte, view_w); });
   each_decided([&](int bx, int by) { drop_depth(scratch, bx, by, matte, view_w); });
 }

@@ -10,6 +10,7 @@
 #include "host/render/cpu/key_votes.h"
 #include "host/render/cpu/refine.h"
 #include "host/render/cpu/srgb.h"
+#include "host/render/cpu/steady.h"
 #include "host/render/prepare.h"
 #include "host/render/tone_curve.h"
 
@@ -58,6 +59,7 @@ struct KeyInput {
   const Image<Rgbx16>& plate;
   ToneCurve tone{};                    ///< of the plate over the learned background
   MovingBackground* moving = nullptr;  ///< draws the colours of `background` that are needed
+  const FrameBefore* before = nullptr;  ///< joins the matte; null: nothing is known of before
   bool learned() const { return !background.color.empty(); }
   bool needs_room() const { return params.color && !learned(); }  ///< its colours beside people
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,6 +33,7 @@
 #include "host/render/gles/virtual_pass.h"
 #include "host/render/gles/warp_pass.h"
 #include "host/render/in_flight.h"
+#include "host/render/people_motion.h"
 
 namespace mixrig::render {
 namespace {
@@ -66,6 +68,8 @@ class GlesCompositor final : public Compositor {
 
   Result<void> draw(const FrameInput& input, Frame& frame);
   void follow(const FrameInput& input);
+  void follow_people(const FrameInput& input);
+  void key_people(const FrameInput& input);
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
@@ -107,6 +111,10 @@ class GlesCompositor final : public Compositor {
   VirtualPass virtual_;
   ShadowPass shadow_;
   std::optional<PeopleShadowPass> people_shadow_;
+  std::optional<PeopleMotion> people_motion_;  ///< of a camera that stands still
+  Image<glm::vec2> depth_shift_px_;            ///< of its cells
+  Texture shift_px_, motion_px_;
+  bool has_now_ = false, has_before_ = false;  ///< a matte of this frame, and of that before
   KeyPass key_;
   LightPass light_;
   std::optional<LookMeter> look_meter_;  ///< until the first frame
@@ -163,6 +171,13 @@ Result<void> GlesCompositor::create_passes() {
     if (!background.color_sigma.empty())
       learned_sigma_ = make_texture(background.color_sigma, GL_R16F);
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
+    if (follows_people(setup_)) {
+      people_motion_.emplace(tables_);
+      depth_shift_px_.reset(people_motion_->cells());
+      shift_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
+      motion_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
+      MIXRIG_TRY(key_.follow_people(tables_, people_motion_->cell_px(), setup_.key.steady));
+    }
   } else if (keys()) {
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
   }
@@ -235,6 +250,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     follow(input);
     take_look(input.plate);
     if (!background_pass_) tone_ = meter_.curve(input.plate);
+    if (people_motion_) follow_people(input);
     plate_.upload_plate(input.plate);
     correct_.upload_depth(input.tof_depth_m);
     if (two) second_depth_->upload_depth(input.tof2_depth_m);
@@ -257,9 +273,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   MIXRIG_TRY(draw_objects(timer));
   if (keys() && needed.key) {
     const StageScope stage(timer, Stage::kKey);
-    key_.draw(preparer_.params().key,
-              {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
-               background_pass_ ? &background_pass_->limit_w() : nullptr});
+    key_people(input);
   }
   MIXRIG_TRY(draw_light(needed.light, timer));
   if (needed.mix) blur_objects();
@@ -273,6 +287,31 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   const StageScope stage(timer, Stage::kFocus);
   focus_->draw(focus_of(setup_, input), mix_.color(), mix_.mixed_m());
   return {};
+}
+
+/// How people moved since the frame before, whose plate and matte are kept.
+void GlesCompositor::follow_people(const FrameInput& input) {
+  const bool moves = setup_.key.motion && input.depth_delay_s != 0;
+  if (!moves && !setup_.key.steady) return;
+  if (!people_motion_->see(input) || !setup_.key.steady) return;
+  if (has_now_) key_.remember(plate_.in_view());
+  has_before_ = std::exchange(has_now_, false);
+  if (const Image<glm::vec2>* motion_px = people_motion_->motion_px())
+    upload(motion_px_, motion_px->view());
+}
+
+/// The matte and people's depth. This is brought to the time of the plate first.
+void GlesCompositor::key_people(const FrameInput& input) {
+  const bool moved = people_motion_ && setup_.key.motion &&
+                     people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_);
+  if (moved) upload(shift_px_, depth_shift_px_.view());
+  const bool steady = people_motion_ && setup_.key.steady && has_before_ &&
+                      people_motion_->motion_px() != nullptr;
+  key_.draw(preparer_.params().key,
+            {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
+             background_pass_ ? &background_pass_->limit_w() : nullptr,
+             moved ? &shift_px_ : nullptr, steady ? &motion_px_ : nullptr});
+  has_now_ = true;
 }
 
 /// What depends on the lens is made again where it has moved, and only there.

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "host/render/people_motion.h"
+
 namespace mixrig::render::gles {
 Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params) {
@@ -59,6 +61,23 @@ Result<void> KeyPass::make_steps() {
   return {};
 }
 
+Result<void> KeyPass::follow_people(const Tables& tables, int cell_px, bool steady) {
+  moved_w_ = make_texture(tables.view_size, GL_R32F);
+  MIXRIG_ASSIGN(move_, make_step("move_people.frag", {&moved_w_}));
+  move_.program.set("cell_px", cell_px);
+  if (!steady) return {};
+  plate_before_ = make_texture(tables.view_size, GL_RGBA16F);
+  matte_before_ = make_texture(tables.view_size, GL_R8);
+  MIXRIG_ASSIGN(keep_, make_step("key_keep.frag", {&plate_before_, &matte_before_}));
+  finish_.program.set("cell_px", cell_px);
+  finish_.program.set("reach_px", static_cast<int>(std::lround(tables.tof_footprint_px)));
+  finish_.program.set("before_share", kBeforeShare);
+  finish_.program.set("alike", kAlike);
+  return {};
+}
+
+void KeyPass::remember(const Texture& plate) const { run(keep_, {&plate, &matte_}); }
+
 void KeyPass::set_view(const Tables& tables) const {
   const float footprint = tables.tof_footprint_px;
   state_.program.set("focal_px", tables.warp.view.focal_px);
@@ -83,6 +102,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   finish_.program.set("refine", refine_);
   finish_.program.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_.program);
+  has_before_ = finish_.program.location("has_before");
   state_.program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
@@ -93,11 +113,14 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
 }
 
 void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
+  const Texture& limit_w = input.limit_w ? *input.limit_w : limit_w_;
+  if (input.shift_px) run(move_, {&input.w, &limit_w, input.shift_px});
+  const Texture& w = input.shift_px ? moved_w_ : input.w;
   state_.program.use();
   set_uniform(world_from_camera_, params.world_from_camera);
   set_uniform(floor_w_, params.floor_w);
-  run(state_, {&input.w, input.limit_w ? input.limit_w : &limit_w_});
-  run(blocks_, {&state_image_, &input.w, &input.plate});
+  run(state_, {&w, &limit_w});
+  run(blocks_, {&state_image_, &w, &input.plate});
   run(speckles_, {&counts_, &colors_, &rooms_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_});
   run(fill_, {&band_});
@@ -114,9 +137,12 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   }
   finish_.program.use();
   matte_tone_.set(input.tone);
+  const bool before = input.motion_px != nullptr;
+  set_uniform(has_before_, before ? 1 : 0);
   run(finish_,
       {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr,
-       &input.w, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr});
+       &w, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
+       before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px});
 }
 
 }  // namespace mixrig::render::gles

@@ -14,7 +14,9 @@ struct KeyInput {
   const Texture& learned;  ///< the background's colour and its spread, where learned
   const Texture& learned_sigma;
   ToneCurve tone{};                  ///< ExposureMeter
-  const Texture* limit_w = nullptr;  ///< of this frame; null: that of the take
+  const Texture* limit_w = nullptr;   ///< of this frame; null: that of the take
+  const Texture* shift_px = nullptr;  ///< of PeopleMotion; null: people's depth stays
+  const Texture* motion_px = nullptr;  ///< the same, since the frame of remember(); null: unknown
 };
 
 /// Flags of a block, as in key_band.frag.
@@ -30,6 +32,11 @@ class KeyPass {
   /// Precondition: params.by is not KeyBy::kNothing. Errors: as make_program and make_target.
   static Result<KeyPass> create(const Tables& tables, LearnedColor learned,
                                 const KeyPassParams& params);
+  /// Frames may have a shift and, with `steady`, a motion, of cells of so many pixels. Errors: as
+  /// create.
+  Result<void> follow_people(const Tables& tables, int cell_px, bool steady);
+  /// Keeps plate and matte of the last draw(). Precondition: follow_people(), steady.
+  void remember(const Texture& plate) const;
   /// Another view of the same size.
   void set_view(const Tables& tables) const;
   void draw(const KeyPassParams& params, const KeyInput& input) const;
@@ -52,9 +59,9 @@ class KeyPass {
       band_, person_, room_, votes_, voted_;
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
       people_;  ///< a texel a tile
-  Texture matte_, visible_w_;
-  Step state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_, finish_;
-  GLint world_from_camera_ = -1, floor_w_ = -1;
+  Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
+  Step move_, keep_, state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_, finish_;
+  GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
   ToneUniforms tone_, matte_tone_;
 };
 
