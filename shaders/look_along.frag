@@ -1,21 +1,31 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual colour blurred along rows.
-//   virtual_color, across  linear, premultiplied by the coverage in alpha
+// Pass look: virtual colour filtered along rows.
+//   virtual_color  linear, premultiplied by the coverage in alpha
+//   across         the same as brightness, red and blue less it
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/color.glsl"
 layout(binding = 0) uniform sampler2D virtual_color;
-uniform vec3 taps;  // weights of the pixel itself and of those 1 and 2 beside it
+// Weights of the pixel itself and of those 1 and 2 beside it: of brightness and coverage, and of
+// colour differences.
+uniform vec3 light_taps, chroma_taps;
 out vec4 across;
 
 vec4 color_at(ivec2 at) {
   bool inside = at.x >= 0 && at.x < textureSize(virtual_color, 0).x;
-  return inside ? texelFetch(virtual_color, at, 0) : vec4(0);
+  if (!inside) return vec4(0);
+  vec4 c = texelFetch(virtual_color, at, 0);
+  float y = luminance(c.rgb);
+  return vec4(y, c.r - y, c.b - y, c.a);
+}
+vec4 weights(int i) {
+  return vec4(light_taps[i], chroma_taps[i], chroma_taps[i], light_taps[i]);
 }
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  across = taps.x * color_at(at);
+  across = weights(0) * color_at(at);
   for (int i = 1; i <= blur_reach; ++i)
-    across += taps[i] * (color_at(at - ivec2(i, 0)) + color_at(at + ivec2(i, 0)));
+    across += weights(i) * (color_at(at - ivec2(i, 0)) + color_at(at + ivec2(i, 0)));
 }

@@ -1,14 +1,16 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass look: virtual colour blurred along columns, after look_along.frag.
-//   across     linear, premultiplied by the coverage in alpha
+// Pass look: virtual colour filtered along columns, after look_along.frag.
+//   across     brightness, red and blue less it, coverage
+//   color      linear, premultiplied by the coverage in alpha
 //   virtual_w  1/m, 0 where not covered
 //   w          of pixels that only the blur covers: of the nearest that they are blurred from
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/color.glsl"
 layout(binding = 0) uniform sampler2D across;
 layout(binding = 1) uniform sampler2D virtual_w;
-uniform vec3 taps;
+uniform vec3 light_taps, chroma_taps;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
 
@@ -16,12 +18,23 @@ bool is_inside(ivec2 at) {
   return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, textureSize(across, 0)));
 }
 vec4 color_at(ivec2 at) { return is_inside(at) ? texelFetch(across, at, 0) : vec4(0); }
+vec4 weights(int i) {
+  return vec4(light_taps[i], chroma_taps[i], chroma_taps[i], light_taps[i]);
+}
+
+// As from_differences() of host/render/picture_look.h.
+vec4 from_differences(vec4 d) {
+  vec3 share = vec3(luminance(vec3(1, 0, 0)), luminance(vec3(0, 1, 0)), luminance(vec3(0, 0, 1)));
+  float green = -(share.r * d.y + share.b * d.z) / share.g;
+  return vec4(max(d.x + vec3(d.y, green, d.z), 0.0), d.w) / max(d.w, 1.0);
+}
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  color = taps.x * color_at(at);
+  vec4 sum = weights(0) * color_at(at);
   for (int i = 1; i <= blur_reach; ++i)
-    color += taps[i] * (color_at(at - ivec2(0, i)) + color_at(at + ivec2(0, i)));
+    sum += weights(i) * (color_at(at - ivec2(0, i)) + color_at(at + ivec2(0, i)));
+  color = from_differences(sum);
   if (color.a < 0.5 / 255.0) discard;
   w = texelFetch(virtual_w, at, 0).r;
   if (w > 0.0) return;

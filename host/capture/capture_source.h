@@ -24,6 +24,7 @@ inline constexpr int kEndless = std::numeric_limits<int>::max();
 struct SourceInfo : RigCameras {
   std::string name;
   double rate_hz = 0;                 ///< of the plate; 0 where unknown
+  double exposure_s = 0;              ///< of the plate; 0 where unknown
   double depth_unit_m = 0.001;        ///< one step of 16-bit depth
   double depth_offset_m = 0;          ///< depth of step 0 of 16-bit depth; captures contain it
   bool amplitude_is_light = false;    ///< amplitudes fall with the square of the distance: they are

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/LU>
 
@@ -17,6 +18,8 @@ constexpr double kPriorOfOthers = 1e-4;  // weight of "as all others" in a place
 constexpr double kTukeySigmas = 4.685;   // sigmas
 constexpr double kLeastScatter = 0.02;   // of a ratio: noise and rounding of one plate pixel
 constexpr double kAgrees = 0.08;         // of two sources' change
+constexpr double kSurfaceShare = 0.05;   // of a surface's light: less of a source tells nothing
+constexpr int kSurfacePlaces = 4;        // that tell of a surface
 
 /// Normal equations of weighted least squares.
 struct Normal {
@@ -67,6 +70,37 @@ void find_gain(LightChange& change) {
   }
 }
 
+/// What one surface says of a source.
+struct SurfaceVote {
+  int places = 0;
+  double share = 0, light = 0;   ///< sums of the source's share, and of its square
+  double changed = 0, same = 0;  ///< sums of squares off what each way of it explains
+};
+
+/// A shadow, or a thing that moved, shows on few of the surfaces that a source lights.
+void find_agreement(std::span<const WatchedPlace> places, double most_off, LightChange& change) {
+  const Eigen::Index sources = change.shown.size();
+  change.agreed = Eigen::VectorXd::Zero(sources);
+  change.surfaces = Eigen::VectorXi::Zero(sources);
+  const auto cut = [&](double off) { return std::min(off * off, most_off * most_off); };
+  for (Eigen::Index j = 0; j < sources; ++j) {
+    std::map<int, SurfaceVote> votes;
+    for (const WatchedPlace& place : places) {
+      const double off = place.ratio - place.share.dot(change.shown), share = place.share[j];
+      SurfaceVote& vote = votes[place.surface];
+      ++vote.places, vote.share += share, vote.light += share * share;
+      vote.changed += cut(off), vote.same += cut(off + share * (change.shown[j] - change.gain));
+    }
+    double all = 0;
+    for (const auto& [surface, vote] : votes) {
+      if (vote.places < kSurfacePlaces || vote.share < kSurfaceShare * vote.places) continue;
+      all += vote.light;
+      if (vote.changed < vote.same) change.agreed[j] += vote.light, ++change.surfaces[j];
+    }
+    if (all > 0) change.agreed[j] /= all;
+  }
+}
+
 }  // namespace
 
 std::optional<LightChange> fit_light_change(std::span<const WatchedPlace> places) {
@@ -78,12 +112,14 @@ std::optional<LightChange> fit_light_change(std::span<const WatchedPlace> places
   const double median = upper_median_in_place(std::span(ratios));
   LightChange change;
   change.shown = Eigen::VectorXd::Constant(sources, median);
+  double most_off = 0;
   for (int round = 0; round < kFitRounds; ++round) {
     for (std::size_t i = 0; i < places.size(); ++i)
       off[i] = std::abs(places[i].ratio - places[i].share.dot(change.shown));
     ratios = off;
     const double scale =
         std::max(1.4826 * upper_median_in_place(std::span(ratios)), kLeastScatter * median);
+    most_off = kTukeySigmas * scale;
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double t = off[i] / (kTukeySigmas * scale);
       // First without an end: what a lamp changes must not be an outlier of the median.
@@ -104,6 +140,7 @@ std::optional<LightChange> fit_light_change(std::span<const WatchedPlace> places
   change.sigma = (a.inverse().diagonal() * squares / sum).cwiseSqrt();
   change.places_weight = sum / static_cast<double>(places.size());
   find_gain(change);
+  find_agreement(places, most_off, change);
   return change;
 }
 

@@ -15,13 +15,18 @@ struct WatchedPlace {
   /// Of its light when it was learned, by source: ambient first, then each lamp; the sum is 1.
   Eigen::VectorXd share;
   double ratio = 0;  ///< linear plate now over learned colour
+  int surface = 0;   ///< places of one number lie together, on one side of things
 };
 
 /// Of each source, ambient first.
 struct LightChange {
   /// Light now over light then, times the camera's gain: what a place shows is sum(share * shown).
   Eigen::VectorXd shown;
-  Eigen::VectorXd sigma;     ///< of `shown`, by the scatter of the places
+  Eigen::VectorXd sigma;  ///< of `shown`, by the scatter of the places
+  /// Share of its light, 0..1, that falls on surfaces which its own change explains better than the
+  /// gain alone; and how many these are.
+  Eigen::VectorXd agreed;
+  Eigen::VectorXi surfaces;
   Eigen::VectorXd part;      ///< of the light at the places when they were learned; the sum is 1
   double gain = 1;           ///< the camera's: what most of the light agrees on, by its share
   double gain_weight = 0;    ///< share of the light that agrees on it, 0..1

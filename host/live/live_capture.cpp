@@ -154,6 +154,7 @@ Result<take::TakeInfo> take_info(const RigConfig& config, const Devices& devices
   info.color.rate_hz =
       line != nullptr ? 100.0 / line->channel.divider : devices.cameras.front()->info().rate_hz;
   info.rate_hz = info.depth.rate_hz = info.color.rate_hz;
+  info.exposure_s = config.cameras.front().exposure_s.value_or(0);
   MIXRIG_TRY(describe_fisheye(config, devices, info));
   describe_second_depth(config, devices, info);
   return info;

@@ -27,6 +27,7 @@ struct Composite {
   geometry::Pinhole view;               ///< that the images are in
   std::optional<double> slip_px;        ///< of the contact points, against the true pose
   std::optional<double> slip_sigma_px;  ///< the same, predicted from the pose's covariance
+  std::optional<render::CameraMotion> motion;  ///< while the plate was exposed, where it is known
   bool objects_shown = true;            ///< false: hidden, since the pose is lost
   /// Of the scene's objects; empty: where the scene has them.
   std::vector<geometry::Pose> world_from_object;

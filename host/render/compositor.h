@@ -144,9 +144,19 @@ inline constexpr float kMostBlur_px = 200;
 /// What the camera does to real things and virtual ones then show, too. How much is measured in the
 /// first plate (picture_look.h).
 struct LookSettings {
-  bool grain = false;  ///< noise of the sensor
-  bool blur = false;   ///< of the lens, and of its resampling
-  bool any() const { return grain || blur; }
+  bool grain = false;       ///< noise of the sensor
+  bool blur = false;        ///< of the lens, and of its resampling
+  bool chroma = false;      ///< colour is blurred farther than brightness: mosaic, subsampling
+  bool sharpening = false;  ///< edges overshoot
+  bool motion = false;      ///< of the camera while a plate is exposed (FrameInput::motion)
+  /// What is measured in plates.
+  bool measures() const { return grain || blur || chroma || sharpening; }
+};
+
+/// How still points move in the camera's axes while a plate is exposed: that at p by
+/// cross(turn_rad, p) + shift_m, mid-exposure in the middle of it.
+struct CameraMotion {
+  glm::vec3 turn_rad{0}, shift_m{0};
 };
 
 /// All that holds for a take. The compositor copies or uploads what it needs, except meshes,
@@ -215,6 +225,8 @@ struct FrameInput {
   std::optional<glm::ivec2> focus_pixel{};
   double time_s = 0;         ///< mid-exposure of the plate, any zero; frames of one time do not move
   double depth_delay_s = 0;  ///< mid-exposure of tof_depth_m after that; 0 where it is not known
+  /// Absent: not known, nothing is blurred by it. Only where the setup's look has motion.
+  std::optional<CameraMotion> motion{};
 };
 
 enum class Stage {

@@ -211,6 +211,12 @@ inline constexpr int kGrainTexels = 256;
 inline constexpr float kGrainSigmas = 3.5F;
 /// Taps of the lens's blur to either side.
 inline constexpr int kBlurReach = 2;
+/// Pixels: shorter ways over the exposure blur nothing that is seen; longer ones are cut, so that
+/// samples are at most 2 px apart.
+inline constexpr float kLeastMotionPx = 0.3F;
+inline constexpr float kMostMotionPx = 48.0F;
+/// Samples of the exposure.
+inline constexpr int kMostMotionSamples = 24;
 
 // --- focus
 /// Pixels: discs of this radius and less are one pixel.

@@ -66,6 +66,9 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables) {
     if (!pose.rotation.coeffs().allFinite() || !pose.translation_m.allFinite())
       return Error{ErrorCode::kData, "compose: the pose of an object is not finite"};
   if (input.light) MIXRIG_TRY(check_light(*input.light));
+  if (const auto& m = input.motion;
+      m && !(std::isfinite(glm::dot(m->turn_rad, m->turn_rad) + glm::dot(m->shift_m, m->shift_m))))
+    return Error{ErrorCode::kData, "compose: the motion of the camera is not finite"};
   if (const auto& at = input.focus_pixel;
       at && (at->x < 0 || at->y < 0 || at->x >= tables.view_size.width ||
              at->y >= tables.view_size.height))

@@ -26,6 +26,10 @@ constexpr float kMostBlur_px = 1.2F;
 /// samples across, the mean is less by the second.
 constexpr float kSharpMedian_px2 = 0.25F, kFewSamples_px2 = 1.0F / 6 - 1.0F / 8;
 constexpr std::size_t kLeastEdges = 20;
+/// Heights of steps, in linear light, and of colour differences.
+constexpr float kLeastStep = 0.15F, kLeastChromaStep = 0.1F;
+/// Variance that steps lack to those of virtual objects: less is not sharpening.
+constexpr float kLeastNarrow_px2 = 0.05F, kMostSharpening = 0.6F;
 
 /// Mean squared responses of a block to [1 -2 1] x [1 -2 1], at one and at two pixels.
 struct BlockNoise {
@@ -141,11 +145,12 @@ Grain grain_of(const Image<glm::vec3>& a, Size block) {
 
 /// Variance in pixels of the place of a step that is 4 pixels around `at` and alone; light[k] is
 /// along the axis, `beside` along a neighbouring line.
-std::optional<float> step_variance(const float* light, const float* beside, int at) {
+std::optional<float> step_variance(const float* light, const float* beside, int at,
+                                   float least_height) {
   const auto mean3 = [](const float* v) { return (v[0] + v[1] + v[2]) / 3; };
   const float low = mean3(light + at - 5), high = mean3(light + at + 3);
   const float height = high - low;
-  if (std::abs(height) < 0.15F) return std::nullopt;
+  if (std::abs(height) < least_height) return std::nullopt;
   const float flat = 0.05F * std::abs(height);
   if (std::abs(light[at - 5] - light[at - 3]) > flat ||
       std::abs(light[at + 5] - light[at + 3]) > flat)
@@ -172,33 +177,54 @@ bool is_steepest(const float* light, int at) {
   return own > 0.03F;
 }
 
-float blur_of(const Image<glm::vec3>& a, Size block) {
+/// Isolated steps of value(pixel) along rows, or along columns, of all blocks.
+template <typename Value>
+void find_steps(const Image<glm::vec3>& a, Size block, bool rows, float least_height,
+                const Value& value, std::vector<float>& found) {
   constexpr int kMargin = 6;
-  std::vector<float> found;
-  std::vector<float> line(static_cast<std::size_t>(std::max(block.width, block.height)));
-  std::vector<float> next = line;
-  const auto look_along = [&](int length, int lines, const auto& light_at) {
+  const int length = rows ? block.width : block.height, lines = rows ? block.height : block.width;
+  std::vector<float> line(static_cast<std::size_t>(length)), next = line;
+  for (int y0 = 0; y0 + block.height <= a.height(); y0 += block.height)
     for (int j = 0; j + 1 < lines; ++j) {
-      for (int i = 0; i < length; ++i)
-        line[static_cast<std::size_t>(i)] = light_at(i, j),
-        next[static_cast<std::size_t>(i)] = light_at(i, j + 1);
+      for (int i = 0; i < length; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        line[k] = value(rows ? a.row(y0 + j)[i] : a.row(y0 + i)[j]);
+        next[k] = value(rows ? a.row(y0 + j + 1)[i] : a.row(y0 + i)[j + 1]);
+      }
       for (int i = kMargin; i < length - kMargin; ++i)
         if (is_steepest(line.data(), i))
-          if (const auto variance = step_variance(line.data(), next.data(), i))
+          if (const auto variance = step_variance(line.data(), next.data(), i, least_height))
             found.push_back(*variance);
     }
-  };
-  for (int y0 = 0; y0 + block.height <= a.height(); y0 += block.height) {
-    look_along(block.width, block.height,
-               [&](int i, int j) { return luminance(a.row(y0 + j)[i]); });
-    look_along(block.height, block.width,
-               [&](int i, int j) { return luminance(a.row(y0 + i)[j]); });
+}
+
+/// Nullopt with too few of them. Reorders.
+std::optional<float> median_of(std::vector<float>& variances) {
+  if (variances.size() < kLeastEdges) return std::nullopt;
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  return *middle;
+}
+
+void find_sharpness(const Image<glm::vec3>& a, Size block, PictureLook& look) {
+  const auto light = [](const glm::vec3& c) { return luminance(c); };
+  std::vector<float> steps;
+  for (const bool rows : {true, false}) find_steps(a, block, rows, kLeastStep, light, steps);
+  const auto variance = median_of(steps);
+  if (!variance) return;
+  const float wider = *variance - kSharpMedian_px2 + kFewSamples_px2;
+  look.blur_px = std::min(kMostBlur_px, std::sqrt(std::max(0.0F, wider)));
+  // The mask takes 2 s from the variance.
+  if (wider < -kLeastNarrow_px2) look.sharpening = std::min(kMostSharpening, -0.5F * wider);
+  for (const bool rows : {true, false}) {
+    steps.clear();
+    const auto red = [](const glm::vec3& c) { return c.r - c.g; };
+    const auto blue = [](const glm::vec3& c) { return c.b - c.g; };
+    find_steps(a, block, rows, kLeastChromaStep, red, steps);
+    find_steps(a, block, rows, kLeastChromaStep, blue, steps);
+    const float more = median_of(steps).value_or(0) - *variance;
+    look.chroma_px[rows ? 0 : 1] = std::min(kMostBlur_px, std::sqrt(std::max(0.0F, more)));
   }
-  if (found.size() < kLeastEdges) return 0;
-  const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-  std::nth_element(found.begin(), middle, found.end());
-  return std::min(kMostBlur_px,
-                  std::sqrt(std::max(0.0F, *middle - kSharpMedian_px2 + kFewSamples_px2)));
 }
 
 std::uint32_t hashed(std::uint32_t v) {  // PCG, O'Neill 2014
@@ -234,13 +260,16 @@ glm::vec3 bilinear_light(ImageView<const Rgb8> plate, glm::vec2 at) {
 }  // namespace
 
 PictureLook measure_look(const Image<glm::vec3>& blocks, Size block) {
-  return {grain_of(blocks, block), blur_of(blocks, block)};
+  PictureLook look;
+  look.grain = grain_of(blocks, block);
+  find_sharpness(blocks, block, look);
+  return look;
 }
 
 LookMeter::LookMeter(const Tables& tables, const LookSettings& wanted) : wanted_(wanted) {
   const Size view = tables.view_size;
   const int columns = view.width / kLookBlock_px, rows = view.height / kLookBlock_px;
-  if (!wanted.any() || columns * rows == 0) return;
+  if (!wanted.measures() || columns * rows == 0) return;
   const int every = (columns * rows + kMostLookBlocks - 1) / kMostLookBlocks;
   const int count = columns * rows / every;
   plate_px_.reset({kLookBlock_px, kLookBlock_px * count});
@@ -264,10 +293,14 @@ PictureLook LookMeter::measure(ImageView<const Rgb8> plate) {
   const Grain& g = look.grain;
   log_info("render",
            fmt::format("look of the plate: noise {:.4f} at light 0.2 (green), spread {:.2f}, "
-                       "shared {:.2f}; blur {:.2f} px",
-                       std::sqrt(g.floor.y + 0.2F * g.slope.y), g.spread, g.shared, look.blur_px));
+                       "shared {:.2f}; blur {:.2f} px, of colour {:.2f} and {:.2f} px more; "
+                       "sharpening {:.2f}",
+                       std::sqrt(g.floor.y + 0.2F * g.slope.y), g.spread, g.shared, look.blur_px,
+                       look.chroma_px.x, look.chroma_px.y, look.sharpening));
   if (!wanted_.grain) look.grain = {};
   if (!wanted_.blur) look.blur_px = 0;
+  if (!wanted_.chroma) look.chroma_px = {};
+  if (!wanted_.sharpening) look.sharpening = 0;
   return look;
 }
 
@@ -306,8 +339,8 @@ glm::ivec2 grain_offset(std::uint32_t frame) {
           static_cast<int>(h >> 16U & (kGrainTexels - 1))};
 }
 
-std::array<float, kBlurReach + 1> blur_taps(float sigma_px) {
-  std::array<float, kBlurReach + 1> taps{1, 0, 0};
+LookTaps blur_taps(float sigma_px) {
+  LookTaps taps{1, 0, 0};
   if (!(sigma_px > 0)) return taps;
   float sum = 1;
   for (int i = 1; i <= kBlurReach; ++i) {
@@ -317,6 +350,28 @@ std::array<float, kBlurReach + 1> blur_taps(float sigma_px) {
   }
   for (float& tap : taps) tap /= sum;
   return taps;
+}
+
+LookFilter look_filter(const PictureLook& look) {
+  const float blur_px2 = look.blur_px * look.blur_px;
+  const auto chroma = [&](float more_px) {
+    return blur_taps(std::sqrt(blur_px2 + more_px * more_px));
+  };
+  LookFilter filter{blur_taps(look.blur_px), chroma(look.chroma_px.x), chroma(look.chroma_px.y)};
+  // The mask after the blur, as far as the taps reach; what it would have beyond stays in them.
+  const float s = look.sharpening;
+  const LookTaps b = filter.light;
+  filter.light = {(1 + 2 * s) * b[0] - 2 * s * b[1], (1 + 2 * s) * b[1] - s * (b[0] + b[2]),
+                  (1 + 2 * s) * b[2] - s * b[1] - s * b[2]};
+  return filter;
+}
+
+glm::vec4 from_differences(const glm::vec4& d, float most_alpha) {
+  const glm::vec3 weights(luminance({1, 0, 0}), luminance({0, 1, 0}), luminance({0, 0, 1}));
+  const float green = -(weights.r * d.y + weights.b * d.z) / weights.g;
+  const glm::vec3 color = glm::max(d.x + glm::vec3(d.y, green, d.z), 0.0F);
+  const float scale = d.w > most_alpha ? most_alpha / d.w : 1;
+  return scale * glm::vec4(color, d.w);
 }
 
 }  // namespace mixrig::render

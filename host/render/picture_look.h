@@ -28,11 +28,37 @@ struct Grain {
 struct PictureLook {
   Grain grain;
   float blur_px = 0;  ///< sigma by which edges are wider than those of a virtual object
+  /// Sigma along x and y by which edges of colour differences are wider than those of brightness.
+  glm::vec2 chroma_px{0};
+  float sharpening = 0;  ///< s of the mask (-s, 1 + 2 s, -s) along each axis, after the blur
+  bool filters() const {
+    return blur_px > 0 || chroma_px.x > 0 || chroma_px.y > 0 || sharpening > 0;
+  }
 };
+
+/// Weights of a pixel itself, and of those 1 and 2 beside it; their sum to both sides is 1.
+using LookTaps = std::array<float, kBlurReach + 1>;
+
+/// What makes virtual things as sharp as the plate: taps along x and y of brightness and coverage,
+/// and of colour differences.
+struct LookFilter {
+  LookTaps light, chroma_x, chroma_y;
+};
+LookFilter look_filter(const PictureLook& look);
+
+/// Linear colour as brightness, red and blue less brightness, and what lies in alpha.
+inline glm::vec4 to_differences(const glm::vec4& c) {
+  const float y = luminance(glm::vec3(c));
+  return {y, c.r - y, c.b - y, c.a};
+}
+/// Back; a negative colour becomes 0, and colour over `most_alpha` of coverage is scaled with it.
+glm::vec4 from_differences(const glm::vec4& d, float most_alpha);
 
 /// Of a picture in linear light, in which blocks of `block` pixels lie one below the other. Pure.
 /// Noise: the lower third of the blocks of a brightness, so that texture does not count
-/// (Immerkaer 1996, at two scales). Width: the median of isolated steps along x and y.
+/// (Immerkaer 1996, at two scales). Width: the median of isolated steps along x and y, of
+/// brightness and of colour differences; where it is less than that of virtual objects, the picture
+/// is sharpened.
 PictureLook measure_look(const Image<glm::vec3>& blocks, Size block);
 
 /// Looks at blocks of the view that are spread over it. Not thread-safe.
@@ -54,7 +80,7 @@ Image<PackedNormal> make_grain(const Grain& grain);
 /// Where the grain of a frame begins: anywhere in the picture of make_grain().
 glm::ivec2 grain_offset(std::uint32_t frame);
 
-/// Weights of the pixel itself, and of those 1 and 2 beside it, along each axis.
-std::array<float, kBlurReach + 1> blur_taps(float sigma_px);
+/// Of a Gaussian.
+LookTaps blur_taps(float sigma_px);
 
 }  // namespace mixrig::render

@@ -163,6 +163,7 @@ struct FrameParams {
   std::span<const HiddenShares> contact_hidden;  ///< kContactNodes^3 of each of `contacts`
   std::vector<Draw> draws;
   Rect virtual_rect;  ///< view pixels that virtual objects may touch
+  float nearest_virtual_w = 0;  ///< 1/m: none of them is nearer
 };
 
 /// The background where there is one, else the capture volume.

@@ -451,6 +451,11 @@ void FramePreparer::update(const geometry::Pose& world_from_target, bool view_ch
                         glm::vec2(setup_.view.cx_px, setup_.view.cy_px)};
   }
   params_.virtual_rect = {};
+  double nearest_m = kFarthestM;
+  for (const glm::dvec3& corner_m : corners_m_)
+    nearest_m = std::min(nearest_m, (camera_from_world * glm::dvec4(corner_m, 1)).z);
+  params_.nearest_virtual_w =
+      static_cast<float>(1 / std::max(nearest_m, static_cast<double>(kNearestM)));
   for (std::size_t first = 0; first + 8 <= corners_m_.size(); first += 8)
     include_box(std::span(corners_m_).subspan(first, 8), camera_from_world, setup_.view,
                 params_.virtual_rect);

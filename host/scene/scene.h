@@ -244,6 +244,10 @@ struct FocusSettings {
 struct LookSettings {
   bool grain = false;
   bool blur = false;
+  bool chroma = false;
+  bool sharpening = false;
+  bool motion = false;
+  double exposure_ms = 0;  ///< of the plates, for motion; 0: that of the source, where it is known
   bool operator==(const LookSettings&) const = default;
 };
 

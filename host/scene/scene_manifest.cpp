@@ -199,6 +199,10 @@ LookSettings read_look(const Table& table) {
   LookSettings look;
   look.grain = table.boolean_or("grain", look.grain);
   look.blur = table.boolean_or("blur", look.blur);
+  look.chroma = table.boolean_or("chroma", look.chroma);
+  look.sharpening = table.boolean_or("sharpening", look.sharpening);
+  look.motion = table.boolean_or("motion", look.motion);
+  look.exposure_ms = table.number_or("exposure_ms", look.exposure_ms, {0.0, 1e4});
   return look;
 }
 

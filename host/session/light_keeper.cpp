@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 
 #include "hal/base/log.h"
 #include "hal/base/srgb.h"
+#include "host/lights/body_columns.h"
 #include "host/lights/light_change.h"
 #include "host/render/exposure.h"
 #include "host/render/prepare.h"
@@ -24,6 +27,13 @@ constexpr double kTold = 0.2;       // change of a factor that is an event
 constexpr double kSame = 0.15;      // less is none: what the room hides of a lamp is not known
 constexpr double kOfLight = 0.02;   // less of all light is no change: people hide lamps too
 constexpr double kCertain = 3;      // sigmas of both
+constexpr double kAgreed = 0.6;     // of a source's light, by surfaces: a shadow shows on few
+constexpr int kLeastSurfaces = 3;   // that a change shows on
+constexpr double kRepeated = 0.15;  // of a factor, from one look to the next: shadows move
+constexpr double kSurface_m = 1;    // side of the cells that places of one surface lie in
+constexpr double kHidden = 0.15;  // share of a lamp that people may hide from a place that is used
+constexpr double kLeastSeen = 0.5;  // of what the places tell of a source, else it stays as it is
+constexpr int kPeopleStep_px = 4;   // between pixels of people
 constexpr double kExplained = 0.5;  // of the places, else nothing is changed
 constexpr float kDarkest = 0.02F, kBrightest = 0.85F;  // linear
 
@@ -50,10 +60,29 @@ std::vector<double> factors_of(const lights::LightChange& change, const std::vec
     const double least =
         std::max({kSame, kCertain * change.sigma[j] / change.gain, kOfLight / change.part[j]});
     const bool changed = told[static_cast<std::size_t>(j)] != 1;
-    factors.push_back(std::abs(factor - 1) < (changed ? 0.5 : 1.0) * least ? 1 : factor);
+    const bool is_seen = change.agreed[j] >= kAgreed && change.surfaces[j] >= kLeastSurfaces;
+    const bool is_same = std::abs(factor - 1) < (changed ? 0.5 : 1.0) * least;
+    factors.push_back(is_same || !(is_seen || changed) ? 1 : factor);
   }
   return factors;
 }
+
+/// Numbers for cells of a surface: places that lie together and face one side.
+class SurfaceCells {
+ public:
+  int number_of(const glm::dvec3& at_m, const glm::dvec3& normal) {
+    const glm::dvec3 size = glm::abs(normal);
+    const int axis = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
+    const glm::ivec3 cell(glm::floor(at_m / kSurface_m));
+    const auto next = static_cast<int>(numbers_.size());
+    return numbers_.try_emplace({cell.x, cell.y, cell.z, axis}, next).first->second;
+  }
+
+ private:
+  std::map<std::tuple<int, int, int, int>, int> numbers_;
+};
+
+Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
@@ -64,10 +93,14 @@ class LightSink final : public output::CompositeSink {
       : session_(session),
         tables_(render::make_tables(session.setup)),
         meter_(tables_, session.setup.background),
-        told_(1 + session.setup.light.lamps.size(), 1.0) {}
+        told_(1 + session.setup.light.lamps.size(), 1.0),
+        seen_(told_),
+        used_(told_) {}
 
   std::string_view name() const override { return "light"; }
-  render::OutputMask wanted(int /*number*/) const override { return render::kMatte; }
+  render::OutputMask wanted(int /*number*/) const override {
+    return render::kMatte | render::kSegmentedDepth;
+  }
   Result<void> write(const output::CompositePtr& composite) override;
   Result<void> finish() override { return {}; }
   std::vector<float> take() {
@@ -82,17 +115,25 @@ class LightSink final : public output::CompositeSink {
     render::ExposureMeter::Place place;
     double learned = 0;  ///< luminance
     Eigen::VectorXd share;
+    int surface = 0;
+    Eigen::Vector3d at_m{0, 0, 0};  ///< world
   };
   void learn(const geometry::Pose& world_from_camera);
   void gather(const output::Composite& composite);
+  lights::BodyColumns people(const output::Composite& composite);
+  bool may_be_hidden(const Known& known, const lights::BodyColumns& people) const;
+  std::vector<double> repeated(const std::vector<double>& now);
   void tell(int frame, const std::vector<double>& factors);
 
   const Session& session_;
   render::Tables tables_;
   render::ExposureMeter meter_;
   std::vector<Known> known_;
+  Eigen::VectorXd told_by_all_;  ///< sum of squares of each source's share, over known_
   std::vector<lights::WatchedPlace> places_;
-  std::vector<double> told_;  ///< factors of the last events
+  std::vector<Eigen::Vector3d> people_m_;
+  std::vector<double> told_;         ///< factors of the last events
+  std::vector<double> seen_, used_;  ///< factors of the last look; those that were taken over
   SystemClock clock_;
   LightReport report_;
   std::mutex mutex_;
@@ -104,6 +145,7 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
   const render::CompositorSetup& setup = session_.setup;
   const glm::dmat4 world_from = render::to_glm(world_from_camera.matrix());
   const double ambient = render::luminance(setup.light.ambient);
+  SurfaceCells cells;
   for (const render::ExposureMeter::Place& place : meter_.places()) {
     const Rgbf& c = setup.background.color.row(place.view_y)[place.view_x];
     const float learned = render::luminance({c.r, c.g, c.b});
@@ -114,7 +156,8 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
     const Eigen::Vector2d ray = setup.view.unproject(Eigen::Vector2d(place.view_x, place.view_y));
     const glm::dvec3 at_m(world_from * glm::dvec4(ray.x() * z, ray.y() * z, z, 1));
     const glm::dvec3 normal = glm::dmat3(world_from) * glm::normalize(glm::dvec3(n.x, n.y, n.z));
-    Known known{place, learned, Eigen::VectorXd(1 + setup.light.lamps.size())};
+    Known known{place, learned, Eigen::VectorXd(1 + setup.light.lamps.size()),
+                cells.number_of(at_m, normal), to_eigen(at_m)};
     known.share[0] = ambient;
     for (std::size_t k = 0; k < setup.light.lamps.size(); ++k)
       known.share[static_cast<Eigen::Index>(k) + 1] =
@@ -124,16 +167,59 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
     known_.push_back(std::move(known));
   }
   places_.reserve(known_.size());
+  told_by_all_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(told_.size()));
+  for (const Known& known : known_) told_by_all_ += known.share.cwiseAbs2();
 }
 
+/// Their surface as it is seen, world.
+lights::BodyColumns LightSink::people(const output::Composite& composite) {
+  const Image<float>& depth_m = composite.images.segmented_depth_m;
+  const Eigen::Matrix4d world_from = composite.world_from_target.matrix();
+  people_m_.clear();
+  for (int y = 0; y < depth_m.height(); y += kPeopleStep_px)
+    for (int x = 0; x < depth_m.width(); x += kPeopleStep_px) {
+      const double z = depth_m.row(y)[x];
+      if (!(z > 0)) continue;
+      const Eigen::Vector2d ray = session_.setup.view.unproject(Eigen::Vector2d(x, y));
+      people_m_.push_back((world_from * Eigen::Vector4d(ray.x() * z, ray.y() * z, z, 1)).head<3>());
+    }
+  return lights::BodyColumns(people_m_);
+}
+
+bool LightSink::may_be_hidden(const Known& known, const lights::BodyColumns& people) const {
+  const std::vector<render::Lamp>& lamps = session_.setup.light.lamps;
+  for (std::size_t k = 0; k < lamps.size(); ++k)
+    if (known.share[static_cast<Eigen::Index>(k) + 1] > kHidden &&
+        people.hides(to_eigen(lamps[k].position_m), known.at_m))
+      return true;
+  return false;
+}
+
+/// Places that neither people nor their shadows cover.
 void LightSink::gather(const output::Composite& composite) {
+  const lights::BodyColumns bodies = people(composite);
   places_.clear();
   for (const Known& known : known_) {
     const render::ExposureMeter::Place& at = known.place;
     if (composite.images.matte.row(at.view_y)[at.view_x] > 0) continue;
     const float seen = luminance_of(composite.capture->plate.row(at.plate_y)[at.plate_x]);
-    if (seen < kBrightest) places_.push_back({known.share, at.gain * seen / known.learned});
+    if (!(seen < kBrightest) || may_be_hidden(known, bodies)) continue;
+    places_.push_back({known.share, at.gain * seen / known.learned, known.surface});
   }
+}
+
+/// Factors that two looks agree on; the others stay as they are in use, and so do those of sources
+/// whose light people cover or may hide.
+std::vector<double> LightSink::repeated(const std::vector<double>& now) {
+  Eigen::VectorXd told_by = Eigen::VectorXd::Zero(told_by_all_.size());
+  for (const lights::WatchedPlace& place : places_) told_by += place.share.cwiseAbs2();
+  for (std::size_t j = 0; j < now.size(); ++j) {
+    const auto at = static_cast<Eigen::Index>(j);
+    if (told_by[at] < kLeastSeen * told_by_all_[at]) continue;
+    if (std::abs(now[j] - seen_[j]) <= kRepeated) used_[j] = now[j];
+  }
+  seen_ = now;
+  return used_;
 }
 
 Result<void> LightSink::write(const output::CompositePtr& composite) {
@@ -150,7 +236,7 @@ Result<void> LightSink::write(const output::CompositePtr& composite) {
   // The compositor multiplies its light by the gain that its meter reads.
   const glm::vec3 gain = meter_.gain(composite->capture->plate);
   const double read = render::luminance(gain);
-  const std::vector<double> now = factors_of(*change, told_);
+  const std::vector<double> now = repeated(factors_of(*change, told_));
   std::vector<float> factors;
   for (const double factor : now)
     factors.push_back(static_cast<float>(factor * change->gain / read));
@@ -201,7 +287,8 @@ Result<void> LightKeeper::open(WorkGate* gate) {
 
 Result<void> LightKeeper::push(const output::CompositePtr& composite) {
   const int number = composite->capture->number;
-  if (sink_ == nullptr || number < next_look_ || !(composite->images.wanted & render::kMatte))
+  if (sink_ == nullptr || number < next_look_ || !(composite->images.wanted & render::kMatte) ||
+      !(composite->images.wanted & render::kSegmentedDepth))
     return {};
   next_look_ = number - number % kLookStep + kLookStep;
   MIXRIG_TRY(thread_->push(composite));

@@ -19,6 +19,7 @@
 #include "host/session/contact_points.h"
 #include "host/session/frame_lens.h"
 #include "host/session/judge.h"
+#include "host/session/plate_motion.h"
 #include "host/session/quality.h"
 #include "host/session/run_compositor.h"
 #include "host/session/run_sinks.h"
@@ -62,6 +63,20 @@ bool has_true_poses(const Session& session) {
                               used == PoseSource::kFreeD || used == PoseSource::kOpenTrack ||
                               (used == PoseSource::kRecorded && !own);
   return from_elsewhere && session.source->info().true_poses;
+}
+
+/// For the motion blur of virtual things: what the scene or else the source says; 0: none is wanted,
+/// or it is not known.
+double plate_exposure_s(const Session& session) {
+  const scene::LookSettings& look = session.scene.look;
+  if (!look.motion || !session.poses->moves()) return 0;
+  const double known_s =
+      look.exposure_ms > 0 ? 1e-3 * look.exposure_ms : session.source->info().exposure_s;
+  if (!(known_s > 0))
+    log_warning("session", session.scene.path.string() +
+                               ": look.motion: how long a plate is exposed is not known, so that "
+                               "nothing is blurred: give look.exposure_ms");
+  return known_s;
 }
 
 /// The state of a run; one method per step of the frame loop.
@@ -123,6 +138,7 @@ class Runner {
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
   std::optional<Baselines> baselines_;
+  PlateMotion motion_;
   std::optional<SlipWatch> slip_;
   std::optional<LensWatch> lens_;
   render::FrameOutput judged_;
@@ -166,6 +182,7 @@ Result<void> Runner::open_poses() {
   lens_.emplace(session_.setup,
                 session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
   if (has_true_poses(session_)) report_.pose.error.emplace();
+  motion_ = PlateMotion(plate_exposure_s(session_));
   return {};
 }
 
@@ -199,7 +216,9 @@ render::OutputMask Runner::wanted(int number) const {
   // A recording is composited completely, also without sinks, so that its times are comparable.
   const render::OutputMask by_sinks = sinks_.wanted(number);
   if (!live()) return render::kComposite | by_sinks;
-  return by_sinks & render::kGpuColor ? by_sinks : by_sinks | render::kMatte;
+  const bool follows = session_.scene.light.follow;
+  const render::OutputMask people = follows ? render::kMatte | render::kSegmentedDepth : 0;
+  return by_sinks & render::kGpuColor ? by_sinks | people : by_sinks | people | render::kMatte;
 }
 
 /// The next capture, once those within the latency of its pose have come too.
@@ -238,6 +257,7 @@ Result<void> Runner::warm_up() {
     composite->view = frame_view(session_.setup, capture);
     composite->world_from_target = known.camera.world_from_target;
     composite->world_from_object.clear();
+    composite->motion.reset();
     MIXRIG_TRY(compositor_.compose(*composite, wanted(capture.number), composite->images));
   }
   if (live()) ready_ = clock_.now();
@@ -314,6 +334,7 @@ void Runner::set_pose(output::Composite& composite) {
   composite.pose = known.camera;
   composite.world_from_target = known.camera.world_from_target;
   composite.objects_shown = known.objects_shown;
+  composite.motion = motion_.next(known.camera, composite.capture->time_s);
   if (known.camera.ok()) {
     report_.pose.age_ms.add(1e3 * known.camera.age_s);
     if (report_.pose.error)
@@ -380,6 +401,7 @@ Result<void> Runner::add_last_to_sheet() {
   composite->view = last_->view;
   composite->objects_shown = last_->objects_shown;
   composite->world_from_object = last_->world_from_object;
+  composite->motion = last_->motion;
   MIXRIG_TRY(compositor_.compose(*composite, output::ContactSheet::kWanted, composite->images));
   return sinks_.empty_sheet()->push(std::move(composite));
 }

@@ -112,7 +112,7 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
-       depth_delay_s(*composite.capture)},
+       depth_delay_s(*composite.capture), composite.motion},
       composite.objects_shown, images);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/base/partial_path.h"
 #include "host/scene/scene_edit.h"
 #include "host/session/desk_lookup.h"
 #include "host/session/place.h"

@@ -117,7 +117,8 @@ void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
   setup.light = light_of(scene.light);
   setup.open_walls = scene.background.open_walls;
   setup.people_cast_shadows = rungs.light == scene::LightRung::kPeople;
-  setup.look = {scene.look.grain, scene.look.blur};
+  const scene::LookSettings& look = scene.look;
+  setup.look = {look.grain, look.blur, look.chroma, look.sharpening, look.motion};
   setup.key.threshold_m = static_cast<float>(scene.key.threshold_m);
   setup.key.noise_factor = static_cast<float>(scene.key.noise_factor);
   setup.key.color = rungs.key != scene::KeyRung::kPlain;

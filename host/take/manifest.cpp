@@ -126,6 +126,7 @@ Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::pa
   if (root.has("calibration"))
     info.calibration = config::path_at(root, "calibration", path.parent_path());
   info.color = read_stream(root.required_table("color"));
+  info.exposure_s = 1e-3 * root.table("color").number_or("exposure_ms", 0.0, {0.0, 1e4});
   read_depth(root.required_table("depth"), info);
   if (const Table amplitude = root.table("amplitude"); amplitude.present()) {
     info.amplitude = read_stream(amplitude);

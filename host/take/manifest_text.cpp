@@ -20,6 +20,12 @@ Writer stream_table(const StreamInfo& stream) {
   return table;
 }
 
+Writer color_table(const TakeInfo& info) {
+  Writer table = stream_table(info.color);
+  if (info.exposure_s > 0) table.set("exposure_ms", info.exposure_s * 1e3);
+  return table;
+}
+
 void set_steps(const Steps& steps, capture::DepthKind kind, const geometry::DepthNoise& noise,
                Writer& table) {
   table.set("unit_m", steps.unit).set("unknown", steps.unknown);
@@ -80,7 +86,7 @@ std::string manifest_text(const TakeInfo& info) {
   Writer root, pose;
   root.set("format", 1).set("name", info.name).set("root", ".");
   if (!info.calibration.empty()) root.set("calibration", info.calibration.string());
-  root.set("color", stream_table(info.color)).set("depth", depth_table(info));
+  root.set("color", color_table(info)).set("depth", depth_table(info));
   if (info.amplitude)
     root.set("amplitude", amplitude_table(*info.amplitude, info.amplitude_is_light));
   if (info.depth2) add_second_depth(info, root);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Both back ends draw the same frame.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -461,6 +462,63 @@ TEST(WholeFrame, agrees_with_grain_and_blur_on_a_set) {
   room.setup.look = {.grain = true, .blur = true};
   Pair pair = make_pair(room);
   for (int i = 0; i < 2; ++i) expect_agreement(pair, frame);
+}
+
+/// Along rows: brightness is sharpened, colour is the mean of five pixels.
+Image<Rgb8> as_a_cheap_camera(const Image<Rgb8>& from) {
+  Image<Rgb8> to = from;
+  const auto grey = [](Rgb8 c) { return (c.r + c.g + c.b) / 3.0; };
+  for (int y = 0; y < from.height(); ++y)
+    for (int x = 2; x + 2 < from.width(); ++x) {
+      const double light = grey(from.at(x, y));
+      const double beside = grey(from.at(x - 1, y)) + grey(from.at(x + 1, y));
+      const auto channel = [&](std::uint8_t Rgb8::*of) {
+        double color = 0;
+        for (int i = -2; i <= 2; ++i)
+          color += (from.at(x + i, y).*of - grey(from.at(x + i, y))) / 5;
+        const double v = light + 0.3 * (2 * light - beside) + color;
+        return static_cast<std::uint8_t>(std::clamp(std::lround(v), 0L, 255L));
+      };
+      to.row(y)[x] = {channel(&Rgb8::r), channel(&Rgb8::g), channel(&Rgb8::b)};
+    }
+  return to;
+}
+
+TEST(WholeFrame, agrees_with_chroma_and_sharpening) {
+  RoomSetup room(RoomSetup::Options{});
+  room.plate = as_a_cheap_camera(room.plate);
+  Pair plain = make_pair(room);
+  expect_agreement(plain, room.frame());
+  room.setup.look = {.chroma = true, .sharpening = true};
+  Pair pair = make_pair(room);
+  for (int i = 0; i < 2; ++i) expect_agreement(pair, room.frame());
+  EXPECT_LT(psnr_db(pair.cpu_frame.color, plain.cpu_frame.color), 70) << "nothing was measured";
+}
+
+/// Alone, and of what the lens has blurred, before a plate of its own.
+TEST(WholeFrame, agrees_in_the_motion_of_the_camera) {
+  for (const bool blur : {false, true}) {
+    RoomSetup room({.box_m = {0.1, 0.5, 2.4}});
+    room.setup.look.blur = blur;
+    Pair sharp = make_pair(room);
+    room.setup.look.motion = true;
+    Pair pair = make_pair(room);
+    render::FrameInput frame = room.frame();
+    expect_agreement(sharp, frame);
+    expect_agreement(pair, frame);
+    EXPECT_GT(psnr_db(pair.gles_frame.color, sharp.gles_frame.color), 98) << "no motion is known";
+    for (const render::CameraMotion& motion :
+         {render::CameraMotion{.turn_rad = {0.01F, 0.02F, 0.05F}},
+          render::CameraMotion{.turn_rad = {0, 0.02F, 0}, .shift_m = {0.1F, 0, 0.1F}}}) {
+      frame.motion = motion;
+      expect_agreement(pair, frame);
+      EXPECT_LT(psnr_db(pair.gles_frame.color, sharp.gles_frame.color), 45);
+    }
+    frame.motion.reset();
+    expect_agreement(pair, frame);
+    EXPECT_GT(psnr_db(pair.gles_frame.color, sharp.gles_frame.color), 98)
+        << "it stands still again";
+  }
 }
 
 /// By distance, by pixel, by a pixel that the frame names; in the last frame what is far is sharp.

@@ -18,6 +18,7 @@
 #include "host/render/cpu/light.h"
 #include "host/render/cpu/look.h"
 #include "host/render/cpu/mix.h"
+#include "host/render/cpu/motion.h"
 #include "host/render/cpu/move_people.h"
 #include "host/render/cpu/people_shadow.h"
 #include "host/render/cpu/plate.h"
@@ -78,7 +79,7 @@ class CpuCompositor final : public Compositor {
   void draw_peoples_shadows(const Image<std::uint8_t>& matte);
   void light_real(const Image<std::uint8_t>& matte);
   void take_look(ImageView<const Rgb8> plate);
-  void blur_objects();
+  void blur_objects(const std::optional<CameraMotion>& motion);
   bool people_cast() const { return !preparer_.params().people_lamps.empty(); }
   MixInput mix_input(const ToneCurve& tone, bool shadows) const;
   void store_warped_depth(Image<float>& depth_m) const;
@@ -111,9 +112,11 @@ class CpuCompositor final : public Compositor {
   LightLayer light_;
   PeopleShadow people_shadow_;
   std::optional<LookMeter> look_meter_;  ///< until the first frame
-  float blur_px_ = 0;
+  std::optional<LookFilter> look_filter_;
   bool objects_drawn_ = false;  ///< since they were blurred
   BlurScratch blurred_;
+  VirtualLayer moved_;                     ///< where the look has motion: blurred by it
+  const VirtualLayer* mixed_ = &objects_;  ///< as they are mixed in this frame
   GrainOf grain_;
   std::uint32_t frames_ = 0;
   FocusScratch focus_scratch_;
@@ -147,7 +150,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
-  if (setup_.look.any() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
+  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   if (follows_people(setup_)) {
     people_motion_.emplace(tables_);
@@ -167,6 +170,11 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   if (preparer_.params().glossy) objects_.gloss.reset(tables_.view_size);
   if (preparer_.params().emits) objects_.emission.reset(tables_.view_size);
   light_ = LightLayer(tables_.view_size);
+  if (setup_.look.motion) {
+    moved_.coverage.reset(tables_.view_size);
+    moved_.w.reset(tables_.view_size);
+    moved_.color.reset(tables_.view_size);
+  }
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(tables_.view_size);
   size_for_people(tables_.view_size, objects_);
@@ -219,7 +227,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   if (people_cast() && needed.light) draw_peoples_shadows(output.matte);
   const bool shadows = has_shadows(frame);
   if (shadows && needed.light) light_real(output.matte);
-  blur_objects();
+  blur_objects(input.motion);
   watch.lap(Stage::kLight);
   if (needed.mix) mix(crew_, mix_input(tone, shadows), output);
   watch.lap(Stage::kMix);
@@ -364,17 +372,27 @@ void CpuCompositor::take_look(ImageView<const Rgb8> plate) {
   if (look_meter_) {
     const PictureLook look = look_meter_->measure(plate);
     look_meter_.reset();
-    blur_px_ = look.blur_px;
+    if (look.filters()) look_filter_ = look_filter(look);
     grain_.grain = look.grain;
     if (setup_.look.grain) grain_.noise = make_grain(look.grain);
   }
   grain_.offset = grain_offset(frames_++);
 }
 
-void CpuCompositor::blur_objects() {
-  if (!(blur_px_ > 0) || !objects_drawn_) return;
-  blur_layer(crew_, blur_px_, objects_, blurred_);
+/// By the lens, then by the camera's motion.
+void CpuCompositor::blur_objects(const std::optional<CameraMotion>& motion) {
+  mixed_ = &objects_;
+  if (setup_.objects.empty()) return;
+  if (look_filter_) {
+    if (objects_drawn_) blur_layer(crew_, *look_filter_, objects_, blurred_);
+    mixed_ = &blurred_.layer;
+  }
   objects_drawn_ = false;
+  if (!setup_.look.motion) return;
+  const MotionParams params = motion_params(motion, setup_.view, preparer_.params());
+  if (!params.blurs()) return;
+  blur_by_motion(crew_, params, *mixed_, moved_);
+  mixed_ = &moved_;
 }
 
 MixInput CpuCompositor::mix_input(const ToneCurve& tone, bool shadows) const {
@@ -383,9 +401,7 @@ MixInput CpuCompositor::mix_input(const ToneCurve& tone, bool shadows) const {
           .room_m = edges ? tables_.edge_depth_m.view() : setup_.background.depth_m,
           .plate = plate_,
           .view_w = view_w_,
-          .objects = setup_.objects.empty() ? nullptr
-                     : blur_px_ > 0         ? &blurred_.layer
-                                            : &objects_,
+          .objects = setup_.objects.empty() ? nullptr : mixed_,
           .light = shadows ? &light_ : nullptr,
           .tone = tone,
           .key = &key_scratch_,

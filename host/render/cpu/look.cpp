@@ -8,17 +8,24 @@ namespace mixrig::render::cpu {
 namespace {
 
 constexpr int kBlurGrain = 8;
-using BlurTaps = std::array<float, kBlurReach + 1>;
+using AxisTaps = std::array<glm::vec4, kBlurReach + 1>;
+
+AxisTaps axis_taps(const LookTaps& light, const LookTaps& chroma) {
+  AxisTaps taps;
+  for (std::size_t i = 0; i < taps.size(); ++i)
+    taps[i] = {light[i], chroma[i], chroma[i], light[i]};
+  return taps;
+}
 
 glm::vec4 premultiplied(const VirtualLayer& from, int x, int y) {
   const std::uint8_t coverage = from.coverage.row(y)[x];
   if (coverage == 0) return glm::vec4(0);
   const Rgbx16 c = from.color.row(y)[x];
-  return {c.r, c.g, c.b, coverage};
+  return to_differences({c.r, c.g, c.b, coverage});
 }
 
 /// A row of `across`, past the layer's rectangle by the reach of the blur.
-void blur_along(const VirtualLayer& from, const BlurTaps& taps, int y, const Rect& rect,
+void blur_along(const VirtualLayer& from, const AxisTaps& taps, int y, const Rect& rect,
                 glm::vec4* out) {
   const auto at = [&](int x) {
     return x >= from.rect.x0 && x < from.rect.x1 ? premultiplied(from, x, y) : glm::vec4(0);
@@ -46,7 +53,7 @@ float nearest_w(const VirtualLayer& from, int x, int y) {
 
 std::uint16_t to_16(float v) { return static_cast<std::uint16_t>(std::min(v, kLinearOne) + 0.5F); }
 
-void blur_down(const VirtualLayer& from, const BlurTaps& taps, int y, BlurScratch& scratch) {
+void blur_down(const VirtualLayer& from, const AxisTaps& taps, int y, BlurScratch& scratch) {
   VirtualLayer& to = scratch.layer;
   const auto row = [&](int j) {
     return j >= from.rect.y0 && j < from.rect.y1 ? scratch.across.row(j) : nullptr;
@@ -55,12 +62,13 @@ void blur_down(const VirtualLayer& from, const BlurTaps& taps, int y, BlurScratc
   for (int j = 0; j < static_cast<int>(rows.size()); ++j)
     rows[static_cast<std::size_t>(j)] = row(y + j - kBlurReach);
   for (int x = to.rect.x0; x < to.rect.x1; ++x) {
-    glm::vec4 sum(0);
+    glm::vec4 all(0);
     for (std::size_t j = 0; j < rows.size(); ++j)
       if (rows[j] != nullptr)
-        sum +=
+        all +=
             taps[static_cast<std::size_t>(std::abs(static_cast<int>(j) - kBlurReach))] * rows[j][x];
-    const auto coverage = static_cast<std::uint8_t>(std::min(sum.w, 255.0F) + 0.5F);
+    const glm::vec4 sum = from_differences(all, 255.0F);
+    const auto coverage = static_cast<std::uint8_t>(std::max(sum.w, 0.0F) + 0.5F);
     to.coverage.row(y)[x] = coverage;
     if (coverage == 0) continue;
     to.color.row(y)[x] = {to_16(sum.x), to_16(sum.y), to_16(sum.z), 0};
@@ -82,7 +90,8 @@ glm::vec3 GrainOf::added(const glm::vec3& color, float coverage, int x, int y) c
       color + kStep * coverage * kLinearOne * glm::sqrt(variance) * glm::vec3(n.x, n.y, n.z), 0.0F);
 }
 
-void blur_layer(Crew& crew, float sigma_px, const VirtualLayer& from, BlurScratch& scratch) {
+void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
+                BlurScratch& scratch) {
   const Size size = from.coverage.size();
   VirtualLayer& to = scratch.layer;
   if (scratch.across.size() != size) {
@@ -97,13 +106,14 @@ void blur_layer(Crew& crew, float sigma_px, const VirtualLayer& from, BlurScratc
                              std::min(r.x1 + kBlurReach, size.width),
                              std::min(r.y1 + kBlurReach, size.height)};
   if (to.rect.empty()) return;
-  const BlurTaps taps = blur_taps(sigma_px);
+  const AxisTaps along = axis_taps(filter.light, filter.chroma_x);
+  const AxisTaps down = axis_taps(filter.light, filter.chroma_y);
   crew.rows(r.y1 - r.y0, kBlurGrain, [&](int begin, int end) {
     for (int y = r.y0 + begin; y < r.y0 + end; ++y)
-      blur_along(from, taps, y, to.rect, scratch.across.row(y));
+      blur_along(from, along, y, to.rect, scratch.across.row(y));
   });
   crew.rows(to.rect.y1 - to.rect.y0, kBlurGrain, [&](int begin, int end) {
-    for (int y = to.rect.y0 + begin; y < to.rect.y0 + end; ++y) blur_down(from, taps, y, scratch);
+    for (int y = to.rect.y0 + begin; y < to.rect.y0 + end; ++y) blur_down(from, down, y, scratch);
   });
 }
 

@@ -25,12 +25,13 @@ struct GrainOf {
 
 /// Memory of the blur.
 struct BlurScratch {
-  Image<glm::vec4> across;  ///< colour and coverage, blurred along rows
+  Image<glm::vec4> across;  ///< to_differences() of colour and coverage, filtered along rows
   VirtualLayer layer;       ///< what is blurred: rect, coverage, w and color
 };
 
-/// Blurs colour and coverage of `from` into scratch.layer. Pixels that only the blur covers are as
-/// near as the nearest pixel that they are blurred from. Allocates in the first frame only.
-void blur_layer(Crew& crew, float sigma_px, const VirtualLayer& from, BlurScratch& scratch);
+/// Filters colour and coverage of `from` into scratch.layer. Pixels that only the blur covers are
+/// as near as the nearest pixel that they are blurred from. Allocates in the first frame only.
+void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
+                BlurScratch& scratch);
 
 }  // namespace mixrig::render::cpu

@@ -24,6 +24,7 @@
 #include "host/render/gles/light_pass.h"
 #include "host/render/gles/look_pass.h"
 #include "host/render/gles/mix_pass.h"
+#include "host/render/gles/motion_pass.h"
 #include "host/render/gles/people_shadow_pass.h"
 #include "host/render/gles/plate_pass.h"
 #include "host/render/gles/read_back.h"
@@ -74,7 +75,7 @@ class GlesCompositor final : public Compositor {
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
   void take_look(ImageView<const Rgb8> plate);
-  void blur_objects();
+  void blur_objects(const std::optional<CameraMotion>& motion);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
   static Result<void> fetch(const Frame& frame, FrameOutput& output);
@@ -120,6 +121,8 @@ class GlesCompositor final : public Compositor {
   std::optional<LookMeter> look_meter_;  ///< until the first frame
   std::optional<LookPass> look_;
   bool objects_shaded_ = false;  ///< since they were blurred
+  std::optional<MotionPass> motion_;
+  const Texture *mixed_color_ = nullptr, *mixed_w_ = nullptr;  ///< of objects, in this frame
   std::uint32_t frames_ = 0;
   MixPass mix_;
   std::optional<FocusPass> focus_;
@@ -138,7 +141,7 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
-  if (setup_.look.any() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
+  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
   if (!setup_.lens_moves) return;
   crew_.emplace();
   plate_px_.reset(tables_.view_size);
@@ -196,6 +199,9 @@ Result<void> GlesCompositor::create_passes() {
   }
   if (look_meter_) {
     MIXRIG_ASSIGN(look_, LookPass::create(tables_));
+  }
+  if (setup_.look.motion && has_objects()) {
+    MIXRIG_ASSIGN(motion_, MotionPass::create(tables_));
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
   if (setup_.focus) {
@@ -276,7 +282,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     key_people(input);
   }
   MIXRIG_TRY(draw_light(needed.light, timer));
-  if (needed.mix) blur_objects();
+  if (needed.mix) blur_objects(input.motion);
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const bool colors = frame.wanted & (kColor | kGpuColor), focuses = focus_ && colors;
   {
@@ -398,10 +404,21 @@ void GlesCompositor::take_look(ImageView<const Rgb8> plate) {
   look_meter_.reset();
 }
 
-void GlesCompositor::blur_objects() {
-  if (!look_ || !look_->blurs() || !objects_shaded_) return;
-  look_->draw(preparer_.params().virtual_rect, light_.virtual_color(), light_.virtual_w());
-  objects_shaded_ = false;
+/// By the lens, then by the camera's motion.
+void GlesCompositor::blur_objects(const std::optional<CameraMotion>& motion) {
+  if (!has_objects()) return;
+  mixed_color_ = &light_.virtual_color(), mixed_w_ = &light_.virtual_w();
+  if (look_ && look_->blurs()) {
+    if (objects_shaded_)
+      look_->draw(preparer_.params().virtual_rect, light_.virtual_color(), light_.virtual_w());
+    mixed_color_ = &look_->virtual_color(), mixed_w_ = &look_->virtual_w();
+    objects_shaded_ = false;
+  }
+  if (!motion_) return;
+  const MotionParams params = motion_params(motion, setup_.view, preparer_.params());
+  if (!params.blurs()) return;
+  motion_->draw(params, *mixed_color_, *mixed_w_);
+  mixed_color_ = &motion_->virtual_color(), mixed_w_ = &motion_->virtual_w();
 }
 
 Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
@@ -414,10 +431,9 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   input.room = keyed ? &key_.room() : nullptr;
   input.learned = &learned();
   input.light = has_light_map() ? &light_.light() : nullptr;
-  const bool blurs = look_ && look_->blurs();
   if (has_objects()) {
-    input.virtual_color = blurs ? &look_->virtual_color() : &light_.virtual_color();
-    input.virtual_w = blurs ? &look_->virtual_w() : &light_.virtual_w();
+    input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &light_.virtual_color();
+    input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &light_.virtual_w();
   }
   if (look_ && look_->noise() != nullptr) {
     input.noise = look_->noise();

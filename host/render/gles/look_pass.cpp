@@ -28,10 +28,14 @@ void LookPass::set(const PictureLook& look) {
   grain_ = look.grain;
   if (grain_.floor != glm::vec3(0) || grain_.slope != glm::vec3(0))
     noise_ = make_texture(ImageView<const PackedNormal>(make_grain(grain_).view()), GL_RGBA8_SNORM);
-  blurs_ = look.blur_px > 0;
-  const auto taps = blur_taps(look.blur_px);
-  for (const Step* step : {&along_, &down_})
-    step->program.set("taps", glm::vec3(taps[0], taps[1], taps[2]));
+  blurs_ = look.filters();
+  const LookFilter filter = look_filter(look);
+  const auto set = [](const Step& step, const char* name, const LookTaps& taps) {
+    step.program.set(name, glm::vec3(taps[0], taps[1], taps[2]));
+  };
+  for (const Step* step : {&along_, &down_}) set(*step, "light_taps", filter.light);
+  set(along_, "chroma_taps", filter.chroma_x);
+  set(down_, "chroma_taps", filter.chroma_y);
 }
 
 void LookPass::draw(const Rect& rect, const Texture& virtual_color,

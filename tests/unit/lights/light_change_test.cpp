@@ -35,6 +35,7 @@ std::vector<WatchedPlace> places_under(const Eigen::Vector4d& factor, double out
     place.share /= place.share.sum();
     place.ratio = kNow * place.share.dot(factor) * (1 + noise(random));
     if (any(random) < outliers) place.ratio = 3 * any(random);
+    place.surface = (wall ? 100 : 0) + 10 * static_cast<int>(at.x()) + static_cast<int>(at.y());
     places.push_back(place);
   }
   return places;
@@ -50,6 +51,26 @@ TEST(LightChange, a_lamp_that_is_dimmed_is_told_from_exposure) {
     EXPECT_LE(std::abs(change->shown[k] - kNow * factor[k]), 5 * change->sigma[k] + 0.01) << k;
   }
   EXPECT_GT(change->places_weight, 0.6);
+}
+
+TEST(LightChange, a_lamp_that_is_dimmed_shows_wherever_it_gives_light) {
+  const auto change = lights::fit_light_change(places_under({1, 1, 0.3, 1}, 0.25));
+  ASSERT_TRUE(change);
+  EXPECT_GT(change->agreed[2], 0.9);
+  EXPECT_GT(change->surfaces[2], 10);
+}
+
+/// People under a lamp whom nobody sees: half of the floor there loses its light, the rest does
+/// not.
+TEST(LightChange, a_shadow_shows_on_few_surfaces) {
+  auto places = places_under(Eigen::Vector4d::Ones(), 0.05);
+  for (WatchedPlace& place : places) {
+    const int x = place.surface / 10 % 10, y = place.surface % 10;
+    if (place.surface < 100 && x >= 4 && y < 2) place.ratio -= 0.6 * kNow * place.share[2];
+  }
+  const auto change = lights::fit_light_change(places);
+  ASSERT_TRUE(change);
+  EXPECT_LT(change->agreed[2], 0.6);
 }
 
 TEST(LightChange, exposure_alone_changes_no_lamp) {

@@ -52,6 +52,65 @@ Image<glm::vec3> picture_of(float floor, float slope, float spread, float sigma_
   return light;
 }
 
+/// Blocks with an upright step each, of brightness and of colour, both soft.
+Image<glm::vec3> colored_steps(float light_px, float chroma_px) {
+  Image<glm::vec3> light({kSide, kSide * 60});
+  for (int b = 0; b < 60; ++b)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const float d = static_cast<float>(x) - 11.2F - 0.01F * static_cast<float>(b);
+        const auto step = [&](float sigma) {
+          return 0.5F * std::erfc(-d / (sigma * std::sqrt(2.0F)));
+        };
+        const float red = (b % 2 == 0 ? 0.15F : -0.1F) * step(chroma_px);
+        const glm::vec4 differences(0.3F + 0.3F * step(light_px), red, -0.5F * red, 1);
+        light.at(x, kSide * b + y) = glm::vec3(from_differences(differences, 1));
+      }
+  return light;
+}
+
+/// (-s, 1 + 2 s, -s) along rows, inside of blocks.
+Image<glm::vec3> sharpened(const Image<glm::vec3>& from, float s) {
+  Image<glm::vec3> to = from;
+  for (int y = 0; y < from.height(); ++y)
+    for (int x = 1; x + 1 < from.width(); ++x)
+      to.row(y)[x] = (1 + 2 * s) * from.at(x, y) - s * (from.at(x - 1, y) + from.at(x + 1, y));
+  return to;
+}
+
+TEST(PictureLook, FindsHowMuchFartherColourIsBlurred) {
+  for (const float chroma : {0.6F, 1.0F, 1.2F}) {
+    const PictureLook look = measure_look(colored_steps(0.6F, chroma), {kSide, kSide});
+    EXPECT_NEAR(look.chroma_px.x, std::sqrt(chroma * chroma - 0.36F), 0.12F) << chroma;
+    EXPECT_EQ(look.chroma_px.y, 0) << "no step lies across columns";
+    EXPECT_EQ(look.sharpening, 0);
+  }
+}
+
+/// What is left of the mask after a blur, by the variance of steps.
+TEST(PictureLook, FindsSharpeningThatOutweighsTheBlur) {
+  const Image<glm::vec3> soft = picture_of(1e-6F, 1e-5F, 0, 0.5F, false);
+  EXPECT_EQ(measure_look(soft, {kSide, kSide}).sharpening, 0);
+  for (const float s : {0.3F, 0.4F}) {
+    const PictureLook look = measure_look(sharpened(soft, s), {kSide, kSide});
+    EXPECT_NEAR(look.sharpening, s - 0.5F * 0.25F, 0.08F);
+    EXPECT_EQ(look.blur_px, 0);
+  }
+}
+
+TEST(PictureLook, FilterKeepsLightAndGrey) {
+  const LookFilter filter =
+      look_filter({.grain = {}, .blur_px = 0.6F, .chroma_px = {0.9F, 0}, .sharpening = 0.3F});
+  for (const LookTaps& taps : {filter.light, filter.chroma_x, filter.chroma_y})
+    EXPECT_NEAR(taps[0] + 2 * taps[1] + 2 * taps[2], 1, 1e-6);
+  EXPECT_LT(filter.chroma_x[0], filter.chroma_y[0]);
+  EXPECT_GT(filter.light[0], filter.chroma_y[0]);
+  EXPECT_LT(filter.light[2], 0);
+  const glm::vec4 color(0.3F, 0.5F, 0.1F, 0.8F), over(0.3F, 0.5F, 0.1F, 1.6F);
+  EXPECT_LT(glm::distance(from_differences(to_differences(color), 1), color), 1e-6F);
+  EXPECT_LT(glm::distance(from_differences(to_differences(over), 1), 0.625F * over), 1e-6F);
+}
+
 TEST(PictureLook, FindsTheNoiseOverBrightness) {
   for (const bool texture : {false, true}) {
     const Grain grain = measure_look(picture_of(4e-6F, 6e-5F, 0, 0, texture), {kSide, kSide}).grain;

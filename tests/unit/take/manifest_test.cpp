@@ -68,6 +68,7 @@ TEST(Manifest, DefaultsAndValuesOfAShortFile) {
   const TakeInfo& info = manifest->info;
   EXPECT_EQ(info.root, "t/");
   EXPECT_EQ(info.color, (StreamInfo{"c/%06d.png", 1, 3, 0}));
+  EXPECT_EQ(info.exposure_s, 0) << "not known";
   EXPECT_EQ(info.depth_unit_m, 0.001);
   EXPECT_EQ(info.depth_kind, capture::DepthKind::kZ);
   EXPECT_EQ(info.target.lens.coefficients()[0], 0.01);
