@@ -2,6 +2,7 @@
 #include "host/session/light_keeper.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -21,6 +22,7 @@
 namespace mixrig::session {
 namespace {
 
+constexpr int kSoon = 2;      // frames to the next look, where one has found what is not in use
 constexpr int kLookStep = 5;  // frames: six looks a second at 30 Hz
 constexpr std::size_t kMostEvents = 100;
 constexpr double kTold = 0.2;       // change of a factor that is an event
@@ -107,6 +109,8 @@ class LightSink final : public output::CompositeSink {
     const std::lock_guard lock(mutex_);
     return std::exchange(found_, {});
   }
+  /// The last look found a change that is not in use.
+  bool looks_soon() const { return looks_soon_; }
   const LightReport& report() const { return report_; }
 
  private:
@@ -134,6 +138,7 @@ class LightSink final : public output::CompositeSink {
   std::vector<Eigen::Vector3d> people_m_;
   std::vector<double> told_;         ///< factors of the last events
   std::vector<double> seen_, used_;  ///< factors of the last look; those that were taken over
+  std::atomic<bool> looks_soon_ = false;
   SystemClock clock_;
   LightReport report_;
   std::mutex mutex_;
@@ -211,13 +216,16 @@ void LightSink::gather(const output::Composite& composite) {
 /// Factors that two looks agree on; the others stay as they are in use, and so do those of sources
 /// whose light people cover or may hide.
 std::vector<double> LightSink::repeated(const std::vector<double>& now) {
+  bool differs = false;
   Eigen::VectorXd told_by = Eigen::VectorXd::Zero(told_by_all_.size());
   for (const lights::WatchedPlace& place : places_) told_by += place.share.cwiseAbs2();
   for (std::size_t j = 0; j < now.size(); ++j) {
     const auto at = static_cast<Eigen::Index>(j);
     if (told_by[at] < kLeastSeen * told_by_all_[at]) continue;
     if (std::abs(now[j] - seen_[j]) <= kRepeated) used_[j] = now[j];
+    differs |= std::abs(now[j] - used_[j]) > kRepeated;
   }
+  looks_soon_ = differs;
   seen_ = now;
   return used_;
 }
@@ -286,11 +294,12 @@ Result<void> LightKeeper::open(WorkGate* gate) {
 }
 
 Result<void> LightKeeper::push(const output::CompositePtr& composite) {
+  constexpr render::OutputMask kNeeded = render::kMatte | render::kSegmentedDepth;
   const int number = composite->capture->number;
-  if (sink_ == nullptr || number < next_look_ || !(composite->images.wanted & render::kMatte) ||
-      !(composite->images.wanted & render::kSegmentedDepth))
-    return {};
-  next_look_ = number - number % kLookStep + kLookStep;
+  if (sink_ == nullptr || (composite->images.wanted & kNeeded) != kNeeded) return {};
+  const bool is_soon = sink_->looks_soon() && number >= last_look_ + kSoon;
+  if (number < next_look_ && !is_soon) return {};
+  next_look_ = number - number % kLookStep + kLookStep, last_look_ = number;
   MIXRIG_TRY(thread_->push(composite));
   if (!live_) thread_->wait_until_idle();
   return {};

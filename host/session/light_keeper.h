@@ -42,7 +42,8 @@ class LightKeeper {
   /// stands still: only there is told what each lamp gives to a pixel.
   Result<void> open(WorkGate* gate);
   bool is_open() const { return sink_ != nullptr; }
-  /// Gives one of five finished frames to the watch. Errors: those of an earlier one.
+  /// Gives one of five finished frames to the watch, and that two after one in which it found a
+  /// change. Errors: those of an earlier one.
   Result<void> push(const output::CompositePtr& composite);
   /// What was found counts from now on.
   void take_factors();
@@ -56,9 +57,9 @@ class LightKeeper {
  private:
   const Session& session_;
   const bool live_;
-  LightSink* sink_ = nullptr;  ///< that of thread_
-  int next_look_ = 0;
-  std::vector<float> factors_;  ///< ambient, then lamps; empty: nothing was found yet
+  LightSink* sink_ = nullptr;          ///< that of thread_
+  int next_look_ = 0, last_look_ = 0;  ///< numbers of frames
+  std::vector<float> factors_;         ///< ambient, then lamps; empty: nothing was found yet
   std::vector<glm::vec3> intensity_;
   std::unique_ptr<output::SinkThread> thread_;
 };
