@@ -10,15 +10,15 @@
 layout(binding = 0) uniform sampler2D raw_z_m;
 layout(binding = 1) uniform sampler2D bend_m;
 uniform float noise_floor_m, noise_linear, noise_quadratic_per_m;
-uniform float step_sigmas, step_min_m, step_bends;
+uniform float step_sigmas, step_min_m, step_bends, bends_part;
 layout(location = 0) out float z_m;
 layout(location = 1) out float step_m;
 
 float find_step(ivec2 at, float z) {
   float sigma_m = noise_floor_m + z * (noise_linear + z * noise_quadratic_per_m), sum = 0.0;
   for (int i = 0; i < 9; ++i) sum += value_at(bend_m, at + ivec2(i % 3 - 1, i / 3 - 1));
-  float noise = max(step_sigmas * sqrt(2.0) * sigma_m, step_bends / 9.0 * sum);
-  return max(step_min_m, min(steepest * z, noise));
+  float by_noise = min(steepest * z, step_sigmas * sqrt(2.0) * sigma_m);
+  return max(step_min_m, max(by_noise, min(bends_part * z, step_bends / 9.0 * sum)));
 }
 
 // near, far: depths one and two pixels away on either side. Amplitudes fall with the square of the

@@ -19,6 +19,10 @@ inline constexpr float kFarthestM = 1e4F;
 /// A step is at most this part, however noisy the pixel: otherwise dark surfaces would swallow
 /// people in front of them.
 inline constexpr float kSteepest = 0.1F;
+/// Of noise that only the bends around tell: at most the step of a surface this steep (tangent; it
+/// is seen at 3.4 degrees). The scene's own steps bend too, and held links between a dark wall and
+/// what stands before it.
+inline constexpr float kSteepestSlope = 17.0F;
 /// A larger bend is a step of the scene, not noise.
 inline constexpr float kLargestBend = 0.04F;
 /// Three depths lie on one plane up to this part of a step: less breaks noisy walls, more bridges
@@ -36,6 +40,16 @@ inline constexpr int kLeastKnown = 5;
 /// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy
 /// and must not carry a corner far behind its surface.
 inline constexpr float kLeastCornerPart = 0.5F;
+/// How far a surface reaches past its last sample towards a farther one, in halves of a ToF pixel:
+/// where the other camera looks past its border at what the ToF camera does not see, which is
+/// better unknown than wrong...
+inline constexpr float kOpenReach = 0.7F;
+/// ...and where it covers what the ToF camera sees beside it: pixels that saw both surfaces are
+/// more often taken for the farther one.
+inline constexpr float kShutReach = 1.2F;
+/// Pixels of the view that open or shut from where on these hold; 1 where none do, and between them
+/// in proportion.
+inline constexpr float kReachRampPx = 2.0F;
 /// Most indices of a cell: four quarters of two triangles.
 inline constexpr int kCellIndices = 24;
 

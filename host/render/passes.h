@@ -55,15 +55,17 @@ struct PinholeParams {
 struct CorrectParams {
   bool depth_is_distance = false;
   NoiseParams noise = noise_params({});
-  float step_sigmas = 6.0F;  ///< a depth step is this many standard deviations of a difference
-  float step_min_m = 0.04F;  ///< and at least this
-  float step_bends = 6.0F;   ///< or this many mean bends: noise on dark surfaces
+  float step_sigmas = 6.0F;      ///< a depth step is this many standard deviations of a difference
+  float step_min_m = 0.04F;      ///< and at least this
+  float step_bends = 6.0F;       ///< or this many mean bends: noise on dark surfaces
+  float bends_part = kSteepest;  ///< largest part of the depth that the bends make of it
 };
 
 /// ToF grid to view as a mesh.
 struct WarpParams {
   glm::mat4 camera_from_tof{1};
   PinholeParams view;
+  float open_reach = kOpenReach, shut_reach = kShutReach;
 };
 
 /// A depth camera's surfaces against what another one measured there.

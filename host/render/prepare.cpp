@@ -93,6 +93,10 @@ Image<glm::vec2> tof_rays(const geometry::CameraModel& tof) {
   return rays;
 }
 
+float bends_part(const geometry::CameraModel& tof) {
+  return std::min(kSteepest, kSteepestSlope / static_cast<float>(tof.pinhole.fx_px));
+}
+
 void set_view(const CompositorSetup& setup, Tables& tables) {
   tables.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
   tables.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
@@ -183,6 +187,7 @@ Tables make_tables(const CompositorSetup& setup) {
   if (setup.tof2) t.tof2_size = setup.tof2->model.size_px();
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);
+  t.correct.bends_part = bends_part(setup.tof);
   set_view(setup, t);
 
   t.has_background = !setup.background.depth_m.empty();

@@ -64,6 +64,9 @@ struct SecondTables {
 /// (x/z, y/z) of each pixel of a depth camera; NaN where its lens has no ray. Pure.
 Image<glm::vec2> tof_rays(const geometry::CameraModel& tof);
 
+/// CorrectParams::bends_part of a depth camera. Pure.
+float bends_part(const geometry::CameraModel& tof);
+
 /// Precondition: validate(setup) holds.
 Tables make_tables(const CompositorSetup& setup);
 

@@ -81,15 +81,17 @@ TEST_F(WarpPassTest, nearest_surface_wins_and_gaps_stay_unknown) {
   // The ToF camera stands 0.25 m to the left: a point at z moves right by 32 x 0.25 / z.
   tables_.warp.camera_from_tof[3] = glm::vec4(0.25F, 0, 0, 1);
   const auto w = draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
-  // Near half ends at 15.5 + 8 = 23.5, far half starts at 15.5 + 2 = 17.5: near covers it.
+  // Near half ends at 13.5 + 1.2 x 2 + 8 = 23.9, far half starts at 15.5 + 2 = 17.5: near covers
+  // it.
   EXPECT_NEAR(std::abs(w.at(23, 15).r), 1.0F, 1e-6F);
   EXPECT_NEAR(std::abs(w.at(24, 15).r), 0.25F, 1e-6F);
   tables_.warp.camera_from_tof[3] = glm::vec4(-0.25F, 0, 0, 1);
   const auto gap =
       draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
-  // Near half ends at 7.5, far half starts at 13.5: the camera saw nothing between.
-  EXPECT_NEAR(std::abs(gap.at(7, 15).r), 1.0F, 1e-6F);
-  for (int x = 8; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
+  // Near half ends at 13.5 + 0.7 x 2 - 8 = 6.9, far half starts at 13.5: the camera saw nothing
+  // between.
+  EXPECT_NEAR(std::abs(gap.at(6, 15).r), 1.0F, 1e-6F);
+  for (int x = 7; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
   EXPECT_NEAR(std::abs(gap.at(14, 15).r), 0.25F, 1e-6F);
 }
 

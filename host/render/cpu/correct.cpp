@@ -57,8 +57,9 @@ void step_row(const CorrectParams& params, const float* z_m, const float* bend_m
     const float z = z_m[x];
     const float declared = sigmas * params.noise.sigma_m(z);
     const float found = params.step_bends / 9 * sum;
-    const float noise = declared > found ? declared : found;
-    const float step = noise < kSteepest * z ? noise : kSteepest * z;
+    const float by_noise = declared < kSteepest * z ? declared : kSteepest * z;
+    const float by_bends = found < params.bends_part * z ? found : params.bends_part * z;
+    const float step = by_noise > by_bends ? by_noise : by_bends;
     step_m[x] = step > params.step_min_m ? step : params.step_min_m;
   }
 }

@@ -11,6 +11,7 @@ void set_noise(const Program& program, const CorrectParams& params) {
   program.set("step_sigmas", params.step_sigmas);
   program.set("step_min_m", params.step_min_m);
   program.set("step_bends", params.step_bends);
+  program.set("bends_part", params.bends_part);
 }
 
 }  // namespace

@@ -47,6 +47,9 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
 
 void WarpPass::set_view(const Tables& tables) {
   warp_.set("camera_from_tof", tables.warp.camera_from_tof);
+  warp_.set("focal_px", tables.warp.view.focal_px);
+  warp_.set("open_reach_now", tables.warp.open_reach);
+  warp_.set("shut_reach_now", tables.warp.shut_reach);
   warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
 }
 

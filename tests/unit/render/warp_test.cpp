@@ -13,8 +13,8 @@ constexpr Size kWarpTof{8, 8}, kWarpView{32, 32};
 /// ToF pixel x lands at u = 4 x + 1.5 of the view where the cameras stand at one place.
 struct Warped {
   explicit Warped(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
-                  int threads = 1, Size view = kWarpView) {
-    render::CompositorSetup setup = plain_setup(view, 32, depth_m.size(), 8);
+                  int threads = 1, Size view = kWarpView, double view_f_px = 32) {
+    render::CompositorSetup setup = plain_setup(view, view_f_px, depth_m.size(), 8);
     setup.target_from_tof = target_from_tof;
     const render::Tables tables = render::make_tables(setup);
     Crew crew(threads);
@@ -70,12 +70,32 @@ TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
   pose.translation_m = {-0.25, 0, 0};
   const Warped warped(
       make_image<float>(kWarpTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
-  // Near: samples 3 and 4 with half a cell around them, 11.5 .. 19.5, moved by 8 px.
+  // Near: samples 3 and 4, 13.5 .. 17.5, moved by 8 px, with 1.2 quarters of a cell towards what
+  // they cover and 0.7 towards what they open: 3.1 .. 10.9.
+  EXPECT_NEAR(warped.w.at(3, 15), 0.25F, 1e-6F);
   EXPECT_NEAR(warped.w.at(4, 15), 1.0F, 1e-6F);
-  EXPECT_NEAR(warped.w.at(11, 15), 1.0F, 1e-6F);
+  EXPECT_NEAR(warped.w.at(10, 15), 1.0F, 1e-6F);
   // Far: from 19.5 - 2 on; between lies what only the target camera sees.
-  for (int x = 12; x <= 17; ++x) EXPECT_EQ(warped.w.at(x, 15), 0.0F) << x;
+  for (int x = 11; x <= 17; ++x) EXPECT_EQ(warped.w.at(x, 15), 0.0F) << x;
   EXPECT_NEAR(warped.w.at(18, 15), 0.25F, 1e-6F);
+}
+
+TEST(Warp, reach_is_more_over_what_the_tof_camera_sees_and_less_over_what_it_does_not) {
+  // A ToF pixel spans 32 px of the view. The near half ends 16 px past its last sample, which the
+  // shift between the cameras moves by `moves_px` against the far half.
+  const auto border_px = [](double moves_px) {
+    geometry::Pose pose;
+    pose.translation_m.x() = moves_px / (256 * (1 - 0.25));
+    const auto depth = make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; });
+    const Warped warped(depth, pose, 1, {256, 256}, 256);
+    int x = 255;
+    while (x > 0 && warped.w.at(x, 128) < 0.9F) --x;
+    return x - 256 * pose.translation_m.x();
+  };
+  const double still_px = border_px(0);
+  EXPECT_NEAR(border_px(12) - still_px, 0.2 * 16, 0.75);
+  EXPECT_NEAR(border_px(1) - still_px, 0.5 * 0.2 * 16, 0.75);  // half way up the ramp
+  EXPECT_NEAR(border_px(-12) - still_px, -0.3 * 16, 0.75);
 }
 
 TEST(Warp, surface_seen_from_behind_or_behind_the_camera_draws_nothing) {
