@@ -7,7 +7,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr int kBlurGrain = 8;
+constexpr int kBlurGrain = 16;
 using BlurTaps = std::array<float, kBlurReach + 1>;
 
 glm::vec4 premultiplied(const VirtualLayer& from, int x, int y) {
@@ -46,10 +46,11 @@ float nearest_w(const VirtualLayer& from, int x, int y) {
 
 std::uint16_t to_16(float v) { return static_cast<std::uint16_t>(std::min(v, kLinearOne) + 0.5F); }
 
-void blur_down(const VirtualLayer& from, const BlurTaps& taps, int y, BlurScratch& scratch) {
-  VirtualLayer& to = scratch.layer;
+/// `across`: rows from `first_y` on, blurred along.
+void blur_down(const VirtualLayer& from, const BlurTaps& taps, int y,
+               const Image<glm::vec4>& across, int first_y, VirtualLayer& to) {
   const auto row = [&](int j) {
-    return j >= from.rect.y0 && j < from.rect.y1 ? scratch.across.row(j) : nullptr;
+    return j >= from.rect.y0 && j < from.rect.y1 ? across.row(j - first_y) : nullptr;
   };
   std::array<const glm::vec4*, 2 * kBlurReach + 1> rows;
   for (int j = 0; j < static_cast<int>(rows.size()); ++j)
@@ -85,8 +86,10 @@ glm::vec3 GrainOf::added(const glm::vec3& color, float coverage, int x, int y) c
 void blur_layer(Crew& crew, float sigma_px, const VirtualLayer& from, BlurScratch& scratch) {
   const Size size = from.coverage.size();
   VirtualLayer& to = scratch.layer;
-  if (scratch.across.size() != size) {
-    scratch.across.reset(size, glm::vec4(0));
+  if (to.coverage.size() != size) {
+    scratch.across.resize(static_cast<std::size_t>(crew.threads()));
+    for (Image<glm::vec4>& band : scratch.across)
+      band.reset({size.width, kBlurGrain + 2 * kBlurReach});
     to.coverage.reset(size), to.w.reset(size), to.color.reset(size);
   }
   for (int y = to.rect.y0; y < to.rect.y1; ++y)
@@ -98,12 +101,12 @@ void blur_layer(Crew& crew, float sigma_px, const VirtualLayer& from, BlurScratc
                              std::min(r.y1 + kBlurReach, size.height)};
   if (to.rect.empty()) return;
   const BlurTaps taps = blur_taps(sigma_px);
-  crew.rows(r.y1 - r.y0, kBlurGrain, [&](int begin, int end) {
-    for (int y = r.y0 + begin; y < r.y0 + end; ++y)
-      blur_along(from, taps, y, to.rect, scratch.across.row(y));
-  });
-  crew.rows(to.rect.y1 - to.rect.y0, kBlurGrain, [&](int begin, int end) {
-    for (int y = to.rect.y0 + begin; y < to.rect.y0 + end; ++y) blur_down(from, taps, y, scratch);
+  crew.rows_by_worker(to.rect.y1 - to.rect.y0, kBlurGrain, [&](int worker, int begin, int end) {
+    Image<glm::vec4>& across = scratch.across[static_cast<std::size_t>(worker)];
+    const int y0 = to.rect.y0 + begin, y1 = to.rect.y0 + end, first_y = y0 - kBlurReach;
+    for (int y = std::max(first_y, r.y0); y < std::min(y1 + kBlurReach, r.y1); ++y)
+      blur_along(from, taps, y, to.rect, across.row(y - first_y));
+    for (int y = y0; y < y1; ++y) blur_down(from, taps, y, across, first_y, to);
   });
 }
 
