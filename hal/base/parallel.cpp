@@ -2,11 +2,29 @@
 #include "hal/base/parallel.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include <sched.h>
 
 namespace mixrig {
 namespace {
+
+// Of Crew::call_.
+constexpr std::uint32_t kWorker = 1, kOpen = 1U << 12, kNumber = kOpen << 1;
+constexpr std::uint32_t workers_of(std::uint32_t call) { return call & (kOpen - 1); }
+constexpr std::uint32_t number_of(std::uint32_t call) { return call / kNumber; }
+
+/// How long a thread looks for a change before it sleeps.
+constexpr std::chrono::microseconds kLook{50};
+
+/// Tells the processor that a loop waits for another core.
+void relax() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
 
 /// Cores that the calling thread may use; empty where the system does not say.
 std::vector<int> allowed_cores() {
@@ -53,12 +71,32 @@ Crew::Crew(int threads) : cores_(allowed_cores()) {
 }
 
 Crew::~Crew() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  start_.notify_all();
+  stop_ = true;
+  call_.fetch_add(kNumber);
+  call_.notify_all();
   for (auto& worker : workers_) worker.join();
+}
+
+/// Waits until differs(call_), and returns that call_.
+template <typename Differs>
+std::uint32_t Crew::await(Differs&& differs) {
+  std::uint32_t call = call_.load(std::memory_order_acquire);
+  if (differs(call)) return call;
+  if (!cores_.empty()) {
+    const auto end = std::chrono::steady_clock::now() + kLook;
+    do {
+      for (int i = 0; i < 16; ++i) {
+        relax();
+        call = call_.load(std::memory_order_acquire);
+        if (differs(call)) return call;
+      }
+    } while (std::chrono::steady_clock::now() < end);
+  }
+  while (!differs(call)) {
+    call_.wait(call, std::memory_order_acquire);
+    call = call_.load(std::memory_order_acquire);
+  }
+  return call;
 }
 
 void Crew::run(int count, int grain, Function function, void* context) {
@@ -70,48 +108,33 @@ void Crew::run(int count, int grain, Function function, void* context) {
     return;
   }
   const OnFirstCore caller(cores_);
-  {
-    const std::lock_guard lock(mutex_);
-    function_ = function;
-    context_ = context;
-    next_ = 0;
-    count_ = count;
-    grain_ = grain;
-    ++generation_;
-  }
-  start_.notify_all();
+  function_ = function, context_ = context, count_ = count, grain_ = grain;
+  next_.store(0, std::memory_order_relaxed);
+  // Nobody works on a closed call, so that no other thread changes call_ here.
+  call_.store((number_of(call_.load(std::memory_order_relaxed)) + 1) * kNumber + kOpen);
+  call_.notify_all();
   take_bands(0);
-  std::unique_lock lock(mutex_);
-  done_.wait(lock, [this] { return busy_ == 0 && next_ >= count_; });
+  call_.fetch_sub(kOpen);
+  await([](std::uint32_t call) { return workers_of(call) == 0; });
 }
 
 void Crew::take_bands(int worker) {
-  std::unique_lock lock(mutex_);
-  ++busy_;
-  while (next_ < count_) {
-    const int begin = next_;
-    const int end = std::min(begin + grain_, count_);
-    next_ = end;
-    const Function function = function_;
-    void* const context = context_;
-    lock.unlock();
-    function(context, worker, begin, end);
-    lock.lock();
-  }
-  if (--busy_ == 0) done_.notify_all();
+  for (int begin; (begin = next_.fetch_add(grain_, std::memory_order_relaxed)) < count_;)
+    function_(context_, worker, begin, std::min(begin + grain_, count_));
 }
 
 void Crew::work(int worker) {
   if (!cores_.empty()) keep_on(cores_[static_cast<std::size_t>(worker)]);
-  unsigned seen = 0;
-  while (true) {
-    {
-      std::unique_lock lock(mutex_);
-      start_.wait(lock, [&] { return stop_ || generation_ != seen; });
-      if (stop_) return;
-      seen = generation_;
-    }
-    take_bands(worker);
+  for (std::uint32_t seen = 0; !stop_;) {
+    std::uint32_t call = await([&](std::uint32_t c) { return number_of(c) != seen; });
+    seen = number_of(call);
+    while (call & kOpen && number_of(call) == seen)
+      if (call_.compare_exchange_weak(call, call + kWorker)) {
+        take_bands(worker);
+        // The caller may sleep until the last one leaves.
+        if (workers_of(call_.fetch_sub(kWorker)) == 1) call_.notify_all();
+        break;
+      }
   }
 }
 

@@ -2,8 +2,8 @@
 // A fixed set of threads that process bands of rows in parallel. No allocation per call.
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
+#include <atomic>
+#include <cstdint>
 #include <span>
 #include <thread>
 #include <vector>
@@ -14,8 +14,9 @@ namespace mixrig {
 /// One call at a time per crew; the body must not call back into the same crew.
 /// With one thread per core each worker stays on a core of its own, and the caller on the remaining
 /// one during a call: some systems (Linux as a KVM guest) otherwise wake two of them on the same
-/// core while another one idles, which cost a frame up to half of its time. Fewer threads are
-/// placed by the system.
+/// core while another one idles, which cost a frame up to half of its time. Such threads also look
+/// for the next call for a while (kLook) before they sleep: to wake one takes longer than many a
+/// call. Other numbers of threads are placed by the system and sleep at once.
 class Crew {
  public:
   /// `threads` >= 1; 0 means one per core.
@@ -50,15 +51,18 @@ class Crew {
   void run(int count, int grain, Function function, void* context);
   void work(int worker);
   void take_bands(int worker);
+  template <typename Differs>
+  std::uint32_t await(Differs&& differs);
 
   std::vector<int> cores_;  ///< of each thread, the caller first; empty: placed by the system
-  std::mutex mutex_;
-  std::condition_variable start_, done_;
+  /// A call's number above kNumber, kOpen while workers may join it, and how many work on it.
+  std::atomic<std::uint32_t> call_{0};
+  std::atomic<bool> stop_{false};
+  // Of the open call: written before it is opened, after all workers have left the one before.
   Function function_ = nullptr;
   void* context_ = nullptr;
-  int next_ = 0, count_ = 0, grain_ = 1, busy_ = 0;
-  unsigned generation_ = 0;
-  bool stop_ = false;
+  int count_ = 0, grain_ = 1;
+  std::atomic<int> next_{0};  ///< first row that nobody has taken
   std::vector<std::thread> workers_;
 };
 

@@ -47,6 +47,7 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
     }
   samples_.reserve(grid_.size());
   ratios_.reserve(grid_.size());
+  order_.reserve(grid_.size());
   learn(background);
 }
 
@@ -86,24 +87,24 @@ glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
       ratios_.push_back({std::log(luminance(now) / luminance(s.learned)), now, s.learned});
   }
   if (ratios_.size() < kLeastSamples) return glm::vec3(1);
-  const Ratio most = densest_third(ratios_);
+  const Ratio most = densest_third();
   return glm::clamp(most.plate / most.learned, 1 / kMostGain, kMostGain);
 }
 
-ExposureMeter::Ratio ExposureMeter::densest_third(std::span<Ratio> ratios) {
-  std::sort(ratios.begin(), ratios.end(),
-            [](const Ratio& a, const Ratio& b) { return a.log_luminance < b.log_luminance; });
-  const std::size_t third = ratios.size() / 3;
+ExposureMeter::Ratio ExposureMeter::densest_third() {
+  order_.clear();
+  for (std::uint32_t i = 0; i < ratios_.size(); ++i)
+    order_.push_back({ratios_[i].log_luminance, i});
+  std::sort(order_.begin(), order_.end());
+  const std::size_t third = order_.size() / 3;
   std::size_t best = 0;
-  const auto width = [&](std::size_t i) {
-    return ratios[i + third].log_luminance - ratios[i].log_luminance;
-  };
-  for (std::size_t i = 1; i + third < ratios.size(); ++i)
+  const auto width = [&](std::size_t i) { return order_[i + third].first - order_[i].first; };
+  for (std::size_t i = 1; i + third < order_.size(); ++i)
     if (width(i) < width(best)) best = i;
   Ratio sum;
   for (std::size_t i = best; i <= best + third; ++i) {
-    sum.plate += ratios[i].plate;
-    sum.learned += ratios[i].learned;
+    sum.plate += ratios_[order_[i].second].plate;
+    sum.learned += ratios_[order_[i].second].learned;
   }
   return sum;
 }
@@ -125,7 +126,7 @@ std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate,
     ratios_.push_back({std::log(luminance(now) / light), now, s.learned});
   }
   if (ratios_.size() < kLeastAround) return std::nullopt;
-  const Ratio most = densest_third(ratios_);
+  const Ratio most = densest_third();
   glm::vec3 ratio = glm::clamp(most.plate / (most.learned * gain), 1 / kMostGain, kMostGain);
   // Tones do not differ where the exposure has not changed, and by no more than it has.
   const float changed = std::abs(std::log(luminance(gain)));
@@ -138,6 +139,8 @@ std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate,
 
 ToneCurve ExposureMeter::curve(ImageView<const Rgb8> plate) {
   ToneCurve curve(gain(plate));
+  // Tones bend by what the exposure has changed beyond kStraight (around_knot).
+  if (std::abs(std::log(luminance(curve.gain))) <= kStraight) return curve;
   std::array<std::optional<glm::vec3>, kTonePieces> ratio;
   float knot = kToneFirstKnot;
   for (auto& known : ratio) known = around_knot(plate, knot, curve.gain), knot *= 2;

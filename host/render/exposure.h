@@ -2,8 +2,10 @@
 // How much brighter the camera is set than when the background was learned.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -54,14 +56,15 @@ class ExposureMeter {
     float log_luminance = 0;
     glm::vec3 plate{0}, learned{0};
   };
-  /// Sums over the shortest interval that holds a third of the ratios, which are sorted.
-  static Ratio densest_third(std::span<Ratio> ratios);
+  /// Sums over the shortest interval that holds a third of `ratios_`.
+  Ratio densest_third();
   /// The camera's gain around a knot over `gain`; none where too few places tell.
   std::optional<glm::vec3> around_knot(ImageView<const Rgb8> plate, float knot,
                                        const glm::vec3& gain);
   std::vector<Place> grid_;
   std::vector<Sample> samples_;
   std::vector<Ratio> ratios_;
+  std::vector<std::pair<float, std::uint32_t>> order_;  ///< logarithms of `ratios_`, and which
 };
 
 }  // namespace mixrig::render

@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 
 #include "hal/base/log.h"
@@ -79,10 +80,15 @@ int run(int argc, char** argv) {
   return exit_status(done.error());
 }
 
+/// Images keep pages of their own, which go back to the system when they are freed: glibc would
+/// keep those of a size that was freed once.
+constexpr int kOwnPagesFromBytes = 1 << 20;
+
 }  // namespace
 }  // namespace mixrig::tools
 
 int main(int argc, char** argv) {
+  (void)::mallopt(M_MMAP_THRESHOLD, mixrig::tools::kOwnPagesFromBytes);
   try {
     return mixrig::tools::run(argc, argv);
   } catch (const std::exception& error) {

@@ -7,7 +7,7 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr int kBlurGrain = 8;
+constexpr int kBlurGrain = 16;
 using AxisTaps = std::array<glm::vec4, kBlurReach + 1>;
 
 AxisTaps axis_taps(const LookTaps& light, const LookTaps& chroma) {
@@ -53,10 +53,11 @@ float nearest_w(const VirtualLayer& from, int x, int y) {
 
 std::uint16_t to_16(float v) { return static_cast<std::uint16_t>(std::min(v, kLinearOne) + 0.5F); }
 
-void blur_down(const VirtualLayer& from, const AxisTaps& taps, int y, BlurScratch& scratch) {
-  VirtualLayer& to = scratch.layer;
+/// `across`: rows from `first_y` on, blurred along.
+void blur_down(const VirtualLayer& from, const AxisTaps& taps, int y,
+               const Image<glm::vec4>& across, int first_y, VirtualLayer& to) {
   const auto row = [&](int j) {
-    return j >= from.rect.y0 && j < from.rect.y1 ? scratch.across.row(j) : nullptr;
+    return j >= from.rect.y0 && j < from.rect.y1 ? across.row(j - first_y) : nullptr;
   };
   std::array<const glm::vec4*, 2 * kBlurReach + 1> rows;
   for (int j = 0; j < static_cast<int>(rows.size()); ++j)
@@ -94,8 +95,10 @@ void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
                 BlurScratch& scratch) {
   const Size size = from.coverage.size();
   VirtualLayer& to = scratch.layer;
-  if (scratch.across.size() != size) {
-    scratch.across.reset(size, glm::vec4(0));
+  if (to.coverage.size() != size) {
+    scratch.across.resize(static_cast<std::size_t>(crew.threads()));
+    for (Image<glm::vec4>& band : scratch.across)
+      band.reset({size.width, kBlurGrain + 2 * kBlurReach});
     to.coverage.reset(size), to.w.reset(size), to.color.reset(size);
   }
   for (int y = to.rect.y0; y < to.rect.y1; ++y)
@@ -108,12 +111,12 @@ void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
   if (to.rect.empty()) return;
   const AxisTaps along = axis_taps(filter.light, filter.chroma_x);
   const AxisTaps down = axis_taps(filter.light, filter.chroma_y);
-  crew.rows(r.y1 - r.y0, kBlurGrain, [&](int begin, int end) {
-    for (int y = r.y0 + begin; y < r.y0 + end; ++y)
-      blur_along(from, along, y, to.rect, scratch.across.row(y));
-  });
-  crew.rows(to.rect.y1 - to.rect.y0, kBlurGrain, [&](int begin, int end) {
-    for (int y = to.rect.y0 + begin; y < to.rect.y0 + end; ++y) blur_down(from, down, y, scratch);
+  crew.rows_by_worker(to.rect.y1 - to.rect.y0, kBlurGrain, [&](int worker, int begin, int end) {
+    Image<glm::vec4>& across = scratch.across[static_cast<std::size_t>(worker)];
+    const int y0 = to.rect.y0 + begin, y1 = to.rect.y0 + end, first_y = y0 - kBlurReach;
+    for (int y = std::max(first_y, r.y0); y < std::min(y1 + kBlurReach, r.y1); ++y)
+      blur_along(from, along, y, to.rect, across.row(y - first_y));
+    for (int y = y0; y < y1; ++y) blur_down(from, down, y, across, first_y, to);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "hal/base/parallel.h"
 #include "host/render/cpu/virtual.h"
@@ -25,8 +26,8 @@ struct GrainOf {
 
 /// Memory of the blur.
 struct BlurScratch {
-  Image<glm::vec4> across;  ///< to_differences() of colour and coverage, filtered along rows
-  VirtualLayer layer;       ///< what is blurred: rect, coverage, w and color
+  std::vector<Image<glm::vec4>> across;  ///< a thread's band of to_differences(), along rows
+  VirtualLayer layer;                    ///< what is filtered: rect, coverage, w and color
 };
 
 /// Filters colour and coverage of `from` into scratch.layer. Pixels that only the blur covers are
