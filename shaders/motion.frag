@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass motion: virtual colour blurred along its way while the plate was exposed.
 //   virtual_color, color  linear, premultiplied by the coverage in alpha
-//   virtual_w, w          1/m, 0 where not covered; of pixels that objects only pass: of the nearest
+//   virtual_w, w          1/m, 0 where not covered; where objects only pass: of the nearest
 //                         that the way meets
 #include "common/precision.glsl"
 #include "common/constants.glsl"

@@ -22,13 +22,13 @@ struct Composite {
   std::shared_ptr<const capture::Truth> truth;  ///< null where the source has none
   /// Where people are, in a run that wants it of a source that knows.
   std::optional<std::vector<capture::TruePerson>> true_people;
-  geometry::Pose world_from_target;     ///< that was used
-  capture::CameraPose pose;             ///< of the source; where it is lost, why
-  geometry::Pinhole view;               ///< that the images are in
-  std::optional<double> slip_px;        ///< of the contact points, against the true pose
-  std::optional<double> slip_sigma_px;  ///< the same, predicted from the pose's covariance
+  geometry::Pose world_from_target;            ///< that was used
+  capture::CameraPose pose;                    ///< of the source; where it is lost, why
+  geometry::Pinhole view;                      ///< that the images are in
+  std::optional<double> slip_px;               ///< of the contact points, against the true pose
+  std::optional<double> slip_sigma_px;         ///< the same, predicted from the pose's covariance
   std::optional<render::CameraMotion> motion;  ///< while the plate was exposed, where it is known
-  bool objects_shown = true;            ///< false: hidden, since the pose is lost
+  bool objects_shown = true;                   ///< false: hidden, since the pose is lost
   /// Of the scene's objects; empty: where the scene has them.
   std::vector<geometry::Pose> world_from_object;
   render::FrameOutput images;  ///< those of images.wanted are valid

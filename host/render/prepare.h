@@ -165,7 +165,7 @@ struct FrameParams {
   std::vector<ContactParams> contacts;
   std::span<const HiddenShares> contact_hidden;  ///< kContactNodes^3 of each of `contacts`
   std::vector<Draw> draws;
-  Rect virtual_rect;  ///< view pixels that virtual objects may touch
+  Rect virtual_rect;            ///< view pixels that virtual objects may touch
   float nearest_virtual_w = 0;  ///< 1/m: none of them is nearer
 };
 

@@ -65,8 +65,8 @@ bool has_true_poses(const Session& session) {
   return from_elsewhere && session.source->info().true_poses;
 }
 
-/// For the motion blur of virtual things: what the scene or else the source says; 0: none is wanted,
-/// or it is not known.
+/// For the motion blur of virtual things: what the scene or else the source says; 0: none is
+/// wanted, or it is not known.
 double plate_exposure_s(const Session& session) {
   const scene::LookSettings& look = session.scene.look;
   if (!look.motion || !session.poses->moves()) return 0;
