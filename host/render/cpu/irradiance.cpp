@@ -11,6 +11,8 @@
 namespace mixrig::render::cpu {
 namespace {
 
+constexpr float kFaintestLight = 1e-12F;
+
 /// Irradiance by an unhidden lamp of intensity 1, as CONVENTIONS.md has it.
 FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   const FloatLanes x = lamp.position_m.x - at.position_m.x, y = lamp.position_m.y - at.position_m.y,
@@ -39,7 +41,7 @@ CellLanes cell_at(FloatLanes at, int count) {
 }
 
 /// Share of a lamp that is seen past the real room: RoomShade, trilinear.
-FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
+FloatLanes share_in_room(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
   if (lamp.room_layer < 0) return FloatLanes{} + 1.0F;
   const RoomShadeParams& room = frame.room;
   const FloatLanes px = at.position_m.x + room.lift_m * at.normal.x,
@@ -66,6 +68,23 @@ FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const Su
   const FloatLanes a = along_y(0), b = along_y(plane);
   return a + (b - a) * z.share;
 }
+
+/// The same for one lamp after another: parts of a panel, which follow each other, share it.
+class RoomShares {
+ public:
+  RoomShares(const FrameParams& frame, const SurfaceLanes& at) : frame_(frame), at_(at) {}
+  const FloatLanes& of(const LampParams& lamp) {
+    if (lamp.room_layer != layer_)
+      share_ = share_in_room(frame_, lamp, at_), layer_ = lamp.room_layer;
+    return share_;
+  }
+
+ private:
+  const FrameParams& frame_;
+  const SurfaceLanes& at_;
+  int layer_ = -1;
+  FloatLanes share_ = FloatLanes{} + 1.0F;
+};
 
 /// Of real surfaces, which are in no map of objects.
 VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
@@ -95,11 +114,11 @@ class PastPeople {
 };
 
 /// Luminance of a lamp of the real scene without the virtual objects.
-FloatLanes real_light(const FrameParams& frame, const LampParams& lamp, const PastPeople* past,
-                      const SurfaceLanes& at) {
+FloatLanes real_light(const LampParams& lamp, const PastPeople* past, const SurfaceLanes& at,
+                      RoomShares& room) {
   FloatLanes light = lamp_light(lamp, at);
   if (!any(light > 0)) return light;
-  light *= room_share(frame, lamp, at);
+  light *= room.of(lamp);
   return past != nullptr ? light * past->of(lamp) : light;
 }
 
@@ -121,6 +140,7 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
                        bool near, const SurfaceLanes& at, const PeopleMaps* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
   std::optional<PastPeople> past;
+  RoomShares room(frame, at);
   FloatLanes lost = near ? lost_ambient(frame, at) : FloatLanes{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
@@ -129,13 +149,40 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
     const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal());
     if (!any(hidden > 0)) continue;
     if (people != nullptr && !past) past.emplace(*people, at);
-    lost += hidden * real_light(frame, lamp, past ? &*past : nullptr, at);
+    lost += hidden * real_light(lamp, past ? &*past : nullptr, at, room);
   }
   if (!any(lost > 0)) return one;
   FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
   for (const LampParams& lamp : frame.lamps)
-    all += real_light(frame, lamp, past ? &*past : nullptr, at);
+    all += real_light(lamp, past ? &*past : nullptr, at, room);
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
+}
+
+void LightShares::find(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                       bool near, const SurfaceLanes& at) {
+  RoomShares room(frame, at);
+  FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const LampParams& lamp = frame.lamps[k];
+    const FloatLanes light = real_light(lamp, nullptr, at, room);
+    all += light;
+    if (!holds(maybe, k)) continue;
+    part[k] = light;
+    lost[k] =
+        any(light > 0) ? 1 - visibility(lamp, maps[k], at.position_m, no_normal()) : FloatLanes{};
+  }
+  const FloatLanes over = 1 / max(all, FloatLanes{} + kFaintestLight);
+  for (std::size_t k = 0; k < maps.size(); ++k)
+    if (holds(maybe, k)) part[k] *= over, lost[k] *= part[k];
+  ambient = near ? lost_ambient(frame, at) * over : FloatLanes{};
+}
+
+FloatLanes hidden_of(const LampParams& lamp, const ShadowMap& map, const SurfaceLanes& at) {
+  return 1 - visibility(lamp, map, at.position_m, no_normal());
+}
+
+FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
+  return share_in_room(frame, lamp, at);
 }
 
 namespace {
@@ -157,8 +204,10 @@ void add_ambient_past_objects(const FrameParams& frame, const SurfaceLanes& at,
 }  // namespace
 
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at, std::span<const FloatLanes> share) {
+                     const SurfaceLanes& at, std::span<const FloatLanes> share,
+                     PastRoom past_room) {
   ShadingLanes sum;
+  RoomShares room(frame, at);
   std::optional<GlossLanes> gloss;
   if (frame.glossy) gloss.emplace(at.position_m, at.normal, at.roughness);
   add_ambient_past_objects(frame, at, gloss, sum);
@@ -168,7 +217,8 @@ ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& map
     if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
-    if (lamp.room_layer >= 0) of_lamp *= room_share(frame, lamp, at);
+    const bool in_share = past_room == PastRoom::kInShare && k < share.size();
+    if (lamp.room_layer >= 0 && !in_share) of_lamp *= room.of(lamp);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
     add(of_lamp, intensity, sum.diffuse);
     if (gloss) add_gloss(lamp, at.position_m, *gloss, of_lamp, intensity, sum);

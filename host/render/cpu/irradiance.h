@@ -2,6 +2,7 @@
 // Light of all lamps on surfaces, past what casts shadows, a register of points at a time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,11 +46,29 @@ FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at);
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                        bool near, const SurfaceLanes& at, const PeopleMaps* people = nullptr);
 
+/// Of real surfaces: what light_ratio() sums.
+struct LightShares {
+  std::array<FloatLanes, kMostLamps> part,
+      lost;            ///< of a lamp in doubt: of all light, hidden of it
+  FloatLanes ambient;  ///< what is lost of it, of all light; negative where more is sent
+  /// Precondition: at most kMostLamps maps.
+  void find(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe, bool near,
+            const SurfaceLanes& at);
+};
+/// Share of a lamp that objects hide from real surfaces.
+FloatLanes hidden_of(const LampParams& lamp, const ShadowMap& map, const SurfaceLanes& at);
+/// Share of a lamp that is seen past the real room.
+FloatLanes room_share(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at);
+
+/// Whether what the real room hides of a lamp is in the shares that shading() is given.
+enum class PastRoom { kFind, kInShare };
+
 /// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
 /// `diffuse` is set. `maybe`: lamps that objects may hide; `share`: of the first lamps what is seen
 /// of each past what else hides them.
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at, std::span<const FloatLanes> share = {});
+                     const SurfaceLanes& at, std::span<const FloatLanes> share = {},
+                     PastRoom past_room = PastRoom::kFind);
 
 /// The same light past people too. False where people hide
 /// nothing; then `light` is not set.

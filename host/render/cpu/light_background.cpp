@@ -69,9 +69,11 @@ void light_tile(const LightInput& input, const Rect& rect, const DepthRange& dep
   if (!(depth_m.second > 0)) return;
   const Doubt doubt = doubt_of(input, rect, depth_m);
   if (is_sure(input, doubt)) return;
-  if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight &&
-      blur_allows_cells(input, doubt.lamps, rect, depth_m.first, depth_m.second))
-    return light_in_cells(input, doubt, lit_depth_m(input), rect, light);
+  if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight) {
+    const bool wide = input.maps.size() <= kMostLamps &&
+                      blur_allows_cells(input, doubt.lamps, rect, depth_m.first, depth_m.second);
+    return (wide ? light_in_cells : light_exactly)(input, doubt, lit_depth_m(input), rect, light);
+  }
   for (int y = rect.y0; y < rect.y1; ++y)
     light_row(input, doubt, y, rect.x0, rect.x1, light.row(y) + rect.x0);
 }
@@ -149,11 +151,11 @@ Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, fl
 
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
-                       float far_m) {
+                       float far_m, LampSet among) {
   const Corners corners_m = corners_of(view, rect, near_m, far_m);
   LampSet set = 0;
   for (std::size_t k = 0; k < std::min(maps.size(), kLampBits); ++k)
-    set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
+    if (holds(among, k)) set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
   return set;
 }
 

@@ -57,8 +57,9 @@ struct Doubt {
 };
 
 /// Lamps that may be hidden from anything that the rectangle's pixels show between two depths.
+/// `among`: those in doubt for a larger rectangle.
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
-                       float far_m);
+                       float far_m, LampSet among = kAllLamps);
 
 }  // namespace mixrig::render::cpu

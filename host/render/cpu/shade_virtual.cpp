@@ -6,8 +6,8 @@
 #include <span>
 
 #include "host/render/cpu/color_lanes.h"
-#include "host/render/cpu/light_cells.h"
 #include "host/render/cpu/light_parts.h"
+#include "host/render/cpu/virtual_cells.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -129,60 +129,74 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
       });
 }
 
-ShadingLanes shading_in_cells(const LightInput& input, LampSet maybe, const VirtualCells& cells,
-                              const Rect& tile, std::span<const Place> places,
-                              const SurfaceLanes& at) {
-  FloatLanes x = FloatLanes{} + static_cast<float>(tile.x0);
-  FloatLanes y = FloatLanes{} + static_cast<float>(tile.y0);
+ShadingLanes shading_in_cell(const LightInput& input, const VirtualCells& cells, int column,
+                             int row, std::span<const Place> places, const SurfaceLanes& at) {
+  FloatLanes x{}, y{};
   for (int i = 0; const Place& p : places) {
     const float middle = 0.5F * static_cast<float>(p.side - 1);
     x[i] = static_cast<float>(p.x) + middle, y[i] = static_cast<float>(p.y) + middle;
     ++i;
   }
+  const LampSet to_find = cells.lamps_to_find(column, row);
   std::array<FloatLanes, kMostLamps> share;
   const std::size_t count = std::min(input.maps.size(), share.size());
-  for (std::size_t k = 0; k < count; ++k)
-    share[k] = holds(maybe, k) ? cells.share(k, x, y) : FloatLanes{} + 1.0F;
-  const LampSet others = count < kLampBits ? maybe >> count << count : 0;
-  return shading(input.frame, input.maps, others, at, std::span(share).first(count));
+  cells.shares(column, row, to_find, x, y, share);
+  return shading(input.frame, input.maps, to_find, at, std::span(share).first(count),
+                 PastRoom::kInShare);
 }
 
-/// Turns the albedo of a tile into shaded colour.
+/// Turns the albedo of a rectangle into shaded colour: light_at(places, at) is its light.
+template <typename LightAt>
+void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
+                LightAt&& light_at) {
+  const auto all = [](int, int) { return true; };
+  const auto shade = [&](std::span<const Place> places, const SurfaceLanes& at) {
+    const ShadingLanes light = light_at(places, at);
+    for (int i = 0; const Place& p : places) {
+      for (int y = p.y; y < p.y + p.side; ++y)
+        for (int x = p.x; x < p.x + p.side; ++x) {
+          Rgbx16& color = layer.color.row(y)[x];
+          color = shaded(input, layer, x, y, color, light, i);
+        }
+      ++i;
+    }
+  };
+  // What is mirrored changes faster than the light that falls on a smooth surface.
+  if (layer.gloss.empty())
+    for_each_place<Squares::kOfTwo>(input, rect, layer, all, shade);
+  else
+    for_each_place<Squares::kSingle>(input, rect, layer, all, shade);
+}
+
+/// Each pixel of a rectangle by itself; `among`: lamps in doubt around it.
+void shade_exactly(const LightInput& input, LampSet among, const Rect& rect, VirtualLayer& layer) {
+  const auto [least_w, most_w] = positive_range(layer.w, rect);
+  if (!(most_w > 0)) return;
+  const LampSet maybe = lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, rect,
+                                       1 / most_w, 1 / least_w, among);
+  shade_rect(input, rect, layer, [&](std::span<const Place>, const SurfaceLanes& at) {
+    return shading(input.frame, input.maps, maybe, at);
+  });
+}
+
 void shade_tile(const LightInput& input, const Rect& tile, VirtualLayer& layer) {
   const auto [least_w, most_w] = positive_range(layer.w, tile);
   if (!(most_w > 0)) return;
   const LampSet maybe = lamps_in_doubt(input.tables.warp.view, input.frame.lamps, input.maps, tile,
                                        1 / most_w, 1 / least_w);
-  const auto each = [&](auto&& wanted, auto&& light_at) {
-    const auto shade = [&](std::span<const Place> places, const SurfaceLanes& at) {
-      const ShadingLanes light = light_at(places, at);
-      for (int i = 0; const Place& p : places) {
-        for (int y = p.y; y < p.y + p.side; ++y)
-          for (int x = p.x; x < p.x + p.side; ++x) {
-            Rgbx16& color = layer.color.row(y)[x];
-            color = shaded(input, layer, x, y, color, light, i);
-          }
-        ++i;
-      }
-    };
-    // What is mirrored changes faster than the light that falls on a smooth surface.
-    if (layer.gloss.empty())
-      for_each_place<Squares::kOfTwo>(input, tile, layer, wanted, shade);
-    else
-      for_each_place<Squares::kSingle>(input, tile, layer, wanted, shade);
-  };
-  const auto exact = [&](std::span<const Place>, const SurfaceLanes& at) {
-    return shading(input.frame, input.maps, maybe, at);
-  };
-  if (maybe == 0 || !blur_allows_cells(input, maybe, tile, 1 / most_w, 1 / least_w))
-    return each([](int, int) { return true; }, exact);
+  if (input.maps.size() > kMostLamps ||
+      !blur_allows_cells(input, maybe, tile, 1 / most_w, 1 / least_w))
+    return each_cell([&](int column, int row) {
+      shade_exactly(input, maybe, cell_rect(tile, column, row), layer);
+    });
   const VirtualCells cells(input, maybe, tile, layer);
-  if (cells.any_smooth())
-    each([&](int x, int y) { return cells.is_smooth(x, y); },
-         [&](std::span<const Place> places, const SurfaceLanes& at) {
-           return shading_in_cells(input, maybe, cells, tile, places, at);
-         });
-  each([&](int x, int y) { return !cells.is_smooth(x, y); }, exact);
+  each_cell([&](int column, int row) {
+    const Rect rect = cell_rect(tile, column, row);
+    if (!cells.is_smooth(column, row)) return shade_exactly(input, maybe, rect, layer);
+    shade_rect(input, rect, layer, [&](std::span<const Place> places, const SurfaceLanes& at) {
+      return shading_in_cell(input, cells, column, row, places, at);
+    });
+  });
 }
 
 TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<float>& virtual_w) {
