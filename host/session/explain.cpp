@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/render/people_motion.h"
 #include "host/render/prepare.h"
 #include "host/session/explain_people.h"
 #include "host/session/frame_cost.h"
@@ -37,6 +38,10 @@ std::string key_reason(const render::CompositorSetup& setup, render::KeyBy by) {
                               : "foreground against the learned background";
   if (setup.key.color) reason += ", by colour where depth is uncertain";
   if (setup.key.color && setup.key.refine) reason += ", the matte refined by the plate";
+  if (render::follows_people(setup)) {
+    if (setup.key.motion) reason += ", people's depth moved to the time of the plate";
+    if (setup.key.steady) reason += ", the matte before joins where the plate stayed alike";
+  }
   if (setup.capture_box && !volume) reason += ", cropped to the capture volume";
   return reason;
 }

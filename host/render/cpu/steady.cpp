@@ -23,10 +23,30 @@ float difference(Rgbx16 a, Rgbx16 b) {
   return (apart(a.r, b.r) + apart(a.g, b.g) + apart(a.b, b.b)) / std::sqrt(light + 1);
 }
 
+/// kBeforeShare exp(-x), nearly, and 0 from 4 on.
+float share_by(float x) {
+  const float t = std::max(0.0F, 1 - 0.25F * x), t2 = t * t;
+  return kBeforeShare * t2 * t2;
+}
+
 /// How alike 3x3 pixels are, and what the matte was there.
 struct BlockBefore {
   std::array<std::array<float, kBlockPx>, kBlockPx> share{}, matte{};
 };
+
+/// The pixels x0 - from .. of a row, those beyond its ends as at the ends.
+using Row = std::array<Rgbx16, kWide>;
+Row row_of(const Rgbx16* row, int x0, int from, int last_x) {
+  Row out;
+  if (x0 >= 0 && x0 + kWide <= last_x + 1 && x0 - from >= 0 && x0 - from + kWide <= last_x + 1) {
+    std::copy_n(row + x0 - from, kWide, out.begin());
+    return out;
+  }
+  for (int i = 0; i < kWide; ++i)
+    out[static_cast<std::size_t>(i)] =
+        row[std::clamp(std::clamp(x0 + i, 0, last_x) - from, 0, last_x)];
+  return out;
+}
 
 /// Where people move, the room stays and only they come from elsewhere.
 enum class Joins { kAll, kRoom, kPeople };
@@ -39,6 +59,7 @@ struct Join {
   Image<std::uint8_t>& matte;
 
   void block(int bx, int by) const;
+  bool changes(int x0, int y0, glm::ivec2 from, Joins joins) const;
   void compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const;
   bool may_be_people(int x, int y) const;
 };
@@ -54,6 +75,20 @@ bool Join::may_be_people(int x, int y) const {
   return false;
 }
 
+/// Whether the matte from so far away is anywhere another one, in the way in which it may join.
+bool Join::changes(int x0, int y0, glm::ivec2 from, Joins joins) const {
+  const int last_x = matte.width() - 1, last_y = matte.height() - 1;
+  bool higher = false, lower = false;
+  for (int y = y0; y < std::min(y0 + kBlockPx, last_y + 1); ++y) {
+    const std::uint8_t* then = before.matte.row(std::clamp(y - from.y, 0, last_y));
+    for (int x = x0; x < std::min(x0 + kBlockPx, last_x + 1); ++x) {
+      const int off = then[std::clamp(x - from.x, 0, last_x)] - matte.row(y)[x];
+      higher |= off > 0, lower |= off < 0;
+    }
+  }
+  return (higher && joins != Joins::kRoom) || (lower && joins != Joins::kPeople);
+}
+
 /// Of a block that came from `from` pixels away. Pixels beyond the picture are those at its border.
 void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const {
   // Three roots differ by sqrt(6) / 2 times (sum |a - b|) / sqrt(sum of six values).
@@ -63,13 +98,11 @@ void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& ou
   std::array<std::array<float, kWide>, kWide> d;
   for (int j = 0; j < kWide; ++j) {
     const int y = std::clamp(y0 + j - 1, 0, last_y);
-    const Rgbx16* now = plate.row(y);
-    const Rgbx16* then = before.plate.row(std::clamp(y - from.y, 0, last_y));
-    for (int i = 0; i < kWide; ++i) {
-      const int x = std::clamp(x0 + i - 1, 0, last_x);
-      d[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] =
-          difference(now[x], then[std::clamp(x - from.x, 0, last_x)]);
-    }
+    const Row now = row_of(plate.row(y), x0 - 1, 0, last_x);
+    const Row then =
+        row_of(before.plate.row(std::clamp(y - from.y, 0, last_y)), x0 - 1, from.x, last_x);
+    for (std::size_t i = 0; i < kWide; ++i)
+      d[static_cast<std::size_t>(j)][i] = difference(now[i], then[i]);
   }
   for (int y = y0; y < std::min(y0 + kBlockPx, last_y + 1); ++y)
     for (int x = x0; x < std::min(x0 + kBlockPx, last_x + 1); ++x) {
@@ -77,12 +110,12 @@ void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& ou
       float sum = 0;
       for (std::size_t dj = 0; dj < 3; ++dj)
         for (std::size_t di = 0; di < 3; ++di) sum += d[j + dj][i + di];
-      const float off = scale * sum / kAlike, share = kBeforeShare * std::exp(-off * off);
+      const float off = scale * sum / kAlike, share = share_by(off * off);
       if (share <= out.share[j][i]) continue;
       const std::uint8_t now = matte.row(y)[x];
       const std::uint8_t then = before.matte.row(
           std::clamp(y - from.y, 0, last_y))[std::clamp(x - from.x, 0, last_x)];
-      if ((joins == Joins::kRoom && then > now) || (joins == Joins::kPeople && then < now)) continue;
+      if ((joins == Joins::kRoom && then > now) || (joins == Joins::kPeople && then <= now)) continue;
       if (then > now && !may_be_people(x, y)) continue;
       out.share[j][i] = share;
       out.matte[j][i] = static_cast<float>(then);
@@ -95,9 +128,12 @@ void Join::block(int bx, int by) const {
   const int cell_y = std::min((y0 + kBlockPx / 2) / before.cell_px, before.motion_px.height() - 1);
   const glm::ivec2 moved(glm::floor(before.motion_px.row(cell_y)[cell_x] + 0.5F));
   const bool moves = moved != glm::ivec2(0);
+  const bool people = moves && changes(x0, y0, moved, Joins::kPeople);
+  const Joins in_place = moves ? Joins::kRoom : Joins::kAll;
+  if (!people && !changes(x0, y0, glm::ivec2(0), in_place)) return;
   BlockBefore found;
-  compare(x0, y0, glm::ivec2(0), moves ? Joins::kRoom : Joins::kAll, found);
-  if (moves) compare(x0, y0, moved, Joins::kPeople, found);
+  compare(x0, y0, glm::ivec2(0), in_place, found);
+  if (people) compare(x0, y0, moved, Joins::kPeople, found);
   for (int y = y0; y < block_end(by, matte.height()); ++y)
     for (int x = x0; x < block_end(bx, matte.width()); ++x) {
       const auto j = static_cast<std::size_t>(y - y0), i = static_cast<std::size_t>(x - x0);

@@ -103,6 +103,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   finish_.program.set("has_learned", has_learned_);
   matte_tone_ = ToneUniforms(finish_.program);
   has_before_ = finish_.program.location("has_before");
+  finish_.program.set("cell_px", 1);  // drivers may divide before they know that nothing is before
   state_.program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
