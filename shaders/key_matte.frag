@@ -1,6 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass key: the matte as it is used, refined where votes decide, and the depth that follows from it.
+// Pass key: the matte as it is used, refined where votes decide, joined by the one before, and the
+// depth that follows from it.
 //   voted, band  of key_decide.frag and key_fill.frag, and of key_band.frag
 //   state, counts  of key_state.frag and key_speckles.frag
 //   plate        linear light

@@ -8,10 +8,10 @@
 namespace mixrig::render {
 namespace {
 
-constexpr int kAcross = 160;       ///< samples along a row of the view, about
-constexpr int kLeastSamples = 4;   ///< of a cell's 16 that show people
-constexpr float kOneBody = 0.1F;   ///< neighbouring cells within this part of 1/z are one cluster
-constexpr float kStays = 0.85F;    ///< a motion must leave less than this of what standing still does
+constexpr int kAcross = 160;      ///< samples along a row of the view, about
+constexpr int kLeastSamples = 4;  ///< of a cell's 16 that show people
+constexpr float kOneBody = 0.1F;  ///< neighbouring cells within this part of 1/z are one cluster
+constexpr float kStays = 0.85F;  ///< a motion must leave less than this of what standing still does
 constexpr float kBendCost = 1.0F;  ///< of 255, a sample that a cell moves off its cluster
 constexpr int kMostClusters = 32;
 constexpr std::size_t kLeastCells = 6;  ///< smaller clusters stand still: wrong depth of the room
@@ -42,8 +42,7 @@ ClusterMotion::ClusterMotion(Size samples)
   cluster_.reserve(cells_.area());
 }
 
-const Image<glm::vec2>& ClusterMotion::find(const PeopleSamples& now,
-                                            const PeopleSamples& before) {
+const Image<glm::vec2>& ClusterMotion::find(const PeopleSamples& now, const PeopleSamples& before) {
   label(now);
   label_.fill(0), motion_.fill(glm::vec2(0));
   std::uint8_t label = 0;
@@ -111,8 +110,8 @@ glm::ivec2 ClusterMotion::best_of_cluster(const PeopleSamples& now, const People
   return best;
 }
 
-void ClusterMotion::cost_of_cell(const PeopleSamples& now, const PeopleSamples& before,
-                                 Place cell, glm::ivec2 around) {
+void ClusterMotion::cost_of_cell(const PeopleSamples& now, const PeopleSamples& before, Place cell,
+                                 glm::ivec2 around) {
   auto& costs = costs_[static_cast<std::size_t>(cell.y * cells_.width + cell.x)];
   costs.fill(0);
   const int x1 = std::min(size_.width, (cell.x + 1) * kMotionCell);
@@ -154,9 +153,11 @@ glm::vec2 ClusterMotion::best_of_cell(Place cell, glm::ivec2 around, std::uint8_
   if (whole == glm::ivec2(0)) return glm::vec2(0);
   glm::vec2 out(whole);
   if (best_i > 0 && best_i + 1 < kLocal)
-    out.x += least_between(cost(best_i - 1, best_j), cost(best_i, best_j), cost(best_i + 1, best_j));
+    out.x +=
+        least_between(cost(best_i - 1, best_j), cost(best_i, best_j), cost(best_i + 1, best_j));
   if (best_j > 0 && best_j + 1 < kLocal)
-    out.y += least_between(cost(best_i, best_j - 1), cost(best_i, best_j), cost(best_i, best_j + 1));
+    out.y +=
+        least_between(cost(best_i, best_j - 1), cost(best_i, best_j), cost(best_i, best_j + 1));
   return out;
 }
 
@@ -164,8 +165,7 @@ void ClusterMotion::move_cluster(const PeopleSamples& now, const PeopleSamples& 
                                  std::uint8_t label) {
   const glm::ivec2 around = best_of_cluster(now, before);
   for (const Place cell : cluster_) cost_of_cell(now, before, cell, around);
-  for (const Place cell : cluster_)
-    motion_.row(cell.y)[cell.x] = best_of_cell(cell, around, label);
+  for (const Place cell : cluster_) motion_.row(cell.y)[cell.x] = best_of_cell(cell, around, label);
 }
 
 /// Cells beside people move as they do; of two people the nearer one.
@@ -229,8 +229,8 @@ bool PeopleMotion::see(const FrameInput& input) {
   const double interval_s = input.time_s - time_s_;
   // The same frame once more moves as it did.
   if (any_ && interval_s == 0 && input.world_from_target == pose_) return false;
-  const bool follows = any_ && interval_s > 0 && interval_s <= kPause_s &&
-                       input.world_from_target == pose_;
+  const bool follows =
+      any_ && interval_s > 0 && interval_s <= kPause_s && input.world_from_target == pose_;
   now_ = 1 - now_;
   sample_light(input.plate);
   sample_people(input.tof_depth_m);
@@ -258,8 +258,8 @@ void PeopleMotion::sample_light(ImageView<const Rgb8> plate) {
                            apart * (0.5F * (kMotionPoints - 1)) + 0.5F;
       int sum = 0;
       for (int j = 0; j < kMotionPoints; ++j) {
-        const Rgb8* in =
-            plate.row(std::clamp(static_cast<int>(at.y + apart * static_cast<float>(j)), 0, last_y));
+        const Rgb8* in = plate.row(
+            std::clamp(static_cast<int>(at.y + apart * static_cast<float>(j)), 0, last_y));
         for (int i = 0; i < kMotionPoints; ++i) {
           const Rgb8 p =
               in[std::clamp(static_cast<int>(at.x + apart * static_cast<float>(i)), 0, last_x)];

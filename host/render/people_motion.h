@@ -56,7 +56,7 @@ class ClusterMotion {
   Image<float> cell_w_;  ///< mean of people; 0: none
   Image<std::uint8_t> label_, spread_, next_spread_;
   Image<glm::vec2> motion_;
-  std::vector<Place> cluster_;  ///< cells of the cluster looked at
+  std::vector<Place> cluster_;                                 ///< cells of the cluster looked at
   std::vector<std::array<float, kLocal * kLocal + 1>> costs_;  ///< of each cell; last: samples
 };
 
@@ -73,10 +73,11 @@ bool follows_people(const CompositorSetup& setup);
 /// thread-safe.
 class PeopleMotion {
  public:
-  /// Reads plate_px, tof_ray and key_limit_w of `tables` now. Precondition: these hold for all frames.
+  /// Reads plate_px, tof_ray and key_limit_w of `tables` now. Precondition: these hold for all
+  /// frames.
   explicit PeopleMotion(const Tables& tables);
-  /// Takes a frame; false where it is the last one once more. Allocates nothing. What was seen before
-  /// counts only where the camera stands as it stood then, and at most kPause_s before.
+  /// Takes a frame; false where it is the last one once more. Allocates nothing. What was seen
+  /// before counts only where the camera stands as it stood then, and at most kPause_s before.
   bool see(const FrameInput& input);
   int cell_px() const { return kMotionCell * step_px_; }
   Size cells() const { return clusters_.cells(); }

@@ -95,11 +95,11 @@ class CpuCompositor final : public Compositor {
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
-  std::optional<SecondDepth> second_depth_;  ///< of a rig with two depth cameras
+  std::optional<SecondDepth> second_depth_;    ///< of a rig with two depth cameras
   std::optional<PeopleMotion> people_motion_;  ///< of a camera that stands still
-  Image<glm::vec2> depth_shift_px_;          ///< of its cells
+  Image<glm::vec2> depth_shift_px_;            ///< of its cells
   Image<float> unmoved_w_;
-  Image<Rgbx16> plate_before_;                   ///< of the frame before, where its matte joins
+  Image<Rgbx16> plate_before_;                    ///< of the frame before, where its matte joins
   Image<std::uint8_t> matte_now_, matte_before_;  ///< the same
   bool has_now_ = false, has_before_ = false;
   KeyScratch key_scratch_;
@@ -287,9 +287,8 @@ void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
   const Image<glm::vec2>* motion_px = steady ? people_motion_->motion_px() : nullptr;
   std::optional<FrameBefore> before;
   if (motion_px && has_before_)
-    before.emplace(
-        FrameBefore{plate_before_, matte_before_, *motion_px, people_motion_->cell_px(),
-                    static_cast<int>(std::lround(tables_.tof_footprint_px))});
+    before.emplace(FrameBefore{plate_before_, matte_before_, *motion_px, people_motion_->cell_px(),
+                               static_cast<int>(std::lround(tables_.tof_footprint_px))});
   key(crew_,
       {tables_, preparer_.params().key, setup_.background, plate_, tone, colors_of_key(),
        before ? &*before : nullptr},

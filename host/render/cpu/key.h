@@ -57,8 +57,8 @@ struct KeyInput {
   const KeyPassParams& params;
   const BackgroundView& background;
   const Image<Rgbx16>& plate;
-  ToneCurve tone{};                    ///< of the plate over the learned background
-  MovingBackground* moving = nullptr;  ///< draws the colours of `background` that are needed
+  ToneCurve tone{};                     ///< of the plate over the learned background
+  MovingBackground* moving = nullptr;   ///< draws the colours of `background` that are needed
   const FrameBefore* before = nullptr;  ///< joins the matte; null: nothing is known of before
   bool learned() const { return !background.color.empty(); }
   bool needs_room() const { return params.color && !learned(); }  ///< its colours beside people

@@ -113,9 +113,10 @@ void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& ou
       const float off = scale * sum / kAlike, share = share_by(off * off);
       if (share <= out.share[j][i]) continue;
       const std::uint8_t now = matte.row(y)[x];
-      const std::uint8_t then = before.matte.row(
-          std::clamp(y - from.y, 0, last_y))[std::clamp(x - from.x, 0, last_x)];
-      if ((joins == Joins::kRoom && then > now) || (joins == Joins::kPeople && then <= now)) continue;
+      const std::uint8_t then =
+          before.matte.row(std::clamp(y - from.y, 0, last_y))[std::clamp(x - from.x, 0, last_x)];
+      if ((joins == Joins::kRoom && then > now) || (joins == Joins::kPeople && then <= now))
+        continue;
       if (then > now && !may_be_people(x, y)) continue;
       out.share[j][i] = share;
       out.matte[j][i] = static_cast<float>(then);
@@ -138,8 +139,8 @@ void Join::block(int bx, int by) const {
     for (int x = x0; x < block_end(bx, matte.width()); ++x) {
       const auto j = static_cast<std::size_t>(y - y0), i = static_cast<std::size_t>(x - x0);
       const auto voted = static_cast<float>(matte.row(y)[x]);
-      matte.row(y)[x] = static_cast<std::uint8_t>(
-          voted + found.share[j][i] * (found.matte[j][i] - voted) + 0.5F);
+      matte.row(y)[x] =
+          static_cast<std::uint8_t>(voted + found.share[j][i] * (found.matte[j][i] - voted) + 0.5F);
     }
 }
 

@@ -311,12 +311,11 @@ void GlesCompositor::key_people(const FrameInput& input) {
   const bool moved = people_motion_ && setup_.key.motion &&
                      people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_);
   if (moved) upload(shift_px_, depth_shift_px_.view());
-  const bool steady = people_motion_ && setup_.key.steady && has_before_ &&
-                      people_motion_->motion_px() != nullptr;
-  key_.draw(preparer_.params().key,
-            {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
-             background_pass_ ? &background_pass_->limit_w() : nullptr,
-             moved ? &shift_px_ : nullptr, steady ? &motion_px_ : nullptr});
+  const bool steady =
+      people_motion_ && setup_.key.steady && has_before_ && people_motion_->motion_px() != nullptr;
+  key_.draw(preparer_.params().key, {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
+                                     background_pass_ ? &background_pass_->limit_w() : nullptr,
+                                     moved ? &shift_px_ : nullptr, steady ? &motion_px_ : nullptr});
   has_now_ = true;
 }
 

@@ -141,8 +141,8 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   const bool before = input.motion_px != nullptr;
   set_uniform(has_before_, before ? 1 : 0);
   run(finish_,
-      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr,
-       &w, refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
+      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr, &w,
+       refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
        before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px});
 }
 

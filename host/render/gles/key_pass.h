@@ -13,9 +13,9 @@ struct KeyInput {
   const Texture& plate;    ///< linear light in the view when sampled
   const Texture& learned;  ///< the background's colour and its spread, where learned
   const Texture& learned_sigma;
-  ToneCurve tone{};                  ///< ExposureMeter
-  const Texture* limit_w = nullptr;   ///< of this frame; null: that of the take
-  const Texture* shift_px = nullptr;  ///< of PeopleMotion; null: people's depth stays
+  ToneCurve tone{};                    ///< ExposureMeter
+  const Texture* limit_w = nullptr;    ///< of this frame; null: that of the take
+  const Texture* shift_px = nullptr;   ///< of PeopleMotion; null: people's depth stays
   const Texture* motion_px = nullptr;  ///< the same, since the frame of remember(); null: unknown
 };
 
@@ -60,7 +60,8 @@ class KeyPass {
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
       people_;  ///< a texel a tile
   Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
-  Step move_, keep_, state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_, fit_, finish_;
+  Step move_, keep_, state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_,
+      fit_, finish_;
   GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
   ToneUniforms tone_, matte_tone_;
 };

@@ -18,8 +18,8 @@ float texture(float x, float y) {
 /// A sparse picture of a still room; people are painted into it.
 struct MotionScene {
   MotionScene() {
-    samples.light.reset({kSampled.width + 2 * render::kMotionReach,
-                         kSampled.height + 2 * render::kMotionReach});
+    samples.light.reset(
+        {kSampled.width + 2 * render::kMotionReach, kSampled.height + 2 * render::kMotionReach});
     samples.w.reset(kSampled);
     for (int y = 0; y < samples.light.height(); ++y)
       for (int x = 0; x < samples.light.width(); ++x)
