@@ -225,14 +225,14 @@ PeopleMotion::PeopleMotion(const Tables& tables)
   for (PeopleSamples& s : seen_) s.light.reset(with_margin), s.w.reset(samples_);
 }
 
-bool PeopleMotion::see(const FrameInput& input) {
+bool PeopleMotion::see(const FrameInput& input, Crew& crew) {
   const double interval_s = input.time_s - time_s_;
   // The same frame once more moves as it did.
   if (any_ && interval_s == 0 && input.world_from_target == pose_) return false;
   const bool follows =
       any_ && interval_s > 0 && interval_s <= kPause_s && input.world_from_target == pose_;
   now_ = 1 - now_;
-  sample_light(input.plate);
+  sample_light(input.plate, crew);
   sample_people(input.tof_depth_m);
   known_ = follows;
   interval_s_ = interval_s;
@@ -246,31 +246,39 @@ bool PeopleMotion::see(const FrameInput& input) {
   return true;
 }
 
-/// Means of points in the plate; the margin repeats the border.
-void PeopleMotion::sample_light(ImageView<const Rgb8> plate) {
-  Image<float>& light = seen_[static_cast<std::size_t>(now_)].light;
+/// Means of points in the plate.
+void PeopleMotion::sample_light_row(ImageView<const Rgb8> plate, int y, float* light) const {
   const int last_x = plate.size.width - 1, last_y = plate.size.height - 1;
   const float apart = box_px_ / kMotionPoints;
-  for (int y = 0; y < samples_.height; ++y) {
-    float* row = light.row(y + kMotionReach) + kMotionReach;
-    for (int x = 0; x < samples_.width; ++x) {
-      const glm::vec2 at = plate_px_[static_cast<std::size_t>(y * samples_.width + x)] -
-                           apart * (0.5F * (kMotionPoints - 1)) + 0.5F;
-      int sum = 0;
-      for (int j = 0; j < kMotionPoints; ++j) {
-        const Rgb8* in = plate.row(
-            std::clamp(static_cast<int>(at.y + apart * static_cast<float>(j)), 0, last_y));
-        for (int i = 0; i < kMotionPoints; ++i) {
-          const Rgb8 p =
-              in[std::clamp(static_cast<int>(at.x + apart * static_cast<float>(i)), 0, last_x)];
-          sum += p.r + 2 * p.g + p.b;
-        }
-      }
-      row[x] = static_cast<float>(sum) / (4 * kMotionPoints * kMotionPoints);
+  for (int x = 0; x < samples_.width; ++x) {
+    const glm::vec2 at = plate_px_[static_cast<std::size_t>(y * samples_.width + x)] -
+                         apart * (0.5F * (kMotionPoints - 1)) + 0.5F;
+    std::array<int, kMotionPoints> columns;
+    for (int i = 0; i < kMotionPoints; ++i)
+      columns[static_cast<std::size_t>(i)] =
+          std::clamp(static_cast<int>(at.x + apart * static_cast<float>(i)), 0, last_x);
+    int sum = 0;
+    for (int j = 0; j < kMotionPoints; ++j) {
+      const Rgb8* in =
+          plate.row(std::clamp(static_cast<int>(at.y + apart * static_cast<float>(j)), 0, last_y));
+      for (const int column : columns) sum += in[column].r + 2 * in[column].g + in[column].b;
     }
-    std::fill(row - kMotionReach, row, row[0]);
-    std::fill_n(row + samples_.width, kMotionReach, row[samples_.width - 1]);
+    light[x] = static_cast<float>(sum) / (4 * kMotionPoints * kMotionPoints);
   }
+}
+
+/// The margin repeats the border.
+void PeopleMotion::sample_light(ImageView<const Rgb8> plate, Crew& crew) {
+  constexpr int kGrain = 16;
+  Image<float>& light = seen_[static_cast<std::size_t>(now_)].light;
+  crew.rows(samples_.height, kGrain, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      float* row = light.row(y + kMotionReach) + kMotionReach;
+      sample_light_row(plate, y, row);
+      std::fill(row - kMotionReach, row, row[0]);
+      std::fill_n(row + samples_.width, kMotionReach, row[samples_.width - 1]);
+    }
+  });
   for (int k = 0; k < kMotionReach; ++k) {
     std::copy_n(light.row(kMotionReach), light.width(), light.row(k));
     std::copy_n(light.row(light.height() - kMotionReach - 1), light.width(),

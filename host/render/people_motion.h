@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "hal/base/image.h"
+#include "hal/base/parallel.h"
 #include "host/render/compositor.h"
 #include "host/render/prepare.h"
 
@@ -78,7 +79,7 @@ class PeopleMotion {
   explicit PeopleMotion(const Tables& tables);
   /// Takes a frame; false where it is the last one once more. Allocates nothing. What was seen
   /// before counts only where the camera stands as it stood then, and at most kPause_s before.
-  bool see(const FrameInput& input);
+  bool see(const FrameInput& input, Crew& crew);
   int cell_px() const { return kMotionCell * step_px_; }
   Size cells() const { return clusters_.cells(); }
   /// Motion of each cell since the frame before, pixels of the view; null: not known.
@@ -89,7 +90,8 @@ class PeopleMotion {
   static constexpr double kPause_s = 0.25;
 
  private:
-  void sample_light(ImageView<const Rgb8> plate);
+  void sample_light(ImageView<const Rgb8> plate, Crew& crew);
+  void sample_light_row(ImageView<const Rgb8> plate, int y, float* light) const;
   void sample_people(ImageView<const float> tof_depth_m);
 
   /// A place of the ToF picture.

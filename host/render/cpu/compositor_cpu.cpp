@@ -270,7 +270,7 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
 void CpuCompositor::follow_people(const FrameInput& input) {
   const bool moves = setup_.key.motion && input.depth_delay_s != 0;
   if (!moves && !setup_.key.steady) return;
-  if (!people_motion_->see(input) || !setup_.key.steady) return;
+  if (!people_motion_->see(input, crew_) || !setup_.key.steady) return;
   std::swap(plate_, plate_before_);
   std::swap(matte_now_, matte_before_);
   has_before_ = std::exchange(has_now_, false);

@@ -98,7 +98,7 @@ class GlesCompositor final : public Compositor {
   Tables tables_;
   FramePreparer preparer_;
   LensFollower lens_;
-  std::optional<Crew> crew_;   ///< where the lens moves
+  std::optional<Crew> crew_;   ///< where the lens moves, or people are followed
   Image<glm::vec2> plate_px_;  ///< the same
   ExposureMeter meter_;
   ToneCurve tone_;
@@ -176,6 +176,7 @@ Result<void> GlesCompositor::create_passes() {
     MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
     if (follows_people(setup_)) {
       people_motion_.emplace(tables_);
+      if (!crew_) crew_.emplace();
       depth_shift_px_.reset(people_motion_->cells());
       shift_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
       motion_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
@@ -299,7 +300,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
 void GlesCompositor::follow_people(const FrameInput& input) {
   const bool moves = setup_.key.motion && input.depth_delay_s != 0;
   if (!moves && !setup_.key.steady) return;
-  if (!people_motion_->see(input) || !setup_.key.steady) return;
+  if (!people_motion_->see(input, *crew_) || !setup_.key.steady) return;
   if (has_now_) key_.remember(plate_.in_view());
   has_before_ = std::exchange(has_now_, false);
   if (const Image<glm::vec2>* motion_px = people_motion_->motion_px())
