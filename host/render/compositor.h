@@ -108,7 +108,7 @@ struct KeyParams {
   bool color = true;
   bool refine = true;  ///< the matte follows the edges of the plate; only with color
   bool motion = true;  ///< people's depth is moved to the time of the plate; a still camera's
-  bool steady = true;  ///< votes and matte of the frame before join where the plate stayed alike
+  bool steady = true;  ///< the matte of the frame before joins where the plate stayed alike
 };
 
 /// World axes, z up. Real points outside are not keyed (Cortes Reina 2015, section 3.1 "Cropping").

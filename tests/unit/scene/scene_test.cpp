@@ -66,6 +66,22 @@ TEST(Scene, HoldsWhatTheFileSays) {
   EXPECT_FALSE(scene->key.color);
 }
 
+TEST(Scene, LookAndTheKeysOfTheFrameBefore) {
+  const auto scene = parse_scene(
+      "[look]\nchroma = true\nsharpening = true\nmotion = true\nexposure_ms = 8.5\n"
+      "[key]\nmotion = false\nsteady = false\n",
+      "scene.toml", true);
+  ASSERT_TRUE(scene) << scene.error().context;
+  EXPECT_TRUE(scene->look.chroma && scene->look.sharpening && scene->look.motion);
+  EXPECT_FALSE(scene->look.grain || scene->look.blur);
+  EXPECT_EQ(scene->look.exposure_ms, 8.5);
+  EXPECT_FALSE(scene->key.motion || scene->key.steady);
+  const auto none = parse_scene("", "scene.toml", true);
+  ASSERT_TRUE(none) << none.error().context;
+  EXPECT_FALSE(none->look.chroma || none->look.sharpening || none->look.motion);
+  EXPECT_TRUE(none->key.motion && none->key.steady);
+}
+
 TEST(Scene, AnEmptyFileIsAValidSceneOfDefaults) {
   const auto scene = parse_scene("", "scene.toml", true);
   ASSERT_TRUE(scene) << scene.error().context;
@@ -301,6 +317,8 @@ TEST(Scene, ReportsEachWrongValueWithLineAndKey) {
       {"threshold_m", "treshold_m",
        "s/scene.toml:24: key \"key.treshold_m\": not known: did you mean \"threshold_m\"?"},
       {"[key]", "[kye]", "key \"kye\": not known"},
+      {"[key]", "[look]\nexposure_ms = -1\n[key]",
+       "s/scene.toml:24: key \"look.exposure_ms\": -1 is out of range"},
       {"\"floor\"", "\"flor\"",
        "s/scene.toml:2: key \"camera.pose\": \"flor\" is not known: use one of"},
       {"max_m = [5.0", "max_m = [0.0", "key \"camera.capture_volume.min_m\": must lie below max_m"},

@@ -78,6 +78,16 @@ TEST(Manifest, DefaultsAndValuesOfAShortFile) {
   EXPECT_FALSE(info.has_truth);
 }
 
+TEST(Manifest, TellsHowLongAPlateIsExposed) {
+  const auto read = parse_manifest(
+      replaced("count = 3\n[depth]", "count = 3\nexposure_ms = 8.0\n[depth]"), "t/take.toml");
+  ASSERT_TRUE(read) << read.error().context;
+  EXPECT_DOUBLE_EQ(read->info.exposure_s, 0.008);
+  const auto again = parse_manifest(manifest_text(read->info), "t/take.toml");
+  ASSERT_TRUE(again) << again.error().context;
+  EXPECT_DOUBLE_EQ(again->info.exposure_s, 0.008);
+}
+
 TEST(Manifest, ReportsEachWrongValueWithLineAndKey) {
   struct Row {
     const char *from, *to, *says;
@@ -93,6 +103,8 @@ TEST(Manifest, ReportsEachWrongValueWithLineAndKey) {
        "t/take.toml:3: key \"color.path\": \"c/%s.png\" needs exactly one number"},
       {"c/%06d.png", "c/%d%d.png", "needs exactly one number"},
       {"c/%06d.png", "c.mkv", "key \"color.rate_hz\": missing"},
+      {"count = 3\n[depth]", "count = 3\nexposure_ms = -1\n[depth]",
+       "t/take.toml:5: key \"color.exposure_ms\": -1 is out of range"},
       {"c/%06d.png", "c.txt", "lists (.txt) must name both"},
       {"size_px = [640, 480]", "size_px = [640, 0]",
        "t/take.toml:9: key \"target.size_px\": 0 is out of range"},
