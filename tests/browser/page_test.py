@@ -21,7 +21,6 @@ from rig import (By, HalfLost, HeadRig, LiveRig, Rig, age_ms, browser, by_id, co
                  types)
 from picture import (brightness, comes_by_webrtc, falls_back_to_mjpeg, focuses, freezes, says_when_the_rig_is_gone,
                      says_why_it_is_mjpeg, shows_a_live_picture, two_pages_agree)
-from selenium.webdriver.common.keys import Keys
 from things import (adds_a_lamp, adds_a_lamp_where_it_is_seen, colors_a_lamp, dims_a_lamp, drags_an_object,
                     loads_and_removes_a_model, moves_it_by_keys, removes_a_lamp, saves, scales_and_hides_it,
                     sets_it_on_a_surface, switches_a_lamp, turns_it)
@@ -42,6 +41,7 @@ def learns_the_room(page, rig):
     begins()
     by_id(page, "scan").click()
     comes_true("the end of it", lambda: rig.state()["scan"]["total"] == 0)
+    comes_true("the page knows", lambda: not by_id(page, "scan-progress").is_displayed())
     begins()
     comes_true("looks", lambda: rig.state()["scan"]["done"] > 2)
     comes_true("the learned room", lambda: "learned anew" in by_id(page, "log").text)
@@ -90,8 +90,7 @@ def sets_the_exposure(page, mixrig, folder):
         bright = comes_true("a picture", lambda: brightness(page))
         number = field(page, "exposure, ms as number", "color")
         comes_true("the value", lambda: number.get_attribute("value") == "8")
-        number.clear()
-        number.send_keys("2", Keys.TAB)
+        types(number, "2")
         comes_true("the exposure in rig.toml", lambda: rig.exposure_ms() == 2)
         assert "# at rest" in rig.rig_file.read_text()
         comes_true("a darker picture", lambda: brightness(page) < 0.7 * bright)
@@ -114,7 +113,7 @@ def scans_with_the_head(page, mixrig, folder):
         comes_true("a picture", lambda: age_ms(page) is not None)
         comes_true("the scan", lambda: by_id(page, "sweep").is_enabled())
         for name, degrees in (("sweep-pan", "80"), ("sweep-tilt", "60")):
-            types(page, name, degrees)
+            types(by_id(page, name), degrees)
         by_id(page, "sweep").click()
         comes_true("progress", lambda: by_id(page, "sweep-progress").is_displayed() and rig.sweep()["done"] > 0)
         before = int(by_id(page, "canvas").get_attribute("data-frame"))

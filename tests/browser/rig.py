@@ -14,6 +14,7 @@ import urllib.request
 
 try:
     from selenium import webdriver
+    from selenium.common.exceptions import WebDriverException
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
@@ -25,14 +26,23 @@ except ImportError:
 LIMIT_S = 120  # for what hangs; a loaded machine is slow
 
 
+# What is asked of the page, the scene or the state may not be there yet, or be replaced while it is read.
+NOT_YET = (WebDriverException, LookupError, StopIteration, OSError)
+
+
 def comes_true(what, condition):
     end = time.monotonic() + LIMIT_S
+    why = None
     while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
+        try:
+            value = condition()
+            if value:
+                return value
+            why = None
+        except NOT_YET as error:
+            why = error
         time.sleep(0.02)
-    raise AssertionError(f"never: {what}")
+    raise AssertionError(f"never: {what}") from why
 
 
 def play_at(rate_hz, take):
@@ -180,9 +190,9 @@ def field(page, label, name):
     return comes_true(f"{label} of {name}", lambda: page.find_elements(*found))[0]
 
 
-def types(page, name, text):
+def types(control, text):
     """In place of what is there; what the run tells meanwhile does not come between."""
-    by_id(page, name).send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.TAB)
+    control.send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.TAB)
 
 
 def has_names(page):
@@ -192,12 +202,4 @@ def has_names(page):
 
 def removes(page, button):
     button.click()
-    page.switch_to.alert.accept()
-
-
-def edge_strength(page):
-    return page.execute_script(
-        "const c = document.getElementById('canvas');"
-        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-        "let sum = 0; for (let i = 4; i < d.length; i += 4) sum += Math.abs(d[i] - d[i - 4]);"
-        "return sum / d.length")
+    comes_true("the question", lambda: page.switch_to.alert).accept()

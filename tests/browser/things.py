@@ -8,11 +8,11 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from rig import by_id, comes_true, field
+from rig import by_id, comes_true, field, removes
 
 
 def drags_an_object(page, rig):
-    thing = next(o for o in rig.state()["objects"] if o["at"])
+    thing = comes_true("an object in the picture", lambda: next(o for o in rig.state()["objects"] if o["at"]))
     before = rig.object(thing["name"])["position_m"]
     handle = page.find_element(By.CSS_SELECTOR, f'[aria-label="Move {thing["name"]}"]')
     stage = by_id(page, "stage").rect
@@ -157,8 +157,3 @@ def adds_a_lamp(page, rig):
     ActionChains(page).move_to_element_with_offset(by_id(page, "stage"), 0, int(
         0.4 * by_id(page, "stage").rect["height"])).click().perform()
     comes_true("the added lamp", lambda: len(rig.scene()["light"]["lamp"]) == count + 1)
-
-
-def removes(page, button):
-    button.click()
-    page.switch_to.alert.accept()

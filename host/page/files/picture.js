@@ -5,6 +5,7 @@
 
 const Picture = {
   view: '', abort: null, webrtc: null, by: 'MJPEG', why_not: '', captured_ms: 0, frame: 0, offset_ms: null, offset_error_ms: 0,
+  again_ms: 5000,   // until WebRTC is tried again; twice as long each time that no picture came by it
 
   // Host time = performance.now() + offset. The answer that came back soonest tells it best.
   noteClock(sent_ms, host_ms) {
@@ -27,19 +28,22 @@ const Picture = {
     if (this.webrtc) this.webrtc.show(view);
     if (this.by === 'MJPEG') this.startJpegs();
   },
-  // Once a connection of the page.
+  // At each connection of the page, and again some time after it ended: a loaded machine may hold pictures up.
   tryWebrtc() {
     if (this.webrtc || new URLSearchParams(location.search).get('picture') === 'mjpeg') return;
     this.webrtc = new Webrtc(this.view || 'composite', (video, captured_ms, frame) => {
       if (this.by === 'MJPEG' && this.abort) this.abort.abort();
       this.by = 'WebRTC';
+      this.again_ms = 5000;
       this.drawn(video, video.videoWidth, video.videoHeight, captured_ms, frame);
-    }, why => {
+    }, (why, may_come) => {
       const was = this.by;
       this.webrtc = null;
       this.by = 'MJPEG';
       this.why_not = why;
       if (was === 'WebRTC' && this.view) this.startJpegs();
+      if (may_come) setTimeout(() => this.tryWebrtc(), this.again_ms);
+      this.again_ms = Math.min(2 * this.again_ms, 300000);
     });
     if (this.webrtc.is_over) this.webrtc = null;
   },

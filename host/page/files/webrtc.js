@@ -4,21 +4,23 @@
 'use strict';
 
 class Webrtc {
-  // `shown(video, captured_ms, frame)` for each picture; `ended(why)` once, when there are no more.
+  // `shown(video, captured_ms, frame)` for each picture; `ended(why, may_come)` once, when there are no
+  // more; may_come: whether a new try may do better.
   constructor(view, shown, ended) {
     this.shown = shown;
     this.ended = ended;
     this.video = document.getElementById('video');
     this.told = new Map();   // pictures by their RTP time stamps, the last ones
     this.captured_ms = 0;
+    this.nameless = 0;       // pictures in a row without a time stamp
     this.told_since = null;   // first picture that was told after the last one that came
     if (!window.RTCPeerConnection || !this.video.requestVideoFrameCallback) {
-      this.end('this browser has no WebRTC');
+      this.end('this browser has no WebRTC', false);
       return;
     }
     this.socket = new WebSocket(`ws://${location.host}/api/v1/picture/${view}.webrtc`);
     this.socket.onmessage = event => this.take(JSON.parse(event.data).data);
-    this.socket.onclose = () => this.end('the rig ended it');
+    this.socket.onclose = () => this.end('the rig ended it', true);
     this.watch = setInterval(() => this.checkThatItComes(), 500);
   }
 
@@ -26,12 +28,12 @@ class Webrtc {
   show(view) { if (this.socket.readyState === 1) this.request({ action: 'view', view }); }
 
   async take(data) {
-    if (data.action === 'refused') this.end(data.error);
+    if (data.action === 'refused') this.end(data.error, true);
     if (data.action === 'offer') {
       try {
         await this.answer(data.sdp);
       } catch (error) {
-        this.end(`this browser refuses it: ${error.message}`);
+        this.end(`this browser refuses it: ${error.message}`, false);
       }
     }
     if (data.action === 'picture') {
@@ -57,11 +59,12 @@ class Webrtc {
   next() {
     this.video.requestVideoFrameCallback((now, picture) => {
       if (this.is_over) return;
-      if (picture.rtpTimestamp === undefined) {
-        this.end('this browser does not tell which picture it shows');
+      this.nameless = picture.rtpTimestamp === undefined ? this.nameless + 1 : 0;  // so is one as a track ends
+      if (this.nameless > 30) {
+        this.end('this browser does not tell which picture it shows', false);
         return;
       }
-      this.told_since = null;
+      if (this.nameless === 0) this.told_since = null;
       const told = this.told.get(picture.rtpTimestamp);
       if (told) {
         this.captured_ms = told.captured_ms;
@@ -76,16 +79,16 @@ class Webrtc {
     if (document.hidden) this.told_since = null;
     const most_ms = this.captured_ms ? 2000 : 10000;
     if (this.told_since !== null && performance.now() - this.told_since > most_ms)
-      this.end('no picture comes by it');
+      this.end('no picture comes by it', true);
   }
 
-  end(why) {
+  end(why, may_come) {
     if (this.is_over) return;
     this.is_over = true;
     clearInterval(this.watch);
     if (this.socket) this.socket.close();
     if (this.peer) this.peer.close();
     this.video.srcObject = null;
-    this.ended(why);
+    this.ended(why, may_come);
   }
 }
