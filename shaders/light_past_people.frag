@@ -26,6 +26,11 @@ void main() {
   if (light >= 1.0 || z <= 0.0) return;
   vec3 ray = ray_of(at), stored = texelFetch(background_normal, at, 0).xyz;
   vec3 normal = normalize(stored == vec3(0) ? -ray : stored);
+  bool hidden = false;  // from any lamp, by people
+  int whole_lamps = lamp_count > 0 ? lamps[lamp_count - 1].map_size_texel.z + 1 : 0;
+  for (int i = 0; i < whole_lamps && !hidden; ++i)
+    hidden = visibility_past(people_lamps[i], people_maps, i, ray * z, normal) < 1.0;
+  if (!hidden) return;
   float with_objects = ambient_past_objects(ray * z, normal), without = luminance(ambient);
   int past_of = -1;
   float past = 1.0;

@@ -14,9 +14,9 @@ constexpr float kRoomLiftCells = 0.5F;
 /// Intensity of a lamp that a frame turns off: it keeps its maps.
 constexpr float kFaintest = 1e-12F;
 
-/// Whether light is found once and stays, so that it may take longer.
+/// Whether light is found once and stays, but for what people hide, so that it may take longer.
 bool light_stays(const CompositorSetup& setup) {
-  return setup.background_models.empty() && !setup.lens_moves && !setup.people_cast_shadows;
+  return setup.background_models.empty() && !setup.lens_moves;
 }
 
 }  // namespace

@@ -130,16 +130,10 @@ FloatLanes lost_ambient(const FrameParams& frame, const SurfaceLanes& at) {
           kRec709Blue * contact.sent.z);
 }
 
-}  // namespace
-
-FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
-  return irradiance(lamp, at) * luminance(lamp.intensity);
-}
-
-FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       bool near, const SurfaceLanes& at, const PeopleMaps* people) {
+/// As light_ratio(); null: nobody hides a lamp.
+FloatLanes ratio_past(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                      bool near, const SurfaceLanes& at, const PastPeople* people) {
   const FloatLanes one = FloatLanes{} + 1.0F;
-  std::optional<PastPeople> past;
   RoomShares room(frame, at);
   FloatLanes lost = near ? lost_ambient(frame, at) : FloatLanes{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
@@ -148,14 +142,32 @@ FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& m
     if (!any(irradiance(lamp, at) > 0)) continue;
     const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal());
     if (!any(hidden > 0)) continue;
-    if (people != nullptr && !past) past.emplace(*people, at);
-    lost += hidden * real_light(lamp, past ? &*past : nullptr, at, room);
+    lost += hidden * real_light(lamp, people, at, room);
   }
   if (!any(lost > 0)) return one;
   FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
-  for (const LampParams& lamp : frame.lamps)
-    all += real_light(lamp, past ? &*past : nullptr, at, room);
+  for (const LampParams& lamp : frame.lamps) all += real_light(lamp, people, at, room);
   return lost > 0 ? max(1 - lost / all, FloatLanes{}) : one;
+}
+
+}  // namespace
+
+FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at) {
+  return irradiance(lamp, at) * luminance(lamp.intensity);
+}
+
+FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                       bool near, const SurfaceLanes& at) {
+  return ratio_past(frame, maps, maybe, near, at, nullptr);
+}
+
+bool light_ratio_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                             LampSet maybe, bool near, const PeopleMaps& people,
+                             const SurfaceLanes& at, FloatLanes& ratio) {
+  const PastPeople past(people, at);
+  if (!past.hides()) return false;
+  ratio = ratio_past(frame, maps, maybe, near, at, &past);
+  return true;
 }
 
 void LightShares::find(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,

@@ -40,11 +40,15 @@ struct PeopleMaps {
 /// Luminance of an unhidden lamp on the points.
 FloatLanes lamp_light(const LampParams& lamp, const SurfaceLanes& at);
 
-/// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp. What
-/// `people` hide of a lamp is dark already.
+/// Light with the virtual objects over light without, luminance, 0..1. `maps`: of each lamp.
 /// `near`: objects may hide ambient light.
 FloatLanes light_ratio(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                       bool near, const SurfaceLanes& at, const PeopleMaps* people = nullptr);
+                       bool near, const SurfaceLanes& at);
+/// The same where what people hide of a lamp is dark already. False where they hide nothing; then
+/// `ratio` is not set.
+bool light_ratio_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
+                             LampSet maybe, bool near, const PeopleMaps& people,
+                             const SurfaceLanes& at, FloatLanes& ratio);
 
 /// Of real surfaces: what light_ratio() sums.
 struct LightShares {
@@ -70,8 +74,7 @@ ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& map
                      const SurfaceLanes& at, std::span<const FloatLanes> share = {},
                      PastRoom past_room = PastRoom::kFind);
 
-/// The same light past people too. False where people hide
-/// nothing; then `light` is not set.
+/// The same light past people too. False where people hide nothing; then `light` is not set.
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light);

@@ -30,7 +30,8 @@ VectorLanes rays_of(const PinholeParams& view, int x, int y) {
           FloatLanes{} + 1.0F};
 }
 
-/// A row of a tile, from out[0] on; precondition: at least one pixel.
+/// A row of a tile, from out[0] on; precondition: at least one pixel. What `people` hide nothing of
+/// stays as it is.
 void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x1,
                std::uint16_t* out, const PeopleMaps* people = nullptr) {
   const float* depth_m = lit_depth_m(input).row(y);
@@ -41,8 +42,12 @@ void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x
     const VectorLanes ray = rays_of(input.tables.warp.view, x, y);
     const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth},
                           unpack(load<IntLanes>(normals.data() + (x - x0)), ray)};
-    const FloatLanes ratio =
-        light_ratio(input.frame, input.maps, doubt.lamps, doubt.near, at, people);
+    FloatLanes ratio;
+    if (people == nullptr)
+      ratio = light_ratio(input.frame, input.maps, doubt.lamps, doubt.near, at);
+    else if (!light_ratio_past_people(input.frame, input.maps, doubt.lamps, doubt.near, *people, at,
+                                      ratio))
+      continue;
     for (int i = 0; i < std::min(kLanes, x1 - x); ++i)
       out[x - x0 + i] = depth[i] > 0 ? light_to_fixed(ratio[i]) : kLit;
   }

@@ -157,5 +157,14 @@ TEST(RoomShade, is_found_when_the_compositor_is_made_where_the_first_pose_is_kno
   EXPECT_EQ(psnr_db(early.color, late.color), 100);
 }
 
+/// What people hide of a whole panel is taken from its parts: the shadows of objects stay fine.
+TEST(RoomShade, panels_keep_their_parts_where_people_cast_shadows) {
+  TableRoom room;
+  room.setup.light.lamps = {{{0, -1.3, 2}, glm::dvec3(0, 1, 0), {0.5, 0.5}, glm::vec3(1)}};
+  room.setup.people_cast_shadows = true;
+  EXPECT_EQ(render::FramePreparer(room.setup).params().lamps.size(), 4U);
+  EXPECT_EQ(render::FramePreparer(room.setup).params().people_lamps.size(), 1U);
+}
+
 }  // namespace
 }  // namespace mixrig::test
