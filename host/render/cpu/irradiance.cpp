@@ -139,8 +139,9 @@ FloatLanes ratio_past(const FrameParams& frame, const std::vector<ShadowMap>& ma
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     if (!holds(maybe, k)) continue;
-    if (!any(irradiance(lamp, at) > 0)) continue;
-    const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal());
+    const IntLanes lit = irradiance(lamp, at) > 0;
+    if (!any(lit)) continue;
+    const FloatLanes hidden = 1 - visibility(lamp, maps[k], at.position_m, no_normal(), lit);
     if (!any(hidden > 0)) continue;
     lost += hidden * real_light(lamp, people, at, room);
   }
@@ -180,8 +181,8 @@ void LightShares::find(const FrameParams& frame, const std::vector<ShadowMap>& m
     all += light;
     if (!holds(maybe, k)) continue;
     part[k] = light;
-    lost[k] =
-        any(light > 0) ? 1 - visibility(lamp, maps[k], at.position_m, no_normal()) : FloatLanes{};
+    lost[k] = any(light > 0) ? 1 - visibility(lamp, maps[k], at.position_m, no_normal(), light > 0)
+                             : FloatLanes{};
   }
   const FloatLanes over = 1 / max(all, FloatLanes{} + kFaintestLight);
   for (std::size_t k = 0; k < maps.size(); ++k)
@@ -228,7 +229,8 @@ ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& map
     FloatLanes of_lamp = irradiance(lamp, at);
     if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
-    if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
+    if (holds(maybe, k))
+      of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal, of_lamp > 0);
     const bool in_share = past_room == PastRoom::kInShare && k < share.size();
     if (lamp.room_layer >= 0 && !in_share) of_lamp *= room.of(lamp);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;

@@ -17,7 +17,7 @@ struct BackgroundCorners {
 BackgroundCorners background_corners(const LightInput& input, ImageView<const float> depth_m,
                                      const Rect& tile) {
   BackgroundCorners out;
-  out.depth_m.fill(1);
+  out.depth_m.fill(0);
   each_corner(tile, depth_m.size,
               [&](std::size_t i, int x, int y) { out.depth_m[i] = depth_m.row(y)[x]; });
   const bool cut = tile.x0 + kCellsAcross * kCellPx >= depth_m.size.width;
@@ -30,8 +30,11 @@ BackgroundCorners background_corners(const LightInput& input, ImageView<const fl
   return out;
 }
 
+/// No lamp lights what has no depth.
 SurfaceLanes surface_at(const VectorLanes& ray, FloatLanes depth, const PackedNormal* normals) {
-  return {{ray.x * depth, ray.y * depth, ray.z * depth}, unpack(load<IntLanes>(normals), ray)};
+  const VectorLanes n = unpack(load<IntLanes>(normals), ray);
+  const auto known = [&](FloatLanes f) { return depth > 0 ? f : FloatLanes{}; };
+  return {{ray.x * depth, ray.y * depth, ray.z * depth}, {known(n.x), known(n.y), known(n.z)}};
 }
 
 FloatLanes left_of(FloatLanes lost) {

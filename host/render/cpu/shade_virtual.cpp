@@ -79,7 +79,7 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
   std::array<Place, kLanes> places;
   int count = 0;
   const auto flush = [&] {
-    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, {0, 0, -1});
+    for (int i = count; i < kLanes; ++i) at.set(i, {0, 0, 1}, glm::vec3(0));  // no lamp lights it
     if (count > 0) shade(std::span(places).first(static_cast<std::size_t>(count)), at);
     count = 0;
   };

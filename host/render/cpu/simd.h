@@ -40,6 +40,11 @@ using U16x4 = std::uint16_t __attribute__((vector_size(8)));
 using FloatLanes = float __attribute__((vector_size(4 * kLanes)));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
+/// A vector of each of kLanes points.
+struct VectorLanes {
+  FloatLanes x, y, z;
+};
+
 /// A byte a lane.
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
@@ -65,17 +70,44 @@ inline FloatLanes sqrt(FloatLanes f) {
   for (int i = 0; i < kLanes; ++i) f[i] = std::sqrt(f[i]);
   return f;
 }
+/// 1 / f within 2^-22 of it; infinite or not a number for 0.
+inline FloatLanes inverse(FloatLanes f) {
+#if defined(__AVX512F__)
+  const auto about = std::bit_cast<FloatLanes>(_mm512_rcp14_ps(std::bit_cast<__m512>(f)));
+  return about * (2 - f * about);
+#else
+  return 1 / f;
+#endif
+}
+inline float least_of(FloatLanes f) {
+#if defined(__AVX512F__)
+  return _mm512_reduce_min_ps(std::bit_cast<__m512>(f));
+#else
+  float least = f[0];
+  for (int i = 1; i < kLanes; ++i) least = least < f[i] ? least : f[i];
+  return least;
+#endif
+}
 inline float sum(FloatLanes f) {
   float total = 0;
   for (int i = 0; i < kLanes; ++i) total += f[i];
   return total;
 }
-/// Whether any lane of a comparison is true.
-inline bool any(IntLanes mask) {
-  std::int32_t bits = 0;
-  for (int i = 0; i < kLanes; ++i) bits |= mask[i];
-  return bits != 0;
+/// A bit a lane of a comparison.
+inline unsigned bits_of(IntLanes mask) {
+#if defined(__AVX512F__)
+  const auto m = std::bit_cast<__m512i>(mask);
+  return _mm512_test_epi32_mask(m, m);
+#elif defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_ps(std::bit_cast<__m256>(mask)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < kLanes; ++i) bits |= static_cast<unsigned>(mask[i] & 1) << i;
+  return bits;
+#endif
 }
+/// Whether any lane of a comparison is true.
+inline bool any(IntLanes mask) { return bits_of(mask) != 0; }
 /// from[index] of each lane.
 inline FloatLanes gather(const float* from, IntLanes index) {
 #if defined(__AVX512F__)
@@ -87,6 +119,20 @@ inline FloatLanes gather(const float* from, IntLanes index) {
 #else
   FloatLanes out;
   for (int i = 0; i < kLanes; ++i) out[i] = from[index[i]];
+  return out;
+#endif
+}
+/// The four bytes at from + offset of each lane.
+inline IntLanes gather_bytes(const void* from, IntLanes offset) {
+#if defined(__AVX512F__)
+  return std::bit_cast<IntLanes>(_mm512_i32gather_epi32(std::bit_cast<__m512i>(offset), from, 1));
+#elif defined(__AVX2__)
+  return std::bit_cast<IntLanes>(
+      _mm256_i32gather_epi32(static_cast<const int*>(from), std::bit_cast<__m256i>(offset), 1));
+#else
+  IntLanes out;
+  for (int i = 0; i < kLanes; ++i)
+    std::memcpy(&out[i], static_cast<const char*>(from) + offset[i], sizeof(std::int32_t));
   return out;
 #endif
 }

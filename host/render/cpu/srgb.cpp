@@ -73,6 +73,16 @@ const std::array<std::uint16_t, 256>& srgb_to_linear() {
   return kTable;
 }
 
+const std::array<float, 256>& linear_of_byte() {
+  static const auto kTable = [] {
+    std::array<float, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i)
+      table[i] = static_cast<float>(srgb_to_linear()[i]) / kLinearOne;
+    return table;
+  }();
+  return kTable;
+}
+
 void decode_row(const Rgb8* from, int width, Rgbx16* to) {
   const DecodeTables& t = decode_tables();
   for (int x = 0; x < width; ++x) store(to + x, t.r[from[x].r] | t.g[from[x].g] | t.b[from[x].b]);

@@ -19,6 +19,9 @@ inline constexpr float kLinearOne = 65535.0F;
 /// Linear value of each sRGB byte, 65535 = 1.0. encode(decode(c)) = c.
 const std::array<std::uint16_t, 256>& srgb_to_linear();
 
+/// The same, 1 = 1.0.
+const std::array<float, 256>& linear_of_byte();
+
 /// `width` pixels to linear light; x is 0.
 void decode_row(const Rgb8* from, int width, Rgbx16* to);
 /// `width` pixels to sRGB, each channel correctly rounded.

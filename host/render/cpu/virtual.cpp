@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/render/cpu/virtual_lanes.h"
 #include "host/render/cpu/virtual_surface.h"
 
 namespace mixrig::render::cpu {
@@ -43,14 +44,29 @@ void set_up_items(Crew& crew, const FrameParams& params, VirtualScratch& scratch
                                    sample_grid(draw.params.view, params.virtual_rect),
                                    draw.mesh->double_sided ? Facing::kBoth : Facing::kFront);
       item.triangle = triangle.value_or(Triangle{});
+      if (triangle && scratch.fits[item.draw])
+        scratch.surfaces[static_cast<std::size_t>(i)] =
+            surface_of(draw, item.triangle, item.first_index);
     }
   });
+}
+
+void resolve_row(const FrameParams& params, const VirtualScratch& scratch, int y, int sample_row,
+                 VirtualLayer& layer) {
+  const Rect& rect = layer.rect;
+  const int last_x = layer.w.width() - kLanes;
+  for (int x = rect.x0; x < rect.x1; x += kLanes) {
+    // Samples outside the rectangle are not covered.
+    const int first = std::min(x, last_x);
+    if (first >= 0 && resolve_lanes(params, scratch, first, y, sample_row, layer)) continue;
+    for (int i = x; i < std::min(x + kLanes, rect.x1); ++i)
+      resolve(params, scratch, i, y, sample_row, layer);
+  }
 }
 
 /// Samples of view rows [y0, y1), then their means.
 void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, int y0, int y1,
                VirtualLayer& layer) {
-  const Rect& rect = layer.rect;
   const int first = worker * kBandRows * kVirtualSamples;
   const auto row_of = [&](int sample_y) { return first + sample_y - y0 * kVirtualSamples; };
   for (int y = y0 * kVirtualSamples; y < y1 * kVirtualSamples; ++y)
@@ -67,9 +83,7 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
                    const IntLanes number = IntLanes{} + static_cast<std::int32_t>(i);
                    store(item, nearer ? number : load<IntLanes>(item));
                  });
-  for (int y = y0; y < y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x)
-      resolve(params, scratch, x, y, row_of(kVirtualSamples * y), layer);
+  for (int y = y0; y < y1; ++y) resolve_row(params, scratch, y, row_of(kVirtualSamples * y), layer);
 }
 
 }  // namespace
@@ -77,11 +91,13 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
 VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int threads) {
   for (std::size_t k = 0; k < params.draws.size(); ++k) {
     const MeshView& mesh = *params.draws[k].mesh;
+    fits.push_back(fits_lanes(mesh));
     positions_m.emplace_back(mesh.positions_m.size());
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
       items.push_back({{}, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i)});
   }
   if (items.empty()) return;
+  surfaces.resize(items.size());
   const Size samples{std::max(kVirtualSamples * view_size.width, kLanes),
                      kVirtualSamples * kBandRows * threads};
   sample_w.reset(samples);

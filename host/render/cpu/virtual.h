@@ -2,6 +2,7 @@
 // Pass virtual: coverage, depth, normal and albedo of the virtual objects in the view.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,14 @@
 namespace mixrig::render::cpu {
 
 inline constexpr float kSampleTurn = kSampleTurnPx * kVirtualSamples;  ///< in samples
+
+inline constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
+static_assert(kPixelSamples == 4);
+/// Where the samples of a pixel lie, in samples from the first of a grid that is not turned.
+inline constexpr std::array<float, kPixelSamples> kSampleColumn = {kSampleTurn, 1 + kSampleTurn,
+                                                                   -kSampleTurn, 1 - kSampleTurn};
+inline constexpr std::array<float, kPixelSamples> kSampleRow = {-kSampleTurn, kSampleTurn,
+                                                                1 - kSampleTurn, 1 + kSampleTurn};
 
 /// Gloss of a pixel, 255 = 1.
 struct GlossBytes {
@@ -42,7 +51,14 @@ struct VirtualScratch {
   };
   std::vector<std::vector<glm::vec3>> positions_m;  ///< of each draw, camera axes
   std::vector<Item> items;
-  Image<float> sample_w;  ///< kBandRows of the view at 2x2 samples, one a thread
+  /// What a triangle shows over its samples, all times inverse depth.
+  struct Surface {
+    std::array<Affine, 3> normal;  ///< camera axes, of any length
+    Affine u, v;
+  };
+  std::vector<Surface> surfaces;  ///< of the items that are drawn
+  std::vector<bool> fits;         ///< of each draw: resolve_lanes() knows all that it shows
+  Image<float> sample_w;          ///< kBandRows of the view at 2x2 samples, one a thread
   Image<std::uint32_t> sample_item;
 };
 

@@ -27,7 +27,7 @@ void VirtualCells::find_flat(const LightInput& input, const VirtualLayer& layer)
   std::array<bool, kCornersPadded> covered{};
   w.fill(1), normal.fill({0, 0, -1});
   for (std::size_t i = 0; i < kCornersPadded; ++i)
-    at_[i / kLanes].set(static_cast<int>(i % kLanes), {0, 0, 1}, normal[i]);
+    at_[i / kLanes].set(static_cast<int>(i % kLanes), {0, 0, 1}, glm::vec3(0));
   each_corner(tile_, layer.w.size(), [&](std::size_t i, int x, int y) {
     covered[i] = layer.coverage.row(y)[x] == 255;
     if (!covered[i]) return;
@@ -66,9 +66,10 @@ void VirtualCells::find_shares(const LightInput& input, LampSet maybe) {
       if (!holds(maybe, k)) continue;
       store(&weight_[k][at], light[k] / all);
       const bool lit = any(light[k] > 0);
+      const VectorLanes& n = at_[i].normal;
+      const IntLanes covered = (n.x != 0) | (n.y != 0) | (n.z != 0);
       store(&seen_[k][at],
-            lit ? room * visibility(lamps[k], input.maps[k], at_[i].position_m, at_[i].normal)
-                : room);
+            lit ? room * visibility(lamps[k], input.maps[k], at_[i].position_m, n, covered) : room);
     }
   }
 }

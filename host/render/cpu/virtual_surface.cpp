@@ -11,11 +11,8 @@
 namespace mixrig::render::cpu {
 namespace {
 
-constexpr int kPixelSamples = kVirtualSamples * kVirtualSamples;
-static_assert(kPixelSamples == 4, "the samples of a pixel fill an F4");
-/// Where the samples of a pixel lie, in samples from the first of a grid that is not turned.
-constexpr F4 kColumn = {kSampleTurn, 1 + kSampleTurn, -kSampleTurn, 1 - kSampleTurn};
-constexpr F4 kRow = {-kSampleTurn, kSampleTurn, 1 - kSampleTurn, 1 + kSampleTurn};
+constexpr F4 kColumn = {kSampleColumn[0], kSampleColumn[1], kSampleColumn[2], kSampleColumn[3]};
+constexpr F4 kRow = {kSampleRow[0], kSampleRow[1], kSampleRow[2], kSampleRow[3]};
 
 F4 sqrt4(F4 f) {
   for (int i = 0; i < 4; ++i) f[i] = std::sqrt(f[i]);
@@ -43,17 +40,6 @@ Vector4 operator*(const glm::mat3& m, const Vector4& v) {
           m[0].z * v.x + m[1].z * v.y + m[2].z * v.z};
 }
 F4 dot(const Vector4& a, const Vector4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-/// Linear light of each byte as a number.
-const std::array<float, 256>& linear() {
-  static const auto kTable = [] {
-    std::array<float, 256> table;
-    for (std::size_t i = 0; i < table.size(); ++i)
-      table[i] = static_cast<float>(srgb_to_linear()[i]) / kLinearOne;
-    return table;
-  }();
-  return kTable;
-}
 
 /// Texels around each sample along an axis of `size` texels, repeating, and the way between them.
 struct Neighbours {
@@ -187,8 +173,8 @@ void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::
   const glm::vec2 a = mesh.uv[i[0]], b = mesh.uv[i[1]], c = mesh.uv[i[2]];
   const OnMesh at{weights.x * a.x + weights.y * b.x + weights.z * c.x,
                   weights.x * a.y + weights.y * b.y + weights.z * c.y, counted};
-  sum.albedo += mapped(base, mesh.texture, linear(), at);
-  sum.emission += mapped(glow, mesh.emission_map, linear(), at);
+  sum.albedo += mapped(base, mesh.texture, linear_of_byte(), at);
+  sum.emission += mapped(glow, mesh.emission_map, linear_of_byte(), at);
   if (mesh.gloss_map.empty()) {
     sum.gloss += gloss * total(counted);
   } else {

@@ -47,7 +47,8 @@ FloatLanes in_lamp(const glm::mat4& m, int axis, FloatLanes x, FloatLanes y, Flo
 }
 
 /// Points into the lamp's map, with the radius in which casters can be.
-FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLanes& normal) {
+FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLanes& normal,
+                  IntLanes wanted) {
   const glm::mat4& m = lamp.lamp_from_camera;
   const float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
   const FloatLanes unmoved_z = in_lamp(m, 2, p.x, p.y, p.z);
@@ -56,7 +57,7 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   const FloatLanes x = p.x + lift_m * normal.x, y = p.y + lift_m * normal.y,
                    z = p.z + lift_m * normal.z;
   const FloatLanes lamp_z = in_lamp(m, 2, x, y, z);
-  const IntLanes behind = (unmoved_z > near_m) & (lamp_z > near_m);
+  const IntLanes behind = wanted & (unmoved_z > near_m) & (lamp_z > near_m);
   const FloatLanes w = 1 / (behind ? lamp_z : FloatLanes{} + near_m);
   const FloatLanes ray_x = in_lamp(m, 0, x, y, z) * w, ray_y = in_lamp(m, 1, x, y, z) * w;
   const FloatLanes u = ray_x * focal + lamp.map_center_texel;
@@ -89,7 +90,7 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   for (const glm::vec2 tap : kTaps) {
     const FloatLanes w = reader.read(filter, tap);
     const IntLanes before = w > filter.w;
-    sum_m += before ? 1 / w : FloatLanes{};
+    sum_m += before ? inverse(w) : FloatLanes{};
     count -= to_float(before);  // true is -1
   }
   const IntLanes found = count > 0;
@@ -99,11 +100,32 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   filter.w = found ? filter.w : FloatLanes{} + kLitAll_w;
 }
 
+/// Whether any texel under the filters, as large as `radius_texel`, may be nearer than a point.
+bool may_find(const ShadowMap& map, const FilterLanes& f, FloatLanes radius_texel, float& most_w) {
+  const IntLanes doubt = f.w < kLitAll_w;
+  const FloatLanes far = FloatLanes{} + kLitAll_w;
+  const FloatLanes reach_x = radius_texel * (abs(f.panel_ux) + abs(f.panel_vx)) + 1.0F;
+  const FloatLanes reach_y = radius_texel * (abs(f.panel_uy) + abs(f.panel_vy)) + 1.0F;
+  const float x0 = least_of(doubt ? f.x_texel - reach_x : far);
+  const float x1 = -least_of(doubt ? -f.x_texel - reach_x : far);
+  const float y0 = least_of(doubt ? f.y_texel - reach_y : far);
+  const float y1 = -least_of(doubt ? -f.y_texel - reach_y : far);
+  most_w = largest_w(map, x0, y0, x1, y1);
+  return most_w > least_of(f.w);
+}
+
 /// Share of the lamp that is seen through the filters of place().
 template <int kBlockers, int kCount>
 FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
   static const auto kTaps = panel_taps<kCount>();
   const TapReader reader(map.w);
+  // Casters are searched as far as the nearest one could hide a point; the filter is no wider than
+  // the nearest that is found allows.
+  float most_w = 0;
+  if (!may_find(map, filter, filter.radius_texel, most_w)) return FloatLanes{} + 1.0F;
+  const FloatLanes widest = max((most_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m),
+                                FloatLanes{} + kLeastRadiusTexel);
+  if (!may_find(map, filter, min(widest, filter.radius_texel), most_w)) return FloatLanes{} + 1.0F;
   find_blockers<kBlockers>(lamp, reader, filter);
   if (!any(filter.w < kLitAll_w)) return FloatLanes{} + 1.0F;
   FloatLanes lit{};
@@ -114,10 +136,10 @@ FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& fi
 }  // namespace
 
 FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
-                      const VectorLanes& normal) {
+                      const VectorLanes& normal, IntLanes wanted) {
   const FloatLanes all = FloatLanes{} + 1.0F;
   if (map.empty()) return all;
-  FilterLanes filter = place(lamp, position_m, normal);
+  FilterLanes filter = place(lamp, position_m, normal, wanted);
   if (!any(filter.w < kLitAll_w)) return all;
   return lamp.is_part ? seen_by<kPartBlockerTapCount, kPartShadowTapCount>(lamp, map, filter)
                       : seen_by<kBlockerTapCount, kShadowTapCount>(lamp, map, filter);

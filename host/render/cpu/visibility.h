@@ -10,15 +10,11 @@
 
 namespace mixrig::render::cpu {
 
-/// A vector of each of kLanes points.
-struct VectorLanes {
-  FloatLanes x, y, z;
-};
-
 /// Share of the lamp that each point sees, 0..1. `position_m`, `normal` (unit; 0 of a surface that
-/// is not in the map, so that it cannot shade itself): camera axes, finite.
+/// is not in the map, so that it cannot shade itself): camera axes, finite. Of points that are not
+/// `wanted` it may be 1.
 FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
-                      const VectorLanes& normal);
+                      const VectorLanes& normal, IntLanes wanted = IntLanes{} - 1);
 
 /// A convex part of the space before the camera, by its corners in camera axes.
 using Corners = std::array<glm::vec3, 8>;

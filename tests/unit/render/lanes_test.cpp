@@ -30,6 +30,34 @@ TEST(Lanes, logarithm_is_that_of_the_library) {
   EXPECT_EQ(render::cpu::log(FloatLanes{} + 1)[0], 0);
 }
 
+TEST(Lanes, bits_tell_which_lanes_are_true) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    FloatLanes f{};
+    f[lane] = 1;
+    EXPECT_EQ(render::cpu::bits_of(f > 0), 1U << lane);
+    EXPECT_TRUE(render::cpu::any(f > 0));
+    EXPECT_EQ(render::cpu::least_of(-f), -1);
+  }
+  EXPECT_FALSE(render::cpu::any(FloatLanes{} > 0));
+}
+
+TEST(Lanes, inverse_is_that_of_a_division) {
+  for (const float first : {1e-6F, 0.3F, 7.0F, 1e6F}) {
+    const FloatLanes f = first * (1 + 0.37F * render::cpu::lane_numbers());
+    const FloatLanes found = render::cpu::inverse(f);
+    for (int i = 0; i < kLanes; ++i) EXPECT_NEAR(found[i] * f[i], 1, 1e-6);
+  }
+}
+
+TEST(Lanes, bytes_are_read_at_any_offset) {
+  std::vector<std::uint8_t> bytes(3 * kLanes + 1);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(7 * i + 1);
+  const auto offset = render::cpu::truncate(3 * render::cpu::lane_numbers());
+  const auto found = render::cpu::gather_bytes(bytes.data(), offset);
+  for (int i = 0; i < kLanes; ++i)
+    EXPECT_EQ(found[i] & 255, bytes[static_cast<std::size_t>(3 * i)]) << i;
+}
+
 /// At every offset, also where a register reaches over the ends of the row.
 TEST(Lanes, pixels_of_a_row_are_those_at_its_ends_beyond_them) {
   std::mt19937 random(1);

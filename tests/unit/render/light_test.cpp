@@ -123,6 +123,35 @@ TEST(Shadow, a_point_is_lit_alike_in_every_lane) {
       EXPECT_EQ(lit.seen_by(lane, {x, 2, 2}, {0, -1, 0}), lit.seen(x, 2)) << x << "," << lane;
 }
 
+TEST(Shadow, points_that_are_not_wanted_change_no_other) {
+  render::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.size_m = {0.4, 0.4};
+  const Lit lit(lamp);
+  std::minstd_rand random(3);
+  std::uniform_real_distribution<float> away(-2, 2), down(1.2F, 2);
+  const render::LampParams& params = lit.preparer.params().lamps[0];
+  int shadowed = 0, early = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    render::cpu::VectorLanes at_m, normal{};
+    for (int i = 0; i < kLanes; ++i) {
+      at_m.x[i] = trial % 2 ? away(random) : 1.5F + 0.01F * away(random);
+      at_m.y[i] = down(random), at_m.z[i] = 2 + away(random);
+      normal.y[i] = -1;
+    }
+    render::cpu::IntLanes wanted{};
+    for (int i = 0; i < kLanes; ++i) wanted[i] = -static_cast<int>(random() % 2);
+    const auto all = visibility(params, lit.maps[0], at_m, normal);
+    const auto some = visibility(params, lit.maps[0], at_m, normal, wanted);
+    for (int i = 0; i < kLanes; ++i) {
+      if (!wanted[i]) continue;
+      EXPECT_EQ(some[i], all[i]) << trial << ", " << i;
+      shadowed += all[i] < 1, early += all[i] == 1;
+    }
+  }
+  EXPECT_GT(shadowed, 100);
+  EXPECT_GT(early, 100);
+}
+
 /// A box of view space: pixels [u, u + width] of a camera with f = 1, depths [near_m, far_m].
 render::cpu::Corners corners(glm::vec2 ray, float width, float near_m, float far_m) {
   render::cpu::Corners out;

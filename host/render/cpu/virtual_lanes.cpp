@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/virtual_lanes.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "host/render/cpu/texel_lanes.h"
+#include "host/render/cpu/virtual_surface.h"
+
+namespace mixrig::render::cpu {
+namespace {
+
+constexpr FloatLanes kZeroLanes{};
+constexpr float kWholeByte = 255, kUnitByte = 127;
+
+/// Of the samples of kLanes pixels, in the order of kSampleColumn.
+struct Samples {
+  SampleLanes w;
+  std::array<IntLanes, kPixelSamples> item, covered;
+};
+template <typename T>
+std::array<T, kPixelSamples> every_sample(const void* upper, const void* lower) {
+  const auto at = [](const void* from, int i) {
+    return load<T>(static_cast<const float*>(from) + i * kLanes);
+  };
+  const T a = at(upper, 0), b = at(upper, 1), c = at(lower, 0), d = at(lower, 1);
+  return {every<2, 0>(a, b), every<2, 1>(a, b), every<2, 0>(c, d), every<2, 1>(c, d)};
+}
+Samples samples_at(const VirtualScratch& scratch, int x, int row) {
+  const auto from = [&](const auto& image, int down) {
+    return image.row(row + down) + kVirtualSamples * x;
+  };
+  Samples out;
+  out.w = every_sample<FloatLanes>(from(scratch.sample_w, 0), from(scratch.sample_w, 1));
+  out.item = every_sample<IntLanes>(from(scratch.sample_item, 0), from(scratch.sample_item, 1));
+  for (std::size_t s = 0; s < kPixelSamples; ++s) out.covered[s] = out.w[s] > 0;
+  return out;
+}
+
+/// What the samples show, normals times inverse depth.
+struct Shown {
+  std::array<VectorLanes, kPixelSamples> normal{};
+  SampleLanes u{}, v{};
+  std::array<IntLanes, kPixelSamples> draw{}, double_sided{};
+  bool any_double_sided = false;
+};
+
+void show_item(const FrameParams& params, const VirtualScratch& scratch, std::int32_t number, int x,
+               int y, const std::array<IntLanes, kPixelSamples>& of_item, Shown& shown) {
+  const VirtualScratch::Item& item = scratch.items[static_cast<std::size_t>(number)];
+  const VirtualScratch::Surface& surface = scratch.surfaces[static_cast<std::size_t>(number)];
+  const Rect& box = item.triangle.box;
+  const bool double_sided = params.draws[item.draw].mesh->double_sided;
+  shown.any_double_sided |= double_sided;
+  const FloatLanes first = lane_numbers() * static_cast<float>(kVirtualSamples) +
+                           static_cast<float>(kVirtualSamples * x - box.x0);
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    const IntLanes mask = of_item[s];
+    if (!any(mask)) continue;
+    const FloatLanes dx = first + kSampleColumn[s];
+    const float dy = static_cast<float>(kVirtualSamples * y - box.y0) + kSampleRow[s];
+    const auto set = [&](const Affine& f, FloatLanes& to) {
+      to = mask ? dx * f.a + (f.b * dy + f.c) : to;
+    };
+    set(surface.normal[0], shown.normal[s].x), set(surface.normal[1], shown.normal[s].y),
+        set(surface.normal[2], shown.normal[s].z);
+    set(surface.u, shown.u[s]), set(surface.v, shown.v[s]);
+    shown.draw[s] = mask ? IntLanes{} + static_cast<std::int32_t>(item.draw) : shown.draw[s];
+    if (double_sided) shown.double_sided[s] |= mask;
+  }
+}
+
+/// False where a mesh does not fit.
+bool show(const FrameParams& params, const VirtualScratch& scratch, const Samples& samples, int x,
+          int y, Shown& shown) {
+  std::array<IntLanes, kPixelSamples> left = samples.covered, of_item;
+  for (std::size_t s = 0; s < kPixelSamples; ++s)
+    while (const unsigned bits = bits_of(left[s])) {
+      const std::int32_t number = samples.item[s][std::countr_zero(bits)];
+      if (!scratch.fits[scratch.items[static_cast<std::size_t>(number)].draw]) return false;
+      for (std::size_t t = 0; t < kPixelSamples; ++t) {
+        of_item[t] = left[t] & (samples.item[t] == number);
+        left[t] &= ~of_item[t];
+      }
+      show_item(params, scratch, number, x, y, of_item, shown);
+    }
+  return true;
+}
+
+/// Sum of the samples' unit normals.
+VectorLanes sum_of_normals(const PinholeParams& view, const Samples& samples, const Shown& shown,
+                           int x, int y) {
+  VectorLanes sum{};
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    const VectorLanes& n = shown.normal[s];
+    const FloatLanes square = n.x * n.x + n.y * n.y + n.z * n.z;
+    const IntLanes counted = samples.covered[s] & (square > 0);
+    FloatLanes scale = 1 / sqrt(counted ? square : kZeroLanes + 1.0F);
+    if (shown.any_double_sided) {
+      const float half = 1.0F / kVirtualSamples;
+      const FloatLanes u =
+          lane_numbers() + (static_cast<float>(x) + half * (kSampleColumn[s] - 0.5F));
+      const float v = static_cast<float>(y) + half * (kSampleRow[s] - 0.5F);
+      const FloatLanes along = n.x * ((u - view.center_px.x) / view.focal_px.x) +
+                               n.y * ((v - view.center_px.y) / view.focal_px.y) + n.z;
+      scale = (shown.double_sided[s] & (along > 0)) ? -scale : scale;
+    }
+    scale = counted ? scale : kZeroLanes;
+    sum.x += n.x * scale, sum.y += n.y * scale, sum.z += n.z * scale;
+  }
+  return sum;
+}
+
+IntLanes packed_normal(const VectorLanes& sum) {
+  const FloatLanes z = sum.z - 1e-6F;
+  const FloatLanes scale = kUnitByte / sqrt(sum.x * sum.x + sum.y * sum.y + z * z);
+  const auto byte = [&](FloatLanes f) {
+    const FloatLanes scaled = f * scale;
+    return truncate(scaled + (scaled < 0 ? kZeroLanes - 0.5F : kZeroLanes + 0.5F)) & 255;
+  };
+  return byte(sum.x) | byte(sum.y) << 8 | byte(z) << 16;
+}
+
+/// Sums over the covered samples.
+struct Sums {
+  ColorLanes albedo{};
+  std::array<FloatLanes, 3> gloss{};  ///< metallic, roughness, specular
+};
+
+/// The draws that the pixels show, one after the other.
+Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& shown) {
+  Sums sums;
+  std::array<IntLanes, kPixelSamples> left = samples.covered;
+  for (std::size_t s = 0; s < kPixelSamples; ++s)
+    while (const unsigned bits = bits_of(left[s])) {
+      const std::int32_t number = shown.draw[s][std::countr_zero(bits)];
+      const Draw& draw = params.draws[static_cast<std::size_t>(number)];
+      const MeshView& mesh = *draw.mesh;
+      SampleLanes counted;
+      for (std::size_t t = 0; t < kPixelSamples; ++t) {
+        const IntLanes of_draw = left[t] & (shown.draw[t] == number);
+        counted[t] = of_draw ? kZeroLanes + 1.0F : kZeroLanes;
+        left[t] &= ~of_draw;
+      }
+      const FloatLanes count = counted[0] + counted[1] + counted[2] + counted[3];
+      ColorLanes color{count, count, count};
+      if (!mesh.uv.empty() && !mesh.texture.empty())
+        color = sum_of_texels(mesh.texture, shown.u, shown.v, samples.w, counted);
+      const glm::vec3& base = draw.params.base_color;
+      sums.albedo.r += base.r * color.r, sums.albedo.g += base.g * color.g,
+          sums.albedo.b += base.b * color.b;
+      sums.gloss[0] += mesh.gloss.metallic * count, sums.gloss[1] += mesh.gloss.roughness * count,
+          sums.gloss[2] += mesh.gloss.specular * count;
+    }
+  return sums;
+}
+
+void store_colors(const Sums& sums, FloatLanes count, unsigned covered, int x, int y,
+                  VirtualLayer& layer) {
+  const auto fixed = [](FloatLanes sum) {
+    return truncate(min(sum / static_cast<float>(kPixelSamples), kZeroLanes + 1.0F) * kLinearOne +
+                    0.5F);
+  };
+  const IntLanes r = fixed(sums.albedo.r), g = fixed(sums.albedo.g), b = fixed(sums.albedo.b);
+  Rgbx16* const color = layer.color.row(y) + x;
+  for (unsigned left = covered; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    color[i] = {static_cast<std::uint16_t>(r[i]), static_cast<std::uint16_t>(g[i]),
+                static_cast<std::uint16_t>(b[i]), 0};
+    if (!layer.emission.empty()) layer.emission.row(y)[x + i] = {};
+  }
+  if (layer.gloss.empty()) return;
+  const auto byte = [&](FloatLanes sum) {
+    return truncate(
+        kWholeByte * min(max(sum / max(count, kZeroLanes + 1.0F), kZeroLanes), kZeroLanes + 1.0F) +
+        0.5F);
+  };
+  const IntLanes metallic = byte(sums.gloss[0]), roughness = byte(sums.gloss[1]),
+                 specular = byte(sums.gloss[2]);
+  for (unsigned left = covered; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    layer.gloss.row(y)[x + i] = {static_cast<std::uint8_t>(metallic[i]),
+                                 static_cast<std::uint8_t>(roughness[i]),
+                                 static_cast<std::uint8_t>(specular[i])};
+  }
+}
+
+}  // namespace
+
+VirtualScratch::Surface surface_of(const Draw& draw, const Triangle& triangle,
+                                   std::uint32_t first_index) {
+  const MeshView& mesh = *draw.mesh;
+  const std::uint32_t* index = &mesh.indices[first_index];
+  VirtualScratch::Surface out{};
+  const auto add = [&](const Affine& share, float value, Affine& to) {
+    to.a += share.a * value, to.b += share.b * value, to.c += share.c * value;
+  };
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const Affine& share = triangle.share[corner];
+    const glm::vec3 normal = draw.params.camera_from_object_normal * mesh.normals[index[corner]];
+    for (int axis = 0; axis < 3; ++axis)
+      add(share, normal[axis], out.normal[static_cast<std::size_t>(axis)]);
+    if (mesh.uv.empty()) continue;
+    add(share, mesh.uv[index[corner]].x, out.u), add(share, mesh.uv[index[corner]].y, out.v);
+  }
+  return out;
+}
+
+bool fits_lanes(const MeshView& mesh) {
+  return mesh.normal_map.empty() && mesh.gloss_map.empty() && mesh.emission == glm::vec3(0) &&
+         fits_lanes(mesh.texture);
+}
+
+bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int x, int y,
+                   int sample_row, VirtualLayer& layer) {
+  const Samples samples = samples_at(scratch, x, sample_row);
+  Shown shown;
+  if (!show(params, scratch, samples, x, y, shown)) return false;
+  const auto& covered = samples.covered;
+  const IntLanes count = -(covered[0] + covered[1] + covered[2] + covered[3]);  // true is -1
+  const auto white = static_cast<std::int32_t>(kWholeByte);
+  store(layer.coverage.row(y) + x,
+        to_bytes((white * count + kPixelSamples / 2) / static_cast<std::int32_t>(kPixelSamples)));
+  store(layer.w.row(y) + x, max(max(samples.w[0], samples.w[1]), max(samples.w[2], samples.w[3])));
+  const IntLanes some = count > 0;
+  const unsigned bits = bits_of(some);
+  if (bits == 0) return true;
+  store_colors(sums_of(params, samples, shown), to_float(count), bits, x, y, layer);
+  PackedNormal* const normal = layer.normal.row(y) + x;
+  const VectorLanes sum = sum_of_normals(params.draws[0].params.view, samples, shown, x, y);
+  store(normal, some ? packed_normal(sum) : load<IntLanes>(normal));
+  return true;
+}
+
+}  // namespace mixrig::render::cpu
