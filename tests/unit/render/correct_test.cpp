@@ -85,6 +85,15 @@ TEST(Correct, lonely_pixel_and_hole_of_one_pixel_take_the_median) {
   }
 }
 
+TEST(Correct, hole_beside_three_samples_is_filled_and_beside_two_stays) {
+  const Corrected c(make_image<float>(kCorrectSize, [](int x, int y) {
+    return (x == 4 && y == 4) || (x == 5 && y == 4) || (x == 4 && y == 5) ? 2.0F : 0.0F;
+  }));
+  EXPECT_FLOAT_EQ(c.z(5, 5), 2.0F);
+  EXPECT_FLOAT_EQ(c.z(5, 3), 0.0F);
+  EXPECT_FLOAT_EQ(c.z(6, 4), 0.0F);
+}
+
 TEST(Correct, line_of_single_pixels_survives) {
   const Corrected c(
       make_image<float>(kCorrectSize, [](int x, int) { return x == 6 ? 2.0F : 4.0F; }));
