@@ -3,13 +3,17 @@
 // Pass warp, second half: a vertex of the ToF mesh (ids as in cells.comp) into the view.
 //   tof_ray   (x/z, y/z) of a ToF pixel
 //   vertices  as correct_links.frag gives them
+//   raw_z_m   metres, as measured, 0 unknown
 #include "common/precision.glsl"
 #include "common/constants.glsl"
+#include "common/tof.glsl"
 layout(binding = 0) uniform sampler2D vertices;
 layout(binding = 1) uniform sampler2D tof_ray;
+layout(binding = 2) uniform sampler2D raw_z_m;
 uniform mat4 camera_from_tof, clip_from_camera;
 uniform vec2 focal_px;
 uniform float open_reach_now, shut_reach_now;
+uniform bool mixed_pixels;
 // w of the ToF point, negative in cut cells, and z of the homogeneous point in camera axes: both
 // are affine over the triangle in space, and their quotient is w in the view.
 out vec2 w_and_z;
@@ -27,8 +31,8 @@ vec2 place_px(vec2 ray, float w) {
   return q.z > 0.0 ? focal_px * q.xy / q.z : vec2(0.0);
 }
 
-// How many half steps a surface reaches past its sample, where what lies beside it is farther.
-float reach_past(vec2 ray, vec2 half_step, float w, float other_w) {
+// By how much the border is seen before or beside what is farther: half steps past the sample.
+float by_sight(vec2 ray, vec2 half_step, float w, float other_w) {
   vec2 border = place_px(ray + half_step, w), out_px = border - place_px(ray, w);
   float opens_px = dot(place_px(ray + half_step, other_w) - border, out_px) /
                    max(length(out_px), 1e-6);
@@ -36,16 +40,51 @@ float reach_past(vec2 ray, vec2 half_step, float w, float other_w) {
   return 1.0 + part * ((opens_px > 0.0 ? open_reach_now : shut_reach_now) - 1.0);
 }
 
-// Of pixel `at` towards its neighbour in direction d, which may lie outside of the picture.
-float reach(ivec2 at, ivec2 d, vec4 vertex, vec2 ray, vec2 half_step) {
+// Whether two neighbours along x or y lie on one surface.
+bool linked(ivec2 at, ivec2 d) {
+  ivec2 from = d.x + d.y > 0 ? at : at + d;
+  if (any(lessThan(from, ivec2(0))) || any(greaterThanEqual(from, textureSize(vertices, 0))))
+    return false;
+  return (int(texelFetch(vertices, from, 0).a) & (d.x != 0 ? 1 : 2)) != 0;
+}
+
+// The nearer surface's share of a pixel at a step, by what it measured: `pure` where it saw one
+// surface, or what is neither of them nor between.
+float near_share(float z, float near, float far, float pure) {
+  if (z <= 0.0) return hole_share;
+  float by_phase = (far - z) / (far - near);
+  if (by_phase < -share_slack || by_phase > 1.0 + share_slack) return pure;
+  // Amplitudes fall with the square of the distance.
+  float part = clamp(by_phase, 0.0, 1.0);
+  float by_near = part * near * near, by_far = (1.0 - part) * far * far;
+  float share = by_near / (by_near + by_far);
+  return abs(share - pure) < mixed_share ? pure : share;
+}
+
+// By how much the nearer surface's border lies farther out than midway, in half steps.
+float border_shift(float near, float far, float near_z, float far_z) {
+  if (far - near < share_part_of_depth * near) return 0.0;
+  return 2.0 * (near_share(near_z, near, far, 1.0) + near_share(far_z, near, far, 0.0) - 1.0);
+}
+
+// How many half steps the surface of pixel `at` reaches towards its neighbour in direction d, which
+// may lie outside of the picture.
+float reach(ivec2 at, ivec2 d, float w, vec2 ray, vec2 half_step) {
   if (d == ivec2(0)) return 0.0;
   ivec2 beside = at + d;
-  if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, textureSize(vertices, 0))))
+  if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, textureSize(vertices, 0))) ||
+      linked(at, d))
     return 1.0;
-  vec4 other = texelFetch(vertices, beside, 0);
-  int links = int(d.x + d.y > 0 ? vertex.a : other.a), link = d.x != 0 ? 1 : 2;
-  if ((links & link) != 0 || other.x >= vertex.x) return 1.0;
-  return reach_past(ray, half_step, vertex.x, other.x);
+  float other_w = value_at(vertices, beside);
+  float far = other_w >= w ? 1.0 : by_sight(ray, half_step, w, other_w);
+  if (!mixed_pixels || other_w <= 0.0) return far;
+  // Depths by the samples behind, which saw one surface.
+  float own_z = 1.0 / (linked(at, -d) ? value_at(vertices, at - d) : w);
+  float other_z = 1.0 / (linked(beside, d) ? value_at(vertices, beside + d) : other_w);
+  float own_raw = value_at(raw_z_m, at), other_raw = value_at(raw_z_m, beside);
+  float shift = own_z < other_z ? border_shift(own_z, other_z, own_raw, other_raw)
+                                : -border_shift(other_z, own_z, other_raw, own_raw);
+  return clamp(far + shift, 0.0, most_reach);
 }
 
 void main() {
@@ -61,8 +100,8 @@ void main() {
     ivec2 to = ivec2(corner % 3 - 1, corner / 3 - 1);
     vec2 step_x = to.x == 0 ? vec2(0) : half_step(at, ray, ivec2(to.x, 0));
     vec2 step_y = to.y == 0 ? vec2(0) : half_step(at, ray, ivec2(0, to.y));
-    vec2 far = vec2(reach(at, ivec2(to.x, 0), vertex, ray, step_x),
-                    reach(at, ivec2(0, to.y), vertex, ray, step_y));
+    vec2 far = vec2(reach(at, ivec2(to.x, 0), w, ray, step_x),
+                    reach(at, ivec2(0, to.y), w, ray, step_y));
     ray += far.x * step_x + far.y * step_y;
     w = max(w + 0.5 * dot(vertex.yz, far * vec2(to)), least_corner_part * w);
   }

@@ -162,6 +162,7 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
 void set_view(const CompositorSetup& setup, ModelTables& t) {
   // Its steps were widened when it was learned.
   t.grid.warp.open_reach = t.grid.warp.shut_reach = 1;
+  t.grid.warp.mixed_pixels = false;
   t.grid.warp.view = {glm::vec2(setup.view.fx_px, setup.view.fy_px),
                       glm::vec2(setup.view.cx_px, setup.view.cy_px)};
   t.grid.tof_footprint_px =

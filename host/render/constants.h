@@ -33,8 +33,8 @@ inline constexpr float kPlanePart = 0.7F;
 inline constexpr float kSmoothPart = 0.5F;
 /// A pixel stays if this many of its eight neighbours lie at its depth; one may be another stray.
 inline constexpr int kLeastSupporters = 2;
-/// A hole is filled if more than half of its eight neighbours are known.
-inline constexpr int kLeastKnown = 5;
+/// A hole is filled if so many of its eight neighbours are known: those of a corner.
+inline constexpr int kLeastKnown = 3;
 
 // --- warp
 /// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy
@@ -43,13 +43,23 @@ inline constexpr float kLeastCornerPart = 0.5F;
 /// How far a surface reaches past its last sample towards a farther one, in halves of a ToF pixel:
 /// where the other camera looks past its border at what the ToF camera does not see, which is
 /// better unknown than wrong...
-inline constexpr float kOpenReach = 0.7F;
+inline constexpr float kOpenReach = 0.2F;
 /// ...and where it covers what the ToF camera sees beside it: pixels that saw both surfaces are
 /// more often taken for the farther one.
 inline constexpr float kShutReach = 1.2F;
 /// Pixels of the view that open or shut from where on these hold; 1 where none do, and between them
 /// in proportion.
 inline constexpr float kReachRampPx = 2.0F;
+/// The nearer surface's share of a pixel at a step that measured nothing: it saw both.
+inline constexpr float kHoleShare = 0.5F;
+/// What differs from one surface by less than this share is noise.
+inline constexpr float kMixedShare = 0.1F;
+/// A depth that lies outside of both surfaces by this part of the step is of neither.
+inline constexpr float kShareSlack = 0.1F;
+/// Steps of less than this part of the depth tell no share.
+inline constexpr float kSharePartOfDepth = 0.025F;
+/// Halves of a ToF pixel: a surface reaches farther past no sample.
+inline constexpr float kMostReach = 3.0F;
 /// Most indices of a cell: four quarters of two triangles.
 inline constexpr int kCellIndices = 24;
 

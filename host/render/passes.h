@@ -66,6 +66,8 @@ struct WarpParams {
   glm::mat4 camera_from_tof{1};
   PinholeParams view;
   float open_reach = kOpenReach, shut_reach = kShutReach;
+  /// At a step, pixels that saw both surfaces, or nothing, tell where its border lies.
+  bool mixed_pixels = true;
 };
 
 /// A depth camera's surfaces against what another one measured there.

@@ -30,7 +30,7 @@ class WarpPassTest : public GlTest {
     EXPECT_TRUE(correct && warp);
     correct->upload_depth(depth_m);
     correct->draw();
-    warp->draw(correct->vertices(), correct->tof_ray());
+    warp->draw(correct->vertices(), correct->tof_ray(), correct->raw_z_m());
     return read(warp->w());
   }
 
@@ -88,11 +88,30 @@ TEST_F(WarpPassTest, nearest_surface_wins_and_gaps_stay_unknown) {
   tables_.warp.camera_from_tof[3] = glm::vec4(-0.25F, 0, 0, 1);
   const auto gap =
       draw(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; }));
-  // Near half ends at 13.5 + 0.7 x 2 - 8 = 6.9, far half starts at 13.5: the camera saw nothing
+  // Near half ends at 13.5 + 0.2 x 2 - 8 = 5.9, far half starts at 13.5: the camera saw nothing
   // between.
-  EXPECT_NEAR(std::abs(gap.at(6, 15).r), 1.0F, 1e-6F);
-  for (int x = 7; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
+  EXPECT_NEAR(std::abs(gap.at(5, 15).r), 1.0F, 1e-6F);
+  for (int x = 6; x <= 13; ++x) EXPECT_EQ(gap.at(x, 15).r, 0) << x;
   EXPECT_NEAR(std::abs(gap.at(14, 15).r), 0.25F, 1e-6F);
+}
+
+TEST_F(WarpPassTest, border_lies_where_pixels_of_both_surfaces_say) {
+  const auto last_near = [&](float third_m, float fourth_m) {
+    const auto w = draw(make_image<float>(kWarpTof, [&](int x, int) {
+      if (x == 3) return third_m;
+      return x == 4 ? fourth_m : x < 4 ? 2.0F : 4.0F;
+    }));
+    int x = 31;
+    while (x > 0 && std::abs(w.at(x, 15).r) < 0.4F) --x;
+    EXPECT_NEAR(std::abs(w.at(x + 1, 15).r), 0.25F, 1e-3F) << third_m << " " << fourth_m;
+    return x;
+  };
+  // Midway lies at 15.5; half of a ToF pixel is 2 px.
+  EXPECT_EQ(last_near(2.4F, 4), 13);
+  EXPECT_EQ(last_near(2, 2.4F), 17);
+  EXPECT_EQ(last_near(0, 4), 13);
+  EXPECT_EQ(last_near(2, 0), 17);
+  EXPECT_EQ(last_near(2, 3), 16);  // 0.2 of the pixel: 0.8 px
 }
 
 TEST_F(WarpPassTest, unknown_samples_and_points_behind_the_camera_draw_nothing) {

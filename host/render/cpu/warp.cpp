@@ -8,6 +8,7 @@
 
 #include "host/render/cpu/draw_quads.h"
 #include "host/render/cpu/simd.h"
+#include "host/render/cpu/surface_reach.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -92,31 +93,11 @@ float gradient(const float* w, const std::uint8_t* links, std::ptrdiff_t d_w,
   return ahead && behind ? 0.5F * sum : sum;
 }
 
-/// Place in the view, px from its centre; (0, 0) where q is not before the camera.
-glm::vec2 place_px(const WarpParams& p, const glm::vec3& q) {
-  return q.z > 0 ? p.view.focal_px * glm::vec2(q) / q.z : glm::vec2(0);
-}
-
-/// How far the surface of a sample reaches past it along half a step of its ray, in such steps,
-/// where what lies beside it is farther, `other_w` (0: unknown): by how much its border is seen
-/// before or beside that of the other one.
-float reach_past(const WarpParams& p, glm::vec2 ray, glm::vec2 half_step, float w, float other_w) {
-  const auto at = [&](glm::vec2 r, float inverse) {
-    return place_px(p, glm::mat3(p.camera_from_tof) * glm::vec3(r, 1) +
-                           glm::vec3(p.camera_from_tof[3]) * inverse);
-  };
-  const glm::vec2 border = at(ray + half_step, w), out = border - at(ray, w);
-  const float length = std::max(glm::length(out), 1e-6F);
-  const float opens_px = glm::dot(at(ray + half_step, other_w) - border, out) / length;
-  const float part = std::min(1.0F, std::abs(opens_px) / kReachRampPx);
-  return 1 + part * ((opens_px > 0 ? p.open_reach : p.shut_reach) - 1);
-}
-
 /// Draws cut cells, a batch at a time.
 class CutCells {
  public:
   CutCells(const Mesh& mesh, const Band& band, Image<float>& view_w)
-      : mesh_(mesh), band_(band), view_w_(view_w) {}
+      : mesh_(mesh), reach_(mesh.params, mesh.tof_ray, mesh.grid), band_(band), view_w_(view_w) {}
 
   void add(int x, int y) {
     add_quarter(x, y, 1, 1);
@@ -133,6 +114,7 @@ class CutCells {
   void add_quarter(int x, int y, int right, int down);
 
   const Mesh& mesh_;
+  const SurfaceReach reach_;
   const Band& band_;
   Image<float>& view_w_;
   QuadBatch quads_;
@@ -152,14 +134,9 @@ void CutCells::add_quarter(int x, int y, int right, int down) {
   const auto half = [&](glm::vec2 other) {
     return std::isnan(other.x) ? glm::vec2(0) : 0.5F * (other - ray);
   };
-  // A step of the ray, as far as the surface reaches.
-  const auto reach = [&](glm::vec2 step, bool linked, float other_w) {
-    return linked || other_w >= *w ? 1.0F : reach_past(mesh_.params, ray, step, *w, other_w);
-  };
   const glm::vec2 ray_x = half(mesh_.tof_ray.row(y)[x + right]);
   const glm::vec2 ray_y = half(mesh_.tof_ray.row(y + down)[x]);
-  const float reach_x = reach(ray_x, links[right > 0 ? 0 : -1] & kRight, w[right]);
-  const float reach_y = reach(ray_y, links[down > 0 ? 0 : -row_links] & kDown, w[down * row_w]);
+  const float reach_x = reach_.towards(x, y, right, 0), reach_y = reach_.towards(x, y, 0, down);
   const auto corner = [&](float i, float j) {
     const float corner_w = std::max(*w + i * along_x + j * along_y, kLeastCornerPart * *w);
     return project(mesh_.params, ray + i * ray_x + j * ray_y, corner_w);
@@ -256,7 +233,8 @@ void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& sc
     const int last_y = end == view_size.height ? end : end - 4;
     if (before == Before::kNothing)
       for (int y = begin; y < end; ++y) std::fill_n(view_w.row(y), view_w.width(), 0.0F);
-    draw_band(mesh, {begin, end, view_size.width, last_y}, 1 + tables.tof_footprint_px, view_w);
+    draw_band(mesh, {begin, end, view_size.width, last_y},
+              1 + 0.5F * kMostReach * tables.tof_footprint_px, view_w);
   });
 }
 

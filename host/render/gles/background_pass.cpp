@@ -180,7 +180,8 @@ void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
       part.face_from_camera[i] = pose.face_from_camera;
       if (!may_show(part.tables, i, pose)) continue;
       part.warp.set_pose(pose.camera_from_face);
-      part.warp.add(part.faces[i].vertices, part.correct.tof_ray(), view.target());
+      part.warp.add(part.faces[i].vertices, part.correct.tof_ray(), part.correct.raw_z_m(),
+                    view.target());
     }
 }
 

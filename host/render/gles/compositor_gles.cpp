@@ -274,7 +274,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   }
   {
     const StageScope stage(timer, Stage::kWarp);
-    warp_.draw(correct_.vertices(), correct_.tof_ray());
+    warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m());
     if (two) second_depth_->add_to(warp_);
   }
   MIXRIG_TRY(draw_objects(timer));

@@ -17,7 +17,9 @@ class CorrectPass {
   void draw_depth() const;
   void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
-  /// GL_R32F, metres, 0 unknown: as measured but for what belongs to another surface; smoothed.
+  /// GL_R32F, metres, 0 unknown: as measured.
+  const Texture& raw_z_m() const { return raw_z_; }
+  /// The same, but for what belongs to another surface; that smoothed.
   const Texture& clean_z_m() const { return clean_z_; }
   const Texture& z_m() const { return z_; }
   const Texture& step_m() const { return step_; }

@@ -54,7 +54,7 @@ void SecondDepthPass::correct_both(const CorrectPass& first) const {
 }
 
 void SecondDepthPass::add_to(const WarpPass& first) const {
-  warp_.add(correct_.vertices(), correct_.tof_ray(), first.target());
+  warp_.add(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m(), first.target());
 }
 
 }  // namespace mixrig::render::gles

@@ -50,6 +50,7 @@ void WarpPass::set_view(const Tables& tables) {
   warp_.set("focal_px", tables.warp.view.focal_px);
   warp_.set("open_reach_now", tables.warp.open_reach);
   warp_.set("shut_reach_now", tables.warp.shut_reach);
+  warp_.set("mixed_pixels", tables.warp.mixed_pixels);
   warp_.set("clip_from_camera", clip_from_camera(tables.warp.view, tables.view_size));
 }
 
@@ -75,7 +76,8 @@ void WarpPass::clear() const {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Target& target) const {
+void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
+                   const Target& target) const {
   find_triangles(vertices);
   bind(target);
   glEnable(GL_DEPTH_TEST);
@@ -86,6 +88,7 @@ void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Target
   warp_.use();
   bind(0, vertices);
   bind(1, tof_ray);
+  bind(2, raw_z_m);
   glBindVertexArray(vertex_array_.get());
   glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);

@@ -16,17 +16,15 @@ class WarpPass {
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// View, and the pose that set_pose() sets, of `tables`; from the next draw() on.
   void set_view(const Tables& tables);
-  /// `vertices`, `tof_ray`: of CorrectPass.
-  void draw(const Texture& vertices, const Texture& tof_ray) const {
+  /// `vertices`, `tof_ray`, `raw_z_m`: of CorrectPass.
+  void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m) const {
     clear();
-    add(vertices, tof_ray);
+    add(vertices, tof_ray, raw_z_m, target_);
   }
   void clear() const;
   /// Draws before or behind what was drawn.
-  void add(const Texture& vertices, const Texture& tof_ray) const {
-    add(vertices, tof_ray, target_);
-  }
-  void add(const Texture& vertices, const Texture& tof_ray, const Target& target) const;
+  void add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
+           const Target& target) const;
   /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }

@@ -14,7 +14,7 @@ using render::cpu::kDown;
 using render::cpu::kRight;
 constexpr Size kCorrectSize{16, 12};
 
-TEST(Correct, bad_values_are_unknown_where_too_few_neighbours_know_better) {
+TEST(Correct, bad_values_are_unknown_but_for_those_beside_three_samples) {
   const float bad[] = {0,
                        -1,
                        std::numeric_limits<float>::quiet_NaN(),
@@ -25,8 +25,10 @@ TEST(Correct, bad_values_are_unknown_where_too_few_neighbours_know_better) {
     const Corrected c(
         make_image<float>(kCorrectSize, [&](int x, int) { return x < 8 ? 2.0F : value; }));
     for (int y = 0; y < kCorrectSize.height; ++y)
-      for (int x = 0; x < kCorrectSize.width; ++x)
-        EXPECT_EQ(c.z(x, y), x < 8 ? 2.0F : 0.0F) << value;
+      for (int x = 0; x < kCorrectSize.width; ++x) {
+        const bool beside = x == 8 && y > 0 && y < kCorrectSize.height - 1;
+        EXPECT_EQ(c.z(x, y), x < 8 || beside ? 2.0F : 0.0F) << value;
+      }
   }
 }
 
@@ -83,6 +85,15 @@ TEST(Correct, lonely_pixel_and_hole_of_one_pixel_take_the_median) {
         kCorrectSize, [&](int x, int y) { return x == 5 && y == 5 ? odd : 2.0F; }));
     EXPECT_FLOAT_EQ(c.z(5, 5), 2.0F) << odd;
   }
+}
+
+TEST(Correct, hole_beside_three_samples_is_filled_and_beside_two_stays) {
+  const Corrected c(make_image<float>(kCorrectSize, [](int x, int y) {
+    return (x == 4 && y == 4) || (x == 5 && y == 4) || (x == 4 && y == 5) ? 2.0F : 0.0F;
+  }));
+  EXPECT_FLOAT_EQ(c.z(5, 5), 2.0F);
+  EXPECT_FLOAT_EQ(c.z(5, 3), 0.0F);
+  EXPECT_FLOAT_EQ(c.z(6, 4), 0.0F);
 }
 
 TEST(Correct, line_of_single_pixels_survives) {

@@ -71,12 +71,12 @@ TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
   const Warped warped(
       make_image<float>(kWarpTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
   // Near: samples 3 and 4, 13.5 .. 17.5, moved by 8 px, with 1.2 quarters of a cell towards what
-  // they cover and 0.7 towards what they open: 3.1 .. 10.9.
+  // they cover and 0.2 towards what they open: 3.1 .. 9.9.
   EXPECT_NEAR(warped.w.at(3, 15), 0.25F, 1e-6F);
   EXPECT_NEAR(warped.w.at(4, 15), 1.0F, 1e-6F);
-  EXPECT_NEAR(warped.w.at(10, 15), 1.0F, 1e-6F);
+  EXPECT_NEAR(warped.w.at(9, 15), 1.0F, 1e-6F);
   // Far: from 19.5 - 2 on; between lies what only the target camera sees.
-  for (int x = 11; x <= 17; ++x) EXPECT_EQ(warped.w.at(x, 15), 0.0F) << x;
+  for (int x = 10; x <= 17; ++x) EXPECT_EQ(warped.w.at(x, 15), 0.0F) << x;
   EXPECT_NEAR(warped.w.at(18, 15), 0.25F, 1e-6F);
 }
 
@@ -95,7 +95,43 @@ TEST(Warp, reach_is_more_over_what_the_tof_camera_sees_and_less_over_what_it_doe
   const double still_px = border_px(0);
   EXPECT_NEAR(border_px(12) - still_px, 0.2 * 16, 0.75);
   EXPECT_NEAR(border_px(1) - still_px, 0.5 * 0.2 * 16, 0.75);  // half way up the ramp
-  EXPECT_NEAR(border_px(-12) - still_px, -0.3 * 16, 0.75);
+  EXPECT_NEAR(border_px(-12) - still_px, -0.8 * 16, 0.75);
+}
+
+/// Where the border between 2 m up to ToF column 3 and 4 m lies in a row of the view, with what was
+/// measured in columns 3 and 4; 0 is no measurement. Midway is 15.5.
+float border_with(float third_m, float fourth_m) {
+  const Size tof{8, 8}, view{256, 256};  // a ToF pixel spans 32 px
+  const Warped warped(make_image<float>(tof,
+                                        [&](int x, int) {
+                                          if (x == 3) return third_m;
+                                          return x == 4 ? fourth_m : x < 4 ? 2.0F : 4.0F;
+                                        }),
+                      {}, 1, view, 256);
+  int x = 255;
+  while (x > 0 && warped.w.at(x, 128) < 0.4F) --x;
+  // What lies beside it is the far surface: nothing is unknown, or between the two.
+  EXPECT_NEAR(warped.w.at(x + 1, 128), 0.25F, 1e-3F) << third_m << " " << fourth_m;
+  return (static_cast<float>(x) + 0.5F - 127.5F) / 32;  // ToF pixels from midway
+}
+
+TEST(Warp, border_lies_where_a_flying_pixel_says) {
+  EXPECT_NEAR(border_with(2, 4), 0, 0.05);
+  // The near surface is four times as bright: at 2.4 m its share is 0.8 x 4 of 0.8 x 4 + 0.2 x 16.
+  EXPECT_NEAR(border_with(2.4F, 4), -0.5, 0.05);
+  EXPECT_NEAR(border_with(2, 2.4F), 0.5, 0.05);
+  EXPECT_NEAR(border_with(2.2F, 4), -0.308, 0.05);  // 0.9 x 4 of 0.9 x 4 + 0.1 x 16
+  EXPECT_NEAR(border_with(2, 3), 0.2, 0.05);        // 0.5 x 4 of 0.5 x 4 + 0.5 x 16
+}
+
+TEST(Warp, border_lies_in_the_middle_of_a_pixel_that_measured_nothing) {
+  EXPECT_NEAR(border_with(0, 4), -0.5, 0.05);
+  EXPECT_NEAR(border_with(2, 0), 0.5, 0.05);
+}
+
+TEST(Warp, noise_and_stray_values_at_a_step_move_no_border) {
+  EXPECT_NEAR(border_with(2.01F, 3.98F), 0, 0.05);
+  EXPECT_NEAR(border_with(1.6F, 4), 0, 0.05);  // of neither surface
 }
 
 TEST(Warp, surface_seen_from_behind_or_behind_the_camera_draws_nothing) {

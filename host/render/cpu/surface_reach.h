@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the surface of a ToF sample reaches past it, where the next sample shows another one.
+#pragma once
+
+#include "host/render/cpu/correct.h"
+#include "host/render/prepare.h"
+
+namespace mixrig::render::cpu {
+
+class SurfaceReach {
+ public:
+  SurfaceReach(const WarpParams& params, const Image<glm::vec2>& tof_ray, const TofGrid& grid)
+      : params_(params), tof_ray_(tof_ray), grid_(grid) {}
+
+  /// From known sample (x, y) towards its neighbour at (x + dx, y + dy), which lies in the picture:
+  /// along x or y. In halves of a step; 1 where both are of one surface.
+  float towards(int x, int y, int dx, int dy) const;
+
+ private:
+  bool linked(int x, int y, int dx, int dy) const;
+  float by_sight(int x, int y, int dx, int dy, float w, float other_w) const;
+
+  const WarpParams& params_;
+  const Image<glm::vec2>& tof_ray_;
+  const TofGrid& grid_;
+};
+
+}  // namespace mixrig::render::cpu
