@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "host/render/compositor.h"
-#include "host/render/cpu/color_lanes.h"
 #include "host/render/people_motion.h"
 
 namespace mixrig::render::cpu {
@@ -14,21 +13,19 @@ namespace {
 
 constexpr int kWide = kBlockPx + 2;
 
-/// What lies beside a register that begins within kWide pixels is read too, and not used.
-constexpr int kStride = kWide + kLanes;
-using Pixels = std::array<Rgbx16, kStride>;
-using Numbers = std::array<float, kStride>;
-
 /// A pixel's difference: of the roots of its three channels, summed, by what light changes.
-FloatLanes difference(const ColorLanes& a, const ColorLanes& b) {
-  constexpr float kLeastLight = 1.0F / kLinearOne;
-  const FloatLanes light = a.r + a.g + a.b + b.r + b.g + b.b + kLeastLight;
-  return (abs(a.r - b.r) + abs(a.g - b.g) + abs(a.b - b.b)) / sqrt(light);
+float difference(Rgbx16 a, Rgbx16 b) {
+  const auto apart = [](std::uint16_t p, std::uint16_t q) {
+    return std::abs(static_cast<float>(p) - static_cast<float>(q));
+  };
+  const float light = static_cast<float>(a.r) + static_cast<float>(a.g) + static_cast<float>(a.b) +
+                      static_cast<float>(b.r) + static_cast<float>(b.g) + static_cast<float>(b.b);
+  return (apart(a.r, b.r) + apart(a.g, b.g) + apart(a.b, b.b)) / std::sqrt(light + 1);
 }
 
 /// kBeforeShare exp(-x), nearly, and 0 from 4 on.
-FloatLanes share_by(FloatLanes x) {
-  const FloatLanes t = max(FloatLanes{}, 1 - 0.25F * x), t2 = t * t;
+float share_by(float x) {
+  const float t = std::max(0.0F, 1 - 0.25F * x), t2 = t * t;
   return kBeforeShare * t2 * t2;
 }
 
@@ -37,15 +34,18 @@ struct BlockBefore {
   std::array<std::array<float, kBlockPx>, kBlockPx> share{}, matte{};
 };
 
-/// The pixels x0 - from .. of a row; those beyond its ends as at the ends.
-void row_of(const Rgbx16* row, int x0, int from, int last_x, Pixels& out) {
+/// The pixels x0 - from .. of a row, those beyond its ends as at the ends.
+using Row = std::array<Rgbx16, kWide>;
+Row row_of(const Rgbx16* row, int x0, int from, int last_x) {
+  Row out;
   if (x0 >= 0 && x0 + kWide <= last_x + 1 && x0 - from >= 0 && x0 - from + kWide <= last_x + 1) {
     std::copy_n(row + x0 - from, kWide, out.begin());
-    return;
+    return out;
   }
   for (int i = 0; i < kWide; ++i)
     out[static_cast<std::size_t>(i)] =
         row[std::clamp(std::clamp(x0 + i, 0, last_x) - from, 0, last_x)];
+  return out;
 }
 
 /// Where people move, the room stays and only they come from elsewhere.
@@ -60,8 +60,6 @@ struct Join {
 
   void block(int bx, int by) const;
   bool changes(int x0, int y0, glm::ivec2 from, Joins joins) const;
-  using Shares = std::array<Numbers, kBlockPx>;
-  void shares(int x0, int y0, glm::ivec2 from, Shares& out) const;
   void compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const;
   bool may_be_people(int x, int y) const;
 };
@@ -91,50 +89,38 @@ bool Join::changes(int x0, int y0, glm::ivec2 from, Joins joins) const {
   return (higher && joins != Joins::kRoom) || (lower && joins != Joins::kPeople);
 }
 
-/// By how alike 3x3 pixels around each of a block that came from `from` pixels away are. Pixels
-/// beyond the picture are those at its border.
-void Join::shares(int x0, int y0, glm::ivec2 from, Shares& out) const {
+/// Of a block that came from `from` pixels away. Pixels beyond the picture are those at its border.
+void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const {
   // Three roots differ by sqrt(6) / 2 times (sum |a - b|) / sqrt(sum of six values).
-  constexpr float kScale = 255.0F * 1.2247449F / 27 / kAlike;
+  constexpr float kScale = 255.0F * 1.2247449F / 27;
+  const float scale = kScale / std::sqrt(static_cast<float>(kLinearOne));
   const int last_x = plate.width() - 1, last_y = plate.height() - 1;
-  std::array<Numbers, kWide> d;
-  Pixels now{}, then{};
+  std::array<std::array<float, kWide>, kWide> d;
   for (int j = 0; j < kWide; ++j) {
     const int y = std::clamp(y0 + j - 1, 0, last_y);
-    row_of(plate.row(y), x0 - 1, 0, last_x, now);
-    row_of(before.plate.row(std::clamp(y - from.y, 0, last_y)), x0 - 1, from.x, last_x, then);
-    float* to = d[static_cast<std::size_t>(j)].data();
-    for (int i = 0; i < kWide; i += kLanes)
-      store(to + i, difference(color_lanes(now.data() + i), color_lanes(then.data() + i)));
+    const Row now = row_of(plate.row(y), x0 - 1, 0, last_x);
+    const Row then =
+        row_of(before.plate.row(std::clamp(y - from.y, 0, last_y)), x0 - 1, from.x, last_x);
+    for (std::size_t i = 0; i < kWide; ++i)
+      d[static_cast<std::size_t>(j)][i] = difference(now[i], then[i]);
   }
-  for (std::size_t j = 0; j < kBlockPx; ++j)
-    for (int i = 0; i < kBlockPx; i += kLanes) {
-      FloatLanes sum{};
-      for (std::size_t dj = 0; dj < 3; ++dj)
-        for (int di = 0; di < 3; ++di) sum += load<FloatLanes>(d[j + dj].data() + i + di);
-      const FloatLanes off = kScale * sum;
-      store(out[j].data() + i, share_by(off * off));
-    }
-}
-
-void Join::compare(int x0, int y0, glm::ivec2 from, Joins joins, BlockBefore& out) const {
-  const int last_x = plate.width() - 1, last_y = plate.height() - 1;
-  Shares found;
-  shares(x0, y0, from, found);
-  for (int y = y0; y < std::min(y0 + kBlockPx, last_y + 1); ++y) {
-    const std::uint8_t* before_row = before.matte.row(std::clamp(y - from.y, 0, last_y));
+  for (int y = y0; y < std::min(y0 + kBlockPx, last_y + 1); ++y)
     for (int x = x0; x < std::min(x0 + kBlockPx, last_x + 1); ++x) {
       const auto j = static_cast<std::size_t>(y - y0), i = static_cast<std::size_t>(x - x0);
-      if (found[j][i] <= out.share[j][i]) continue;
+      float sum = 0;
+      for (std::size_t dj = 0; dj < 3; ++dj)
+        for (std::size_t di = 0; di < 3; ++di) sum += d[j + dj][i + di];
+      const float off = scale * sum / kAlike, share = share_by(off * off);
+      if (share <= out.share[j][i]) continue;
       const std::uint8_t now = matte.row(y)[x];
-      const std::uint8_t then = before_row[std::clamp(x - from.x, 0, last_x)];
+      const std::uint8_t then =
+          before.matte.row(std::clamp(y - from.y, 0, last_y))[std::clamp(x - from.x, 0, last_x)];
       if ((joins == Joins::kRoom && then > now) || (joins == Joins::kPeople && then <= now))
         continue;
       if (then > now && !may_be_people(x, y)) continue;
-      out.share[j][i] = found[j][i];
+      out.share[j][i] = share;
       out.matte[j][i] = static_cast<float>(then);
     }
-  }
 }
 
 void Join::block(int bx, int by) const {
