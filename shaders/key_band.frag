@@ -7,6 +7,7 @@
 //           vote decides
 //   person  mean colour of the foreground around, linear
 //   room    mean colour of the background around, linear, and its variance; 0 where not known
+//   person_deep  that of the nearest block of deep (key_deep.frag); the first one row by row
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -14,9 +15,11 @@
 layout(binding = 0) uniform sampler2D counts;
 layout(binding = 1) uniform sampler2D colors;
 layout(binding = 2) uniform sampler2D rooms;
+layout(binding = 3) uniform sampler2D deep;
 layout(location = 0) out vec4 band;
 layout(location = 1) out vec4 person;
 layout(location = 2) out vec4 room;
+layout(location = 3) out vec4 person_deep;
 
 Block sum_around(ivec2 at, int radius) {
   ivec2 last = textureSize(counts, 0) - 1;
@@ -37,10 +40,19 @@ Block sum_around(ivec2 at, int radius) {
   return sum;
 }
 
-// Variance of `count` colours around their mean, with the least spread of a colour.
-float variance_of(vec3 mean, float square_sum, float count) {
-  float spread = (square_sum / max(count, 1.0) - dot(mean, mean)) / 3.0;
-  return max(0.0, spread) + floor_variance(mean);
+vec4 nearest_deep(ivec2 at) {
+  ivec2 last = textureSize(deep, 0) - 1;
+  vec4 found = vec4(0);
+  int nearest = 2 * (deep_blocks + 1) * (deep_blocks + 1);
+  for (int y = max(0, at.y - deep_blocks); y <= min(last.y, at.y + deep_blocks); ++y)
+    for (int x = max(0, at.x - deep_blocks); x <= min(last.x, at.x + deep_blocks); ++x) {
+      ivec2 d = ivec2(x, y) - at;
+      int away = d.x * d.x + d.y * d.y;
+      if (away >= nearest) continue;
+      vec4 color = texelFetch(deep, ivec2(x, y), 0);
+      if (color.a > 0.0) found = color, nearest = away;
+    }
+  return found;
 }
 
 void main() {
@@ -65,4 +77,5 @@ void main() {
   bool has_room = around.room >= float(block_px);
   room = has_room ? vec4(room_mean, variance_of(room_mean, around.room_square_sum, around.room))
                   : vec4(0);
+  person_deep = votes ? nearest_deep(at) : vec4(0);
 }

@@ -5,7 +5,7 @@
 //   plate         linear light, view
 //   learned       background colour, linear, red negative where unknown, and its spread (0 where
 //                 not learned)
-//   band, person, room  blocks, of key_band.frag
+//   band, person, room, person_deep  blocks, of key_band.frag
 //   vote          within color_vote_cap, or up to brighter_vote_cap; only blocks where votes decide
 //                 are drawn
 #include "common/precision.glsl"
@@ -19,8 +19,15 @@ layout(binding = 2) uniform sampler2D learned_sigma;
 layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
+layout(binding = 7) uniform sampler2D person_deep;  // 6 is that of blocks.vert
 uniform bool has_learned, has_sigma;
 out float vote;
+
+// Of a colour with a variance.
+float odds_of(vec3 p, vec4 color) {
+  vec3 off = p - color.rgb;
+  return -0.5 * dot(off, off) / color.a - spread_odds * log(color.a);
+}
 
 void main() {
   ivec2 tile = ivec2(gl_FragCoord.xy), block = tile / (block_px + 2);
@@ -29,7 +36,9 @@ void main() {
   ivec2 at = block * block_px + tile - block * (block_px + 2) - 1;
   at = clamp(at, ivec2(0), textureSize(plate, 0) - 1);
   vec3 p = texelFetch(plate, at, 0).rgb;
-  bool has_person = (flags & 8) != 0;
+  bool has_mean = (flags & 8) != 0;
+  vec4 deep = texelFetch(person_deep, block, 0);
+  bool has_deep = has_learned && deep.a > 0.0, has_person = has_mean || has_deep;
   vec4 around = texelFetch(room, block, 0);
   vote = 0.0;
   if (!has_learned && (around.a == 0.0 || !has_person)) return;
@@ -51,9 +60,9 @@ void main() {
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {
-    vec3 from_person = p - texelFetch(person, block, 0).rgb;
-    float person2 = dot(from_person, from_person) / near.z;
-    odds = 0.5 * (background2 - person2) + spread_odds * log(variance / near.z);
+    float person_odds = has_mean ? odds_of(p, vec4(texelFetch(person, block, 0).rgb, near.z)) : -1e9;
+    if (has_deep) person_odds = max(person_odds, odds_of(p, deep));
+    odds = 0.5 * background2 + spread_odds * log(variance) + person_odds;
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;
   vote = clamp(odds, -cap, is_brighter ? brighter_vote_cap : cap);

@@ -90,6 +90,10 @@ inline constexpr int kNearBlocks = 3;
 /// Blocks within this radius of a border of the foreground are the band, 3x3: ToF depth is wrong by
 /// a few pixels there.
 inline constexpr int kBandBlocks = 1;
+/// A block of the band also compares with people's colour in the nearest block within this radius
+/// whose neighbours are all foreground: beside a border depth may lie over the room, and the mean
+/// of a shirt and trousers is neither.
+inline constexpr int kDeepBlocks = 3;
 /// Depth of people's pixels that have none of their own: foreground is looked for so far along rows
 /// and columns. Between two surfaces whose depths have this ratio lies what the ToF camera cannot
 /// see, where they are as far apart as the parallax says, times kFillShadow, and kFillSlackPx.

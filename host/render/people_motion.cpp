@@ -89,22 +89,30 @@ void ClusterMotion::grow(Place from, std::uint8_t label) {
   }
 }
 
-/// By every fourth sample of the cluster.
+/// By every fourth sample of the cluster. Shifts along a row lie side by side in the picture
+/// before, the last one first.
 glm::ivec2 ClusterMotion::best_of_cluster(const PeopleSamples& now, const PeopleSamples& before) {
+  std::array<std::array<float, kSide>, kSide> costs{};
+  for (const Place cell : cluster_)
+    for (int k = 0; k < kMotionCell; ++k) {
+      // One sample of each row and column of a cell.
+      const int x = cell.x * kMotionCell + (2 * k + k / 2) % kMotionCell;
+      const int y = cell.y * kMotionCell + k;
+      if (x >= size_.width || y >= size_.height || !(now.w.row(y)[x] > 0)) continue;
+      const float light = *light_at(now, x, y);
+      for (int j = 0; j < kSide; ++j) {
+        const float* then = light_at(before, x - kMotionReach, y + kMotionReach - j);
+        auto& row = costs[static_cast<std::size_t>(j)];
+        for (std::size_t i = 0; i < kSide; ++i) row[i] += std::abs(light - then[i]);
+      }
+    }
+  costs[kMotionReach][kMotionReach] *= kStays;
   glm::ivec2 best(0);
   float least = std::numeric_limits<float>::max();
   for (int dy = -kMotionReach; dy <= kMotionReach; ++dy)
     for (int dx = -kMotionReach; dx <= kMotionReach; ++dx) {
-      float cost = 0;
-      for (const Place cell : cluster_)
-        for (int k = 0; k < kMotionCell; ++k) {
-          // One sample of each row and column of a cell.
-          const int x = cell.x * kMotionCell + (2 * k + k / 2) % kMotionCell;
-          const int y = cell.y * kMotionCell + k;
-          if (x >= size_.width || y >= size_.height || !(now.w.row(y)[x] > 0)) continue;
-          cost += std::abs(*light_at(now, x, y) - *light_at(before, x - dx, y - dy));
-        }
-      if (dx == 0 && dy == 0) cost *= kStays;
+      const float cost = costs[static_cast<std::size_t>(dy + kMotionReach)]
+                              [static_cast<std::size_t>(kMotionReach - dx)];
       if (cost < least) least = cost, best = {dx, dy};
     }
   return best;

@@ -7,3 +7,9 @@ float floor_variance(vec3 c) {
   float sigma = color_noise + color_flicker * luminance(c);
   return sigma * sigma;
 }
+
+// Variance of `count` colours around their mean, with the least spread of a colour.
+float variance_of(vec3 mean, float square_sum, float count) {
+  float spread = (square_sum / max(count, 1.0) - dot(mean, mean)) / 3.0;
+  return max(0.0, spread) + floor_variance(mean);
+}

@@ -146,6 +146,29 @@ TEST_F(KeyPassTest, what_is_brighter_than_measured_background_is_no_shadow) {
   EXPECT_EQ(matte(32, 52), 0);
 }
 
+TEST_F(KeyPassTest, a_shirt_like_the_wall_beside_dark_trousers_is_compared_with_the_shirt) {
+  put(8, 0, 48, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 8; x < 48; ++x) {
+      plate_.at(x, y) = y < 32 ? Rgb8{124, 0, 0} : Rgb8{0, 0, 60};
+      if (y >= 24 && y < 32 && x < 16) w_.at(x, y) = 0;
+    }
+  draw();
+  for (int y = 25; y < 31; ++y)
+    for (int x = 9; x < 15; ++x) EXPECT_GT(matte(x, y), 0.5F) << x << "," << y;
+  EXPECT_LT(matte(5, 28), 0.5F);
+}
+
+TEST_F(KeyPassTest, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
+  put(8, 0, 36, 64);
+  put(36, 0, 44, 64, true, false);
+  draw();
+  for (int y = 8; y < 56; ++y) {
+    EXPECT_GT(matte(34, y), 0.5F) << y;
+    for (int x = 38; x < 64; ++x) EXPECT_LT(matte(x, y), 0.5F) << x << "," << y;
+  }
+}
+
 TEST_F(KeyPassTest, points_outside_the_capture_box_are_cropped) {
   put(0, 0, 64, 64);
   params_.crop = true;

@@ -95,10 +95,10 @@ class CpuCompositor final : public Compositor {
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
-  std::optional<SecondDepth> second_depth_;    ///< of a rig with two depth cameras
-  std::optional<PeopleMotion> people_motion_;  ///< of a camera that stands still
-  Image<glm::vec2> depth_shift_px_;            ///< of its cells
-  Image<float> unmoved_w_;
+  std::optional<SecondDepth> second_depth_;       ///< of a rig with two depth cameras
+  std::optional<PeopleMotion> people_motion_;     ///< of a camera that stands still
+  Image<glm::vec2> depth_shift_px_;               ///< of its cells
+  Image<float> unmoved_w_;                        ///< once people's depth has moved
   Image<Rgbx16> plate_before_;                    ///< of the frame before, where its matte joins
   Image<std::uint8_t> matte_now_, matte_before_;  ///< the same
   bool has_now_ = false, has_before_ = false;
@@ -155,7 +155,6 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   if (follows_people(setup_)) {
     people_motion_.emplace(tables_);
     depth_shift_px_.reset(people_motion_->cells());
-    unmoved_w_.reset(tables_.view_size);
     if (setup_.key.steady) {
       plate_before_.reset(tables_.view_size);
       matte_now_.reset(tables_.view_size), matte_before_.reset(tables_.view_size);
@@ -280,9 +279,11 @@ void CpuCompositor::follow_people(const FrameInput& input) {
 void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
                                Image<std::uint8_t>& matte) {
   if (people_motion_ && setup_.key.motion &&
-      people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_))
+      people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_)) {
+    if (unmoved_w_.empty()) unmoved_w_.reset(tables_.view_size);
     move_people(crew_, tables_.key_limit_w, depth_shift_px_, people_motion_->cell_px(), unmoved_w_,
                 view_w_);
+  }
   const bool steady = people_motion_ && setup_.key.steady;
   const Image<glm::vec2>* motion_px = steady ? people_motion_->motion_px() : nullptr;
   std::optional<FrameBefore> before;

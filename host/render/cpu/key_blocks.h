@@ -35,6 +35,8 @@ struct BlockPlanes {
   void drop_speckles(float least_px, Image<std::uint8_t>& state);
   /// The band and what follows from it. `room`: colours of the background are needed too.
   void find_band(bool room);
+  /// Whether a block and all around it are foreground alone; after find_band().
+  bool is_deep(int x, int y) const { return foreground.row(y)[x] > 0 && !band.row(y)[x]; }
 
  private:
   Plane any_, rows_;

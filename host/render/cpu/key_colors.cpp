@@ -99,6 +99,26 @@ void sample_pair(const KeyInput& input, const Image<float>& view_w, int bx, int 
     sample_columns<false>(input, view_w, bx, by, scratch);
 }
 
+namespace {
+
+/// Of the nearest block around that is deep inside the foreground; the first row by row of several.
+NearColor deep_color(const KeyScratch& scratch, int bx, int by) {
+  const Size size = scratch.blocks_size;
+  NearColor out;
+  int nearest = 2 * (kDeepBlocks + 1) * (kDeepBlocks + 1);
+  for (int y = std::max(0, by - kDeepBlocks); y <= std::min(size.height - 1, by + kDeepBlocks); ++y)
+    for (int x = std::max(0, bx - kDeepBlocks); x <= std::min(size.width - 1, bx + kDeepBlocks);
+         ++x) {
+      const int away = (x - bx) * (x - bx) + (y - by) * (y - by);
+      if (away >= nearest || !scratch.planes.is_deep(x, y)) continue;
+      const NearColor color = mean_of(scratch.at(x, y).people);
+      if (color.known) out = color, nearest = away;
+    }
+  return out;
+}
+
+}  // namespace
+
 NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius) {
   NearColors out;
   int foreground = 0;
@@ -116,6 +136,7 @@ NearColors colors_around(const KeyScratch& scratch, int bx, int by, int radius) 
   if (foreground > 0) out.w /= static_cast<float>(foreground);
   out.people = mean_of(people);
   out.room = mean_of(room);
+  out.deep = deep_color(scratch, bx, by);
   return out;
 }
 

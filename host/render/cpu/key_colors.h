@@ -16,7 +16,8 @@ struct NearColor {
 /// Around a block.
 struct NearColors {
   NearColor people, room;
-  float w = 0;  ///< mean of the foreground, 1/m
+  NearColor deep;  ///< of the nearest block deep inside the foreground
+  float w = 0;     ///< mean of the foreground, 1/m
 };
 
 /// Sums of depth and colour over the block (bx, by) and the one right of it, for those that are

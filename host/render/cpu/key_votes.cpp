@@ -51,6 +51,9 @@ FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
   return dot(d, d) / c.variance;
 }
 
+/// Log odds that no colour has.
+constexpr float kNoPerson = 1e9F;
+
 /// Log odds of people by the sum of the depth taps around a pixel.
 float depth_odds(std::uint8_t sum) {
   constexpr float kScale = 2.0F / (kDepthTaps * kFifths);
@@ -98,10 +101,11 @@ void KeyVotes::load_colors(const KeyInput& input, int bx0, int bx1, int by) {
 /// Means over 3x3 pixels of the colour votes of the block whose first pixel is i0.
 void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int i0,
                               Mean& mean) const {
-  const NearColor &people = near.people, &room = near.room;
-  const bool by_room = !input.learned();
+  const NearColor &people = near.people, &room = near.room, &deep = near.deep;
+  const bool by_room = !input.learned(), known = people.known || deep.known;
   Votes votes;
   const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
+  const float deep_odds = -kSpreadOdds * std::log(deep.variance);
   for (std::size_t j = 0; j < kRows; ++j)
     for (int i = 0; i < kRows; i += kLanes) {
       const auto at = [&](const Rows& rows) { return load<FloatLanes>(rows[j].data() + i0 + i); };
@@ -114,11 +118,13 @@ void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int
       } else {
         const FloatLanes most = at(most_);
         const FloatLanes least = most > 0 ? FloatLanes{} - kColorVoteCap : FloatLanes{};
-        vote = people.known ? clamp(0.5F * (at(distance_) - square_to(p, people)) +
-                                        (kSpreadOdds * at(log_spread_) + odds),
-                                    least, most)
-                            : clamp(0.5F * at(distance_) - kColorVoteCap, least,
-                                    min(most, FloatLanes{} + kColorVoteCap));
+        FloatLanes person = FloatLanes{} - kNoPerson;
+        if (people.known) person = odds - 0.5F * square_to(p, people);
+        if (deep.known) person = max(person, deep_odds - 0.5F * square_to(p, deep));
+        vote = known ? clamp(0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person), least,
+                             most)
+                     : clamp(0.5F * at(distance_) - kColorVoteCap, least,
+                             min(most, FloatLanes{} + kColorVoteCap));
       }
       store(votes[j].data() + i, vote);
     }

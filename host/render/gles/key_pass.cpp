@@ -18,7 +18,8 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
   pass.state_image_ = make_texture(view, GL_R8);
   for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
-                         &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_})
+                         &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_,
+                         &pass.deep_, &pass.person_deep_})
     *image = make_texture(blocks, GL_RGBA32F);
   pass.refine_ = params.color && params.refine;
   if (pass.refine_) {
@@ -46,7 +47,8 @@ Result<void> KeyPass::make_steps() {
   MIXRIG_ASSIGN(blocks_, make_step("key_blocks.frag", {&counts_, &colors_, &rooms_}));
   MIXRIG_ASSIGN(speckles_,
                 make_step("key_speckles.frag", {&kept_counts_, &kept_colors_, &kept_rooms_}));
-  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_}));
+  MIXRIG_ASSIGN(find_deep_, make_step("key_deep.frag", {&deep_}));
+  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_, &person_deep_}));
   MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&voted_}));
   if (use_color_) {
     MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
@@ -123,13 +125,15 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   run(state_, {&w, &limit_w});
   run(blocks_, {&state_image_, &w, &input.plate});
   run(speckles_, {&counts_, &colors_, &rooms_});
-  run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_});
+  run(find_deep_, {&kept_counts_, &kept_colors_});
+  run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});
   run(fill_, {&band_});
   if (use_color_) {
     vote_.program.use();
     tone_.set(input.tone);
     run_blocks(vote_, band_,
-               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_});
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_,
+                nullptr, &person_deep_});
   }
   run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
   if (refine_) {

@@ -56,12 +56,12 @@ class KeyPass {
 
   bool use_color_ = false, has_learned_ = false, refine_ = false;
   Texture limit_w_, state_image_, counts_, colors_, rooms_, kept_counts_, kept_colors_, kept_rooms_,
-      band_, person_, room_, votes_, voted_;
+      deep_, band_, person_, room_, person_deep_, votes_, voted_;
   Texture tile_counts_, tile_with_p_, tile_squares_, tile_products_, lines_,
       people_;  ///< a texel a tile
   Texture matte_, visible_w_, moved_w_, plate_before_, matte_before_;
-  Step move_, keep_, state_, blocks_, speckles_, find_band_, fill_, vote_, decide_, sum_tiles_,
-      fit_, finish_;
+  Step move_, keep_, state_, blocks_, speckles_, find_deep_, find_band_, fill_, vote_, decide_,
+      sum_tiles_, fit_, finish_;
   GLint world_from_camera_ = -1, floor_w_ = -1, has_before_ = -1;
   ToneUniforms tone_, matte_tone_;
 };

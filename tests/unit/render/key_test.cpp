@@ -267,6 +267,31 @@ TEST(Key, what_is_brighter_than_measured_background_is_no_shadow) {
   }
 }
 
+TEST(Key, a_shirt_like_the_wall_beside_dark_trousers_is_compared_with_the_shirt) {
+  Keyed k;
+  k.person(8, 0, 48, 64);
+  k.paint(8, 0, 48, 32, {0.56F, 0.5F, 0.46F});
+  k.paint(8, 32, 48, 64, {0.02F, 0.02F, 0.05F});
+  for (int y = 24; y < 32; ++y)
+    for (int x = 8; x < 16; ++x) k.w.at(x, y) = 0;  // the mean around is half shirt, half trousers
+  k.run();
+  for (int y = 25; y < 31; ++y)
+    for (int x = 9; x < 15; ++x) EXPECT_TRUE(k.is_person(x, y)) << x << "," << y;
+  EXPECT_FALSE(k.is_person(5, 28));
+}
+
+/// The depth camera shows people who walk where they were before.
+TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
+  Keyed k;
+  k.person(8, 0, 44, 64);
+  k.paint(8, 0, 36, 64, kShirt);
+  k.run();
+  for (int y = 8; y < 56; ++y) {
+    EXPECT_TRUE(k.is_person(34, y)) << y;
+    for (int x = 38; x < 64; ++x) EXPECT_FALSE(k.is_person(x, y)) << x << "," << y;
+  }
+}
+
 TEST(KeyLimit, is_the_nearest_background_around_less_the_threshold) {
   render::BackgroundView background;
   const auto depth = make_image<float>({9, 1}, [](int x, int) {
