@@ -141,8 +141,9 @@ struct Focus {
 };
 inline constexpr float kMostBlur_px = 200;
 
+struct PictureLook;
 /// What the camera does to real things and virtual ones then show, too. How much is measured in the
-/// first plate (picture_look.h).
+/// first plate, where no frame says it (picture_look.h).
 struct LookSettings {
   bool grain = false;       ///< noise of the sensor
   bool blur = false;        ///< of the lens, and of its resampling
@@ -223,10 +224,13 @@ struct FrameInput {
   /// In place of the setup's distance: what is seen at this pixel of the view is sharp. Only where
   /// the setup has a focus.
   std::optional<glm::ivec2> focus_pixel{};
-  double time_s = 0;         ///< mid-exposure of the plate, any zero; frames of one time do not move
+  double time_s = 0;  ///< mid-exposure of the plate, any zero; frames of one time do not move
   double depth_delay_s = 0;  ///< mid-exposure of tof_depth_m after that; 0 where it is not known
   /// Absent: not known, nothing is blurred by it. Only where the setup's look has motion.
   std::optional<CameraMotion> motion{};
+  /// What was measured in plates, all of it; counts from this frame on. Null: the look stays as it
+  /// is. Only where the setup's look measures.
+  const PictureLook* look = nullptr;
 };
 
 enum class Stage {

@@ -114,7 +114,8 @@ void fit_line(const std::vector<BlockNoise>& blocks, float scale, int channel, G
   grain.slope[channel] = static_cast<float>(slope);
 }
 
-Grain grain_of(const Image<glm::vec3>& a, Size block) {
+/// Nullopt with too few smooth blocks.
+std::optional<Grain> grain_of(const Image<glm::vec3>& a, Size block) {
   std::array<std::vector<BlockNoise>, kLightBins> bins;
   for (int y = 0; y + block.height <= a.height(); y += block.height) {
     const BlockNoise noise = noise_of_block(a, y, block);
@@ -133,8 +134,8 @@ Grain grain_of(const Image<glm::vec3>& a, Size block) {
       fine += scale * b.fine.y, coarse += scale * b.coarse.y, shared += b.shared;
     }
   }
+  if (smooth.empty()) return std::nullopt;
   Grain grain;
-  if (smooth.empty()) return grain;
   grain.spread = static_cast<float>(spread_of(fine / coarse));
   grain.shared =
       static_cast<float>(std::clamp(shared / static_cast<double>(smooth.size()), 0.0, 1.0));
@@ -215,15 +216,18 @@ void find_sharpness(const Image<glm::vec3>& a, Size block, PictureLook& look) {
   const float wider = *variance - kSharpMedian_px2 + kFewSamples_px2;
   look.blur_px = std::min(kMostBlur_px, std::sqrt(std::max(0.0F, wider)));
   // The mask takes 2 s from the variance.
-  if (wider < -kLeastNarrow_px2) look.sharpening = std::min(kMostSharpening, -0.5F * wider);
+  const bool narrow = wider < -kLeastNarrow_px2;
+  look.sharpening = narrow ? std::min(kMostSharpening, -0.5F * wider) : 0;
   for (const bool rows : {true, false}) {
     steps.clear();
     const auto red = [](const glm::vec3& c) { return c.r - c.g; };
     const auto blue = [](const glm::vec3& c) { return c.b - c.g; };
     find_steps(a, block, rows, kLeastChromaStep, red, steps);
     find_steps(a, block, rows, kLeastChromaStep, blue, steps);
-    const float more = median_of(steps).value_or(0) - *variance;
-    look.chroma_px[rows ? 0 : 1] = std::min(kMostBlur_px, std::sqrt(std::max(0.0F, more)));
+    const auto chroma = median_of(steps);
+    if (!chroma) continue;
+    const float more = std::max(0.0F, *chroma - *variance);
+    look.chroma_px[rows ? 0 : 1] = std::min(kMostBlur_px, std::sqrt(more));
   }
 }
 
@@ -259,48 +263,60 @@ glm::vec3 bilinear_light(ImageView<const Rgb8> plate, glm::vec2 at) {
 
 }  // namespace
 
-PictureLook measure_look(const Image<glm::vec3>& blocks, Size block) {
-  PictureLook look;
-  look.grain = grain_of(blocks, block);
+PictureLook wanted_of(const PictureLook& look, const LookSettings& wanted) {
+  PictureLook some = look;
+  if (!wanted.grain) some.grain = {};
+  if (!wanted.blur) some.blur_px = 0;
+  if (!wanted.chroma) some.chroma_px = {};
+  if (!wanted.sharpening) some.sharpening = 0;
+  return some;
+}
+
+std::string to_text(const PictureLook& look) {
+  const Grain& g = look.grain;
+  return fmt::format(
+      "look of the plate: noise {:.4f} at light 0.2 (green), spread {:.2f}, shared {:.2f}; blur "
+      "{:.2f} px, of colour {:.2f} and {:.2f} px more; sharpening {:.2f}",
+      std::sqrt(g.floor.y + 0.2F * g.slope.y), g.spread, g.shared, look.blur_px, look.chroma_px.x,
+      look.chroma_px.y, look.sharpening);
+}
+
+PictureLook measure_look(const Image<glm::vec3>& blocks, Size block, const PictureLook& before) {
+  PictureLook look = before;
+  if (const auto grain = grain_of(blocks, block)) look.grain = *grain;
   find_sharpness(blocks, block, look);
   return look;
 }
 
-LookMeter::LookMeter(const Tables& tables, const LookSettings& wanted) : wanted_(wanted) {
-  const Size view = tables.view_size;
+LookMeter::LookMeter(const CompositorSetup& setup) {
+  const Size view = setup.view.size_px;
   const int columns = view.width / kLookBlock_px, rows = view.height / kLookBlock_px;
-  if (!wanted.measures() || columns * rows == 0) return;
+  if (!setup.look.measures() || columns * rows == 0) return;
   const int every = (columns * rows + kMostLookBlocks - 1) / kMostLookBlocks;
   const int count = columns * rows / every;
   plate_px_.reset({kLookBlock_px, kLookBlock_px * count});
-  for (int i = 0; i < count; ++i) {
-    const int x0 = every * i % columns * kLookBlock_px, y0 = every * i / columns * kLookBlock_px;
-    for (int y = 0; y < kLookBlock_px; ++y)
-      for (int x = 0; x < kLookBlock_px; ++x)
-        plate_px_.row(i * kLookBlock_px + y)[x] =
-            tables.plate_is_view ? glm::vec2(x0 + x, y0 + y) : tables.plate_px.row(y0 + y)[x0 + x];
+  light_.reset(plate_px_.size());
+  std::vector<glm::vec2> line(static_cast<std::size_t>(view.width));
+  for (int y = 0; y < rows * kLookBlock_px; ++y) {
+    plate_row(setup.target, setup.view, y, line.data());
+    const int first = y / kLookBlock_px * columns;
+    for (int i = (first + every - 1) / every; i < count && i * every < first + columns; ++i)
+      std::copy_n(line.data() + (i * every - first) * kLookBlock_px, kLookBlock_px,
+                  plate_px_.row(i * kLookBlock_px + y % kLookBlock_px));
   }
 }
 
-PictureLook LookMeter::measure(ImageView<const Rgb8> plate) {
-  if (plate_px_.empty()) return {};
-  Image<glm::vec3> light(plate_px_.size());
-  for (int y = 0; y < light.height(); ++y)
-    for (int x = 0; x < light.width(); ++x)
-      light.row(y)[x] = bilinear_light(plate, plate_px_.row(y)[x]);
-  plate_px_ = {};
-  PictureLook look = measure_look(light, {kLookBlock_px, kLookBlock_px});
-  const Grain& g = look.grain;
-  log_info("render",
-           fmt::format("look of the plate: noise {:.4f} at light 0.2 (green), spread {:.2f}, "
-                       "shared {:.2f}; blur {:.2f} px, of colour {:.2f} and {:.2f} px more; "
-                       "sharpening {:.2f}",
-                       std::sqrt(g.floor.y + 0.2F * g.slope.y), g.spread, g.shared, look.blur_px,
-                       look.chroma_px.x, look.chroma_px.y, look.sharpening));
-  if (!wanted_.grain) look.grain = {};
-  if (!wanted_.blur) look.blur_px = 0;
-  if (!wanted_.chroma) look.chroma_px = {};
-  if (!wanted_.sharpening) look.sharpening = 0;
+PictureLook LookMeter::measure(ImageView<const Rgb8> plate, const PictureLook& before) {
+  if (plate_px_.empty()) return before;
+  for (int y = 0; y < light_.height(); ++y)
+    for (int x = 0; x < light_.width(); ++x)
+      light_.row(y)[x] = bilinear_light(plate, plate_px_.row(y)[x]);
+  return measure_look(light_, {kLookBlock_px, kLookBlock_px}, before);
+}
+
+PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate) {
+  const PictureLook look = meter.measure(plate);
+  log_info("render", to_text(look));
   return look;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -23,6 +24,8 @@ struct Grain {
   /// along x and y. 0 to 1/3.
   float spread = 0;
   float shared = 0;  ///< correlation of the channels, 0 to 1
+  bool operator==(const Grain&) const = default;
+  bool any() const { return floor != glm::vec3(0) || slope != glm::vec3(0); }
 };
 
 struct PictureLook {
@@ -34,7 +37,12 @@ struct PictureLook {
   bool filters() const {
     return blur_px > 0 || chroma_px.x > 0 || chroma_px.y > 0 || sharpening > 0;
   }
+  bool operator==(const PictureLook&) const = default;
 };
+/// What of it is wanted; the rest is 0.
+PictureLook wanted_of(const PictureLook& look, const LookSettings& wanted);
+/// One line for the log.
+std::string to_text(const PictureLook& look);
 
 /// Weights of a pixel itself, and of those 1 and 2 beside it; their sum to both sides is 1.
 using LookTaps = std::array<float, kBlurReach + 1>;
@@ -58,21 +66,25 @@ glm::vec4 from_differences(const glm::vec4& d, float most_alpha);
 /// Noise: the lower third of the blocks of a brightness, so that texture does not count
 /// (Immerkaer 1996, at two scales). Width: the median of isolated steps along x and y, of
 /// brightness and of colour differences; where it is less than that of virtual objects, the picture
-/// is sharpened.
-PictureLook measure_look(const Image<glm::vec3>& blocks, Size block);
+/// is sharpened. What there are too few blocks or steps for stays as it was `before`.
+PictureLook measure_look(const Image<glm::vec3>& blocks, Size block,
+                         const PictureLook& before = {});
 
 /// Looks at blocks of the view that are spread over it. Not thread-safe.
 class LookMeter {
  public:
-  /// Reads `tables.plate_px` now, so call it before it is given away.
-  LookMeter(const Tables& tables, const LookSettings& wanted);
-  /// Once, in the first frame; what is not wanted is 0. Allocates, and gives its memory back.
-  PictureLook measure(ImageView<const Rgb8> plate);
+  /// Of the setup's view through its lens.
+  explicit LookMeter(const CompositorSetup& setup);
+  /// Allocates. What cannot be told from this plate stays as it was `before`.
+  PictureLook measure(ImageView<const Rgb8> plate, const PictureLook& before = {});
 
  private:
-  LookSettings wanted_;
   Image<glm::vec2> plate_px_;  ///< the blocks one below the other
+  Image<glm::vec3> light_;     ///< of the plate there
 };
+
+/// Of a compositor's first plate; told in the log.
+PictureLook measured_first(LookMeter& meter, ImageView<const Rgb8> plate);
 
 /// Noise of sigma 1, as Grain says how it is alike: value * kGrainSigmas / 127. Repeats; always the
 /// same.

@@ -247,6 +247,7 @@ struct LookSettings {
   bool chroma = false;
   bool sharpening = false;
   bool motion = false;
+  bool follow = true;      ///< measured again while a run goes on
   double exposure_ms = 0;  ///< of the plates, for motion; 0: that of the source, where it is known
   bool operator==(const LookSettings&) const = default;
 };

@@ -202,6 +202,7 @@ LookSettings read_look(const Table& table) {
   look.chroma = table.boolean_or("chroma", look.chroma);
   look.sharpening = table.boolean_or("sharpening", look.sharpening);
   look.motion = table.boolean_or("motion", look.motion);
+  look.follow = table.boolean_or("follow", look.follow);
   look.exposure_ms = table.number_or("exposure_ms", look.exposure_ms, {0.0, 1e4});
   return look;
 }

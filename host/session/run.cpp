@@ -65,14 +65,15 @@ bool has_true_poses(const Session& session) {
   return from_elsewhere && session.source->info().true_poses;
 }
 
-/// For the motion blur of virtual things: what the scene or else the source says; 0: none is
-/// wanted, or it is not known.
+/// For the motion blur of virtual things and to tell which plates are sharp: what the scene or else
+/// the source says; 0: nobody asks, or it is not known.
 double plate_exposure_s(const Session& session) {
   const scene::LookSettings& look = session.scene.look;
-  if (!look.motion || !session.poses->moves()) return 0;
+  const bool asked = look.motion || session.setup.look.measures();
+  if (!asked || !session.poses->moves()) return 0;
   const double known_s =
       look.exposure_ms > 0 ? 1e-3 * look.exposure_ms : session.source->info().exposure_s;
-  if (!(known_s > 0))
+  if (!(known_s > 0) && look.motion)
     log_warning("session", session.scene.path.string() +
                                ": look.motion: how long a plate is exposed is not known, so that "
                                "nothing is blurred: give look.exposure_ms");

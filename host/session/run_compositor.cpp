@@ -32,6 +32,7 @@ RunCompositor::RunCompositor(const Session& session, RunOptions& options, const 
       report_(report),
       keeper_(session, live()),
       light_keeper_(session, live()),
+      look_keeper_(session, live()),
       exchange_(session, live()) {}
 
 bool RunCompositor::live() const { return session_.source->info().frames == capture::kEndless; }
@@ -43,6 +44,7 @@ Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gat
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_.open(options_.changes, gate));
   if (session_.scene.light.follow) MIXRIG_TRY(light_keeper_.open(gate));
+  look_keeper_.open(gate);
   no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(compositor_->whole());
   report_.renderer = compositor_->whole().renderer();
@@ -112,7 +114,7 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
       {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
        composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
-       depth_delay_s(*composite.capture), composite.motion},
+       depth_delay_s(*composite.capture), composite.motion, look_keeper_.look_of(composite)},
       composite.objects_shown, images);
 }
 
@@ -124,6 +126,7 @@ std::optional<render::FrameLight> RunCompositor::frame_light() {
 
 Result<void> RunCompositor::see(const output::CompositePtr& composite) {
   MIXRIG_TRY(light_keeper_.push(composite));
+  MIXRIG_TRY(look_keeper_.push(composite));
   return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
 }
 
@@ -131,6 +134,8 @@ Result<void> RunCompositor::finish() {
   MIXRIG_TRY(keeper_.finish());
   MIXRIG_TRY(light_keeper_.finish());
   if (light_keeper_.is_open()) report_.light = light_keeper_.report();
+  MIXRIG_TRY(look_keeper_.finish());
+  report_.look = look_keeper_.report();
   exchange_.finish();
   compositor_->close();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();

@@ -10,6 +10,7 @@
 #include "host/session/frame_times.h"
 #include "host/session/hiding_compositor.h"
 #include "host/session/light_keeper.h"
+#include "host/session/look_keeper.h"
 #include "host/session/object_motion.h"
 #include "host/session/room_keeper.h"
 #include "host/session/run.h"
@@ -61,6 +62,7 @@ class RunCompositor {
   ObjectMotion* motion_ = nullptr;
   RoomKeeper keeper_;
   LightKeeper light_keeper_;
+  LookKeeper look_keeper_;
   SetupExchange exchange_;  ///< has what compositor_ was made of
   FrameScene frame_scene_;
   bool scene_differs_ = false;                ///< of the frame: frame_scene_ from the setup

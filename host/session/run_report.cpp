@@ -296,6 +296,7 @@ nlohmann::json to_json(const RunReport& report) {
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
   if (report.light) out["light"] = to_json(*report.light);
+  if (report.look) out["look"] = to_json(*report.look);
   if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
   if (report.scene_edits)
     out["scene_edits"] = {{"taken", report.scene_edits->taken},

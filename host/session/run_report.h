@@ -20,6 +20,7 @@
 #include "host/session/baselines.h"
 #include "host/session/frame_lens.h"
 #include "host/session/light_keeper.h"
+#include "host/session/look_keeper.h"
 #include "host/session/people_sink.h"
 #include "host/session/pose_errors.h"
 #include "host/session/pose_sink.h"
@@ -62,6 +63,7 @@ struct RunReport {
   std::vector<output::SinkReport> sinks;
   double rss_mb = 0;                              ///< peak
   std::optional<LightReport> light;               ///< where the lamps were followed
+  std::optional<LookReport> look;                 ///< where plates were measured again
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
   measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor

@@ -93,6 +93,8 @@ Result<void> check(const StudioOptions& o) {
         o.lens.focus_m <= 100))
     return wrong("the lens must have an aperture of 0 to 200 mm and be sharp at 0.1 to 100 m");
   const Realism& look = o.realism;
+  if (o.refocus && !(look.defocus && o.refocus->focus_m >= 0.1 && o.refocus->focus_m <= 100))
+    return wrong("a lens that is focused anew needs the look \"defocus\" and 0.1 to 100 m");
   if (o.lens.aperture_m > 0 && (look.bounce || look.gloss || look.mirror || o.props))
     return wrong("the thin lens knows the plain look alone: add --plain, leave out --props");
   if (o.threads < 0 || o.threads > 256)
@@ -471,6 +473,9 @@ void Studio::render(int number, Frame& frame, Truth* truth) {
                      [&](const Rgbf& c) {
                        return Rgbf{s.exposed_by * c.r, s.exposed_by * c.g, s.exposed_by * c.b};
                      });
+    if (const auto& to = s.options.refocus)
+      s.camera.set_focus(frame.time_s >= to->from_s ? static_cast<float>(to->focus_m)
+                                                    : ColorSensor{}.focus_m);
     s.camera.develop(s.exposed, s.plate_z_m, s.noise_number(number), frame.time_s, s.crew,
                      frame.color);
   } else {

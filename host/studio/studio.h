@@ -92,6 +92,12 @@ struct ThinLens {
 /// Frames of every camera of a take.
 inline constexpr double kFrameRate_hz = 25;
 
+/// From a time of the take on the target camera's lens is sharp at another distance (realism
+/// `defocus`); the view keeps its focal length.
+struct Refocus {
+  double from_s = 0, focus_m = 1;
+};
+
 struct StudioOptions {
   Scenario scenario = Scenario::kWalk;
   RigPreset rig = RigPreset::kKinect2;
@@ -122,7 +128,8 @@ struct StudioOptions {
                                                     ///< scenario's; world x y
   double pan_rad = 0.21;  ///< scenario pan: to either side, at up to 30 degrees a second; 0 to 2
   ThinLens lens;          ///< only in the plain look
-  Realism realism;        ///< all off: the plain look
+  std::optional<Refocus> refocus;  ///< of the judged look's lens
+  Realism realism;                 ///< all off: the plain look
   Day day;
 };
 

@@ -38,7 +38,7 @@ struct StudioArguments {
   int frames_per_view = 4;
   bool sweep_people = false, sweep_crossing = false, sweep_crossing_all = false;
   bool window = false, sweep_bracket = false;
-  std::string eye, look_at, object, dim;
+  std::string eye, look_at, object, dim, refocus;
   std::optional<double> pan_deg;
   double zoom = 1, aperture_mm = 0, focus_m = 3;
   bool fisheye = false, raw = false;
@@ -74,12 +74,12 @@ Result<std::optional<Eigen::Vector3d>> parse_place(const std::string& text,
   return std::optional(place);
 }
 
-/// "X,Y" in metres; nothing for an empty text.
-Result<std::optional<Eigen::Vector2d>> parse_floor_place(const std::string& text,
-                                                         const std::string& option) {
+/// Two numbers, as `form` names them; nothing for an empty text.
+Result<std::optional<Eigen::Vector2d>> parse_two(const std::string& text, const std::string& option,
+                                                 const char* form) {
   if (text.empty()) return std::optional<Eigen::Vector2d>();
   auto place = parse_place(text + ",0", option);
-  if (!place) return Error{ErrorCode::kUsage, option + " '" + text + "': write X,Y in metres"};
+  if (!place) return Error{ErrorCode::kUsage, option + " '" + text + "': write " + form};
   return std::optional<Eigen::Vector2d>((*place)->head<2>());
 }
 
@@ -129,12 +129,14 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(options.realism, realism_of(arguments));
   MIXRIG_ASSIGN(options.eye_m, parse_place(arguments.eye, "--eye"));
   MIXRIG_ASSIGN(options.look_at_m, parse_place(arguments.look_at, "--look-at"));
-  MIXRIG_ASSIGN(options.object_m, parse_floor_place(arguments.object, "--object"));
+  MIXRIG_ASSIGN(options.object_m, parse_two(arguments.object, "--object", "X,Y in metres"));
   options.zoom = arguments.zoom;
   options.lens = {1e-3 * arguments.aperture_mm, arguments.focus_m};
   options.day = arguments.day;
   MIXRIG_ASSIGN(const auto dim, parse_place(arguments.dim, "--dim"));
   if (dim) options.day.dim = {static_cast<int>(dim->x()), dim->y(), dim->z()};
+  MIXRIG_ASSIGN(const auto refocus, parse_two(arguments.refocus, "--refocus", "SECONDS,METRES"));
+  if (refocus) options.refocus = {refocus->x(), refocus->y()};
   options.fisheye = arguments.fisheye;
   options.raw = arguments.raw;
   MIXRIG_ASSIGN(options.fisheye_px, parse_size(arguments.fisheye_size, "--fisheye-size"));
@@ -339,6 +341,8 @@ void add_studio_command(Command app, Context& context) {
                      "The truth's composite through a thin lens of this aperture (slow; with "
                      "--plain); plates stay sharp. 0: a pinhole");
   command.add_option("--focus-m", arguments->focus_m, "Distance that is sharp through that lens");
+  command.add_option("--refocus", arguments->refocus,
+                     "SECONDS,METRES: from then on the plates' lens is sharp at so many metres");
   command.add_flag("--clear-floor", arguments->clear_floor,
                    "No chair at the desk: no furniture in the capture volume");
   command.add_option("--people", arguments->people, "1 to 3: the second sits, the third walks");

@@ -11,6 +11,7 @@
 
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/render/gles/compositor_gles.h"
+#include "host/render/picture_look.h"
 #include "host/render/room_shade.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/room_setup.h"
@@ -453,6 +454,29 @@ TEST(WholeFrame, agrees_with_the_grain_and_blur_of_the_plate) {
   room.setup.people_cast_shadows = true;
   Pair past_people = make_pair(room);
   for (int i = 0; i < 2; ++i) expect_agreement(past_people, room.frame());
+}
+
+/// What a frame says of the plate counts from it on, also where the first one said nothing.
+TEST(WholeFrame, agrees_with_a_look_that_changes) {
+  RoomSetup room(RoomSetup::Options{});
+  room.setup.look = {.grain = true, .blur = true, .chroma = true};
+  for (const bool at_first : {false, true}) {
+    Pair pair = make_pair(room);
+    render::FrameInput frame = room.frame();
+    render::PictureLook look{.grain = {.floor = glm::vec3(2e-5F), .slope = glm::vec3(1e-5F)}};
+    if (at_first) frame.look = &look;
+    expect_agreement(pair, frame);
+    const Image<Rgb8> sharp = pair.cpu_frame.color;
+    look.blur_px = 1, look.chroma_px = {0.8F, 0.4F}, look.grain.floor *= 20.0F;
+    frame.look = &look;
+    for (int i = 0; i < 2; ++i) expect_agreement(pair, frame);
+    EXPECT_LT(psnr_db(pair.cpu_frame.color, sharp), 60);
+    frame.look = nullptr;
+    const Image<Rgb8> blurred = pair.cpu_frame.color;
+    expect_agreement(pair, frame);
+    EXPECT_GT(psnr_db(pair.cpu_frame.color, blurred), psnr_db(pair.cpu_frame.color, sharp))
+        << "it stays as it is";
+  }
 }
 
 TEST(WholeFrame, agrees_with_grain_and_blur_on_a_set) {

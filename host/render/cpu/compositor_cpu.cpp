@@ -78,7 +78,8 @@ class CpuCompositor final : public Compositor {
   void draw_objects(StopWatch& watch);
   void draw_peoples_shadows(const Image<std::uint8_t>& matte);
   void light_real(const Image<std::uint8_t>& matte);
-  void take_look(ImageView<const Rgb8> plate);
+  void take_look(const FrameInput& input);
+  void use_look(const PictureLook& look);
   void blur_objects(const std::optional<CameraMotion>& motion);
   bool people_cast() const { return !preparer_.params().people_lamps.empty(); }
   MixInput mix_input(const ToneCurve& tone, bool shadows) const;
@@ -112,6 +113,7 @@ class CpuCompositor final : public Compositor {
   LightLayer light_;
   PeopleShadow people_shadow_;
   std::optional<LookMeter> look_meter_;  ///< until the first frame
+  std::optional<PictureLook> look_;      ///< in use; where the look measures
   std::optional<LookFilter> look_filter_;
   bool objects_drawn_ = false;  ///< since they were blurred
   BlurScratch blurred_;
@@ -150,7 +152,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
-  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
+  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(setup_);
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   if (follows_people(setup_)) {
     people_motion_.emplace(tables_);
@@ -204,7 +206,7 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   if (own_matte) std::swap(matte_, output.matte);
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
   follow(input);
-  take_look(input.plate);
+  take_look(input);
   watch.lap(Stage::kUpload);
   draw_background(watch);
   const ToneCurve tone = meter_.curve(input.plate);
@@ -367,16 +369,29 @@ void CpuCompositor::light_real(const Image<std::uint8_t>& matte) {
   light_people(crew_, input, view_w_, matte, light_);
 }
 
-/// What virtual things take on of the plate: found in the first frame; grain moves in each.
-void CpuCompositor::take_look(ImageView<const Rgb8> plate) {
-  if (look_meter_) {
-    const PictureLook look = look_meter_->measure(plate);
-    look_meter_.reset();
-    if (look.filters()) look_filter_ = look_filter(look);
-    grain_.grain = look.grain;
-    if (setup_.look.grain) grain_.noise = make_grain(look.grain);
-  }
+/// What virtual things take on of the plate: as the frame says, else found in the first frame;
+/// grain moves in each.
+void CpuCompositor::take_look(const FrameInput& input) {
   grain_.offset = grain_offset(frames_++);
+  if (!setup_.look.measures() || setup_.objects.empty()) return;
+  if (input.look != nullptr)
+    use_look(*input.look);
+  else if (look_meter_)
+    use_look(measured_first(*look_meter_, input.plate));
+  look_meter_.reset();
+}
+
+/// How alike the noise of neighbours is stays as it was first: the table of noise is not made
+/// again.
+void CpuCompositor::use_look(const PictureLook& look) {
+  const PictureLook wanted = wanted_of(look, setup_.look);
+  if (look_ == wanted) return;
+  look_ = wanted;
+  look_filter_.reset();
+  if (wanted.filters()) look_filter_ = look_filter(wanted);
+  objects_drawn_ = true;
+  grain_.grain = wanted.grain;
+  if (wanted.grain.any() && grain_.noise.empty()) grain_.noise = make_grain(wanted.grain);
 }
 
 /// By the lens, then by the camera's motion.

@@ -252,4 +252,23 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
   return true;
 }
 
+bool taken_by_people(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const PeopleMaps& people, const SurfaceLanes& at, VectorLanes& taken) {
+  const PastPeople past(people, at);
+  if (!past.hides()) return false;
+  taken = {FloatLanes{}, FloatLanes{}, FloatLanes{}};
+  RoomShares room(frame, at);
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const LampParams& lamp = frame.lamps[k];
+    const FloatLanes hidden = 1 - past.of(lamp);
+    if (!any(hidden > 0)) continue;
+    FloatLanes of_lamp = hidden * irradiance(lamp, at);
+    if (!any(of_lamp > 0)) continue;
+    if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
+    if (lamp.room_layer >= 0) of_lamp *= room.of(lamp);
+    add(of_lamp, frame.light.exposure * lamp.intensity, taken);
+  }
+  return true;
+}
+
 }  // namespace mixrig::render::cpu

@@ -79,4 +79,9 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light);
 
+/// Exposed diffuse light that people take from what the objects leave of the lamps. False where
+/// they take none; then `taken` is not set.
+bool taken_by_people(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     const PeopleMaps& people, const SurfaceLanes& at, VectorLanes& taken);
+
 }  // namespace mixrig::render::cpu

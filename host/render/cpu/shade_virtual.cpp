@@ -106,6 +106,37 @@ void for_each_place(const LightInput& input, const Rect& tile, const VirtualLaye
   flush();
 }
 
+/// Whether a colour of these squares was cut off, so that what people take cannot be told from it.
+bool is_cut(const Image<Rgbx16>& color, std::span<const Place> places) {
+  const auto most = static_cast<std::uint16_t>(kLinearOne);
+  for (const Place& p : places)
+    for (int y = p.y; y < p.y + p.side; ++y)
+      for (int x = p.x; x < p.x + p.side; ++x) {
+        const Rgbx16 c = color.row(y)[x];
+        if (std::max({c.r, c.g, c.b}) >= most) return true;
+      }
+  return false;
+}
+
+/// Colour of a matte pixel without the light that people take.
+Rgbx16 darker(Rgbx16 color, Rgbx16 albedo, const glm::vec3& taken) {
+  const glm::vec3 c = glm::max(
+      glm::vec3(color.r, color.g, color.b) - glm::vec3(albedo.r, albedo.g, albedo.b) * taken + 0.5F,
+      glm::vec3(0));
+  return {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
+          static_cast<std::uint16_t>(c.b), 0};
+}
+
+/// Calls set(x, y, i) for the pixels of square number i.
+template <typename Set>
+void for_each_pixel(std::span<const Place> places, Set&& set) {
+  for (int i = 0; const Place& p : places) {
+    for (int y = p.y; y < p.y + p.side; ++y)
+      for (int x = p.x; x < p.x + p.side; ++x) set(x, y, i);
+    ++i;
+  }
+}
+
 /// Colour of a tile past people; the rest of it is without people.
 void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Rect& tile,
                        VirtualLayer& layer) {
@@ -117,15 +148,21 @@ void shade_tile_behind(const LightInput& input, const TileLamps& lamps, const Re
   for_each_place<Squares::kOfTwo>(
       input, tile, layer, [](int, int) { return true; },
       [&](std::span<const Place> places, const auto& at) {
+        if (layer.gloss.empty() && !is_cut(layer.without_people, places)) {
+          VectorLanes taken;
+          if (!taken_by_people(input.frame, input.maps, lamps.by_objects, people, at, taken))
+            return;
+          return for_each_pixel(places, [&](int x, int y, int i) {
+            layer.color.row(y)[x] =
+                darker(layer.without_people.row(y)[x], layer.albedo.row(y)[x], lane(taken, i));
+          });
+        }
         ShadingLanes light;
         if (!shading_past_people(input.frame, input.maps, lamps.by_objects, people, at, light))
           return;
-        for (int i = 0; const Place& p : places) {
-          for (int y = p.y; y < p.y + p.side; ++y)
-            for (int x = p.x; x < p.x + p.side; ++x)
-              layer.color.row(y)[x] = shaded(input, layer, x, y, layer.albedo.row(y)[x], light, i);
-          ++i;
-        }
+        for_each_pixel(places, [&](int x, int y, int i) {
+          layer.color.row(y)[x] = shaded(input, layer, x, y, layer.albedo.row(y)[x], light, i);
+        });
       });
 }
 

@@ -74,7 +74,8 @@ class GlesCompositor final : public Compositor {
   void draw_background(StageTimer& timer);
   Result<void> draw_objects(StageTimer& timer);
   Result<void> draw_light(bool people, StageTimer& timer);
-  void take_look(ImageView<const Rgb8> plate);
+  void take_look(const FrameInput& input);
+  void use_look(const PictureLook& look);
   void blur_objects(const std::optional<CameraMotion>& motion);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
@@ -119,6 +120,7 @@ class GlesCompositor final : public Compositor {
   KeyPass key_;
   LightPass light_;
   std::optional<LookMeter> look_meter_;  ///< until the first frame
+  std::optional<PictureLook> used_look_;
   std::optional<LookPass> look_;
   bool objects_shaded_ = false;  ///< since they were blurred
   std::optional<MotionPass> motion_;
@@ -141,7 +143,7 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
-  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(tables_, setup_.look);
+  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(setup_);
   if (!setup_.lens_moves) return;
   crew_.emplace();
   plate_px_.reset(tables_.view_size);
@@ -255,7 +257,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   {
     const StageScope stage(timer, Stage::kUpload, true);
     follow(input);
-    take_look(input.plate);
+    take_look(input);
     if (!background_pass_) tone_ = meter_.curve(input.plate);
     if (people_motion_) follow_people(input);
     plate_.upload_plate(input.plate);
@@ -396,12 +398,23 @@ Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
   return {};
 }
 
-/// What virtual things take on of the plate, found in the first frame.
-void GlesCompositor::take_look(ImageView<const Rgb8> plate) {
+/// What virtual things take on of the plate: as the frame says, else found in the first frame.
+void GlesCompositor::take_look(const FrameInput& input) {
   ++frames_;
-  if (!look_meter_) return;
-  look_->set(look_meter_->measure(plate));
+  if (!look_) return;
+  if (input.look != nullptr)
+    use_look(*input.look);
+  else if (look_meter_)
+    use_look(measured_first(*look_meter_, input.plate));
   look_meter_.reset();
+}
+
+void GlesCompositor::use_look(const PictureLook& look) {
+  const PictureLook wanted = wanted_of(look, setup_.look);
+  if (used_look_ == wanted) return;
+  used_look_ = wanted;
+  look_->set(wanted);
+  objects_shaded_ = true;
 }
 
 /// By the lens, then by the camera's motion.

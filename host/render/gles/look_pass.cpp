@@ -26,7 +26,7 @@ Result<LookPass> LookPass::create(const Tables& tables) {
 
 void LookPass::set(const PictureLook& look) {
   grain_ = look.grain;
-  if (grain_.floor != glm::vec3(0) || grain_.slope != glm::vec3(0))
+  if (grain_.any() && noise_.size.empty())
     noise_ = make_texture(ImageView<const PackedNormal>(make_grain(grain_).view()), GL_RGBA8_SNORM);
   blurs_ = look.filters();
   const LookFilter filter = look_filter(look);

@@ -10,7 +10,7 @@ namespace mixrig::render::gles {
 class LookPass {
  public:
   static Result<LookPass> create(const Tables& tables);
-  /// What was measured, in the first frame.
+  /// What was measured. How alike the noise of neighbours is stays as it was first.
   void set(const PictureLook& look);
   bool blurs() const { return blurs_; }
   /// LightPass' virtual colour and w, blurred. `rect`: of the virtual layer.

@@ -52,6 +52,7 @@ class ColorCamera {
   ColorCamera(const Optics& optics, const Realism& realism, unsigned seed);
 
   const ColorSensor& sensor() const { return sensor_; }
+  void set_focus(float focus_m) { sensor_.focus_m = focus_m; }
   /// `light` is linear with the take's exposure, 1 = white; it is used up.
   void develop(Image<Rgbf>& light, const Image<float>& z_m, int number, double time_s, Crew& crew,
                Image<Rgb8>& picture);

@@ -149,6 +149,29 @@ TEST(PictureLook, OfAPictureWithoutStepsAndNoiseIsNone) {
   EXPECT_LT(look.grain.floor.x + look.grain.slope.x, 1e-12F);
 }
 
+/// Neither steps nor enough blocks: what was known before stays.
+TEST(PictureLook, KeepsWhatItCannotMeasure) {
+  PictureLook before;
+  before.blur_px = 0.7F, before.chroma_px = {0.5F, 0.4F}, before.grain.floor = glm::vec3(3e-5F);
+  const PictureLook same =
+      measure_look(Image<glm::vec3>({kSide, 2 * kSide}, glm::vec3(0.95F)), {kSide, kSide}, before);
+  EXPECT_EQ(same, before);
+  const PictureLook blurred =
+      measure_look(picture_of(1e-6F, 1e-5F, 0, 0.5F, false), {kSide, kSide}, before);
+  EXPECT_NEAR(blurred.blur_px, 0.5F, 0.2F);
+  EXPECT_EQ(blurred.chroma_px, before.chroma_px) << "it has no step of colour";
+  EXPECT_LT(blurred.grain.floor.y, 1e-5F);
+}
+
+TEST(PictureLook, WantedIsWhatTheSceneAsksFor) {
+  PictureLook look;
+  look.blur_px = 0.7F, look.chroma_px = {0.5F, 0.4F}, look.grain.floor = glm::vec3(3e-5F);
+  const PictureLook some = wanted_of(look, {.chroma = true});
+  EXPECT_EQ(some.blur_px, 0);
+  EXPECT_FALSE(some.grain.any());
+  EXPECT_EQ(some.chroma_px, look.chroma_px);
+}
+
 TEST(PictureLook, GrainIsAsItIsTold) {
   const Grain wanted{.floor = glm::vec3(1), .spread = 0.15F, .shared = 0.4F};
   const Image<PackedNormal> noise = make_grain(wanted);
