@@ -68,12 +68,12 @@ TEST(Scene, HoldsWhatTheFileSays) {
 
 TEST(Scene, LookAndTheKeysOfTheFrameBefore) {
   const auto scene = parse_scene(
-      "[look]\nchroma = true\nsharpening = true\nmotion = true\nexposure_ms = 8.5\n"
+      "[look]\nchroma = true\nsharpening = true\nmotion = true\nfollow = false\nexposure_ms = 8.5\n"
       "[key]\nmotion = false\nsteady = false\n",
       "scene.toml", true);
   ASSERT_TRUE(scene) << scene.error().context;
   EXPECT_TRUE(scene->look.chroma && scene->look.sharpening && scene->look.motion);
-  EXPECT_FALSE(scene->look.grain || scene->look.blur);
+  EXPECT_FALSE(scene->look.grain || scene->look.blur || scene->look.follow);
   EXPECT_EQ(scene->look.exposure_ms, 8.5);
   EXPECT_FALSE(scene->key.motion || scene->key.steady);
   const auto none = parse_scene("", "scene.toml", true);

@@ -93,6 +93,23 @@ TEST(Studio, noise_changes_from_frame_to_frame) {
   expect_same(a.truth.composite, b.truth.composite, "composite");
 }
 
+/// From its time on the plate alone is another one: the truth stays sharp.
+TEST(Studio, a_lens_that_is_focused_anew_changes_the_plates_from_then_on) {
+  StudioOptions once = small();
+  once.realism.defocus = true;
+  StudioOptions anew = once;
+  anew.refocus = Refocus{6 / kFrameRate_hz, 0.4};
+  expect_same(shoot(once, {5}), shoot(anew, {7, 5}));
+  const Shot a = shoot(once, {9}), b = shoot(anew, {9});
+  int different = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 80; ++x) different += !(a.frame.color.at(x, y) == b.frame.color.at(x, y));
+  EXPECT_GT(different, 80 * 64 / 4);
+  expect_same(a.truth.composite, b.truth.composite, "composite");
+  anew.realism.defocus = false;
+  EXPECT_NE(Studio::create(anew).error().context.find("defocus"), std::string::npos);
+}
+
 /// Smallest and largest known distance of the pixels around a position; low > high for none.
 struct Reach {
   double low = 1e9, high = 0;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame of both back ends, and what has to agree of it.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+#include "host/render/compositor.h"
+#include "tests/gl/room_setup.h"
+
+namespace mixrig::test {
+
+double psnr_db(const Image<Rgb8>& a, const Image<Rgb8>& b);
+/// Share of pixels whose values lie within `tolerance`.
+template <typename T>
+double share_within(const Image<T>& a, const Image<T>& b, double tolerance) {
+  std::size_t good = 0;
+  for (int y = 0; y < a.height(); ++y)
+    for (int x = 0; x < a.width(); ++x)
+      good +=
+          std::abs(static_cast<double>(a.at(x, y)) - static_cast<double>(b.at(x, y))) <= tolerance;
+  return static_cast<double>(good) / static_cast<double>(a.size().area());
+}
+
+struct Pair {
+  std::unique_ptr<render::Compositor> cpu, gles;
+  render::FrameOutput cpu_frame, gles_frame;
+};
+
+Pair make_pair(const RoomSetup& room);
+/// Both draw the frame, and what they draw agrees.
+void expect_agreement(Pair& pair, const render::FrameInput& frame);
+void expect_agreement(const RoomSetup::Options& options);
+bool shows(const render::FrameOutput& frame, render::Layer layer);
+float time_of(const Pair& pair, render::Stage stage);
+/// World axes with z up, 1.4 m over the room's floor; only the capture volume keys.
+render::FrameInput volume_frame(RoomSetup& room);
+/// At rest and turned aside, with the person in view.
+void expect_agreement_as_it_turns(Pair& pair, render::FrameInput frame);
+
+}  // namespace mixrig::test
