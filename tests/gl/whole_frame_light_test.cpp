@@ -8,6 +8,7 @@
 
 #include "host/render/gles/compositor_gles.h"
 #include "host/render/room_shade.h"
+#include "tests/gl/gl_fixture.h"
 #include "tests/gl/whole_frame_pair.h"
 
 namespace mixrig::test {

@@ -16,8 +16,8 @@ namespace {
 
 using render::PictureLook;
 
-constexpr double kFrame_s = 0.04;
-constexpr int kFrames_s = 25;
+constexpr double kLookFrame_s = 0.04;
+constexpr int kLookFrames_s = 25;
 
 PictureLook look_of(float blur_px, float noise = 1e-5F) {
   PictureLook look;
@@ -31,10 +31,10 @@ struct Followed {
   int frame = 0;
   float largest_step_px = 0;
   float run(int frames, const PictureLook& shown) {
-    float last = frame == 0 ? shown.blur_px : follower.at(kFrame_s * frame).blur_px;
+    float last = frame == 0 ? shown.blur_px : follower.at(kLookFrame_s * frame).blur_px;
     for (int i = 0; i < frames; ++i, ++frame) {
       if (frame % LookKeeper::kLookStep == 0) follower.add(shown);
-      const float now = follower.at(kFrame_s * frame).blur_px;
+      const float now = follower.at(kLookFrame_s * frame).blur_px;
       largest_step_px = std::max(largest_step_px, std::abs(now - last));
       last = now;
     }
@@ -45,10 +45,10 @@ struct Followed {
 TEST(LookFollower, FollowsWithinASecondWithoutAStep) {
   Followed f;
   EXPECT_FLOAT_EQ(f.run(20, look_of(0.4F)), 0.4F);
-  EXPECT_NEAR(f.run(kFrames_s, look_of(1.0F, 4e-5F)), 1.0F, 0.06F);
+  EXPECT_NEAR(f.run(kLookFrames_s, look_of(1.0F, 4e-5F)), 1.0F, 0.06F);
   EXPECT_LT(f.largest_step_px, 0.2F) << "of 0.6";
   EXPECT_NEAR(f.follower.at(10).grain.floor.y, 4e-5F, 2e-6F);
-  f.run(kFrames_s, look_of(1.0F, 4e-5F));
+  f.run(kLookFrames_s, look_of(1.0F, 4e-5F));
   EXPECT_EQ(f.follower.at(20), f.follower.aim()) << "it has come to rest";
 }
 
@@ -142,7 +142,7 @@ class LookKeeperTest : public ::testing::Test {
     for (int i = 0; i < frames; ++i) {
       ++number_;
       auto capture = std::make_shared<capture::Capture>();
-      capture->number = number_, capture->time_s = kFrame_s * number_;
+      capture->number = number_, capture->time_s = kLookFrame_s * number_;
       capture->plate = plate_of(blur_px, way_px, static_cast<unsigned>(number_));
       auto composite = std::make_shared<output::Composite>();
       composite->capture = std::move(capture);
@@ -165,9 +165,9 @@ TEST_F(LookKeeperTest, FollowsALensThatIsFocusedAnew) {
   keeper.open(nullptr);
   const PictureLook first = show(keeper, 20, 0.4F, 0);
   EXPECT_NEAR(first.blur_px, 0.4F, 0.15F);
-  const PictureLook then = show(keeper, kFrames_s, 0.9F, 0);
+  const PictureLook then = show(keeper, kLookFrames_s, 0.9F, 0);
   EXPECT_NEAR(then.blur_px, 0.9F, 0.12F);
-  const PictureLook again = show(keeper, kFrames_s, 0.4F, 0);
+  const PictureLook again = show(keeper, kLookFrames_s, 0.4F, 0);
   EXPECT_NEAR(again.blur_px, first.blur_px, 0.08F);
   ASSERT_TRUE(keeper.finish());
   EXPECT_GE(keeper.report()->looks, 8);
@@ -179,10 +179,10 @@ TEST_F(LookKeeperTest, ACameraThatMovesDoesNotBlurTheLook) {
   LookKeeper keeper(session_, false);
   keeper.open(nullptr);
   const PictureLook still = show(keeper, 10, 0.5F, 0);
-  const PictureLook moving = show(keeper, 2 * kFrames_s, 0.5F, 2.5F);
+  const PictureLook moving = show(keeper, 2 * kLookFrames_s, 0.5F, 2.5F);
   EXPECT_NEAR(moving.blur_px, still.blur_px, 0.01F);
   ASSERT_TRUE(keeper.finish());
-  EXPECT_GT(keeper.report()->moved, kFrames_s);
+  EXPECT_GT(keeper.report()->moved, kLookFrames_s);
   // In no plate that stands still is more seen than the lens.
   LookKeeper from_motion(session_, false);
   from_motion.open(nullptr);
@@ -190,7 +190,7 @@ TEST_F(LookKeeperTest, ACameraThatMovesDoesNotBlurTheLook) {
   const PictureLook first = show(from_motion, 1, 0.5F, 2.0F);
   const PictureLook second = show(from_motion, 15, 0.5F, 2.0F);
   EXPECT_LT(second.blur_px, first.blur_px - 0.05F);
-  EXPECT_NEAR(show(from_motion, kFrames_s, 0.5F, 0).blur_px, 0.5F, 0.12F);
+  EXPECT_NEAR(show(from_motion, kLookFrames_s, 0.5F, 0).blur_px, 0.5F, 0.12F);
   ASSERT_TRUE(from_motion.finish());
 }
 
@@ -199,7 +199,7 @@ TEST_F(LookKeeperTest, PlatesWithoutStepsChangeNothing) {
   LookKeeper keeper(session_, false);
   keeper.open(nullptr);
   const PictureLook first = show(keeper, 3, 0.6F, 0);
-  EXPECT_EQ(show(keeper, kFrames_s, 40.0F, 0).blur_px, first.blur_px);
+  EXPECT_EQ(show(keeper, kLookFrames_s, 40.0F, 0).blur_px, first.blur_px);
   ASSERT_TRUE(keeper.finish());
 }
 
