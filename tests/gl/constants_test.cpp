@@ -52,6 +52,7 @@ const std::map<std::string, double> kOurs = {
     {"speckle_blocks", kSpeckleBlocks},
     {"near_blocks", kNearBlocks},
     {"band_blocks", kBandBlocks},
+    {"deep_blocks", kDeepBlocks},
     {"no_limit_w", kNoLimitW},
     {"hole_part", kHolePart},
     {"behind_hole", kBehindHole},
