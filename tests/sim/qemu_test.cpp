@@ -193,10 +193,11 @@ std::vector<Change> traced_run() {
     const std::uint32_t changed = after ^ lines;
     if ((changed & after & 1u) != 0 && ++rises == 2) grid_ns = edge.ns - 10'000'000;
     if (rises == 59) break;
+    lines = after;
+    if (rises == 0) continue;  // lines are set up, some again where a command was resent
     for (int c = 0; c < 4; ++c) {
       if ((changed >> c & 1u) != 0) changes.push_back({c, edge.ns});
     }
-    lines = after;
   }
   for (Change& change : changes) change.ns -= grid_ns;
   return changes;
