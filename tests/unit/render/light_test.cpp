@@ -131,7 +131,7 @@ TEST(Shadow, points_that_are_not_wanted_change_no_other) {
   std::uniform_real_distribution<float> away(-2, 2), down(1.2F, 2);
   const render::LampParams& params = lit.preparer.params().lamps[0];
   int shadowed = 0, early = 0;
-  for (int trial = 0; trial < 400; ++trial) {
+  for (int trial = 0; trial < 6400 / kLanes; ++trial) {
     render::cpu::VectorLanes at_m, normal{};
     for (int i = 0; i < kLanes; ++i) {
       at_m.x[i] = trial % 2 ? away(random) : 1.5F + 0.01F * away(random);
