@@ -248,6 +248,9 @@ std::vector<Row> rows() {
        {"000001.png"},
        ""},
       {"ExplainWithoutASource", nothing, "explain scene.toml", 2, {"--source"}, ""},
+      {"RefocusOfOneNumber", nothing, "studio out --refocus 6", 2, {"'6'", "SECONDS,METRES"}, ""},
+      {"RefocusTooNear", nothing, "studio out --refocus 6,0.01", 2, {"0.1 to 100 m"}, ""},
+      {"RefocusOfASharpLens", nothing, "studio out --plain --refocus 6,1", 2, {"\"defocus\""}, ""},
   };
   all.push_back({"AbsentEgl",
                  nothing,
