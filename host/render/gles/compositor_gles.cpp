@@ -14,27 +14,20 @@
 #include "host/render/exposure.h"
 #include "host/render/focus_discs.h"
 #include "host/render/frame_io.h"
-#include "host/render/gles/background_pass.h"
 #include "host/render/gles/correct_pass.h"
 #include "host/render/gles/egl_context.h"
 #include "host/render/gles/focus_pass.h"
-#include "host/render/gles/gl_mesh.h"
 #include "host/render/gles/gpu_colors.h"
-#include "host/render/gles/key_pass.h"
-#include "host/render/gles/light_pass.h"
-#include "host/render/gles/look_pass.h"
 #include "host/render/gles/mix_pass.h"
-#include "host/render/gles/motion_pass.h"
-#include "host/render/gles/people_shadow_pass.h"
+#include "host/render/gles/people_key.h"
 #include "host/render/gles/plate_pass.h"
 #include "host/render/gles/read_back.h"
+#include "host/render/gles/room.h"
 #include "host/render/gles/second_depth_pass.h"
-#include "host/render/gles/shadow_pass.h"
 #include "host/render/gles/stage_timer.h"
-#include "host/render/gles/virtual_pass.h"
+#include "host/render/gles/virtual_things.h"
 #include "host/render/gles/warp_pass.h"
 #include "host/render/in_flight.h"
-#include "host/render/people_motion.h"
 
 namespace mixrig::render {
 namespace {
@@ -69,29 +62,15 @@ class GlesCompositor final : public Compositor {
 
   Result<void> draw(const FrameInput& input, Frame& frame);
   void follow(const FrameInput& input);
-  void follow_people(const FrameInput& input);
+  void upload(const FrameInput& input);
   void key_people(const FrameInput& input);
-  void draw_background(StageTimer& timer);
-  Result<void> draw_objects(StageTimer& timer);
-  Result<void> draw_light(bool people, StageTimer& timer);
-  void take_look(const FrameInput& input);
-  void use_look(const PictureLook& look);
-  void blur_objects(const std::optional<CameraMotion>& motion);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
   static Result<void> fetch(const Frame& frame, FrameOutput& output);
-  const Texture& background_m() const {
-    return background_pass_ ? background_pass_->depth_m() : background_m_;
-  }
-  const Texture& learned() const {
-    return background_pass_ ? background_pass_->learned() : learned_;
-  }
-  const Texture& learned_sigma() const {
-    return background_pass_ ? background_pass_->learned_sigma() : learned_sigma_;
-  }
-  bool has_objects() const { return !meshes_.empty(); }
-  bool keys() const { return preparer_.params().key.by != KeyBy::kNothing; }
-  bool has_light_map() const { return has_shadows_ && keys(); }
+  /// Null where nothing is keyed.
+  const KeyPass* key() const { return key_ ? &key_->pass() : nullptr; }
+  /// Null where objects take light from nothing.
+  const LightPass* light_map() const { return things_ ? things_->light_map(key()) : nullptr; }
 
   EglContext context_;  // dies last
   std::string renderer_;
@@ -99,36 +78,19 @@ class GlesCompositor final : public Compositor {
   Tables tables_;
   FramePreparer preparer_;
   LensFollower lens_;
-  std::optional<Crew> crew_;   ///< where the lens moves, or people are followed
+  std::optional<Crew> crew_;   ///< where the lens moves
   Image<glm::vec2> plate_px_;  ///< the same
   ExposureMeter meter_;
   ToneCurve tone_;
-  Texture background_m_, light_m_, learned_, learned_sigma_;
-  std::vector<GpuMesh> meshes_;  // as FrameParams::draws
+  Room room_;
   PlatePass plate_;
   CorrectPass correct_;
   WarpPass warp_;
-  std::optional<SecondDepthPass> second_depth_;    ///< of a rig with two depth cameras
-  std::optional<BackgroundPass> background_pass_;  ///< of a camera that moves
-  VirtualPass virtual_;
-  ShadowPass shadow_;
-  std::optional<PeopleShadowPass> people_shadow_;
-  std::optional<PeopleMotion> people_motion_;  ///< of a camera that stands still
-  Image<glm::vec2> depth_shift_px_;            ///< of its cells
-  Texture shift_px_, motion_px_;
-  bool has_now_ = false, has_before_ = false;  ///< a matte of this frame, and of that before
-  KeyPass key_;
-  LightPass light_;
-  std::optional<LookMeter> look_meter_;  ///< until the first frame
-  std::optional<PictureLook> used_look_;
-  std::optional<LookPass> look_;
-  bool objects_shaded_ = false;  ///< since they were blurred
-  std::optional<MotionPass> motion_;
-  const Texture *mixed_color_ = nullptr, *mixed_w_ = nullptr;  ///< of objects, in this frame
-  std::uint32_t frames_ = 0;
+  std::optional<SecondDepthPass> second_depth_;  ///< of a rig with two depth cameras
+  std::optional<PeopleKey> key_;                 ///< where anything is keyed
+  std::optional<VirtualThings> things_;          ///< where there are any
   MixPass mix_;
   std::optional<FocusPass> focus_;
-  bool has_shadows_ = false;
   std::optional<GpuColors> gpu_colors_;  ///< where objects are shared with a screen
   InFlight<Frame> flight_;
   StageTimes times_{};
@@ -143,7 +105,6 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
-  if (setup_.look.measures() && !setup_.objects.empty()) look_meter_.emplace(setup_);
   if (!setup_.lens_moves) return;
   crew_.emplace();
   plate_px_.reset(tables_.view_size);
@@ -154,57 +115,19 @@ GlesCompositor::~GlesCompositor() { (void)context_.make_current(); }
 
 /// Only the passes that the scene needs; their tables go to the GPU here, once.
 Result<void> GlesCompositor::create_passes() {
-  const BackgroundView& background = setup_.background;
-  const LearnedColor learned{!background.color.empty(), !background.color_sigma.empty()};
   MIXRIG_ASSIGN(plate_, PlatePass::create(tables_));
   MIXRIG_ASSIGN(correct_, CorrectPass::create(tables_));
   MIXRIG_ASSIGN(warp_, WarpPass::create(tables_));
   if (setup_.tof2) {
     MIXRIG_ASSIGN(second_depth_, SecondDepthPass::create(setup_, tables_));
   }
-  if (!setup_.background_models.empty()) {
-    MIXRIG_ASSIGN(background_pass_, BackgroundPass::create(tables_, setup_, meter_.places()));
-    tables_.has_background = true;
-    const bool color = has_model_color(setup_);
-    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, {color, color}, preparer_.params().key));
-  } else if (tables_.has_background) {
-    background_m_ = make_texture(
-        tables_.edge_depth_m.empty() ? background.depth_m : tables_.edge_depth_m.view(), GL_R32F);
-    if (!tables_.light_depth_m.empty())
-      light_m_ = make_texture(tables_.light_depth_m.view(), GL_R32F);
-    if (!background.color.empty()) learned_ = make_texture(background.color, GL_RGB16F);
-    if (!background.color_sigma.empty())
-      learned_sigma_ = make_texture(background.color_sigma, GL_R16F);
-    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
-    if (follows_people(setup_)) {
-      people_motion_.emplace(tables_);
-      if (!crew_) crew_.emplace();
-      depth_shift_px_.reset(people_motion_->cells());
-      shift_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
-      motion_px_ = make_texture(depth_shift_px_.view(), GL_RG32F);
-      MIXRIG_TRY(key_.follow_people(tables_, people_motion_->cell_px(), setup_.key.steady));
-    }
-  } else if (keys()) {
-    MIXRIG_ASSIGN(key_, KeyPass::create(tables_, learned, preparer_.params().key));
+  MIXRIG_ASSIGN(room_, Room::create(setup_, tables_, meter_.places()));
+  const FrameParams& frame = preparer_.params();
+  if (frame.key.by != KeyBy::kNothing) {
+    MIXRIG_ASSIGN(key_, PeopleKey::create(setup_, tables_, room_.has_color(), frame.key));
   }
-  for (const Draw& draw : preparer_.params().draws) meshes_.emplace_back(*draw.mesh);
-  if (has_objects()) {
-    const FrameParams& first = preparer_.params();
-    MIXRIG_ASSIGN(virtual_, VirtualPass::create(first.glossy || first.emits));
-    MIXRIG_ASSIGN(light_, LightPass::create(tables_, setup_));
-    light_.set_contacts(first);
-    if (!setup_.light.lamps.empty()) {
-      MIXRIG_ASSIGN(shadow_, ShadowPass::create());
-    }
-    if (!preparer_.params().people_lamps.empty()) {
-      MIXRIG_ASSIGN(people_shadow_, PeopleShadowPass::create(tables_));
-    }
-  }
-  if (look_meter_) {
-    MIXRIG_ASSIGN(look_, LookPass::create(tables_));
-  }
-  if (setup_.look.motion && has_objects()) {
-    MIXRIG_ASSIGN(motion_, MotionPass::create(tables_));
+  if (!frame.draws.empty()) {
+    MIXRIG_ASSIGN(things_, VirtualThings::create(setup_, tables_, frame));
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
   if (setup_.focus) {
@@ -256,20 +179,16 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   const bool two = second_depth_ && !input.tof2_depth_m.empty();
   {
     const StageScope stage(timer, Stage::kUpload, true);
-    follow(input);
-    take_look(input);
-    if (!background_pass_) tone_ = meter_.curve(input.plate);
-    if (people_motion_) follow_people(input);
-    plate_.upload_plate(input.plate);
-    correct_.upload_depth(input.tof_depth_m);
-    if (two) second_depth_->upload_depth(input.tof2_depth_m);
+    upload(input);
   }
   if (plate_.draws()) {
     const StageScope stage(timer, Stage::kPlate);
     plate_.draw();
   }
-  draw_background(timer);
-  if (background_pass_) tone_ = meter_.curve(input.plate);
+  if (room_.is_drawn()) {
+    if (preparer_.params().pose_changed) room_.draw(preparer_.world_from_camera(), meter_, timer);
+    tone_ = meter_.curve(input.plate);
+  }
   {
     const StageScope stage(timer, Stage::kCorrect);
     two ? second_depth_->correct_both(correct_) : correct_.draw();
@@ -279,13 +198,13 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
     warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m());
     if (two) second_depth_->add_to(warp_);
   }
-  MIXRIG_TRY(draw_objects(timer));
-  if (keys() && needed.key) {
+  if (things_) MIXRIG_TRY(things_->draw(timer));
+  if (key_ && needed.key) {
     const StageScope stage(timer, Stage::kKey);
     key_people(input);
   }
-  MIXRIG_TRY(draw_light(needed.light, timer));
-  if (needed.mix) blur_objects(input.motion);
+  if (things_) MIXRIG_TRY(things_->light(room_, key(), needed.light, timer));
+  if (things_ && needed.mix) things_->blur(input.motion);
   if (!needed.mix && !(frame.wanted & kMatte)) return {};
   const bool colors = frame.wanted & (kColor | kGpuColor), focuses = focus_ && colors;
   {
@@ -298,28 +217,22 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   return {};
 }
 
-/// How people moved since the frame before, whose plate and matte are kept.
-void GlesCompositor::follow_people(const FrameInput& input) {
-  const bool moves = setup_.key.motion && input.depth_delay_s != 0;
-  if (!moves && !setup_.key.steady) return;
-  if (!people_motion_->see(input, *crew_) || !setup_.key.steady) return;
-  if (has_now_) key_.remember(plate_.in_view());
-  has_before_ = std::exchange(has_now_, false);
-  if (const Image<glm::vec2>* motion_px = people_motion_->motion_px())
-    upload(motion_px_, motion_px->view());
+/// The frame's pictures; and what the host finds out from them.
+void GlesCompositor::upload(const FrameInput& input) {
+  follow(input);
+  if (things_) things_->take_look(input);
+  if (!room_.is_drawn()) tone_ = meter_.curve(input.plate);
+  if (key_) key_->follow(input, plate_.in_view());
+  plate_.upload_plate(input.plate);
+  correct_.upload_depth(input.tof_depth_m);
+  if (second_depth_ && !input.tof2_depth_m.empty()) second_depth_->upload_depth(input.tof2_depth_m);
 }
 
-/// The matte and people's depth. This is brought to the time of the plate first.
+/// The matte and people's depth.
 void GlesCompositor::key_people(const FrameInput& input) {
-  const bool moved = people_motion_ && setup_.key.motion &&
-                     people_motion_->depth_shift_px(input.depth_delay_s, depth_shift_px_);
-  if (moved) upload(shift_px_, depth_shift_px_.view());
-  const bool steady =
-      people_motion_ && setup_.key.steady && has_before_ && people_motion_->motion_px() != nullptr;
-  key_.draw(preparer_.params().key, {warp_.w(), plate_.in_view(), learned(), learned_sigma(), tone_,
-                                     background_pass_ ? &background_pass_->limit_w() : nullptr,
-                                     moved ? &shift_px_ : nullptr, steady ? &motion_px_ : nullptr});
-  has_now_ = true;
+  key_->draw(
+      preparer_.params().key, input.depth_delay_s,
+      {warp_.w(), plate_.in_view(), room_.color(), room_.color_sigma(), tone_, room_.limit_w()});
 }
 
 /// What depends on the lens is made again where it has moved, and only there.
@@ -334,125 +247,24 @@ void GlesCompositor::follow(const FrameInput& input) {
     meter_.see_through(setup_);
     warp_.set_view(tables_);
     if (second_depth_) second_depth_->set_view(setup_);
-    if (background_pass_) background_pass_->set_view(tables_, setup_);
-    if (keys()) key_.set_view(tables_);
-    if (has_objects()) light_.set_view(tables_);
-    if (people_shadow_) people_shadow_->set_view(tables_);
+    room_.set_view(tables_, setup_);
+    if (key_) key_->set_view(tables_);
+    if (things_) things_->set_view(tables_);
   }
   preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
                    place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
 }
 
-/// Only where the camera moves; while the pose stays, so does the background.
-void GlesCompositor::draw_background(StageTimer& timer) {
-  if (!background_pass_ || !preparer_.params().pose_changed) return;
-  const StageScope stage(timer, Stage::kBackground);
-  background_pass_->draw(preparer_.world_from_camera());
-  meter_.learn(background_pass_->colors_of_places());
-}
-
-/// While the pose stays, virtual samples and shadow maps stay.
-Result<void> GlesCompositor::draw_objects(StageTimer& timer) {
-  const FrameParams& params = preparer_.params();
-  if (!has_objects() || !params.pose_changed) return {};
-  if (!params.virtual_rect.empty()) {
-    const StageScope stage(timer, Stage::kVirtual);
-    MIXRIG_TRY(virtual_.draw(params, meshes_));
-  }
-  const bool has_maps = std::any_of(params.lamps.begin(), params.lamps.end(),
-                                    [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
-  has_shadows_ = has_maps || !params.contacts.empty();
-  if (!has_maps || !params.maps_changed) return {};
-  const StageScope stage(timer, Stage::kShadow);
-  return shadow_.draw(params, meshes_);
-}
-
-/// Shading and the background's light stay with the pose as well; people and their shadows move.
-Result<void> GlesCompositor::draw_light(bool people, StageTimer& timer) {
-  if (!has_objects()) return {};
-  const StageScope stage(timer, Stage::kLight);
-  objects_shaded_ |= preparer_.params().pose_changed || (people_shadow_ && people);
-  if (preparer_.params().pose_changed) {
-    if (preparer_.params().room_changed) MIXRIG_TRY(light_.set_room(preparer_.params()));
-    light_.set_lamps(preparer_.params());
-    if (!people_shadow_ || !people)
-      light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps());
-    if (has_light_map() && (!tables_.has_background || setup_.backdrop))
-      light_.skip_background();
-    else if (has_light_map())
-      light_.draw_background(background_pass_ ? background_m() : light_m_, shadow_.maps(),
-                             background_pass_ ? &background_pass_->normal() : nullptr);
-  }
-  if (!people) return {};
-  if (people_shadow_)
-    MIXRIG_TRY(people_shadow_->draw(preparer_.params(), key_.matte(), key_.visible_w()));
-  if (has_light_map()) {
-    LightPass::PastPeople past;
-    if (people_shadow_ && tables_.has_background && !setup_.backdrop)
-      past = {people_shadow_->maps(), background_pass_ ? &background_m() : &light_m_,
-              background_pass_ ? &background_pass_->normal() : nullptr};
-    light_.draw_people({key_.blocks(), key_.matte(), key_.visible_w()}, shadow_.maps(), past);
-  }
-  if (!people_shadow_) return {};
-  light_.shade_virtual(preparer_.params(), virtual_, shadow_.maps(), people_shadow_->maps());
-  return {};
-}
-
-/// What virtual things take on of the plate: as the frame says, else found in the first frame.
-void GlesCompositor::take_look(const FrameInput& input) {
-  ++frames_;
-  if (!look_) return;
-  if (input.look != nullptr)
-    use_look(*input.look);
-  else if (look_meter_)
-    use_look(measured_first(*look_meter_, input.plate));
-  look_meter_.reset();
-}
-
-void GlesCompositor::use_look(const PictureLook& look) {
-  const PictureLook wanted = wanted_of(look, setup_.look);
-  if (used_look_ == wanted) return;
-  used_look_ = wanted;
-  look_->set(wanted);
-  objects_shaded_ = true;
-}
-
-/// By the lens, then by the camera's motion.
-void GlesCompositor::blur_objects(const std::optional<CameraMotion>& motion) {
-  if (!has_objects()) return;
-  mixed_color_ = &light_.virtual_color(), mixed_w_ = &light_.virtual_w();
-  if (look_ && look_->blurs()) {
-    if (objects_shaded_)
-      look_->draw(preparer_.params().virtual_rect, light_.virtual_color(), light_.virtual_w());
-    mixed_color_ = &look_->virtual_color(), mixed_w_ = &look_->virtual_w();
-    objects_shaded_ = false;
-  }
-  if (!motion_) return;
-  const MotionParams params = motion_params(motion, setup_.view, preparer_.params());
-  if (!params.blurs()) return;
-  motion_->draw(params, *mixed_color_, *mixed_w_);
-  mixed_color_ = &motion_->virtual_color(), mixed_w_ = &motion_->virtual_w();
-}
-
 Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
-  const bool keyed = keys();
   MixInput input;
   input.plate = &plate_.in_view();
-  input.visible_w = keyed ? &key_.visible_w() : &warp_.w();
-  input.matte = keyed ? &key_.matte() : nullptr;
-  input.background_m = tables_.has_background ? &background_m() : nullptr;
-  input.room = keyed ? &key_.room() : nullptr;
-  input.learned = &learned();
-  input.light = has_light_map() ? &light_.light() : nullptr;
-  if (has_objects()) {
-    input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &light_.virtual_color();
-    input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &light_.virtual_w();
-  }
-  if (look_ && look_->noise() != nullptr) {
-    input.noise = look_->noise();
-    input.grain = look_->grain();
-    input.grain_offset = grain_offset(frames_ - 1);
-  }
+  input.visible_w = key_ ? &key()->visible_w() : &warp_.w();
+  input.matte = key_ ? &key()->matte() : nullptr;
+  input.background_m = tables_.has_background ? &room_.depth_m() : nullptr;
+  input.room = key_ ? &key()->room() : nullptr;
+  input.learned = &room_.color();
+  input.light = light_map() != nullptr ? &light_map()->light() : nullptr;
+  if (things_) things_->add_to(input);
   input.tone = tone_;
   return mix_.draw(input, wanted);
 }
@@ -461,16 +273,16 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
 void GlesCompositor::start_read_back(Frame& frame) {
   const StageScope stage(*frame.timer, Stage::kReadback);
   frame.read = frame.wanted;
-  if (!keys()) frame.read &= ~kState;
+  if (!key_) frame.read &= ~kState;
   if (!mix_.has_alpha()) frame.read &= ~kAlpha;
-  if (!has_light_map()) frame.read &= ~kLight;
+  if (light_map() == nullptr) frame.read &= ~kLight;
   const Target& colored = focus_ && (frame.read & kColor) ? focus_->target() : mix_.target();
   if (frame.read & (kColor | kMatte)) frame.color_and_matte.start_rgba(colored, kMixColor);
   if (frame.read & kMixedDepth) frame.mixed.start_float(mix_.target(), kMixDepth);
   if (frame.read & kSegmentedDepth) frame.segmented.start_float(mix_.target(), kMixSegmented);
   if (frame.read & kWarpedDepth) frame.warped_w.start_float(warp_.target(), 0);
-  if (frame.read & kState) frame.state.start_byte(key_.state_target(), 0);
-  if (frame.read & kLight) frame.light.start_float(light_.light_target(), 0);
+  if (frame.read & kState) frame.state.start_byte(key()->state_target(), 0);
+  if (frame.read & kLight) frame.light.start_float(light_map()->light_target(), 0);
   if (frame.read & kLayer) frame.layer.start_byte(mix_.target(), kMixLayer);
   if (frame.read & kAlpha) frame.alpha.start_byte(mix_.alpha_target(), 0);
 }
