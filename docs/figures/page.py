@@ -7,7 +7,8 @@ from takes import (BOARD_VIEWS, FRAMES, FULL_FRAMES, FULL_SIZE, MOVING, RIGS, RO
 
 SCENARIOS = STILL + MOVING
 COLORS = {"kinect2": "#0b61a4", "sr3000": "#c23b22", "helios2": "#2e8b57"}
-COMPOSITES = {"plate": "#999999", "pasted": "#d9a441", "depth_key": "#c23b22", "mixrig": "#0b61a4"}
+COMPOSITES = {"plate": "#999999", "pasted": "#d9a441", "depth_key": "#c23b22", "mixrig": "#0b61a4",
+              "ideal": "#2e8b57"}
 # What the tests hold kinect2, sr3000 and helios2 to (tests/e2e).
 BOUNDS = {"key_iou": {"kinect2": 0.95, "sr3000": 0.90, "helios2": 0.95},
           "order_wrong_pct": 2.0, "light_shadow_rmse": 0.06, "depth_bad_pct": 6.0}
@@ -49,9 +50,10 @@ COLUMNS = [
     ("shadow rmse: none, mixrig", 3,
      ["baselines.pasted.light_shadow_rmse", "error.light_shadow_rmse"]),
     ("object rmse", 3, ["error.object_rmse"]),
-    ("contested PSNR, dB: plate, pasted, depth key, mixrig", 1,
+    ("contested PSNR, dB: plate, pasted, depth key, mixrig, ideal", 1,
      ["baselines.plate.contested.color_psnr_db", "baselines.pasted.contested.color_psnr_db",
-      "baselines.depth_key.contested.color_psnr_db", "error.contested.color_psnr_db"]),
+      "baselines.depth_key.contested.color_psnr_db", "error.contested.color_psnr_db",
+      "baselines.ideal.contested.color_psnr_db"]),
     ("PSNR, dB", 1, ["error.color_psnr_db"]),
 ]
 

@@ -21,6 +21,11 @@ bool is_person(float z_m, float background_m, const DepthSpread& spread) {
 /// Whether people or room lie before the object; what is unknown does not.
 bool hides(float real_m, float object_m) { return real_m > 0.0F && real_m < object_m - kContact_m; }
 
+Rgb8 lit(Rgb8 plate, float light) {
+  return {srgb_of(light * linear_of(plate.r)), srgb_of(light * linear_of(plate.g)),
+          srgb_of(light * linear_of(plate.b))};
+}
+
 std::uint8_t over(std::uint8_t object, std::uint8_t plate, int coverage) {
   const float behind = 1.0F - static_cast<float>(coverage) / 255.0F;
   return srgb_of(linear_of(object) + behind * linear_of(plate));
@@ -48,22 +53,40 @@ void compose_row(Baseline baseline, const PlainInputs& in, const DepthSpread& sp
   }
 }
 
-}  // namespace
-
-const char* name(Baseline baseline) {
-  constexpr std::array<const char*, kBaselines.size()> kNames{"plate", "pasted", "depth_key"};
-  return kNames[static_cast<std::size_t>(baseline)];
-}
-
-void compose_plainly(Baseline baseline, const PlainInputs& inputs, const DepthSpread& spread,
-                     PlainComposite& out) {
-  const Size size = inputs.plate.size;
+void size(Size size, PlainComposite& out) {
   out.color.reset(size);
   out.warped_depth_m.reset(size);
   out.light.reset(size, 1.0F);
   out.matte.reset(size);
   out.layer.reset(size);
-  for (int y = 0; y < size.height; ++y) compose_row(baseline, inputs, spread, y, out);
+}
+
+}  // namespace
+
+const char* name(Baseline baseline) {
+  constexpr std::array<const char*, kBaselines.size()> kNames{"plate", "pasted", "depth_key",
+                                                              "ideal"};
+  return kNames[static_cast<std::size_t>(baseline)];
+}
+
+void compose_plainly(Baseline baseline, const PlainInputs& inputs, const DepthSpread& spread,
+                     PlainComposite& out) {
+  size(inputs.plate.size, out);
+  for (int y = 0; y < inputs.plate.size.height; ++y) compose_row(baseline, inputs, spread, y, out);
+}
+
+void compose_ideally(ImageView<const Rgb8> plate, const TruthImages& truth, PlainComposite& out) {
+  size(plate.size, out);
+  for (int y = 0; y < plate.size.height; ++y)
+    for (int x = 0; x < plate.size.width; ++x) {
+      const auto layer = static_cast<std::uint8_t>(truth.labels.row(y)[x] & kLayerMask);
+      const float light = truth.light.row(y)[x];
+      out.color.row(y)[x] =
+          layer == kLayerVirtual ? truth.color.row(y)[x] : lit(plate.row(y)[x], light);
+      out.light.row(y)[x] = light;
+      out.matte.row(y)[x] = truth.matte.row(y)[x];
+      out.layer.row(y)[x] = layer;
+    }
 }
 
 }  // namespace mixrig::measure

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain composites, beside which the compositor's figures are shown: what one gets without its
-// passes. Shares nothing with the compositor.
+// passes, and what one without error would make of the same plates. Shares nothing with the
+// compositor.
 #pragma once
 
 #include <array>
@@ -15,9 +16,11 @@ enum class Baseline {
   kPlate,     ///< the camera's picture as it is
   kPasted,    ///< the virtual objects on top of it: no occlusion, no shadow
   kDepthKey,  ///< people by a depth step alone, at the depth camera's resolution; no shadow
+  kIdeal,     ///< true objects, occlusion and shadows on the camera's picture
 };
-inline constexpr std::array kBaselines{Baseline::kPlate, Baseline::kPasted, Baseline::kDepthKey};
-/// "plate", "pasted", "depth_key".
+inline constexpr std::array kBaselines{Baseline::kPlate, Baseline::kPasted, Baseline::kDepthKey,
+                                       Baseline::kIdeal};
+/// "plate", "pasted", "depth_key", "ideal".
 const char* name(Baseline baseline);
 
 /// What a depth key takes for a step: max(kLeastStep_m, kStepSigmas sigma(z)), with the spread
@@ -45,10 +48,16 @@ struct PlainComposite {
   ResultImages view() const { return {color, warped_depth_m, matte, light, layer}; }
 };
 
-/// Makes one. The depth key takes a pixel for a person where both depths are known and it is nearer
-/// than the background by more than the step; people and background hide the object where they are
-/// nearer by more than 2 cm (the background is noisy where the object stands on it). Light is 1.
+/// Makes one of the first three. The depth key takes a pixel for a person where both depths are
+/// known and it is nearer than the background by more than the step; people and background hide the
+/// object where they are nearer by more than 2 cm (the background is noisy where the object stands
+/// on it). Light is 1.
 void compose_plainly(Baseline baseline, const PlainInputs& inputs, const DepthSpread& spread,
                      PlainComposite& out);
+
+/// Makes kIdeal: the true colour where an object is visible, else the plate times the true light.
+/// What its colour is off the truth is the camera's noise, blur and exposure. Precondition: all
+/// images have one size.
+void compose_ideally(ImageView<const Rgb8> plate, const TruthImages& truth, PlainComposite& out);
 
 }  // namespace mixrig::measure

@@ -36,6 +36,15 @@ std::uint8_t mean(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d
   return static_cast<std::uint8_t>(std::lround((1 - ty) * top + ty * bottom));
 }
 
+/// All else of the ideal is the truth itself.
+measure::Errors colors_of(const measure::Errors& errors) {
+  measure::Errors out;
+  out.color_psnr_db = errors.color_psnr_db;
+  out.contested.pixels_pct = errors.contested.pixels_pct;
+  out.contested.color_psnr_db = errors.contested.color_psnr_db;
+  return out;
+}
+
 }  // namespace
 
 Result<void> Baselines::open(const render::CompositorSetup& setup) {
@@ -145,7 +154,14 @@ Result<void> Baselines::add(const capture::Capture& capture,
   const geometry::DepthNoise& noise = setup_->noise;
   const measure::DepthSpread spread{noise.floor_m, noise.linear, noise.quadratic_per_m};
   for (std::size_t i = 0; i < judges_.size(); ++i) {
-    measure::compose_plainly(measure::kBaselines[i], inputs, spread, composite_);
+    if (measure::kBaselines[i] != measure::Baseline::kIdeal)
+      measure::compose_plainly(measure::kBaselines[i], inputs, spread, composite_);
+    else if (truth.composite.size() == plate_.size())
+      measure::compose_ideally(
+          plate_, {truth.composite, truth.depth_m, truth.matte, truth.light, truth.labels},
+          composite_);
+    else
+      continue;
     MIXRIG_TRY(judges_[i].add(truth, composite_.view()));
   }
   return {};
@@ -158,6 +174,7 @@ std::vector<BaselineErrors> Baselines::errors() const {
     if (measure::kBaselines[i] != measure::Baseline::kDepthKey)
       errors.depth_mae_mm = errors.depth_bad_pct = errors.band_bad_pct = {};
     errors.hidden_bad_pct = errors.hidden_wrong_pct = {};  // they have none
+    if (measure::kBaselines[i] == measure::Baseline::kIdeal) errors = colors_of(errors);
     out.push_back({measure::kBaselines[i], errors});
   }
   return out;

@@ -171,7 +171,7 @@ void add_run_command(Command app, Context& context) {
                    "write warped depth, key and light map as well");
   command.add_flag("--baselines", arguments->baselines,
                    "judge plain composites beside it: the plate, the objects pasted on top, a "
-                   "plain depth key (a take with truth)");
+                   "plain depth key; and what one without error would make (a take with truth)");
   command.add_flag("--accept-changes", arguments->accept_changes,
                    "take what changed in the room into the background as soon as it is certain; "
                    "else on the signal USR1: kill -USR1 PID");

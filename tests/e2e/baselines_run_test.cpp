@@ -57,6 +57,10 @@ TEST_F(BaselinesRun, PlainCompositesAndWrongOnesAreWorseInTheirOwnMeasure) {
   EXPECT_LT(of(depth_key, "key_iou"), of(error, "key_iou") - 0.1);
   EXPECT_GT(of(depth_key.at("contested"), "matte_mse"), 3 * of(contested, "matte_mse"));
 
+  const auto& ideal = report.at("baselines").at("ideal");
+  EXPECT_GT(of(ideal.at("contested"), "color_psnr_db"), of(contested, "color_psnr_db"));
+  EXPECT_TRUE(ideal.at("key_iou").is_null());
+
   // What is contested does not depend on who is judged, and is a small part of the picture.
   for (const auto& [name, baseline] : report.at("baselines").items())
     EXPECT_EQ(of(baseline.at("contested"), "pixels_pct"), of(contested, "pixels_pct")) << name;

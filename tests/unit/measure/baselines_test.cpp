@@ -90,6 +90,26 @@ TEST(DepthKey, LetsTheRoomHideTheObject) {
   EXPECT_EQ(out.layer.at(1, 0), 2);
 }
 
+TEST(Ideal, ShowsTrueObjectsAndShadowsOnThePlate) {
+  const Image<Rgb8> plate({4, 1}, Rgb8{188, 100, 100});
+  const Image<Rgb8> color({4, 1}, Rgb8{10, 20, 30});
+  const Image<float> depth_m({4, 1}, 2.0F);
+  Image<float> light({4, 1}, 1.0F);
+  Image<std::uint8_t> matte({4, 1}), labels({4, 1});
+  labels.at(1, 0) = kLayerVirtual | kInSilhouette;
+  labels.at(2, 0) = 1 | kInSilhouette | kTofSees, matte.at(2, 0) = 200;
+  light.at(3, 0) = 0.5F;
+  PlainComposite out;
+  compose_ideally(plate, {color, depth_m, matte, light, labels}, out);
+  EXPECT_EQ(out.color.at(0, 0), (Rgb8{188, 100, 100}));
+  EXPECT_EQ(out.color.at(1, 0), (Rgb8{10, 20, 30}));
+  EXPECT_EQ(out.color.at(2, 0), (Rgb8{188, 100, 100})) << "a person before it";
+  EXPECT_EQ(out.color.at(3, 0).r, 137) << "half of 0.5029 is 0.2514";
+  EXPECT_EQ(out.matte.at(2, 0), 200);
+  EXPECT_EQ(out.layer.at(2, 0), 1);
+  EXPECT_EQ(out.light.at(3, 0), 0.5F);
+}
+
 /// A depth camera of 3x3 samples 0.1 apart, a view of 110 px of focal length.
 struct Splat {
   Splat() : z_m({3, 3}), rays({3, 3}), out_m({41, 41}) {

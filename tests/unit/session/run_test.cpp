@@ -93,15 +93,17 @@ TEST_F(RunTest, JudgesBaselinesBesideIt) {
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->frame_ms.max(), 3) << "outside the timed pass";
-  ASSERT_EQ(report->baselines.size(), 3U);
-  const auto& [plate, pasted, depth_key] =
-      std::tie(report->baselines[0], report->baselines[1], report->baselines[2]);
+  ASSERT_EQ(report->baselines.size(), 4U);
+  const auto& [plate, pasted, depth_key, ideal] = std::tie(
+      report->baselines[0], report->baselines[1], report->baselines[2], report->baselines[3]);
   EXPECT_EQ(plate.baseline, measure::Baseline::kPlate);
   EXPECT_EQ(plate.errors.key_iou, 0.0);
   EXPECT_EQ(plate.errors.depth_bad_pct, std::nullopt) << "it has no depth";
   EXPECT_EQ(pasted.errors.color_psnr_db, plate.errors.color_psnr_db) << "nothing to paste";
   EXPECT_GT(*depth_key.errors.key_iou, 0.95) << "a box whose borders are those of ToF pixels";
   EXPECT_LT(*depth_key.errors.depth_bad_pct, 5.0);
+  EXPECT_EQ(ideal.errors.color_psnr_db, plate.errors.color_psnr_db) << "no shadow, nothing virtual";
+  EXPECT_EQ(ideal.errors.key_iou, std::nullopt) << "it would be the truth itself";
 }
 
 TEST_F(RunTest, RefusesBaselinesOfWhatHasNone) {
