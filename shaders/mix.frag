@@ -102,7 +102,7 @@ void main() {
     color.rgb = real + room_share(real, empty, a) * (shaded.rgb - shaded.a * empty);
   }
   float share = shaded.a * (person_before ? 1.0 - a : 1.0);
-  if (share < 0.5) return;
+  if (share < virtual_share) return;
   mixed_m = z;
   layer = 2.0 / 255.0;
 }

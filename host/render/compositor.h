@@ -253,7 +253,7 @@ std::string_view name(Stage stage);
 /// Decision of the key for a pixel of the real scene.
 enum class PixelState : std::uint8_t { kUnknown = 0, kBackground = 1, kForeground = 2, kEdge = 3 };
 
-/// What fills at least half of a pixel of the composite: the layer that mixed depth is of.
+/// What fills most of a pixel of the composite: the layer that mixed depth is of.
 enum class Layer : std::uint8_t { kBackground = 0, kPerson = 1, kVirtual = 2 };
 
 /// A set of images of FrameOutput: a sum of the bits below.

@@ -12,6 +12,8 @@ namespace mixrig::render {
 inline constexpr double kNearestM = 0.01;
 /// A pixel shows a person from this matte on.
 inline constexpr float kPersonMatte = 0.5F;
+/// A pixel shows an object from this share on: more than two of its four samples.
+inline constexpr float kVirtualShare = 0.51F;
 
 // --- correct (README.md). All parts are of the depth unless said otherwise.
 /// Metres: no depth camera measures farther; what claims to is unknown.

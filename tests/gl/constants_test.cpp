@@ -20,6 +20,7 @@ using namespace render;
 const std::map<std::string, double> kOurs = {
     {"nearest_m", kNearestM},
     {"person_matte", kPersonMatte},
+    {"virtual_share", kVirtualShare},
     {"farthest_m", kFarthestM},
     {"steepest", kSteepest},
     {"steepest_slope", kSteepestSlope},

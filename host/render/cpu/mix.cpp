@@ -97,6 +97,9 @@ F4 virtual_color4(const MixInput& input, int x, int y) {
          F4{input.tone.gain.r, input.tone.gain.g, input.tone.gain.b, 0};
 }
 
+/// Least coverage of kVirtualShare.
+constexpr auto kVirtualByte = static_cast<std::uint8_t>(255 * kVirtualShare + 0.5F);
+
 /// As mixed_color where nobody is.
 void mix_without_people(Rgbx16 plate, float light, F4 shaded, float coverage, Rgbx16& out) {
   const F4 sum = shaded + (1 - coverage) * (to_float4(plate) * light);
@@ -125,7 +128,7 @@ int mix_covered(const MixInput& input, int y, int x0, int x1, FrameOutput& outpu
     const std::uint8_t coverage = objects.coverage.row(y)[x];
     mix_without_people(input.plate.row(y)[x], light_at(input, x, y), virtual_color4(input, x, y),
                        static_cast<float>(coverage) / 255, out);
-    if (!layers || coverage < 128) continue;
+    if (!layers || coverage < kVirtualByte) continue;
     if (output.wanted & kMixedDepth) output.mixed_depth_m.row(y)[x] = virtual_m;
     if (output.wanted & kLayer) output.layer.row(y)[x] = static_cast<std::uint8_t>(Layer::kVirtual);
   }

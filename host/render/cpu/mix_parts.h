@@ -37,7 +37,7 @@ inline float most_background(const glm::vec3& real, const glm::vec3& behind) {
 
 inline Layer visible_layer(const Parts& p) {
   const float share = is_person_before(p) ? p.coverage * (1 - p.matte) : p.coverage;
-  if (share >= 0.5F) return Layer::kVirtual;
+  if (share >= kVirtualShare) return Layer::kVirtual;
   return p.matte >= kPersonMatte ? Layer::kPerson : Layer::kBackground;
 }
 
