@@ -195,7 +195,7 @@ Result<bool> Runner::frame() {
     ended_ = *std::move(fault);
     return false;
   }
-  MIXRIG_TRY(compositor_.follow_changes());
+  compositor_.follow_changes();
   if (options_.controls != nullptr && !options_.controls->records_takes)
     sinks_.set_recording(options_.controls->recording);
   const int number = item->capture->number;
