@@ -18,10 +18,33 @@ fs::path with_suffix(fs::path path, const char* suffix) {
   return path;
 }
 
+/// What a link leads to, so that the link stays; else the path itself.
+fs::path behind_links(fs::path path) {
+  path = with_suffix(std::move(path), "");
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  fs::path target = fs::canonical(path, error);
+  return error ? path : target;
+}
+
+/// A pipe or a device, such as /dev/null: it is written to, never replaced.
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  return fs::is_other(path, error);
+}
+
+Result<void> write_bytes(const fs::path& file_path, const fs::path& shown, std::string_view bytes) {
+  std::ofstream file(file_path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) return {};
+  return system_error(ErrorCode::kIo, "cannot write '" + shown.string() + "'", errno);
+}
+
 }  // namespace
 
 PartialPath::PartialPath(fs::path wanted)
-    : wanted_(with_suffix(std::move(wanted), "")), partial_(with_suffix(wanted_, ".partial")) {
+    : wanted_(behind_links(std::move(wanted))), partial_(with_suffix(wanted_, ".partial")) {
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
 }
@@ -42,9 +65,12 @@ PartialPath::~PartialPath() {
 
 Result<void> PartialPath::commit() {
   std::error_code error;
+  const bool replaces_folder = fs::is_directory(wanted_, error);
+  if (is_special(wanted_) || (replaces_folder && !fs::is_directory(partial_, error)))
+    return Error{ErrorCode::kUsage, "cannot write '" + wanted_.string() + "': it is a " +
+                                        (replaces_folder ? "folder" : "device") + ": name a file"};
   // A folder cannot be renamed over one that holds files, so the old one is renamed first.
   const fs::path old = with_suffix(wanted_, ".replaced");
-  const bool replaces_folder = fs::is_directory(wanted_, error);
   if (replaces_folder) {
     fs::remove_all(old, error);
     fs::rename(wanted_, old, error);
@@ -78,11 +104,9 @@ Result<PartialPath> make_partial_folder(const fs::path& given, const char* marke
 }
 
 Result<void> write_file(const fs::path& path, std::string_view bytes) {
+  if (is_special(path)) return write_bytes(path, path, bytes);
   PartialPath partial(path);
-  std::ofstream file(partial.path(), std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) return system_error(ErrorCode::kIo, "cannot write '" + path.string() + "'", errno);
+  MIXRIG_TRY(write_bytes(partial.path(), path, bytes));
   return partial.commit();
 }
 

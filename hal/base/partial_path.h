@@ -10,8 +10,8 @@
 namespace mixrig {
 
 /// A name beside the wanted one to write under: `x.png` is written as `x.png.partial`. What lies
-/// under that name is removed at the start and, unless commit() was called, at the end.
-/// Not thread-safe.
+/// under that name is removed at the start and, unless commit() was called, at the end. Of a
+/// symbolic link the target is wanted: the link stays. Not thread-safe.
 class PartialPath {
  public:
   explicit PartialPath(std::filesystem::path wanted);
@@ -21,8 +21,9 @@ class PartialPath {
 
   /// Where to write.
   const std::filesystem::path& path() const { return partial_; }
-  /// Gives it the wanted name, in place of a file or folder that has it. Errors: kIo; then
-  /// what had the name before is still there.
+  /// Gives it the wanted name, in place of a file or folder that has it. Errors: kIo; kUsage where
+  /// a file would take the place of a folder or of a device. What had the name before is then still
+  /// there.
   Result<void> commit();
 
  private:
@@ -34,7 +35,8 @@ class PartialPath {
 /// Errors: kUsage where anything else has the name; kIo.
 Result<PartialPath> make_partial_folder(const std::filesystem::path& folder, const char* marker);
 
-/// Writes a whole file or leaves what was there. Errors: kIo.
+/// Writes a whole file or leaves what was there; writes to a pipe or device as it is, such as
+/// /dev/stdout. Errors: kIo; kUsage where a folder has the name.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace mixrig

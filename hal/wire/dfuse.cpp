@@ -26,7 +26,7 @@ constexpr Duration kLongestPoll = std::chrono::seconds(3);
 constexpr std::size_t kMaxSectors = 1024;
 
 Error dfu_refused(const std::string& what) {
-  return Error{ErrorCode::kDevice, "USB bootloader dfu_refused to " + what};
+  return Error{ErrorCode::kDevice, "USB bootloader refused to " + what};
 }
 
 /// Reads a number and removes it from `text`; false where there is none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/output/stream_plan.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -159,10 +160,15 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
   };
   switch (where.carrier) {
     case Carrier::kSrt: {
+      constexpr std::size_t kScheme = 6;  // "srt://"
       end("srtsink", kBad, "wait-for-connection=false");
-      std::string uri = where.rest;
+      std::string uri = where.rest, host;
       // A listener without an address would hear the whole network.
-      if (uri.starts_with("srt://:")) uri.insert(6, "127.0.0.1");
+      if (uri.starts_with("srt://:")) uri.insert(kScheme, "127.0.0.1");
+      const std::size_t after = std::min(uri.find_first_of("/?", kScheme), uri.size());
+      int port = 0;
+      if (!split_port(uri.substr(kScheme, after - kScheme), host, port))
+        return stream_error(out, "names no host and port: give srt://HOST:PORT");
       plan.texts.emplace_back("uri", uri);
       return {};
     }

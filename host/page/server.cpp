@@ -30,6 +30,7 @@ namespace {
 
 constexpr int kMostConnections = 16;
 constexpr auto kTellEvery = std::chrono::milliseconds(200);
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 
 std::string host_text(const asio::ip::address& address) {
   const std::string text = address.is_unspecified() ? asio::ip::host_name() : address.to_string();
@@ -84,12 +85,13 @@ struct Server::Impl {
   Result<void> open(const Listen& listen);
   Result<void> open_osc(const Listen& listen);
   void accept();
+  void accept_later();
   void tell_later();
   void serve();
 
   Hub hub;
   tcp::acceptor acceptor{hub.io};
-  asio::steady_timer timer{hub.io};
+  asio::steady_timer timer{hub.io}, pause{hub.io};
   OscPort osc{hub};
   std::string url, osc_text;
   std::uint16_t port = 0;
@@ -127,15 +129,22 @@ Result<void> Server::Impl::open_osc(const Listen& listen) {
 void Server::Impl::accept() {
   acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error) {
-      const bool full = hub.connections >= kMostConnections;
-      auto connection = std::make_shared<Connection>(hub, std::move(socket));
-      if (full)
-        connection->turn_away(refusal(503, "16 connections are open: close another page"));
-      else
-        connection->read_header();
-    }
+    if (error) return accept_later();
+    const bool full = hub.connections >= kMostConnections;
+    auto connection = std::make_shared<Connection>(hub, std::move(socket));
+    if (full)
+      connection->turn_away(refusal(503, "16 connections are open: close another page"));
+    else
+      connection->read_header();
     accept();
+  });
+}
+
+/// Without file descriptors a connection that waits fails again at once: the loop would not rest.
+void Server::Impl::accept_later() {
+  pause.expires_after(kAcceptPause);
+  pause.async_wait([this](boost::system::error_code error) {
+    if (!error) accept();
   });
 }
 

@@ -7,23 +7,20 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/base/log.h"
 #include "hal/base/partial_path.h"
 #include "hal/base/pool.h"
 #include "hal/base/work_gate.h"
-#include "host/capture/capture_reader.h"
 #include "host/output/contact_sheet.h"
 #include "host/session/baselines.h"
 #include "host/session/camera_pose.h"
+#include "host/session/capture_feed.h"
 #include "host/session/change_sink.h"
-#include "host/session/contact_points.h"
 #include "host/session/frame_lens.h"
 #include "host/session/judge.h"
-#include "host/session/plate_motion.h"
 #include "host/session/quality.h"
 #include "host/session/run_compositor.h"
+#include "host/session/run_poses.h"
 #include "host/session/run_sinks.h"
-#include "host/session/slip.h"
 
 namespace mixrig::session {
 namespace {
@@ -53,33 +50,6 @@ double foreground_pct(const Image<std::uint8_t>& matte) {
   return 100.0 * static_cast<double>(count) / static_cast<double>(matte.size().area());
 }
 
-/// Whether the poses of the scene can be held against true ones: both are of one world.
-bool has_true_poses(const Session& session) {
-  using scene::PoseSource;
-  const PoseSource used = session.scene.pose_source;
-  const bool own = session.scene.camera.trajectory.empty();
-  const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
-                              used == PoseSource::kMocap || used == PoseSource::kTracker ||
-                              used == PoseSource::kFreeD || used == PoseSource::kOpenTrack ||
-                              (used == PoseSource::kRecorded && !own);
-  return from_elsewhere && session.source->info().true_poses;
-}
-
-/// For the motion blur of virtual things and to tell which plates are sharp: what the scene or else
-/// the source says; 0: nobody asks, or it is not known.
-double plate_exposure_s(const Session& session) {
-  const scene::LookSettings& look = session.scene.look;
-  const bool asked = look.motion || session.setup.look.measures();
-  if (!asked || !session.poses->moves()) return 0;
-  const double known_s =
-      look.exposure_ms > 0 ? 1e-3 * look.exposure_ms : session.source->info().exposure_s;
-  if (!(known_s > 0) && look.motion)
-    log_warning("session", session.scene.path.string() +
-                               ": look.motion: how long a plate is exposed is not known, so that "
-                               "nothing is blurred: give look.exposure_ms");
-  return known_s;
-}
-
 /// The state of a run; one method per step of the frame loop.
 class Runner {
  public:
@@ -89,6 +59,7 @@ class Runner {
         clock_(clock),
         sinks_(session_, options_, clock_, gate(), report_),
         compositor_(session_, options_, clock_, report_),
+        poses_(session_, report_),
         judge_(!session.setup.backdrop) {}
 
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
@@ -106,19 +77,13 @@ class Runner {
   bool reads_truth() const {
     return judges() || (options_.true_people && session_.source->info().has_truth);
   }
-  Result<std::optional<capture::CaptureItem>> next_item();
-  Result<void> open_poses();
   Result<void> open_compositor();
   Result<void> warm_up();
-  Result<std::optional<capture::CaptureItem>> next_fresh_item();
   Result<void> open_baselines();
   render::OutputMask wanted(int number) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
   Result<void> add_last_to_sheet();
-  void watch_camera(const geometry::Pose& world_from_target);
-  void set_pose(output::Composite& composite);
-  void watch_slip(output::Composite& composite, const capture::Truth* truth);
 
   Session& session_;
   RunOptions options_;
@@ -128,23 +93,15 @@ class Runner {
   std::optional<PartialPath> folder_;
   RunSinks sinks_;
   RunCompositor compositor_;
-  std::optional<pose::FramePoses> poses_;
+  RunPoses poses_;
   HeadWatch head_;
-  std::unique_ptr<capture::CaptureReader> reader_;
-  std::vector<capture::CaptureItem> held_;  ///< that were read ahead, the oldest first
-  bool drained_ = false;                    ///< the reader has no more
-  std::optional<HostTime> ready_;           ///< when the first frame of a live run could be made
+  std::optional<CaptureFeed> feed_;
   Pool<output::Composite> composites_;
   Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
   std::optional<Baselines> baselines_;
-  PlateMotion motion_;
-  std::optional<SlipWatch> slip_;
-  std::optional<LensWatch> lens_;
   render::FrameOutput judged_;
-  std::optional<geometry::Pose> first_pose_;
-  bool warned_ = false, warned_lost_ = false;
   std::string ended_ = "end of the source";
 };
 
@@ -163,28 +120,13 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_ASSIGN(report_.quality, follow_budget(session_, range.first, clock_));
   MIXRIG_TRY(sinks_.open_streams());
-  MIXRIG_TRY(open_poses());
+  poses_.open();
   MIXRIG_TRY(open_compositor());
   if (options_.baselines) MIXRIG_TRY(open_baselines());
   // A live source may drop captures: it is read until enough were composited.
-  reader_ = std::make_unique<capture::CaptureReader>(*session_.source, range.first,
-                                                     live() ? capture::kEndless : range.second,
-                                                     reads_truth(), gate());
+  feed_.emplace(session_, range.first, live() ? capture::kEndless : range.second, reads_truth(),
+                gate());
   return warm_up();
-}
-
-Result<void> Runner::open_poses() {
-  const pose::FramePoseOptions options = frame_pose_options(session_.scene);
-  poses_.emplace(*session_.poses, options);
-  report_.pose.source = session_.poses->name();
-  report_.pose.latency_s = session_.poses->latency_s();
-  report_.pose.when_lost = options.when_lost;
-  slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
-  lens_.emplace(session_.setup,
-                session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
-  if (has_true_poses(session_)) report_.pose.error.emplace();
-  motion_ = PlateMotion(plate_exposure_s(session_));
-  return {};
 }
 
 Result<void> Runner::open_compositor() {
@@ -222,32 +164,12 @@ render::OutputMask Runner::wanted(int number) const {
   return by_sinks & render::kGpuColor ? by_sinks | people : by_sinks | people | render::kMatte;
 }
 
-/// The next capture, once those within the latency of its pose have come too.
-Result<std::optional<capture::CaptureItem>> Runner::next_item() {
-  const double latency_s = session_.poses->latency_s();
-  const auto waits = [&] {
-    return held_.empty() || seconds(held_.back().capture->mid_exposure -
-                                    held_.front().capture->mid_exposure) < latency_s;
-  };
-  while (!drained_ && waits()) {
-    MIXRIG_ASSIGN(auto item, reader_->next());
-    drained_ = !item;
-    if (drained_) break;
-    session_.poses->see(*item->capture);
-    held_.push_back(*std::move(item));
-  }
-  if (held_.empty()) return std::optional<capture::CaptureItem>();
-  std::optional<capture::CaptureItem> oldest(std::move(held_.front()));
-  held_.erase(held_.begin());
-  return oldest;
-}
-
 /// The first frame costs much more than others: shaders are built, memory is touched, and it is
 /// found what the room hides of the lamps. The first capture is composited once for that, before
 /// times are taken. What was exposed meanwhile in a live run is late, so that it is not composited
-/// (next_fresh_item).
+/// (CaptureFeed::next_fresh).
 Result<void> Runner::warm_up() {
-  MIXRIG_ASSIGN(auto item, next_item());
+  MIXRIG_ASSIGN(auto item, feed_->next());
   if (!item) return {};
   const capture::Capture& capture = *item->capture;
   pose::FramePoses poses(*session_.poses, frame_pose_options(session_.scene));
@@ -261,39 +183,19 @@ Result<void> Runner::warm_up() {
     composite->motion.reset();
     MIXRIG_TRY(compositor_.compose(*composite, wanted(capture.number), composite->images));
   }
-  if (live()) ready_ = clock_.now();
-  held_.insert(held_.begin(), *std::move(item));
+  feed_->give_back(*std::move(item), clock_.now());
   return {};
 }
 
-/// Without what is late since the run was not ready, but for the last that there is.
-Result<std::optional<capture::CaptureItem>> Runner::next_fresh_item() {
-  constexpr double kLatePeriods = 1.5;
-  constexpr int kMostLate = 8;  // as many wait between the devices and here
-  MIXRIG_ASSIGN(auto item, next_item());
-  if (!ready_) return item;
-  const double rate_hz = session_.source->info().rate_hz;
-  const double late_s = kLatePeriods / (rate_hz > 0 ? rate_hz : 25);
-  for (int i = 0; i < kMostLate && item && seconds(*ready_ - item->capture->mid_exposure) > late_s;
-       ++i) {
-    MIXRIG_ASSIGN(auto newer, next_item());
-    if (!newer) break;
-    item = std::move(newer);
-    ++report_.before_ready;
-  }
-  ready_.reset();
-  return item;
-}
-
 Result<bool> Runner::frame() {
-  MIXRIG_ASSIGN(auto item, next_fresh_item());
+  MIXRIG_ASSIGN(auto item, feed_->next_fresh());
   if (!item) return false;
   if (auto fault = head_.fault(session_, *item->capture)) {
     if (!live()) return Error{ErrorCode::kData, *std::move(fault)};
     ended_ = *std::move(fault);
     return false;
   }
-  MIXRIG_TRY(compositor_.follow_changes());
+  compositor_.follow_changes();
   if (options_.controls != nullptr && !options_.controls->records_takes)
     sinks_.set_recording(options_.controls->recording);
   const int number = item->capture->number;
@@ -307,12 +209,10 @@ Result<bool> Runner::frame() {
   composite.true_people.reset();
   if (options_.true_people && item->truth) composite.true_people = item->truth->people;
   composite.view = frame_view(session_.setup, *composite.capture);
-  set_pose(composite);
+  poses_.set(composite);
   if (sinks_.motion() != nullptr && !live()) sinks_.wait_for_people();
   compositor_.move_objects(composite);
-  watch_slip(composite, judges() ? item->truth.get() : nullptr);
-  lens_->add(*composite.capture, composite.world_from_target);
-  watch_camera(composite.world_from_target);
+  poses_.watch(composite, judges(), judges() ? item->truth.get() : nullptr);
 
   // A live frame is made once. Of a recording, whose times are compared, the timed pass makes what
   // every frame has; the images of an inspection come in a second one.
@@ -328,49 +228,6 @@ Result<bool> Runner::frame() {
   MIXRIG_TRY(sinks_.deliver(last_));
   MIXRIG_TRY(compositor_.see(last_));
   return true;
-}
-
-void Runner::set_pose(output::Composite& composite) {
-  const pose::FramePose known = poses_->next(*composite.capture);
-  composite.pose = known.camera;
-  composite.world_from_target = known.camera.world_from_target;
-  composite.objects_shown = known.objects_shown;
-  composite.motion = motion_.next(known.camera, composite.capture->time_s);
-  if (known.camera.ok()) {
-    report_.pose.age_ms.add(1e3 * known.camera.age_s);
-    if (report_.pose.error)
-      report_.pose.error->add(composite.world_from_target, composite.capture->world_from_target);
-    return;
-  }
-  if (report_.pose.error) report_.pose.error->skip();
-  if (std::exchange(warned_lost_, true)) return;
-  log_warning("session", fmt::format("frame {}: the camera's pose is lost ({}): virtual objects "
-                                     "are {}; frames.csv and the report say where",
-                                     composite.capture->number, capture::name(known.camera.loss),
-                                     known.objects_shown ? "frozen" : "hidden"));
-}
-
-/// The world of "floor" and "identity" is not that of the truth.
-void Runner::watch_slip(output::Composite& composite, const capture::Truth* truth) {
-  composite.slip_px = composite.slip_sigma_px = std::nullopt;
-  if (!composite.objects_shown) return;
-  const capture::Capture& capture = *composite.capture;
-  const scene::PoseSource source = session_.scene.pose_source;
-  const bool known = judges() && capture.pose_origin == capture::PoseOrigin::kRecorded &&
-                     source != scene::PoseSource::kFloor && source != scene::PoseSource::kIdentity;
-  capture::CameraPose used = composite.pose;
-  used.world_from_target = world_from_pupil(used.world_from_target, capture);
-  std::optional<geometry::Pose> true_pose;
-  if (known) true_pose = capture.world_from_target;
-  geometry::Pinhole true_view = session_.setup.view;
-  if (known && truth != nullptr && truth->lens) {
-    true_pose = geometry::at_pupil(*true_pose, truth->lens->pupil_shift_m);
-    true_view = resized(truth->lens->view, true_view.size_px);
-  }
-  const FrameSlip slip =
-      slip_->add(used, true_pose, frame_view(session_.setup, capture), true_view);
-  composite.slip_px = slip.measured_px;
-  composite.slip_sigma_px = slip.sigma_px;
 }
 
 Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
@@ -407,20 +264,10 @@ Result<void> Runner::add_last_to_sheet() {
   return sinks_.empty_sheet()->push(std::move(composite));
 }
 
-void Runner::watch_camera(const geometry::Pose& world_from_target) {
-  if (!first_pose_) first_pose_ = world_from_target;
-  if (warned_ || !session_.background || !session_.setup.background_models.empty() ||
-      !capture::moved(*first_pose_, world_from_target))
-    return;
-  warned_ = true;
-  log_warning("session",
-              "the camera moves, the background is of a static camera: people are keyed "
-              "wrongly away from the first pose");
-}
-
 Result<RunReport> Runner::finish(std::string ended) {
-  const std::uint64_t dropped = reader_->dropped();
-  reader_.reset();
+  const std::uint64_t dropped = feed_->dropped();
+  report_.before_ready = feed_->late();
+  feed_.reset();
   if (report_.frame_ms.count() == 0)
     return Error{ErrorCode::kData, "no frame was composited (" + ended + "): nothing was written"};
   report_.ended = std::move(ended);
@@ -429,11 +276,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (judges()) report_.error = judge_.errors();
   if (baselines_) report_.baselines = baselines_->errors();
   if (sinks_.empty_sheet() != nullptr) MIXRIG_TRY(add_last_to_sheet());
-  report_.pose.frames = poses_->counts();
-  report_.pose.faults = session_.poses->faults();
-  report_.pose.slip = slip_->report();
-  report_.lens = lens_->report();
-  report_.pose.stream = session_.poses->stream();
+  poses_.finish();
   MIXRIG_TRY(compositor_.finish());
   judged_ = {};
   composites_ = {};

@@ -52,15 +52,14 @@ Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gat
   return {};
 }
 
-Result<void> RunCompositor::follow_changes() {
+void RunCompositor::follow_changes() {
   exchange_.use(keeper_.take_learned());
   if (options_.scene) use(options_.scene->take_edited());
-  MIXRIG_TRY(exchange_.exchange(compositor_, hides_, last_pose_));
+  exchange_.exchange(compositor_, hides_, last_pose_);
   if (options_.controls != nullptr)
     options_.controls->can_focus = exchange_.scene().focus.has_value();
   light_keeper_.take_factors();
   if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
-  return {};
 }
 
 /// What the scene says newly is sharp takes the place of what was clicked.
@@ -130,6 +129,13 @@ Result<void> RunCompositor::see(const output::CompositePtr& composite) {
   return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
 }
 
+/// Versions of the scene that were read, by whether they were composited.
+SceneEdits RunCompositor::edits() const {
+  SceneEdits edits = options_.scene->edits();
+  edits.taken -= exchange_.refused_scenes(), edits.refused += exchange_.refused_scenes();
+  return edits;
+}
+
 Result<void> RunCompositor::finish() {
   MIXRIG_TRY(keeper_.finish());
   MIXRIG_TRY(light_keeper_.finish());
@@ -139,7 +145,7 @@ Result<void> RunCompositor::finish() {
   exchange_.finish();
   compositor_->close();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();
-  if (options_.scene) report_.scene_edits = options_.scene->edits();
+  if (options_.scene) report_.scene_edits = edits();
   if (keeper_.is_open()) {
     report_.room_changes = keeper_.report();
     report_.room_changes->swap_ms = exchange_.swap_ms();

@@ -32,7 +32,7 @@ class RunCompositor {
   const render::Compositor& whole() const { return compositor_->whole(); }
 
   /// Before a frame: what was saved and learned counts from this one on.
-  Result<void> follow_changes();
+  void follow_changes();
   /// Poses of the objects of a frame, of which the camera's pose is set.
   void move_objects(output::Composite& composite);
   /// Errors: as Compositor::compose().
@@ -49,6 +49,7 @@ class RunCompositor {
  private:
   bool live() const;
   void place_moved_objects();
+  SceneEdits edits() const;
   void use(EditedScenePtr edited);
   std::optional<glm::ivec2> focus_pixel() const;
   std::optional<render::FrameLight> frame_light();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "hal/base/log.h"
 #include "host/session/session.h"
 
 namespace mixrig::session {
@@ -35,19 +36,30 @@ Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice b
   return made;
 }
 
-Result<void> SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
-                                     const std::optional<geometry::Pose>& last_pose) {
+void SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+                             const std::optional<geometry::Pose>& last_pose) {
   if (!making_.valid()) {
-    if (!std::exchange(is_due_, false)) return {};
+    if (!std::exchange(is_due_, false)) return;
+    tried_background_ = background_, tried_scene_ = scene_;
     making_ = std::async(std::launch::async, make, begin(last_pose), session_.backend, hides);
   }
-  if (live_ && making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+  if (live_ && making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   const HostTime start = clock_.now();
-  MIXRIG_ASSIGN(MadePtr made, making_.get());
-  compositor = std::move(made->compositor);
-  in_use_ = std::move(made);
+  auto made = making_.get();
+  if (!made) return refuse(made.error());
+  compositor = std::move((*made)->compositor);
+  in_use_ = *std::move(made);
   swap_ms_.add(milliseconds(clock_.now() - start));
-  return {};
+}
+
+/// What came meanwhile stays due.
+void SetupExchange::refuse(const Error& error) {
+  log_warning("session", to_line(error) + ": the run goes on with what it had before");
+  const auto shown_background = in_use_ ? in_use_->background : nullptr;
+  const EditedScenePtr shown_scene = in_use_ ? in_use_->scene : nullptr;
+  if (tried_scene_ != shown_scene) ++refused_scenes_;
+  if (scene_ == tried_scene_) scene_ = shown_scene;
+  if (background_ == tried_background_) background_ = shown_background;
 }
 
 void SetupExchange::finish() {

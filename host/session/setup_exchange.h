@@ -2,6 +2,7 @@
 // Exchanges the compositor of a run where the background or the scene has changed.
 #pragma once
 
+#include <cstdint>
 #include <future>
 #include <memory>
 #include <optional>
@@ -26,15 +27,18 @@ class SetupExchange {
   void use(std::shared_ptr<const KeptBackground> background);
   void use(EditedScenePtr scene);
   /// Before a frame. `last_pose` is that of the frame before: what a compositor finds out once is
-  /// found while it is made. Errors: those of HidingCompositor::open().
-  Result<void> exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
-                        const std::optional<geometry::Pose>& last_pose);
+  /// found while it is made. Where it cannot be made (more lamps than the back end draws, no
+  /// memory) the old one stays, with a warning.
+  void exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+                const std::optional<geometry::Pose>& last_pose);
   /// Waits for a compositor in the making, which is dropped.
   void finish();
 
   /// That the compositor was made of.
   const scene::Scene& scene() const;
   bool is_edited() const { return in_use_ && in_use_->scene; }
+  /// Edited scenes that no compositor could be made of.
+  std::uint64_t refused_scenes() const { return refused_scenes_; }
   /// Time that a frame lost by an exchange.
   const measure::QuantileSketch& swap_ms() const { return swap_ms_; }
 
@@ -49,12 +53,16 @@ class SetupExchange {
   using MadePtr = std::unique_ptr<Made>;
   static Result<MadePtr> make(MadePtr made, BackendChoice backend, bool hides);
   MadePtr begin(const std::optional<geometry::Pose>& last_pose) const;
+  void refuse(const Error& error);
 
   const Session& session_;
   const bool live_;
   bool is_due_ = false;
   std::shared_ptr<const KeptBackground> background_;
   EditedScenePtr scene_;
+  std::shared_ptr<const KeptBackground> tried_background_;  ///< that making_ is of
+  EditedScenePtr tried_scene_;
+  std::uint64_t refused_scenes_ = 0;
   MadePtr in_use_;
   std::future<Result<MadePtr>> making_;
   SystemClock clock_;

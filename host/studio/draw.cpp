@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "host/studio/sensors/warp.h"
 #include "host/studio/srgb.h"
@@ -175,6 +177,31 @@ void Studio::State::draw_truth(const CameraPlace& place, Truth& truth) {
             (p.silhouette >= 0.5F ? Truth::kSilhouette : 0));
       }
   });
+}
+
+void Studio::State::place_people_truth(double time_s, Truth& truth) {
+  const double at_s = people_time_s(time_s);
+  for (const PersonMotion& motion : cast.people()) {
+    const Vec3 pelvis = motion.at(at_s).pelvis;
+    truth.people.push_back({{pelvis.x(), pelvis.y()}});
+  }
+  const Mesh& mesh = person.scene.mesh();
+  for (std::size_t t = 0; t < mesh.materials.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double& top_m = truth.people[mesh.materials[t].person].top_m;
+      top_m = std::max<double>(top_m, mesh.positions[mesh.indices[3 * t + k]].z());
+    }
+  const Rect& rect = view.person.rect();
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      const float z = view.person.centre_z(x, y);
+      if (!(z < view.room.centre_z(x, y))) continue;
+      const std::span<const Surfel> seen = std::as_const(view.person).at(x, y);
+      if (seen.empty()) continue;  // a strand that no sub-sample meets
+      const auto nearest = std::min_element(
+          seen.begin(), seen.end(), [](const Surfel& a, const Surfel& b) { return a.z < b.z; });
+      truth.people[nearest->person].visible_m2 += z * z / (info.view.fx_px * info.view.fy_px);
+    }
 }
 
 }  // namespace mixrig::studio

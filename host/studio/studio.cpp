@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "host/studio/light/object_gloss.h"
 #include "host/studio/stage/object.h"
+#include "host/studio/studio_options.h"
 #include "host/studio/studio_state.h"
 
 namespace mixrig::studio {
@@ -19,88 +18,6 @@ namespace {
 
 constexpr int kEmptyFrames = 25;
 constexpr int kStudioBand = 4;
-
-Result<void> check_place(const StudioOptions& o) {
-  const auto in_room = [](const std::optional<Eigen::Vector3d>& at_m) {
-    return !at_m || ((at_m->array() > 0.05).all() && at_m->x() < kRoomX_m - 0.05 &&
-                     at_m->y() < kRoomY_m - 0.05 && at_m->z() < kRoomZ_m - 0.05);
-  };
-  if (!in_room(o.eye_m) || !in_room(o.look_at_m))
-    return Error{ErrorCode::kUsage,
-                 fmt::format("studio: the camera and what it looks at must be in the room of "
-                             "{} x {} x {} m, 5 cm off its walls",
-                             kRoomX_m, kRoomY_m, kRoomZ_m)};
-  if (const auto& at_m = o.object_m;
-      at_m && !(at_m->minCoeff() > 0.4 && at_m->x() < kRoomX_m - 0.4 && at_m->y() < kRoomY_m - 0.4))
-    return Error{ErrorCode::kUsage,
-                 "studio: the object must stand in the room, 0.4 m off its walls"};
-  const Layout layout = make_layout(o);
-  const Eigen::Vector3d ahead = layout.look_at_m - layout.eye_m;
-  if (ahead.cross(Eigen::Vector3d::UnitZ()).norm() < 0.05)
-    return Error{
-        ErrorCode::kUsage,
-        "studio: the camera looks straight up or down, or stands where it looks: move one"};
-  return {};
-}
-
-Result<void> check(const StudioOptions& o) {
-  const auto wrong = [](std::string what) {
-    return Error{ErrorCode::kUsage, "studio: " + std::move(what)};
-  };
-  if (o.frames < 2 || o.frames > 100000)
-    return wrong(fmt::format("frames must be 2 to 100000, not {}", o.frames));
-  if (!(o.tolerance >= 0 && o.tolerance <= 2))
-    return wrong(fmt::format("tolerance must be 0 to 2, not {}", o.tolerance));
-  for (const int side : {o.size_px.width, o.size_px.height})
-    if (side < 32 || side > 4096)
-      return wrong(fmt::format("size must be 32 to 4096 pixels per side, not {}x{}",
-                               o.size_px.width, o.size_px.height));
-  if (o.people < 1 || o.people > 3)
-    return wrong(fmt::format("people must be 1 to 3, not {}", o.people));
-  if (o.scenario == Scenario::kRounds && o.people > 2)
-    return wrong("scenario rounds has at most 2 people: a third would stand in the way");
-  if (o.day.crowd < 0 || o.day.crowd > 8)
-    return wrong(fmt::format("the crowd must be 0 to 8 people, not {}", o.day.crowd));
-  if (!(o.day.lamp_level >= 0 && o.day.lamp_level <= 2))
-    return wrong(fmt::format("the lamps' level must be 0 to 2, not {}", o.day.lamp_level));
-  if (o.day.dim && !(o.day.dim->lamp >= 1 && o.day.dim->lamp <= 4 && o.day.dim->level >= 0 &&
-                     o.day.dim->level <= 2))
-    return wrong("the lamp to dim must be 1 to 4, its level 0 to 2");
-  if (o.day.moved_chair && o.clear_floor)
-    return wrong("a clear floor has no chair that could be moved: drop one of the two");
-  if (o.scenario == Scenario::kSweep && !o.sweep.views.empty() &&
-      (o.sweep.frames_per_view < 1 ||
-       static_cast<std::size_t>(o.frames) != o.sweep.views.size() * o.sweep.frames_per_view))
-    return wrong("frames of a sweep must be its views times the frames of a view");
-  if (!(o.pan_rad >= 0 && o.pan_rad <= 2))
-    return wrong(fmt::format("the pan must be 0 to 2 radians to a side, not {}", o.pan_rad));
-  for (const int side : {o.fisheye_px.width, o.fisheye_px.height})
-    if (side < 64 || side > 4096)
-      return wrong(fmt::format("the fisheye must have 64 to 4096 pixels per side, not {}x{}",
-                               o.fisheye_px.width, o.fisheye_px.height));
-  if (!(o.zoom >= 1 && o.zoom <= 8))
-    return wrong(fmt::format("the zoom must be 1 to 8 times, not {}", o.zoom));
-  if (o.zoom > 1 && o.scenario == Scenario::kSweep)
-    return wrong("a sweep has a fixed lens: leave out the zoom");
-  if (o.raw && o.rig != RigPreset::kKinect2)
-    return wrong("raw pictures are those of rig kinect2: give --rig kinect2, or leave out --raw");
-  if (o.raw && o.second_tof)
-    return wrong("raw pictures are those of one depth camera: leave out the second, or --raw");
-  if (o.window && o.realism.mirror)
-    return wrong("window and mirror have one place: drop one of the two");
-  MIXRIG_TRY(check_place(o));
-  if (!(o.lens.aperture_m >= 0 && o.lens.aperture_m <= 0.2 && o.lens.focus_m >= 0.1 &&
-        o.lens.focus_m <= 100))
-    return wrong("the lens must have an aperture of 0 to 200 mm and be sharp at 0.1 to 100 m");
-  const Realism& look = o.realism;
-  if (o.refocus && !(look.defocus && o.refocus->focus_m >= 0.1 && o.refocus->focus_m <= 100))
-    return wrong("a lens that is focused anew needs the look \"defocus\" and 0.1 to 100 m");
-  if (o.lens.aperture_m > 0 && (look.bounce || look.gloss || look.mirror || o.props))
-    return wrong("the thin lens knows the plain look alone: add --plain, leave out --props");
-  if (o.threads < 0 || o.threads > 256)
-    return wrong(fmt::format("threads must be 0 to 256, not {}", o.threads));
-  return {};
-}
 
 int empty_frames_of(const StudioOptions& o) {
   if (o.scenario == Scenario::kSweep) return o.sweep.people ? o.sweep.frames_per_view : o.frames;
@@ -240,29 +157,13 @@ void Studio::State::balance_ambient() {
   reflector.ambient = info.light.ambient;
 }
 
-void Studio::State::trace_bounce(const CameraPlace& place) {
-  if (!options.realism.bounce) return;
-  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
-  Reflector r = reflector;
-  r.ambient = ambient;
-  const bool dense = !info.camera_moves;
-  room_bounce.build(r, room, rays, info.view, place.world_from_target, dense, false, crew);
-  object_bounce.build(r, object.scene, rays, info.view, place.world_from_target, dense, false,
-                      crew);
-}
-
-void Studio::State::reflect_static(SurfelMap& map, const BounceCache& bounce, bool with_object) {
-  if (options.realism.bounce) bounce_surfels(map, bounce, crew);
-  if (casters.reflector != nullptr) mirror_surfels(map, reflector, with_object, crew);
-}
-
 Studio::Studio(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Studio::Studio(Studio&&) noexcept = default;
 Studio& Studio::operator=(Studio&&) noexcept = default;
 Studio::~Studio() = default;
 
 Result<Studio> Studio::create(const StudioOptions& options) {
-  MIXRIG_TRY(check(options));
+  MIXRIG_TRY(check_studio_options(options));
   MIXRIG_ASSIGN(const TraceDevice device, TraceDevice::create());
   return Studio(std::make_unique<State>(options, device));
 }
@@ -306,62 +207,6 @@ void Studio::State::fill_person(Occluder& scene, double time_s) {
   scene.set(spare);
 }
 
-void Studio::State::trace_static(const CameraPlace& place, double time_s, bool with_truth) {
-  const bool keep = options.cache && !info.camera_moves && !options.day.changes();
-  const Rect all{0, 0, options.size_px.width, options.size_px.height};
-  if (!has_plate || !keep) {
-    trace_tof(time_s, info.tof.target_from_tof, tof, tof_at);
-    if (tof2) trace_tof(time_s, info.tof2->target_from_tof, tof2->camera, tof2->place);
-    plate.room.build(room, materials, camera_rays(plate_rays, place.world_from_target), all, crew);
-    light_surfels(plate.room, lamps, casters, false, false, crew);
-    reflector.eye = place.world_from_target.translation_m.cast<float>();
-    trace_bounce(place);
-    reflect_static(plate.room, room_bounce, false);
-    has_plate = true, has_view = has_view && keep;
-  }
-  if (!with_truth || (has_view && keep)) return;
-  const CameraRays rays = camera_rays(view_rays, place.world_from_target);
-  view.room.build(room, materials, rays, all, crew);
-  light_surfels(view.room, lamps, casters, true, false, crew);
-  reflect_static(view.room, room_bounce, true);
-  view.object.build(object.scene, materials, rays,
-                    covered_by(object.scene.mesh(), info.view, place.world_from_target), crew);
-  light_surfels(view.object, lamps, casters, true, false, crew);
-  if (options.realism.bounce) bounce_surfels(view.object, object_bounce, crew);
-  if (options.glossy_object) {
-    Reflector r = reflector;
-    r.ambient = ambient;
-    gloss_object(view.object, r, lamps, info.object, options.realism.bounce, crew);
-  }
-  find_room_seen(rays, info.tof.optics, tof_at);
-  if (tof2) find_room_seen(rays, info.tof2->optics, tof2->place);
-  has_view = true;
-}
-
-void Studio::State::trace_tof(double time_s, const geometry::Pose& target_from_tof, TofCamera& of,
-                              TofPlace& at) {
-  const geometry::Pose world_from_tof =
-      camera_at(layout, options, time_s).world_from_target * target_from_tof;
-  const geometry::Pose later =
-      camera_at(layout, options, time_s + of.sensor().delay_s).world_from_target;
-  at.eye_m = world_from_tof.translation_m;
-  at.tof_from_world = geometry::inverse(world_from_tof);
-  of.trace_room(room, materials, later * target_from_tof, crew);
-}
-
-void Studio::State::find_room_seen(const CameraRays& rays, const Optics& optics, TofPlace& at) {
-  at.sees_room.reset(options.size_px);
-  crew.rows(options.size_px.height, kStudioBand, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < options.size_px.width; ++x) {
-        const float z = view.room.centre_z(x, y);
-        const Vec3 point =
-            rays.position + z * rays.direction(static_cast<float>(x), static_cast<float>(y));
-        at.sees_room.at(x, y) = z < kMiss && visible_to_tof(at, optics, point, room) ? 1 : 0;
-      }
-  });
-}
-
 void Studio::State::set_lens(double time_s) {
   if (options.zoom == 1) return;
   const LensSetting at = lens_at(info, time_s);
@@ -382,27 +227,6 @@ CameraPlace Studio::State::eye_at(double time_s) const {
   place.world_from_target.translation_m +=
       place.world_from_target.rotation * Eigen::Vector3d(0, 0, pupil_shift_m);
   return place;
-}
-
-void Studio::State::bounce_on_person(const CameraPlace& place) {
-  if (!options.realism.bounce) return;
-  Reflector r = reflector;
-  r.ambient = ambient;
-  person_bounce.build(r, person.scene, camera_rays(view_rays, place.world_from_target), info.view,
-                      place.world_from_target, true, true, crew);
-}
-
-void Studio::State::trace_person(const CameraPlace& place, const RayGrid& rays,
-                                 const Optics& optics, SceneSurfels& surfels, bool with_object) {
-  const Rect rect = covered_by(person.scene.mesh(), optics, place.world_from_target);
-  const std::vector<std::uint8_t> thin =
-      touched_by_thin(person.scene.mesh(), optics, place.world_from_target, rect);
-  surfels.person.build(person.scene, materials, camera_rays(rays, place.world_from_target), rect,
-                       crew, &thin);
-  light_surfels(surfels.person, lamps, casters, with_object, true, crew);
-  if (options.realism.bounce) bounce_surfels(surfels.person, person_bounce, crew);
-  if (options.props && casters.reflector != nullptr)
-    mirror_surfels(surfels.person, reflector, with_object, crew);
 }
 
 void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& distance_m) const {
@@ -426,31 +250,6 @@ void Studio::room_distances(const geometry::Pose& world_from_eye, Image<float>& 
 void Studio::set_exposure(double factor) { state_->exposed_by = static_cast<float>(factor); }
 
 void Studio::turn_head(const HeadMotion& motion) { state_->options.sweep.moved = motion; }
-
-void Studio::State::place_people_truth(double time_s, Truth& truth) {
-  const double at_s = people_time_s(time_s);
-  for (const PersonMotion& motion : cast.people()) {
-    const Vec3 pelvis = motion.at(at_s).pelvis;
-    truth.people.push_back({{pelvis.x(), pelvis.y()}});
-  }
-  const Mesh& mesh = person.scene.mesh();
-  for (std::size_t t = 0; t < mesh.materials.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      double& top_m = truth.people[mesh.materials[t].person].top_m;
-      top_m = std::max<double>(top_m, mesh.positions[mesh.indices[3 * t + k]].z());
-    }
-  const Rect& rect = view.person.rect();
-  for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x) {
-      const float z = view.person.centre_z(x, y);
-      if (!(z < view.room.centre_z(x, y))) continue;
-      const std::span<const Surfel> seen = std::as_const(view.person).at(x, y);
-      if (seen.empty()) continue;  // a strand that no sub-sample meets
-      const auto nearest = std::min_element(
-          seen.begin(), seen.end(), [](const Surfel& a, const Surfel& b) { return a.z < b.z; });
-      truth.people[nearest->person].visible_m2 += z * z / (info.view.fx_px * info.view.fy_px);
-    }
-}
 
 void Studio::render(int number, Frame& frame, Truth* truth) {
   State& s = *state_;

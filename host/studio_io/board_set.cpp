@@ -13,6 +13,7 @@
 #include "hal/base/partial_path.h"
 #include "host/config/writer.h"
 #include "host/image_io/image_io.h"
+#include "host/studio_io/stopped.h"
 #include "host/studio_io/truth_json.h"
 
 namespace mixrig::studio_io {
@@ -148,7 +149,8 @@ Result<void> write_board_truth(const studio::BoardInfo& info, const std::filesys
 
 Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
                                           const std::filesystem::path& folder,
-                                          const std::function<void(int)>& progress) {
+                                          const std::function<void(int)>& progress,
+                                          const std::atomic<bool>* stop) {
   MIXRIG_ASSIGN(studio::BoardStudio studio, studio::BoardStudio::create(options));
   const studio::BoardInfo& info = studio.info();
   MIXRIG_ASSIGN(PartialPath output, make_partial_folder(folder, "views.toml"));
@@ -164,6 +166,7 @@ Result<studio::BoardInfo> write_board_set(const studio::BoardOptions& options,
     truth["target_from_board"].push_back(to_json(view.target_from_board));
     angles << number << "," << view.pan_rad / kDeg << "," << view.tilt_rad / kDeg << "\n";
     progress(number);
+    MIXRIG_TRY(check_stop(stop, number, options.views));
   }
   if (options.pan_tilt) MIXRIG_TRY(write_file(output.path() / "ptu.csv", angles.str()));
   MIXRIG_TRY(write_file(output.path() / "truth/truth.json", truth.dump(1) + "\n"));

@@ -11,6 +11,7 @@
 #include "host/studio/studio.h"
 #include "host/studio_io/board_set.h"
 #include "host/studio_io/source_words.h"
+#include "host/studio_io/stopped.h"
 
 namespace mixrig::studio_io {
 namespace {
@@ -189,7 +190,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::str
 Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, int frames,
                                            const std::filesystem::path& folder,
                                            take::StreamFormat format,
-                                           const std::function<void(int)>& progress) {
+                                           const std::function<void(int)>& progress,
+                                           const std::atomic<bool>* stop) {
   MIXRIG_ASSIGN(const auto source, create(options, frames, true));
   MIXRIG_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(folder, source->take(), format));
   capture::Capture capture;
@@ -197,6 +199,7 @@ Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, 
     MIXRIG_TRY(source->read(number, capture));
     MIXRIG_TRY(writer.write(capture));
     progress(number);
+    MIXRIG_TRY(check_stop(stop, number, frames));
   }
   MIXRIG_TRY(write_board_truth(source->board(), writer.staging()));
   MIXRIG_TRY(writer.finish());

@@ -2,6 +2,7 @@
 // A calibration board before all cameras of a rig as a source of captures and as a take.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -26,10 +27,12 @@ Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::str
 
 /// Writes a board that a person moves as a take with truth/truth.json (docs/formats.md), whole or
 /// not at all. `progress` is called after each frame with the number done. Errors: those of
-/// make_board_source; kUsage for a folder that is not a take, kIo.
+/// make_board_source; kUsage for a folder that is not a take, kIo; kData where `stop` was set
+/// before the last frame.
 Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, int frames,
                                            const std::filesystem::path& folder,
                                            take::StreamFormat format,
-                                           const std::function<void(int)>& progress);
+                                           const std::function<void(int)>& progress,
+                                           const std::atomic<bool>* stop = nullptr);
 
 }  // namespace mixrig::studio_io

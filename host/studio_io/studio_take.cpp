@@ -17,6 +17,7 @@
 #include "host/studio_io/bracket.h"
 #include "host/studio_io/fisheye_pictures.h"
 #include "host/studio_io/moving_rig.h"
+#include "host/studio_io/stopped.h"
 
 namespace mixrig::studio_io {
 namespace {
@@ -294,7 +295,8 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
 Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,
                                              const std::filesystem::path& folder,
                                              take::StreamFormat format,
-                                             const std::function<void(int)>& progress) {
+                                             const std::function<void(int)>& progress,
+                                             const std::atomic<bool>* stop) {
   MIXRIG_ASSIGN(studio::Studio studio, studio::Studio::create(options));
   const studio::StudioInfo info = studio.info();  // as it is at rest: a lens may zoom
   const take::TakeInfo take = studio_take_info(info);
@@ -320,6 +322,7 @@ Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& option
     if (options.sweep.bracket && number % options.sweep.frames_per_view == 0)
       MIXRIG_TRY(add_bracket(studio, number, take_frame.plate, writer.staging(), bracket));
     progress(number);
+    MIXRIG_TRY(check_stop(stop, number, info.frames));
   }
   if (options.scenario == studio::Scenario::kSweep)
     MIXRIG_TRY(write_room_truth(studio, writer.staging()));

@@ -2,6 +2,7 @@
 // From the virtual studio to a take with truth and a scene beside it.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 
@@ -24,10 +25,12 @@ Result<void> write_scene(const studio::StudioInfo& info, const std::filesystem::
 /// Renders a whole take with truth, and the scene, into `folder`: whole or not at all.
 /// With StudioOptions::fisheye the take has that stream and truth/fisheye.tum.
 /// `progress` is called after each frame with the number done.
-/// Errors: kUsage for options out of range or a folder that is not a take, kIo, kUnsupported.
+/// Errors: kUsage for options out of range or a folder that is not a take, kIo, kUnsupported; kData
+/// where `stop` was set before the last frame.
 Result<studio::StudioInfo> write_studio_take(const studio::StudioOptions& options,
                                              const std::filesystem::path& folder,
                                              take::StreamFormat format,
-                                             const std::function<void(int)>& progress);
+                                             const std::function<void(int)>& progress,
+                                             const std::atomic<bool>* stop = nullptr);
 
 }  // namespace mixrig::studio_io

@@ -147,7 +147,8 @@ void add_align_command(Command app, Context& context) {
       .required();
   command
       .add_option("--window", arguments->options.window_s, "relative motions are over this time, s")
-      .range(0.05, 10.0);
+      .range(0.05, 10.0)
+      .show_default();
   command.add_option("--join", arguments->join,
                      "A and B are maps written by learn from one take: folder that B is written "
                      "to, in axes and units of A");

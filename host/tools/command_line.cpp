@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/tools/command_line.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 namespace mixrig::tools {
 namespace {
+
+/// CLI11 reads "nan" and "inf", and its ranges let "nan" pass.
+std::string refuse_what_is_not_finite(const std::string& text) {
+  const double value = std::strtod(text.c_str(), nullptr);  // 0 for what is no number
+  return std::isfinite(value) ? std::string() : text + " is not a finite number";
+}
+
+template <typename T>
+Option add_number(CLI::App* app, const std::string& name, T& value, const std::string& about) {
+  return Option(
+      app->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_not_finite, "")));
+}
+
+/// As where a shell's variable is not set.
+std::string refuse_what_is_empty(const std::string& text) {
+  return text.empty() ? "an empty text is no value" : std::string();
+}
 
 template <typename T>
 Option add(CLI::App* app, const std::string& name, T& value, const std::string& about) {
@@ -45,7 +64,8 @@ Option Option::value_if_left_out(const std::string& value) {
 }
 
 Option Command::add_option(const std::string& name, std::string& value, const std::string& about) {
-  return add(app_, name, value, about);
+  return Option(
+      app_->add_option(name, value, about)->check(CLI::Validator(refuse_what_is_empty, "")));
 }
 Option Command::add_option(const std::string& name, std::vector<std::string>& values,
                            const std::string& about) {
@@ -61,11 +81,11 @@ Option Command::add_option(const std::string& name, std::size_t& value, const st
   return add(app_, name, value, about);
 }
 Option Command::add_option(const std::string& name, double& value, const std::string& about) {
-  return add(app_, name, value, about);
+  return add_number(app_, name, value, about);
 }
 Option Command::add_option(const std::string& name, std::optional<double>& value,
                            const std::string& about) {
-  return add(app_, name, value, about);
+  return add_number(app_, name, value, about);
 }
 Option Command::add_flag(const std::string& name, bool& value, const std::string& about) {
   return Option(app_->add_flag(name, value, about));

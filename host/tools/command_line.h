@@ -45,6 +45,7 @@ class Command {
   explicit Command(CLI::App* app) : app_(app) {}
 
   /// NAME or -v,--verbose and the variable that the value is written to; it must outlive the parse.
+  /// Empty texts and numbers that are not finite are refused.
   Option add_option(const std::string& name, std::string& value, const std::string& about);
   Option add_option(const std::string& name, std::vector<std::string>& values,
                     const std::string& about);

@@ -195,7 +195,7 @@ Result<nlohmann::json> flash(const FlashArguments& arguments) {
 void add_flash_command(Command app, Context& context) {
   auto arguments = std::make_shared<FlashArguments>();
   Command command = app.add_subcommand("flash", "write firmware into the trigger controller");
-  command.add_option("image", arguments->image, "firmware/trigger.bin of the build");
+  command.add_option("IMAGE", arguments->image, "firmware/trigger.bin of the build");
   const Option port =
       command.add_option("--port", arguments->port, "serial port of the controller");
   command.add_option("--usb", arguments->usb, "USB bootloader instead, VID:PID (0483:df11)")

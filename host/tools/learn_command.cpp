@@ -58,7 +58,7 @@ Result<nlohmann::json> learn(const LearnArguments& arguments) {
 void add_learn_command(Command app, Context& context) {
   auto arguments = std::make_shared<LearnArguments>();
   Command command = app.add_subcommand(
-      "learn", "A map of the room from the pictures of a take whose camera moves");
+      "learn", "a map of the room from the pictures of a take whose camera moves");
   command.add_option("--take", arguments->take, "folder or take.toml").required();
   command.add_option("--camera", arguments->camera, "whose pictures")
       .one_of({"fisheye", "target"})

@@ -47,8 +47,10 @@ int exit_status(const Error& error) {
 /// Checks before the work that the report can be written.
 Result<void> check_json_path(const std::string& path) {
   if (path.empty()) return {};
-  const auto folder = std::filesystem::absolute(path).parent_path();
   std::error_code code;
+  if (std::filesystem::is_directory(path, code))
+    return Error{ErrorCode::kUsage, "--json " + path + ": is a folder: name a file"};
+  const auto folder = std::filesystem::absolute(path).parent_path();
   if (std::filesystem::is_directory(folder, code)) return {};
   return Error{ErrorCode::kUsage,
                "--json " + path + ": there is no folder " + folder.string() + ": make it first"};

@@ -80,7 +80,12 @@ void add_session_options(Command command, SessionArguments& arguments) {
 
 Result<std::optional<Size>> view_size(const SessionArguments& arguments) {
   if (arguments.size.empty()) return std::optional<Size>();
+  constexpr Size kMost{7680, 4320};  // some 300 bytes a pixel: 10 GB
   MIXRIG_ASSIGN(const Size size, parse_size(arguments.size, "--size"));
+  if (size.area() > kMost.area())
+    return Error{ErrorCode::kUsage, "--size \"" + arguments.size +
+                                        "\" has more pixels than 7680x4320: the memory would not "
+                                        "hold them, give a smaller one"};
   return std::optional(size);
 }
 

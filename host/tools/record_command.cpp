@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig record: records live devices into a take.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -21,9 +22,21 @@ constexpr Duration kNotifyEvery = std::chrono::seconds(1);
 struct RecordArguments {
   std::string rig = "rig.toml", out, format = "mkv";
   double duration_s = 10, keep_free_mb = 512;
+  bool force = false;
 };
 
+/// What was recorded cannot be made again.
+Result<void> check_out(const RecordArguments& arguments) {
+  std::error_code code;
+  const std::filesystem::path take = std::filesystem::path(arguments.out) / "take.toml";
+  if (arguments.force || !std::filesystem::exists(take, code)) return {};
+  return Error{ErrorCode::kUsage, "'" + arguments.out +
+                                      "' holds a take: give another folder, or --force to "
+                                      "replace it"};
+}
+
 Result<nlohmann::json> record(const RecordArguments& arguments) {
+  MIXRIG_TRY(check_out(arguments));
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
   MIXRIG_ASSIGN(
@@ -74,6 +87,7 @@ void add_record_command(Command app, Context& context) {
   command.add_option("--format", arguments->format, "of the streams")
       .show_default()
       .one_of({"mkv", "png"});
+  command.add_flag("--force", arguments->force, "replace a take that OUT holds");
   command.callback(
       [&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
 }

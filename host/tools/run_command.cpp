@@ -98,10 +98,11 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
   }
-  if (arguments.no_watch)
-    options.watch_room = false;
-  else if (arguments.watch || arguments.accept_changes || !arguments.save_room.empty())
-    options.watch_room = true;
+  const bool watches = arguments.watch || arguments.accept_changes || !arguments.save_room.empty();
+  if (arguments.no_watch && watches)
+    return Error{ErrorCode::kUsage,
+                 "--no-watch leaves nothing to --watch, --accept-changes or --save-room: drop one"};
+  if (arguments.no_watch || watches) options.watch_room = watches;
   options.changes.watch = model::watch_options(arguments.change_after_s);
   options.changes.accept_all = arguments.accept_changes;
   options.changes.requests = &CountSignals::count();

@@ -16,6 +16,7 @@
 #include "host/studio_io/studio_take.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
 namespace {
@@ -197,9 +198,11 @@ Result<nlohmann::json> render_hand(const StudioArguments& arguments,
   const double seconds = options.views * (options.hand.rest_s + options.hand.move_s);
   const auto frames = static_cast<int>(std::lround(seconds * studio::kFrameRate_hz));
   Progress bar("studio", frames);
+  const StopOnSignal signals;
   MIXRIG_ASSIGN(const studio::BoardInfo info,
-                studio_io::write_board_take(options, frames, arguments.out, format,
-                                            [&](int n) { bar.step(n); }));
+                studio_io::write_board_take(
+                    options, frames, arguments.out, format, [&](int n) { bar.step(n); },
+                    &StopOnSignal::flag()));
   std::printf("%s: %s, %d frames of a board held at %d places\n", arguments.out.c_str(),
               info.name.c_str(), frames, options.views);
   return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"frames", frames}};
@@ -209,8 +212,10 @@ Result<nlohmann::json> render_board(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(const studio::BoardOptions options, board_options_of(arguments));
   if (arguments.hand) return render_hand(arguments, options);
   Progress bar("studio", options.views);
+  const StopOnSignal signals;
   MIXRIG_ASSIGN(const studio::BoardInfo info,
-                studio_io::write_board_set(options, arguments.out, [&](int n) { bar.step(n); }));
+                studio_io::write_board_set(
+                    options, arguments.out, [&](int n) { bar.step(n); }, &StopOnSignal::flag()));
   std::printf("%s: %s, %d views of a %s\n", arguments.out.c_str(), info.name.c_str(), options.views,
               std::string(studio::name(options.board.kind)).c_str());
   return nlohmann::json{{"out", arguments.out}, {"name", info.name}, {"views", options.views}};
@@ -220,9 +225,11 @@ Result<nlohmann::json> render(const StudioArguments& arguments) {
   MIXRIG_ASSIGN(const studio::StudioOptions options, options_of(arguments));
   MIXRIG_ASSIGN(const take::StreamFormat format, format_of(arguments.format));
   Progress bar("studio", options.frames);
+  const StopOnSignal signals;
   MIXRIG_ASSIGN(
       const studio::StudioInfo info,
-      studio_io::write_studio_take(options, arguments.out, format, [&](int n) { bar.step(n); }));
+      studio_io::write_studio_take(
+          options, arguments.out, format, [&](int n) { bar.step(n); }, &StopOnSignal::flag()));
   std::printf("%s: %s, %d frames of %dx%d, the first %d empty\n", arguments.out.c_str(),
               info.name.c_str(), info.frames, info.target.size_px.width, info.target.size_px.height,
               info.empty_frames);
@@ -322,20 +329,22 @@ void add_day_options(Command command, StudioArguments& arguments) {
 void add_studio_command(Command app, Context& context) {
   auto arguments = std::make_shared<StudioArguments>();
   Command command =
-      app.add_subcommand("studio", "Render a take with ground truth in the virtual studio");
+      app.add_subcommand("studio", "render a take with ground truth in the virtual studio");
   command.add_option("OUT", arguments->out, "Folder of the take").required();
-  command.add_option("--scenario", arguments->scenario,
-                     "still walk talk pan sweep handheld pendulum carried edges far dark starts "
-                     "rounds board");
-  command.add_option("--rig", arguments->rig,
-                     "sr3000 kinect2 helios2; RIG+SECOND has a second depth camera");
-  command.add_option("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
-  command.add_option("--tolerance", arguments->tolerance,
-                     "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");
-  command.add_option("--frames", arguments->frames,
-                     "Length; the first 25 (at most half) are empty");
-  command.add_option("--size", arguments->size, "Target camera, WxH");
-  command.add_option("--format", arguments->format, "png or mkv");
+  const auto with_default = [&](const char* name, auto& value, const char* what) {
+    command.add_option(name, value, what).show_default();
+  };
+  with_default("--scenario", arguments->scenario,
+               "still walk talk pan sweep handheld pendulum carried edges far dark starts "
+               "rounds board");
+  with_default("--rig", arguments->rig,
+               "sr3000 kinect2 helios2; RIG+SECOND has a second depth camera");
+  with_default("--seed", arguments->seed, "Person, clothes, path, noise, pan-tilt unit");
+  with_default("--tolerance", arguments->tolerance,
+               "Deviation of lenses and mounting by seed: 0 none, 1 as manufactured");
+  with_default("--frames", arguments->frames, "Length; the first 25 (at most half) are empty");
+  with_default("--size", arguments->size, "Target camera, WxH");
+  with_default("--format", arguments->format, "png or mkv");
   command.add_option("--threads", arguments->threads, "0: one per core");
   command.add_option("--aperture-mm", arguments->aperture_mm,
                      "The truth's composite through a thin lens of this aperture (slow; with "

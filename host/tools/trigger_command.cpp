@@ -211,7 +211,7 @@ void add_trigger_command(Command app, Context& context) {
   status.add_flag("--self-test", arguments->self_test, "run the self-test of the controller");
   Command set =
       add_action(trigger, context, arguments, "set", "set a stopped channel", set_channel);
-  set.add_option("channel", arguments->channel, "0 to 15").required();
+  set.add_option("CHANNEL", arguments->channel, "0 to 15").required();
   set.add_option("--divider", arguments->divider, "of 100 Hz: 4 gives 25 Hz; 0 turns it off")
       .required();
   set.add_option("--phase", arguments->phase_ms, "ms after the tick");
@@ -223,7 +223,8 @@ void add_trigger_command(Command app, Context& context) {
              [](const TriggerArguments& w) { return start_or_stop(w, false); });
   Command watch =
       add_action(trigger, context, arguments, "monitor", "ticks and clock, live", monitor);
-  watch.add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given");
+  watch.add_option("--seconds", arguments->duration_s, "how long; until Ctrl-C if not given")
+      .range(0.0, 86400.0);
   watch.add_flag("--ticks", arguments->every_tick, "print every tick");
 }
 

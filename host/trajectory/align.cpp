@@ -121,7 +121,10 @@ Estimate estimate_of(const Answer& answer) {
 
 /// The estimate for (moving, fixed), before the roles are swapped back.
 Estimate align_pair(const Pair& pair, const AlignOptions& options) {
-  if (pair.windows.empty()) return Estimate::degenerate("a trajectory is shorter than one window");
+  if (pair.windows.empty())
+    return Estimate::degenerate("a trajectory is shorter than one window of " +
+                                std::to_string(std::lround(1e3 * options.window_s)) +
+                                " ms: give longer ones, or a shorter window");
   constexpr int kCandidates = 5;
   const auto candidates = offset_candidates(pair.moving, pair.fixed, options, kCandidates);
   if (candidates.empty())

@@ -3,6 +3,8 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -50,6 +52,10 @@ Result<std::vector<TimedPose>> read_samples(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code))
     return Error{ErrorCode::kNotFound, path.string() + ": no such trajectory file"};
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+  if (std::filesystem::file_size(path, code) > kMostBytes)
+    return Error{ErrorCode::kFormat, path.string() + ": larger than " + std::to_string(kMostBytes) +
+                                         " bytes: give the right file"};
   std::ifstream file(path);
   if (!file) return Error{ErrorCode::kIo, path.string() + ": cannot be opened for reading"};
   std::vector<TimedPose> samples;

@@ -4,7 +4,10 @@
 #include <cstdlib>
 #include <fstream>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace mixrig {
 namespace {
@@ -71,6 +74,47 @@ TEST_F(PartialPathTest, TextThatCannotBeWrittenLeavesNothing) {
   EXPECT_EQ(result.error().code, ErrorCode::kIo);
   ASSERT_TRUE(write_file(root_ / "report.json", "{}"));
   EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);
+}
+
+TEST_F(PartialPathTest, AFileNeverTakesThePlaceOfAFolder) {
+  fs::create_directory(root_ / "theirs");
+  touch(root_ / "theirs" / "thesis.tex");
+  const auto result = write_file(root_ / "theirs", "{}");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kUsage);
+  EXPECT_NE(result.error().context.find("folder"), std::string::npos) << result.error().context;
+  EXPECT_TRUE(fs::exists(root_ / "theirs" / "thesis.tex"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);
+}
+
+TEST_F(PartialPathTest, APipeIsWrittenToAndStays) {
+  const fs::path pipe = root_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  const auto result = write_file(pipe, "{}");
+  char text[8] = {};
+  const ssize_t count = ::read(reader, text, sizeof text);
+  ::close(reader);
+  ASSERT_TRUE(result) << result.error().context;
+  EXPECT_EQ(count, 2);
+  EXPECT_STREQ(text, "{}");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  PartialPath partial(pipe);
+  touch(partial.path());
+  EXPECT_FALSE(partial.commit());
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST_F(PartialPathTest, ALinkStaysAndItsTargetIsReplaced) {
+  fs::create_directories(root_ / "disk");
+  touch(root_ / "disk" / "report.json");
+  fs::create_symlink(root_ / "disk" / "report.json", root_ / "link");
+  ASSERT_TRUE(write_file(root_ / "link", "new"));
+  EXPECT_TRUE(fs::is_symlink(root_ / "link"));
+  std::ifstream file(root_ / "disk" / "report.json");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "new");
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_ / "disk"), {}), 1);
 }
 
 }  // namespace

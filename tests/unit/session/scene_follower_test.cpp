@@ -145,6 +145,17 @@ TEST_P(SceneFollowerTest, AFileThatCannotBeReadIsLeftAlone) {
   EXPECT_TRUE(run_it([&] { std::filesystem::remove(path_); }) == before);
 }
 
+TEST_P(SceneFollowerTest, ASceneThatCannotBeDrawnIsLeftAlone) {
+  if (GetParam() == render::Backend::kCpu) GTEST_SKIP() << "cpu draws any number of lamps";
+  std::string lamps = kHead + kThing;
+  for (int i = 0; i < 40; ++i) lamps += "[[light.lamp]]\nposition_m = [0, 0.5, 0.5]\n";
+  save(kHead + kThing);
+  const auto before = run_it();
+  EXPECT_TRUE(run_it([&] { save(lamps); }) == before);
+  EXPECT_EQ(report_.scene_edits->taken, 0U);
+  EXPECT_EQ(report_.scene_edits->refused, 1U);
+}
+
 TEST_P(SceneFollowerTest, WhatARunTakesOnceStays) {
   save(kHead + kThing);
   const auto before = run_it();

@@ -221,6 +221,42 @@ std::vector<Row> rows() {
        {"out"},
        ""},
       {"JsonIntoNoFolder", nothing, std::string(kRun) + " --json no/report.json", 2, {"no"}, ""},
+      {"JsonOverAFolder",
+       [](const TinyTake& t) {
+         fs::create_directory(t.path("theirs"));
+         t.text("theirs/thesis.tex", "mine");
+       },
+       "info take --json theirs",
+       2,
+       {"theirs", "folder"},
+       ""},
+      {"TrajectoryOverAFolder",
+       [](const TinyTake& t) {
+         fs::create_directory(t.path("theirs"));
+         t.text("theirs/thesis.tex", "mine");
+         t.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
+       },
+       "track --mocap m.csv --up z --out theirs",
+       2,
+       {"theirs", "folder"},
+       ""},
+      {"EmptyOut", nothing, std::string(kRun) + " --out ''", 2, {"--out", "empty"}, ""},
+      {"SizeOfMoreThanTheMemory",
+       nothing,
+       std::string(kRun) + " --size 16384x16384",
+       2,
+       {"16384x16384", "7680x4320"},
+       ""},
+      {"WatchAndNot", nothing, std::string(kRun) + " --watch --no-watch", 2, {"--no-watch"}, ""},
+      {"StreamWithoutAPort",
+       nothing,
+       std::string(kRun) + " --stream srt://host",
+       2,
+       {"srt://host", "HOST:PORT"},
+       ""},
+      {"RecordOverATake", nothing, "record take", 2, {"'take'", "--force"}, ""},
+      {"NotANumber", nothing, std::string(kRun) + " --change-after nan", 2, {"nan"}, ""},
+      {"EndlessNumber", nothing, "studio out --zoom inf", 2, {"inf", "finite"}, ""},
       {"ScanOfFramesThatAreNotThere",
        nothing,
        "scan --static take --frames 1-9 bg",

@@ -2,6 +2,8 @@
 #include "host/trajectory/trajectory.h"
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +67,11 @@ TEST_F(TrajectoryFile, NamesTheBrokenLine) {
   EXPECT_FALSE(read("1 2 3\n"));
   EXPECT_FALSE(read("1 2 3 4 5 6 7 8 9\n"));
   EXPECT_EQ(read_trajectory("/nowhere/at/all").error().code, ErrorCode::kNotFound);
+  const auto path = folder_.write("large.txt", "");
+  std::filesystem::resize_file(path, (std::uintmax_t{1} << 30) + 1);  // takes no room on the disk
+  const auto large = read_trajectory(path);
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().context.find("larger"), std::string::npos) << large.error().context;
   const auto empty = read("");
   ASSERT_TRUE(empty);
   EXPECT_TRUE(empty->empty());
