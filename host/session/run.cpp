@@ -50,6 +50,14 @@ double foreground_pct(const Image<std::uint8_t>& matte) {
   return 100.0 * static_cast<double>(count) / static_cast<double>(matte.size().area());
 }
 
+/// Exchanges the images of two frames that only an inspection needs.
+void swap_inspection(render::FrameOutput& a, render::FrameOutput& b) {
+  std::swap(a.warped_depth_m, b.warped_depth_m);
+  std::swap(a.state, b.state);
+  std::swap(a.light, b.light);
+  std::swap(a.layer, b.layer);
+}
+
 /// The state of a run; one method per step of the frame loop.
 class Runner {
  public:
@@ -80,8 +88,10 @@ class Runner {
   Result<void> open_compositor();
   Result<void> warm_up();
   Result<void> open_baselines();
-  render::OutputMask wanted(int number) const;
+  render::OutputMask wanted(render::OutputMask by_sinks) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
+  Result<void> inspect_and_deliver(output::Composite& composite, const capture::Truth* truth,
+                                   render::OutputMask images, bool kept);
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
   Result<void> add_last_to_sheet();
 
@@ -97,11 +107,11 @@ class Runner {
   HeadWatch head_;
   std::optional<CaptureFeed> feed_;
   Pool<output::Composite> composites_;
-  Pool<output::Composite> inspected_;  ///< with inspection images, which few frames need
+  Pool<output::Composite> inspected_;  ///< with inspection images that wait for a sink
   std::shared_ptr<output::Composite> last_;
   Judge judge_;
   std::optional<Baselines> baselines_;
-  render::FrameOutput judged_;
+  render::FrameOutput inspection_;  ///< images that are needed before the next frame alone
   std::string ended_ = "end of the source";
 };
 
@@ -155,9 +165,8 @@ Result<void> Runner::open_baselines() {
 
 /// Images that a frame is made with; the matte, for the share of foreground, where the composite
 /// does not stay in the GPU's memory.
-render::OutputMask Runner::wanted(int number) const {
+render::OutputMask Runner::wanted(render::OutputMask by_sinks) const {
   // A recording is composited completely, also without sinks, so that its times are comparable.
-  const render::OutputMask by_sinks = sinks_.wanted(number);
   if (!live()) return render::kComposite | by_sinks;
   const bool follows = session_.scene.light.follow;
   const render::OutputMask people = follows ? render::kMatte | render::kSegmentedDepth : 0;
@@ -181,7 +190,9 @@ Result<void> Runner::warm_up() {
     composite->world_from_target = known.camera.world_from_target;
     composite->world_from_object.clear();
     composite->motion.reset();
-    MIXRIG_TRY(compositor_.compose(*composite, wanted(capture.number), composite->images));
+    const render::OutputMask images = wanted(sinks_.wanted(capture.number).all);
+    MIXRIG_TRY(compositor_.compose(*composite, images, composite->images));
+    swap_inspection(composite->images, inspection_);
   }
   feed_->give_back(*std::move(item), clock_.now());
   return {};
@@ -199,10 +210,12 @@ Result<bool> Runner::frame() {
   if (options_.controls != nullptr && !options_.controls->records_takes)
     sinks_.set_recording(options_.controls->recording);
   const int number = item->capture->number;
-  const render::OutputMask images = wanted(number);
-  const bool inspected = (images & ~render::kComposite) != 0, on_sheet = sinks_.on_sheet(number);
+  const RunSinks::Wanted by_sinks = sinks_.wanted(number);
+  const render::OutputMask images = wanted(by_sinks.all);
+  const bool on_sheet = sinks_.on_sheet(number);
+  const bool kept = (by_sinks.kept & ~render::kComposite) != 0;
   last_.reset();  // its buffers may be used again
-  last_ = (inspected ? inspected_ : composites_).take();
+  last_ = (kept ? inspected_ : composites_).take();
   output::Composite& composite = *last_;
   composite.capture = std::move(item->capture);
   composite.truth = on_sheet ? item->truth : nullptr;  // only the sheet shows it
@@ -223,11 +236,32 @@ Result<bool> Runner::frame() {
     report_.foreground_pct.add(composite.foreground_pct);
   }
 
-  if (inspected && !once) MIXRIG_TRY(compositor_.compose(composite, images, composite.images));
-  if (judges() && !compositor_.is_edited()) MIXRIG_TRY(judge(composite, *item->truth));
-  MIXRIG_TRY(sinks_.deliver(last_));
+  MIXRIG_TRY(inspect_and_deliver(composite, item->truth.get(), once ? 0 : images, kept));
   MIXRIG_TRY(compositor_.see(last_));
   return true;
+}
+
+/// Makes those of `images`, and what judges need, that the composite lacks. Inspection images that
+/// are not `kept` by a sink are lent to it until it is delivered, so that what waits for a sink does
+/// not hold them.
+Result<void> Runner::inspect_and_deliver(output::Composite& composite, const capture::Truth* truth,
+                                         render::OutputMask images, bool kept) {
+  const bool judged = judges() && !compositor_.is_edited();
+  const render::OutputMask needed = images | (judged ? Judge::kWanted : 0);
+  const bool inspected = (needed & ~render::kComposite) != 0;
+  const bool lent = inspected && !kept, on_sheet = sinks_.on_sheet(composite.capture->number);
+  if (lent) swap_inspection(composite.images, inspection_);
+  if (inspected) {
+    const render::OutputMask made = composite.images.wanted | images;
+    MIXRIG_TRY(compositor_.compose(composite, made | needed, composite.images));
+    composite.images.wanted = made;
+  }
+  if (judged) MIXRIG_TRY(judge(composite, *truth));
+  if (lent && !on_sheet) swap_inspection(composite.images, inspection_);
+  MIXRIG_TRY(sinks_.deliver(last_));
+  // Only the sheet has used them, and is done.
+  if (lent && on_sheet) swap_inspection(composite.images, inspection_);
+  return {};
 }
 
 Result<void> Runner::compose_timed(output::Composite& composite, render::OutputMask wanted) {
@@ -242,10 +276,8 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   return {};
 }
 
-/// In images of its own, so that composites which wait for a sink do not hold them.
 Result<void> Runner::judge(const output::Composite& composite, const capture::Truth& truth) {
-  MIXRIG_TRY(compositor_.compose(composite, Judge::kWanted, judged_));
-  MIXRIG_TRY(judge_.add(truth, judged_));
+  MIXRIG_TRY(judge_.add(truth, composite.images));
   if (!baselines_) return {};
   return baselines_->add(*composite.capture, composite.world_from_target, composite.objects_shown,
                          truth);
@@ -278,7 +310,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   if (sinks_.empty_sheet() != nullptr) MIXRIG_TRY(add_last_to_sheet());
   poses_.finish();
   MIXRIG_TRY(compositor_.finish());
-  judged_ = {};
+  inspection_ = {};
   composites_ = {};
   MIXRIG_TRY(sinks_.finish());
   report_.rss_mb = peak_rss_mb();

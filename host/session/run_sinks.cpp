@@ -131,10 +131,15 @@ render::OutputMask RunSinks::wanted_by(const output::SinkThread& sink, int numbe
   return !recording_ && &sink == files_ ? 0 : sink.sink().wanted(number);
 }
 
-render::OutputMask RunSinks::wanted(int number) const {
-  render::OutputMask mask = 0;
-  for (const auto& sink : sinks_) mask |= wanted_by(*sink, number);
-  return mask;
+/// deliver() waits for the sheet of a recording.
+RunSinks::Wanted RunSinks::wanted(int number) const {
+  Wanted images;
+  for (const auto& sink : sinks_) {
+    const render::OutputMask mask = wanted_by(*sink, number);
+    images.all |= mask;
+    if (live() || sink.get() != sheet_) images.kept |= mask;
+  }
+  return images;
 }
 
 bool RunSinks::on_sheet(int number) const {

@@ -36,7 +36,11 @@ class RunSinks {
   /// From this frame on: false, files are not written.
   void set_recording(bool on) { recording_ = on; }
   /// Images that the sinks require of a frame.
-  render::OutputMask wanted(int number) const;
+  struct Wanted {
+    render::OutputMask all = 0;
+    render::OutputMask kept = 0;  ///< of these what they use after deliver() has returned
+  };
+  Wanted wanted(int number) const;
   bool on_sheet(int number) const;
   Result<void> deliver(const output::CompositePtr& composite);
   /// A sheet to which no frame was delivered; null: there is none.

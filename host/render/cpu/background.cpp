@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/render/cpu/background_run.h"
+#include "host/render/cpu/color_lanes.h"
 #include "host/render/cpu/draw_quads.h"
 
 namespace mixrig::render::cpu {
@@ -18,16 +20,19 @@ Size spread_size(Size view) {
           (view.height + kSpreadStep - 1) / kSpreadStep};
 }
 
-/// Largest of `from` within `radius` along a row.
+/// Each of the first kLanes / 2 numbers twice.
+template <std::size_t... i>
+FloatLanes twice_each(FloatLanes f, std::index_sequence<i...>) {
+  return __builtin_shufflevector(f, f, static_cast<int>(i / kSpreadStep)...);
+}
+
+/// Largest of `from` within `radius` along a row. `to` is padded to whole registers.
 void most_within(const float* from, int width, int radius, float* to) {
-  const int last = width - 1;
-  for (int x = 0; x < std::min(radius, width); ++x)
-    to[x] = *std::max_element(from, from + std::min(x + radius, last) + 1);
-  for (int x = radius; x < width - radius; ++x) to[x] = from[x];
-  for (int d = -radius; d <= radius; ++d)
-    for (int x = radius; x < width - radius; ++x) to[x] = to[x] < from[x + d] ? from[x + d] : to[x];
-  for (int x = std::max(radius, width - radius); x < width; ++x)
-    to[x] = *std::max_element(from + std::max(0, x - radius), from + width);
+  for (int x = 0; x < width; x += kLanes) {
+    FloatLanes most = float_lanes(from, x - radius, width);
+    for (int d = 1 - radius; d <= radius; ++d) most = max(most, float_lanes(from, x + d, width));
+    store(to + x, most);
+  }
 }
 
 /// Faces of the model below one another, each with a border of one: its pixel (x, y) lies at
@@ -149,12 +154,15 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   });
 }
 
-/// Depths of a row; of every other row and column the spread.
+/// Depths of a row; of every other row and column the spread. Rows are padded to whole registers.
 void MovingBackground::look_up(int y) {
   const int width = depth_m_.width();
   const float* w = w_.row(y);
   float* depth_m = depth_m_.row(y);
-  for (int x = 0; x < width; ++x) depth_m[x] = w[x] > 0 ? 1 / w[x] : 0;
+  for (int x = 0; x < width; x += kLanes) {
+    const FloatLanes w_lanes = load<FloatLanes>(w + x);
+    store(depth_m + x, w_lanes > 0 ? inverse(w_lanes) : FloatLanes{});
+  }
   if (y % kSpreadStep != 0) return;
   float* sigma_m = depth_sigma_m_.row(y / kSpreadStep);
   Run run;
@@ -164,7 +172,8 @@ void MovingBackground::look_up(int y) {
     find({x0, y, (pixels + kSpreadStep - 1) / kSpreadStep, kSpreadStep}, run);
     if (parts_.size() == 1) {
       const float* model_sigma_m = parts_[0].sigma_m.row(0);
-      for (std::size_t i = 0; i < run.count; ++i) sigma_m[i] = model_sigma_m[run.at[i]];
+      for (std::size_t i = 0; i < run.count; i += kLanes)
+        store(sigma_m + i, gather(model_sigma_m, run.places(i)));
       continue;
     }
     for (std::size_t i = 0; i < run.count; ++i)
@@ -181,25 +190,20 @@ void MovingBackground::limit_row(int y, float* limit_w) const {
   const int width = depth_m_.width(), height = depth_m_.height();
   const int first = std::max(0, y - limit_radius_px_);
   const int last = std::min(height - 1, y + limit_radius_px_);
-  std::copy_n(row_most_w_.row(first), width, limit_w);
-  for (int j = first + 1; j <= last; ++j) {
-    const float* other = row_most_w_.row(j);
-    for (int x = 0; x < width; ++x) limit_w[x] = limit_w[x] < other[x] ? other[x] : limit_w[x];
-  }
   const float* w = w_.row(y);
   const float* spread_m = depth_sigma_m_.row(y / kSpreadStep);
-  std::array<float, kBackgroundRun> spread;
-  for (int x0 = 0; x0 < width; x0 += kMostColumns) {
-    const int count = std::min(kMostColumns, width - x0);
-    for (int i = 0; i < kMostColumns; ++i) spread[i] = spread_m[(x0 + i) / kSpreadStep];
-    for (int i = 0; i < count; ++i) {
-      float& limit = limit_w[x0 + i];
-      const float z = 1 / limit;
-      const float sigma = noise.sigma_m(z);
-      const float by_noise = noise_factor * std::sqrt(spread[i] * spread[i] + sigma * sigma);
-      const float threshold = least_m > by_noise ? least_m : by_noise;
-      limit = (w[x0 + i] > 0) & (threshold < z) ? 1 / (z - threshold) : kNever;
-    }
+  // Rows are padded to whole registers.
+  for (int x = 0; x < width; x += kLanes) {
+    FloatLanes most_w{};
+    for (int j = first; j <= last; ++j) most_w = max(most_w, load<FloatLanes>(row_most_w_.row(j) + x));
+    const FloatLanes z = inverse(most_w);
+    const FloatLanes sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
+    const FloatLanes spread = twice_each(load<FloatLanes>(spread_m + x / kSpreadStep),
+                                         std::make_index_sequence<kLanes>{});
+    const FloatLanes threshold =
+        max(FloatLanes{} + least_m, noise_factor * sqrt(spread * spread + sigma * sigma));
+    const IntLanes known = (load<FloatLanes>(w + x) > 0) & (threshold < z);
+    store(limit_w + x, known ? inverse(z - threshold) : FloatLanes{} + kNever);
   }
 }
 

@@ -2,7 +2,9 @@
 // Pass background: where pixels of the view lie in the models, their normals and colours.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "host/render/cpu/background_run.h"
 #include "host/render/cpu/bilinear.h"
@@ -25,15 +27,52 @@ Interval sum_of(float constant, float a, float a_from, float a_to, float b, floa
   return {constant + a0 + b0 - slack, constant + a1 + b1 + slack};
 }
 
-/// Least and largest of numbers; none: precondition.
-Interval range_of(std::span<const float> from) {
-  float least = from[0], most = from[0];
-#pragma omp simd reduction(min : least) reduction(max : most)
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    least = std::min(least, from[i]);
-    most = std::max(most, from[i]);
+/// Every `step`-th of `from`, then the last one again up to a whole register; their least and
+/// largest. `count` is not 0.
+Interval read_every(const float* from, int step, std::size_t count,
+                    std::array<float, kBackgroundRun>& to) {
+  if (step == 1)
+    std::copy_n(from, count, to.begin());
+  else
+    for (std::size_t i = 0; i < count; ++i) to[i] = from[i * static_cast<std::size_t>(step)];
+  const std::size_t end = (count + kLanes - 1) / kLanes * kLanes;
+  std::fill(to.begin() + count, to.begin() + end, to[count - 1]);
+  FloatLanes least = load<FloatLanes>(to.data()), most = least;
+  for (std::size_t i = kLanes; i < end; i += kLanes) {
+    least = min(least, load<FloatLanes>(&to[i]));
+    most = max(most, load<FloatLanes>(&to[i]));
   }
-  return {least, most};
+  return {least_of(least), -least_of(-most)};
+}
+
+/// Of each coordinate the pixel and its 1/256 fraction, as split().
+struct SplitLanes {
+  IntLanes pixel, fraction;
+};
+SplitLanes split(FloatLanes at, int size) {
+  const FloatLanes last = FloatLanes{} + static_cast<float>(size - 1);
+  const FloatLanes scaled = 256 * min(max(at, FloatLanes{}), last);
+  const IntLanes whole = truncate(scaled);
+  const IntLanes fixed = whole - (scaled - to_float(whole) >= 0.5F);  // true is -1: rounds up
+  const IntLanes most = IntLanes{} + std::max(0, size - 2), pixel = fixed >> 8;
+  const IntLanes inside = pixel < most ? pixel : most;
+  return {inside, fixed - 256 * inside};
+}
+
+/// The numbers of a and b in turn, from the first or the second half of them.
+template <int kFirst, std::size_t... i>
+IntLanes in_turn(IntLanes a, IntLanes b, std::index_sequence<i...>) {
+  return __builtin_shufflevector(
+      a, b, (kFirst + static_cast<int>(i / 2) + (i % 2 == 0 ? 0 : kLanes))...);
+}
+
+/// Stores a tap for each lane.
+void store_taps(const SplitLanes& x, const SplitLanes& y, std::int32_t stride, Tap* to) {
+  static_assert(sizeof(Tap) == 2 * sizeof(std::int32_t));
+  const IntLanes offset = y.pixel * stride + x.pixel, fractions = x.fraction | (y.fraction << 16);
+  constexpr auto kAll = std::make_index_sequence<kLanes>{};
+  store(to, in_turn<0>(offset, fractions, kAll));
+  store(to + kLanes / 2, in_turn<kLanes / 2>(offset, fractions, kAll));
 }
 
 }  // namespace
@@ -62,13 +101,11 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
   const float to_ray = 1 / view.focal_px.x, step = static_cast<float>(pixels.step);
   const float first_x = static_cast<float>(pixels.x0) - view.center_px.x;
   alignas(64) std::array<float, kBackgroundRun> w;
-  const float* from_w = w_.row(pixels.y) + pixels.x0;
-  for (std::size_t i = 0; i < count; ++i) w[i] = from_w[i * static_cast<std::size_t>(pixels.step)];
+  const Interval range = read_every(w_.row(pixels.y) + pixels.x0, pixels.step, count, w);
   // The face whose axis is nearest: the largest z of the point times its own w.
   alignas(64) std::array<float, kBackgroundRun> qx, qy, qz;
   std::fill_n(run.face.begin(), count, 0);
   std::fill_n(qz.begin(), count, -std::numeric_limits<float>::infinity());
-  const Interval range = range_of(std::span(w).first(count));
   const float last_x = first_x + step * static_cast<float>(static_cast<int>(count) - 1);
   const auto z_on_run = [&](const Face& face) {
     const glm::mat3& r = face.from_camera;
@@ -155,34 +192,35 @@ void MovingBackground::normals(int x0, int y, std::span<PackedNormal> out, int s
 /// Colours of a run and, as x, their spread or kUnknownColor.
 void MovingBackground::colors_of(const Part& part, const Run& run,
                                  std::array<Rgbx16, kMostColumns>& out) {
-  const float* seen_w = part.w.row(0);
   // In the table of colours, whose faces have a border too.
   const auto factor = static_cast<float>(part.color_factor);
-  const int table_rows = part.color_factor * part.tables.face_rows + 2;
-  const auto stride = static_cast<std::uint32_t>(part.color.stride());
+  const auto table_rows = static_cast<float>(part.color_factor * part.tables.face_rows + 2);
+  const auto stride = static_cast<std::int32_t>(part.color.stride());
   const Rgbx16* table = part.color.row(0);
+  constexpr int kBytes = sizeof(Rgbx16), kBytesToX = offsetof(Rgbx16, b);
   std::array<Tap, kBackgroundRun> taps;
-  std::array<bool, kBackgroundRun> known;
-  for (std::size_t i = 0; i < run.count; ++i) {
-    const std::int32_t at = run.at[i];
+  alignas(64) std::array<std::int32_t, kBackgroundRun> known;
+  for (std::size_t i = 0; i < run.count; i += kLanes) {
+    const IntLanes at = run.places(i);
     // The model saw another surface before this one: that one's colour says nothing about it.
-    const bool hidden = seen_w[at] > 0 && std::abs(1 - run.z_m[i] * seen_w[at]) > kHiddenPart;
-    known[i] = at != 0 && !hidden;
-    const float u_px = (run.u_px[i] + 0.5F) * factor + 0.5F;
-    const float v_px =
-        (run.v_px[i] + 0.5F) * factor + 0.5F + static_cast<float>(run.face[i] * table_rows);
-    const float x = known[i] ? u_px : 0, y = known[i] ? v_px : 0;
-    const Split u = split(x, part.color.width()), v = split(y, part.color.height());
-    taps[i] = {v.pixel * stride + u.pixel, u.fraction, v.fraction};
-    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(x + 0.5F));
-    const auto line = static_cast<std::uint32_t>(static_cast<std::int32_t>(y + 0.5F));
-    known[i] = known[i] && table[line * stride + column].x != kUnknownColor;
+    const FloatLanes seen_w = gather(part.w.row(0), at);
+    const FloatLanes off = abs(1 - load<FloatLanes>(&run.z_m[i]) * seen_w);
+    const IntLanes is_known = (at != 0) & ~((seen_w > 0) & (off > kHiddenPart));
+    const auto in_table = [&](const auto& px) {
+      return (load<FloatLanes>(&px[i]) + 0.5F) * factor + 0.5F;
+    };
+    const FloatLanes top = to_float(load<IntLanes>(&run.face[i])) * table_rows;
+    const FloatLanes x = is_known ? in_table(run.u_px) : FloatLanes{};
+    const FloatLanes y = is_known ? in_table(run.v_px) + top : FloatLanes{};
+    store_taps(split(x, part.color.width()), split(y, part.color.height()), stride, &taps[i]);
+    const IntLanes nearest = truncate(y + 0.5F) * stride + truncate(x + 0.5F);
+    const IntLanes spread = (gather_bytes(table, nearest * kBytes + kBytesToX) >> 16) & 0xFFFF;
+    store(&known[i], is_known & (spread != kUnknownColor));
   }
-  std::fill_n(taps.begin() + run.count, (kBackgroundRun - run.count) % kBlendPx, Tap{});
   for (std::size_t i = 0; i < run.count; i += kBlendPx)
     blend_run(&taps[i], table, part.color.stride(), &out[i]);
   for (std::size_t i = 0; i < run.count; ++i)
-    if (!known[i]) out[i].x = kUnknownColor;
+    if (known[i] == 0) out[i].x = kUnknownColor;
 }
 
 void MovingBackground::draw_color(int x0, int y, int width) {
@@ -194,6 +232,7 @@ void MovingBackground::draw_color(int x0, int y, int width) {
   std::array<float, kBackgroundRun> best;  // score of the model whose colour a pixel has
   std::fill_n(best.begin(), count, 0.0F);
   std::array<Rgbx16, kBackgroundRun> found;
+  constexpr float kPerLinear = 1 / kLinearOne;
   Run run;
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     if (parts_[part].color.empty()) continue;
@@ -204,8 +243,8 @@ void MovingBackground::draw_color(int x0, int y, int width) {
       const Rgbx16 c = found[i];
       if (c.x == kUnknownColor) continue;
       best[i] = run.score[i];
-      color[i] = {c.r / kLinearOne, c.g / kLinearOne, c.b / kLinearOne};
-      color_sigma[i] = c.x / kLinearOne;
+      color[i] = {c.r * kPerLinear, c.g * kPerLinear, c.b * kPerLinear};
+      color_sigma[i] = c.x * kPerLinear;
     }
   }
 }

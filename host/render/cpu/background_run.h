@@ -24,6 +24,11 @@ struct MovingBackground::Run {
   alignas(64) std::array<std::int32_t, kBackgroundRun> at;    ///< nearest pixel of the tables of
                                                               ///< 4-byte values; 0: none
   std::size_t count = 0;
+  /// `at` of the kLanes pixels from `first` on; beyond the run none.
+  IntLanes places(std::size_t first) const {
+    const IntLanes within = lane_numbers() < static_cast<float>(static_cast<int>(count - first));
+    return within ? load<IntLanes>(&at[first]) : IntLanes{};
+  }
 };
 
 /// What of a Run is found: `z_m`, `score` and `part` too, or only where it lies.
