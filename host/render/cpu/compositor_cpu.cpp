@@ -139,7 +139,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       lens_(setup_),
       meter_(tables_, setup_.background),
       grid_(tables_.tof_size),
-      warp_scratch_(tables_.tof_size),
+      warp_scratch_(tables_.tof_size, true),
       key_scratch_(tables_.view_size, tables_.tof_footprint_px, crew_.threads()),
       virtual_scratch_(preparer_.params(), tables_.view_size, crew_.threads()),
       plate_scratch_(tables_, crew_.threads()),
@@ -262,7 +262,7 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
   else
     correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
   watch.lap(Stage::kCorrect);
-  warp(crew_, tables_, grid_, warp_scratch_, view_w_);
+  warp(crew_, tables_, grid_, warp_scratch_, view_w_, Before::kNothing, &plate_);
   if (two) second_depth_->add_to(crew_, view_w_);
   watch.lap(Stage::kWarp);
 }
