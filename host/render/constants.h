@@ -62,6 +62,15 @@ inline constexpr float kShareSlack = 0.1F;
 inline constexpr float kSharePartOfDepth = 0.025F;
 /// Halves of a ToF pixel: a surface reaches farther past no sample.
 inline constexpr float kMostReach = 3.0F;
+/// Where the plate is known: samples of its colour along a link, a quarter of a ToF pixel apart.
+inline constexpr int kBorderSamples = 10;
+/// Variance of square roots of linear light, of noise and blur. Colours tell a border by half where
+/// they are so many of these deviations apart.
+inline constexpr float kBorderSpread2 = 2e-4F;
+inline constexpr float kBorderApart = 4.0F;
+/// Where a gap opens, the border by colours lies farther in by this, times what the reach is less
+/// than whole: a pixel too far is wrong, one too near is unknown.
+inline constexpr float kBorderBack = 0.5F;
 /// Most indices of a cell: four quarters of two triangles.
 inline constexpr int kCellIndices = 24;
 

@@ -24,13 +24,13 @@ class WarpPassTest : public GlTest {
         kWarpTof, [](int x, int y) { return (glm::vec2(x, y) - 3.5F) / 8.0F; });
     tables_.warp.view = {{32, 32}, {15.5F, 15.5F}};
   }
-  Image<glm::vec4> draw(const Image<float>& depth_m) {
+  Image<glm::vec4> draw(const Image<float>& depth_m, const Texture* plate = nullptr) {
     auto correct = CorrectPass::create(tables_);
     auto warp = WarpPass::create(tables_);
     EXPECT_TRUE(correct && warp);
     correct->upload_depth(depth_m);
     correct->draw();
-    warp->draw(correct->vertices(), correct->tof_ray(), correct->raw_z_m());
+    warp->draw(correct->vertices(), correct->tof_ray(), correct->raw_z_m(), plate);
     return read(warp->w());
   }
 
@@ -112,6 +112,26 @@ TEST_F(WarpPassTest, border_lies_where_pixels_of_both_surfaces_say) {
   EXPECT_EQ(last_near(0, 4), 13);
   EXPECT_EQ(last_near(2, 0), 17);
   EXPECT_EQ(last_near(2, 3), 16);  // 0.2 of the pixel: 0.8 px
+}
+
+TEST_F(WarpPassTest, border_lies_where_the_plate_changes) {
+  // Midway lies at 15.5, and the column that saw both surfaces tells nothing.
+  for (const int from : {15, 16, 17, 18, 19}) {
+    const Texture plate = make_texture(
+        make_image<Rgbf>(kWarpView,
+                         [&](int x, int) {
+                           return x < from ? Rgbf{0.3F, 0.1F, 0.05F} : Rgbf{0.35F, 0.4F, 0.45F};
+                         })
+            .view(),
+        GL_RGB32F);
+    const auto depth = make_image<float>(kWarpTof, [](int x, int) {
+      return x < 4 ? 2.0F : x == 4 ? 0.0F : 4.0F;
+    });
+    const auto w = draw(depth, &plate);
+    int x = 31;
+    while (x > 0 && std::abs(w.at(x, 15).r) < 0.4F) --x;
+    EXPECT_EQ(x, from - 1);
+  }
 }
 
 TEST_F(WarpPassTest, unknown_samples_and_points_behind_the_camera_draw_nothing) {

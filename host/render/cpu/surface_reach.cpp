@@ -36,11 +36,6 @@ float border_shift(float near_m, float far_m, float near_z_m, float far_z_m) {
 
 }  // namespace
 
-bool SurfaceReach::linked(int x, int y, int dx, int dy) const {
-  const int from_x = dx < 0 ? x - 1 : x, from_y = dy < 0 ? y - 1 : y;
-  return grid_.links.row(from_y + kFrame)[from_x + kFrame] & (dx != 0 ? kRight : kDown);
-}
-
 /// Towards what is farther: by how much the border is seen before or beside that.
 float SurfaceReach::by_sight(int x, int y, int dx, int dy, float w, float other_w) const {
   const glm::vec2 ray = tof_ray_.row(y)[x], other = tof_ray_.row(y + dy)[x + dx];
@@ -54,20 +49,25 @@ float SurfaceReach::by_sight(int x, int y, int dx, int dy, float w, float other_
 }
 
 float SurfaceReach::towards(int x, int y, int dx, int dy) const {
-  if (linked(x, y, dx, dy)) return 1;
+  if (linked(grid_, x, y, dx, dy)) return 1;
   const std::ptrdiff_t step = dx + dy * grid_.w.stride();
   const float* w = grid_.w.row(y + kFrame) + x + kFrame;
   const float other_w = w[step];
-  const float reach = other_w >= *w ? 1 : by_sight(x, y, dx, dy, *w, other_w);
-  if (!params_.mixed_pixels || !(other_w > 0)) return reach;
-  // Depths by the samples behind, which saw one surface.
-  const float own_m = 1 / (linked(x, y, -dx, -dy) ? w[-step] : *w);
-  const float other_m = 1 / (linked(x + dx, y + dy, dx, dy) ? w[2 * step] : other_w);
+  const float sight = other_w >= *w ? 1 : by_sight(x, y, dx, dy, *w, other_w);
+  if (!params_.mixed_pixels) return sight;
+  const DepthsAtBorder z = depths_at_border(grid_, x, y, dx, dy);
   const float* raw_m = grid_.raw_z_m.row(y + kFrame) + x + kFrame;
-  const bool near = own_m < other_m;
-  const float shift = near ? border_shift(own_m, other_m, raw_m[0], raw_m[step])
-                           : -border_shift(other_m, own_m, raw_m[step], raw_m[0]);
-  return std::clamp(reach + shift, 0.0F, kMostReach);
+  const bool near = z.own_m < z.other_m || !(other_w > 0);
+  float reach = sight;
+  if (other_w > 0)
+    reach += near ? border_shift(z.own_m, z.other_m, raw_m[0], raw_m[step])
+                  : -border_shift(z.other_m, z.own_m, raw_m[step], raw_m[0]);
+  if (colors_) {
+    const ColorBorder& color = colors_->of(x, y, dx, dy);
+    const float at = near ? color.at - kBorderBack * std::max(0.0F, 1 - sight) : 2 - color.at;
+    reach += color.sure * (at - reach);
+  }
+  return std::clamp(reach, 0.0F, kMostReach);
 }
 
 }  // namespace mixrig::render::cpu

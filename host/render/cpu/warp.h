@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/base/parallel.h"
+#include "host/render/cpu/color_border.h"
 #include "host/render/cpu/correct.h"
 #include "host/render/cpu/draw_quads.h"
 #include "host/render/prepare.h"
@@ -18,13 +19,15 @@ inline bool from_cut_cell(float w) { return std::bit_cast<std::uint32_t>(w) & 1U
 
 /// Vertices of the mesh in the view, and what bands need to find their cells.
 struct WarpScratch {
-  explicit WarpScratch(Size tof_size);
+  /// `by_plate`: warp() is given a plate.
+  explicit WarpScratch(Size tof_size, bool by_plate = false);
   struct RowSpan {  ///< rows of the view that a run of cells may touch
     float v_min, v_max;
   };
   Size size;                   ///< of the ToF picture
   Image<float> u_px, v_px, w;  ///< of each ToF pixel in the view; w 0: unknown; rows are padded
   std::vector<RowSpan> spans;  ///< [cell row][run of kRunCells]
+  ColorBorders colors;         ///< empty where no plate is given
   int runs = 0;                ///< a row
 };
 inline constexpr int kRunCells = QuadBatch::kCapacity;
@@ -33,8 +36,11 @@ inline constexpr int kRunCells = QuadBatch::kCapacity;
 enum class Before { kNothing, kSurfaces };
 
 /// Fills the view with the inverse depth of the nearest surface, 0 unknown; `before` may be that of
-/// other grids. `view_w` is kViewMargin wider and higher than the view.
+/// other grids. `view_w` is kViewMargin wider and higher than the view. Borders lie where the
+/// colours of `plate` (of the view) change, where `scratch` is made for that; null: it is not
+/// known.
 void warp(Crew& crew, const Tables& tables, const TofGrid& grid, WarpScratch& scratch,
-          Image<float>& view_w, Before before = Before::kNothing);
+          Image<float>& view_w, Before before = Before::kNothing,
+          const Image<Rgbx16>* plate = nullptr);
 
 }  // namespace mixrig::render::cpu

@@ -195,7 +195,7 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   }
   {
     const StageScope stage(timer, Stage::kWarp);
-    warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m());
+    warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m(), &plate_.in_view());
     if (two) second_depth_->add_to(warp_);
   }
   if (things_) MIXRIG_TRY(things_->draw(timer));

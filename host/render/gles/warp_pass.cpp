@@ -48,6 +48,7 @@ Result<WarpPass> WarpPass::create_without_view(const Tables& tables) {
 void WarpPass::set_view(const Tables& tables) {
   warp_.set("camera_from_tof", tables.warp.camera_from_tof);
   warp_.set("focal_px", tables.warp.view.focal_px);
+  warp_.set("center_px", tables.warp.view.center_px);
   warp_.set("open_reach_now", tables.warp.open_reach);
   warp_.set("shut_reach_now", tables.warp.shut_reach);
   warp_.set("mixed_pixels", tables.warp.mixed_pixels);
@@ -77,7 +78,7 @@ void WarpPass::clear() const {
 }
 
 void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
-                   const Target& target) const {
+                   const Target& target, const Texture* plate) const {
   find_triangles(vertices);
   bind(target);
   glEnable(GL_DEPTH_TEST);
@@ -85,10 +86,12 @@ void WarpPass::add(const Texture& vertices, const Texture& tof_ray, const Textur
   glEnable(GL_CULL_FACE);
   glCullFace(GL_BACK);
   glFrontFace(GL_CCW);
+  warp_.set("by_plate", plate != nullptr);
   warp_.use();
   bind(0, vertices);
   bind(1, tof_ray);
   bind(2, raw_z_m);
+  if (plate) bind(3, *plate);
   glBindVertexArray(vertex_array_.get());
   glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);

@@ -16,15 +16,17 @@ class WarpPass {
   void set_pose(const glm::mat4& camera_from_tof) { warp_.set("camera_from_tof", camera_from_tof); }
   /// View, and the pose that set_pose() sets, of `tables`; from the next draw() on.
   void set_view(const Tables& tables);
-  /// `vertices`, `tof_ray`, `raw_z_m`: of CorrectPass.
-  void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m) const {
+  /// `vertices`, `tof_ray`, `raw_z_m`: of CorrectPass. `plate`: of the view, linear light when
+  /// sampled; null: it is not known.
+  void draw(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
+            const Texture* plate = nullptr) const {
     clear();
-    add(vertices, tof_ray, raw_z_m, target_);
+    add(vertices, tof_ray, raw_z_m, target_, plate);
   }
   void clear() const;
   /// Draws before or behind what was drawn.
   void add(const Texture& vertices, const Texture& tof_ray, const Texture& raw_z_m,
-           const Target& target) const;
+           const Target& target, const Texture* plate = nullptr) const;
   /// GL_R32F, 1/m: 0 unknown, negative where a cut cell drew.
   const Texture& w() const { return w_; }
   const Target& target() const { return target_; }
