@@ -19,8 +19,8 @@ double share_within(double at, double half) {
 }
 
 /// What a ToF camera measures of a square box before a wall, `half_px` of its pixels to each side
-/// of its axis. A pixel that sees both has the depth of the sum of their light, which falls with the
-/// square of the depth, or, unless it `mixes`, none.
+/// of its axis. A pixel that sees both has the depth of the sum of their light, which falls with
+/// the square of the depth, or, unless it `mixes`, none.
 Image<float> box_before_wall(double half_px, bool mixes) {
   const double middle = 0.5 * (kBoxTof.width - 1);
   return make_image<float>(kBoxTof, [&](int x, int y) {
