@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig studio: renders a take with truth in the virtual studio.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -135,7 +136,8 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.lens = {1e-3 * arguments.aperture_mm, arguments.focus_m};
   options.day = arguments.day;
   MIXRIG_ASSIGN(const auto dim, parse_place(arguments.dim, "--dim"));
-  if (dim) options.day.dim = {static_cast<int>(dim->x()), dim->y(), dim->z()};
+  if (dim)  // a number beyond those of an int is no lamp either
+    options.day.dim = {static_cast<int>(std::clamp(dim->x(), -1.0, 99.0)), dim->y(), dim->z()};
   MIXRIG_ASSIGN(const auto refocus, parse_two(arguments.refocus, "--refocus", "SECONDS,METRES"));
   if (refocus) options.refocus = {refocus->x(), refocus->y()};
   options.fisheye = arguments.fisheye;
