@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mixrig studio: renders a take with truth in the virtual studio.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -135,7 +137,8 @@ Result<studio::StudioOptions> options_of(const StudioArguments& arguments) {
   options.lens = {1e-3 * arguments.aperture_mm, arguments.focus_m};
   options.day = arguments.day;
   MIXRIG_ASSIGN(const auto dim, parse_place(arguments.dim, "--dim"));
-  if (dim) options.day.dim = {static_cast<int>(dim->x()), dim->y(), dim->z()};
+  if (dim)  // a number beyond those of an int is no lamp either
+    options.day.dim = {static_cast<int>(std::clamp(dim->x(), -1.0, 99.0)), dim->y(), dim->z()};
   MIXRIG_ASSIGN(const auto refocus, parse_two(arguments.refocus, "--refocus", "SECONDS,METRES"));
   if (refocus) options.refocus = {refocus->x(), refocus->y()};
   options.fisheye = arguments.fisheye;
@@ -324,6 +327,28 @@ void add_day_options(Command command, StudioArguments& arguments) {
       .group(group);
 }
 
+/// Errors: kUsage for an option of a scenario that was not chosen.
+Result<void> check_scenario(const Command& command, const std::string& scenario) {
+  constexpr std::array kOfBoard{
+      "--board", "--squares", "--square",      "--marker",      "--bend",       "--far",
+      "--blur",  "--noise",   "--hand",        "--depth-error", "--lens-error", "--amplitude-error",
+      "--ptu",   "--rest",    "--pixel-error", "--move",        "--tremor"};
+  constexpr std::array kOfSweep{"--field",  "--overlap",  "--most-tilt",    "--view-frames",
+                                "--walker", "--crossing", "--crossing-all", "--bracket"};
+  const auto belongs = [](const char* option, const char* to) {
+    return Error{ErrorCode::kUsage, std::string(option) + " is of --scenario " + to +
+                                        ": choose that, or leave it out"};
+  };
+  const bool is_board = scenario == kBoardScenario, is_sweep = scenario == "sweep";
+  for (const char* option : kOfBoard)
+    if (!is_board && command.count(option) > 0) return belongs(option, kBoardScenario);
+  for (const char* option : kOfSweep)
+    if (!is_sweep && command.count(option) > 0) return belongs(option, "sweep");
+  if (!is_board && !is_sweep && command.count("--views") > 0)
+    return belongs("--views", "board or sweep");
+  return {};
+}
+
 }  // namespace
 
 void add_studio_command(Command app, Context& context) {
@@ -386,8 +411,9 @@ void add_studio_command(Command app, Context& context) {
   add_board_options(command, *arguments);
   add_sweep_options(command, *arguments);
   add_day_options(command, *arguments);
-  command.callback([arguments, &context] {
-    context.action = [arguments] {
+  command.callback([arguments, command, &context] {
+    context.action = [arguments, command]() -> Result<nlohmann::json> {
+      MIXRIG_TRY(check_scenario(command, arguments->scenario));
       return arguments->scenario == kBoardScenario ? render_board(*arguments) : render(*arguments);
     };
   });

@@ -101,6 +101,15 @@ TEST(DfuseTest, another_chip_is_refused_before_anything_is_erased) {
   EXPECT_EQ(b.flash.changes(), 0);
 }
 
+TEST(DfuseTest, a_refusal_is_a_sentence) {
+  UsbBoard b;
+  ASSERT_TRUE(b.dfuse.connect());
+  const auto done = b.dfuse.erase({0x08000001, 16});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().context,
+            "USB bootloader refused to erase an address range that is no sector");
+}
+
 TEST(MemoryLayout, is_read_as_in_the_application_note) {
   const auto sectors =
       parse_memory_layout("@Internal Flash  /0x08000000/04*016Kg,01*064Kg,07*128Kg");
