@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sinks of a run: a slow one does not affect the others; images that none requires are not made.
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <vector>
@@ -149,7 +150,7 @@ class WallSource final : public capture::CaptureSource {
 /// in the middle, 0 for a composite that has none.
 class DepthSink final : public output::CompositeSink {
  public:
-  DepthSink(bool inspects, std::vector<float>& seen_m) : inspects_(inspects), seen_m_(seen_m) {}
+  DepthSink(bool inspects, std::vector<long>& seen_mm) : inspects_(inspects), seen_mm_(seen_mm) {}
   std::string_view name() const override { return inspects_ ? "inspects" : "colour"; }
   render::OutputMask wanted(int number) const override {
     if (!inspects_) return render::kColor;
@@ -157,29 +158,29 @@ class DepthSink final : public output::CompositeSink {
   }
   Result<void> write(const output::CompositePtr& composite) override {
     const Image<float>& depth_m = composite->images.warped_depth_m;
-    seen_m_.push_back(depth_m.empty() ? 0 : depth_m.at(32, 24));
+    seen_mm_.push_back(depth_m.empty() ? 0 : std::lround(1e3F * depth_m.at(32, 24)));
     return {};
   }
   Result<void> finish() override { return {}; }
 
  private:
   bool inspects_;
-  std::vector<float>& seen_m_;
+  std::vector<long>& seen_mm_;
 };
 
 TEST(SinkRun, ImagesThatOnlyJudgesNeedDoNotWaitForASink) {
-  std::vector<float> inspected_m, colored_m;
+  std::vector<long> inspected_mm, colored_mm;
   Session session;
   session.source = std::make_unique<WallSource>();
   session.setup = *setup_of(session.source->info(), std::nullopt);
   session.backend = {render::Backend::kCpu, 1};
   RunOptions options;
-  options.sinks.push_back(std::make_unique<DepthSink>(true, inspected_m));
-  options.sinks.push_back(std::make_unique<DepthSink>(false, colored_m));
+  options.sinks.push_back(std::make_unique<DepthSink>(true, inspected_mm));
+  options.sinks.push_back(std::make_unique<DepthSink>(false, colored_mm));
   const auto report = run(session, std::move(options), ManualClock(), {});
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(inspected_m, std::vector<float>(3, 3.0F));
-  EXPECT_EQ(colored_m, (std::vector<float>{0, 3, 0, 3, 0, 3}));
+  EXPECT_EQ(inspected_mm, std::vector<long>(3, 3000));
+  EXPECT_EQ(colored_mm, (std::vector<long>{0, 3000, 0, 3000, 0, 3000}));
   ASSERT_TRUE(report->error);
   EXPECT_LT(report->error->depth_mae_mm.value_or(1), 0.01);
   EXPECT_EQ(report->error->color_psnr_db, 100);
