@@ -242,8 +242,8 @@ Result<bool> Runner::frame() {
 }
 
 /// Makes those of `images`, and what judges need, that the composite lacks. Inspection images that
-/// are not `kept` by a sink are lent to it until it is delivered, so that what waits for a sink does
-/// not hold them.
+/// are not `kept` by a sink are lent to it until it is delivered, so that what waits for a sink
+/// does not hold them.
 Result<void> Runner::inspect_and_deliver(output::Composite& composite, const capture::Truth* truth,
                                          render::OutputMask images, bool kept) {
   const bool judged = judges() && !compositor_.is_edited();

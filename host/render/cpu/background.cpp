@@ -195,7 +195,8 @@ void MovingBackground::limit_row(int y, float* limit_w) const {
   // Rows are padded to whole registers.
   for (int x = 0; x < width; x += kLanes) {
     FloatLanes most_w{};
-    for (int j = first; j <= last; ++j) most_w = max(most_w, load<FloatLanes>(row_most_w_.row(j) + x));
+    for (int j = first; j <= last; ++j)
+      most_w = max(most_w, load<FloatLanes>(row_most_w_.row(j) + x));
     const FloatLanes z = inverse(most_w);
     const FloatLanes sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
     const FloatLanes spread = twice_each(load<FloatLanes>(spread_m + x / kSpreadStep),

@@ -62,8 +62,8 @@ SplitLanes split(FloatLanes at, int size) {
 /// The numbers of a and b in turn, from the first or the second half of them.
 template <int kFirst, std::size_t... i>
 IntLanes in_turn(IntLanes a, IntLanes b, std::index_sequence<i...>) {
-  return __builtin_shufflevector(
-      a, b, (kFirst + static_cast<int>(i / 2) + (i % 2 == 0 ? 0 : kLanes))...);
+  return __builtin_shufflevector(a, b,
+                                 (kFirst + static_cast<int>(i / 2) + (i % 2 == 0 ? 0 : kLanes))...);
 }
 
 /// Stores a tap for each lane.

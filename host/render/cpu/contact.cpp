@@ -25,14 +25,12 @@ struct GridPlace {
   Three share;
 };
 
-/// Place along an axis; `off_m` is how far the point is beyond the box, negative below it.
-FloatLanes along_axis(const ContactParams& p, int axis, FloatLanes at_m, FloatLanes& off_m) {
+/// Place along an axis of what is nearest `in_box_m` of the box, and `off_m` beyond it.
+FloatLanes along_axis(const ContactParams& p, int axis, FloatLanes in_box_m, FloatLanes off_m) {
   const float low = p.low_m[axis], high = p.high_m[axis];
-  const FloatLanes above = max(at_m - high, kZero), below = max(low - at_m, kZero);
-  const FloatLanes inside = min(max(at_m, kZero + low), kZero + high) - low;
-  off_m = above - below;
-  return kContactOutside + inside * (kContactInside / std::max(high - low, 1e-6F)) +
-         kContactOutside * (sqrt(above / p.reach_m) - sqrt(below / p.reach_m));
+  const FloatLanes root = sqrt(abs(off_m) / p.reach_m);
+  return kContactOutside + (in_box_m - low) * (kContactInside / std::max(high - low, 1e-6F)) +
+         kContactOutside * (off_m < 0 ? -root : root);
 }
 
 FloatLanes byte_of(IntLanes packed, int k) { return to_float((packed >> (8 * k)) & 255); }
@@ -80,28 +78,47 @@ VectorLanes light_sent(const ContactParams& p, const Three& off) {
   return sum;
 }
 
+/// Where points lie about an object's box, along its axes.
+struct BesideBox {
+  Three in_box_m;       ///< the nearest place of the box
+  Three off_m;          ///< from there on
+  FloatLanes farthest;  ///< the largest of these
+};
+BesideBox beside_box(const ContactParams& p, const Three& at_m) {
+  BesideBox out{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<std::size_t>(axis);
+    out.in_box_m[k] = min(max(at_m[k], kZero + p.low_m[axis]), kZero + p.high_m[axis]);
+    out.off_m[k] = at_m[k] - out.in_box_m[k];
+    out.farthest = max(out.farthest, abs(out.off_m[k]));
+  }
+  return out;
+}
+
 void add_contact(const ContactParams& p, const HiddenShares* shares, const VectorLanes& position_m,
                  const VectorLanes& normal, Receiver receiver, ContactLanes& sum) {
   Three at = turned(p.object_from_camera, position_m);
   const Three n = turned(p.object_from_camera, normal);
-  Three up, down, off;
+  const glm::vec3 half_cell = 0.5F / kContactInside * (p.high_m - p.low_m);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<std::size_t>(axis);
+    at[k] += p.object_from_camera[3][axis];
+    if (receiver == Receiver::kObject) at[k] += n[k] * half_cell[axis];
+  }
+  const auto [in_box, off, farthest] = beside_box(p, at);
+  if (!any(farthest < p.reach_m)) return;
+  Three up, down;
   GridPlace place;
-  FloatLanes farthest{};
   int stride = 1;
   for (int axis = 0; axis < 3; ++axis, stride *= kContactNodes) {
     const auto k = static_cast<std::size_t>(axis);
-    at[k] += p.object_from_camera[3][axis];
-    if (receiver == Receiver::kObject)
-      at[k] += n[k] * (0.5F / kContactInside * (p.high_m[axis] - p.low_m[axis]));
     up[k] = n[k] > kLeastAxisPart ? n[k] * n[k] : kZero;
     down[k] = n[k] < -kLeastAxisPart ? n[k] * n[k] : kZero;
     const FloatLanes in_grid =
-        min(max(along_axis(p, axis, at[k], off[k]), kZero), kZero + (kContactNodes - 1.001F));
+        min(max(along_axis(p, axis, in_box[k], off[k]), kZero), kZero + (kContactNodes - 1.001F));
     const IntLanes cell = truncate(in_grid);
     place.first += cell * stride, place.share[k] = in_grid - to_float(cell);
-    farthest = max(farthest, abs(off[k]));
   }
-  if (!any(farthest < p.reach_m)) return;
   const FloatLanes found = hidden_at(shares, place, up, down);
   const FloatLanes hidden = sum.open * min(farthest < p.reach_m ? found : kZero, kZero + 1.0F);
   const VectorLanes sent = light_sent(p, off);

@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "host/render/cpu/contact.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
@@ -134,7 +136,8 @@ void ExactCells::light(const Rect& tile, int column, int row, Image<std::uint16_
   const PinholeParams& view = input_.tables.warp.view;
   const LampSet maybe =
       lamps_in_doubt(view, input_.frame.lamps, input_.maps, rect, near_m, far_m, doubt_.lamps);
-  if (maybe == 0 && !doubt_.near && input_.maps.size() <= kLampBits) return;
+  const bool near = doubt_.near && may_be_near(input_.frame, corners_of(view, rect, near_m, far_m));
+  if (maybe == 0 && !near && input_.maps.size() <= kLampBits) return;
   read_normals(tile.x0, rect.y0);
   for (int first = 0; first < kCellPx * kCellPx; first += kLanes) {
     const CellPixels pixels(depth_m_, rect.x0, rect.y0, first);
@@ -144,7 +147,7 @@ void ExactCells::light(const Rect& tile, int column, int row, Image<std::uint16_
           normals_[static_cast<std::size_t>((first + i) / kCellPx)]
                   [static_cast<std::size_t>(column * kCellPx + (first + i) % kCellPx)];
     const SurfaceLanes at = surface_at(pixels.ray(view), pixels.depth(), normals.data());
-    pixels.store_light(light_ratio(input_.frame, input_.maps, maybe, doubt_.near, at), light);
+    pixels.store_light(light_ratio(input_.frame, input_.maps, maybe, near, at), light);
   }
 }
 
