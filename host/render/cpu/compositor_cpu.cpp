@@ -178,7 +178,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   }
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(tables_.view_size);
-  size_for_people(tables_.view_size, objects_);
+  size_for_people(preparer_.params(), tables_.view_size, objects_);
 }
 
 Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
