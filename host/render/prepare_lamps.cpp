@@ -20,7 +20,7 @@ constexpr int kSmallestMap = 256, kLargestMap = 1024;
 constexpr int kLargestPartMap = 512;
 /// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
 /// objects alone fewer will do.
-constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 512;
+constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 256;
 /// Without a capture volume people are looked for between these distances from the camera.
 constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
 /// Between a lamp and the objects they are no nearer to it than this part of the way.

@@ -93,7 +93,8 @@ void each_corner(const Rect& tile, Size view, Visit&& visit) {
 
 /// Whether every lamp in doubt is so wide that casters are found from further away than over a
 /// cell: else a narrow shadow could lie between corners.
-bool blur_allows_cells(const LightInput& input, LampSet maybe, const Rect& tile, float near_m,
-                       float far_m);
+bool blur_allows_cells(const PinholeParams& view, const std::vector<LampParams>& lamps,
+                       const std::vector<ShadowMap>& maps, LampSet maybe, const Rect& tile,
+                       float near_m, float far_m);
 
 }  // namespace mixrig::render::cpu

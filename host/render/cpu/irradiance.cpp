@@ -93,14 +93,8 @@ VectorLanes no_normal() { return {FloatLanes{}, FloatLanes{}, FloatLanes{}}; }
 class PastPeople {
  public:
   PastPeople(const PeopleMaps& people, const SurfaceLanes& at)
-      : count_(std::min(people.maps.size(), share_.size())) {
-    for (std::size_t k = 0; k < count_; ++k) {
-      share_[k] = FloatLanes{} + 1.0F;
-      if (!holds(people.maybe, k)) continue;
-      share_[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
-      hides_ |= any(share_[k] < 1);
-    }
-  }
+      : count_(std::min(people.maps.size(), share_.size())),
+        hides_(seen_past_people(people, at, share_)) {}
   bool hides() const { return hides_; }
   FloatLanes of(const LampParams& lamp) const {
     const auto whole = static_cast<std::size_t>(lamp.part_of);
@@ -110,7 +104,7 @@ class PastPeople {
  private:
   std::size_t count_;
   std::array<FloatLanes, kMostLamps> share_;
-  bool hides_ = false;
+  bool hides_;
 };
 
 /// Luminance of a lamp of the real scene without the virtual objects.
@@ -217,8 +211,8 @@ void add_ambient_past_objects(const FrameParams& frame, const SurfaceLanes& at,
 }  // namespace
 
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const SurfaceLanes& at, std::span<const FloatLanes> share,
-                     PastRoom past_room) {
+                     const SurfaceLanes& at, std::span<const FloatLanes> share, PastRoom past_room,
+                     std::span<FloatLanes> lamp_light) {
   ShadingLanes sum;
   RoomShares room(frame, at);
   std::optional<GlossLanes> gloss;
@@ -235,6 +229,8 @@ ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& map
     if (lamp.room_layer >= 0 && !in_share) of_lamp *= room.of(lamp);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;
     add(of_lamp, intensity, sum.diffuse);
+    const auto whole = static_cast<std::size_t>(lamp.part_of);
+    if (whole < lamp_light.size()) lamp_light[whole] += of_lamp * luminance(lamp.intensity);
     if (gloss) add_gloss(lamp, at.position_m, *gloss, of_lamp, intensity, sum);
   }
   return sum;
@@ -252,23 +248,43 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
   return true;
 }
 
-bool taken_by_people(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const PeopleMaps& people, const SurfaceLanes& at, VectorLanes& taken) {
-  const PastPeople past(people, at);
-  if (!past.hides()) return false;
-  taken = {FloatLanes{}, FloatLanes{}, FloatLanes{}};
+bool seen_past_people(const PeopleMaps& people, const SurfaceLanes& at,
+                      std::span<FloatLanes> share) {
+  bool hides = false;
+  for (std::size_t k = 0; k < std::min(people.maps.size(), share.size()); ++k) {
+    share[k] = FloatLanes{} + 1.0F;
+    if (!holds(people.maybe, k)) continue;
+    share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
+    hides |= any(share[k] < 1);
+  }
+  return hides;
+}
+
+LostLight lost_light(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     bool near, const SurfaceLanes& at, std::span<const FloatLanes> share) {
   RoomShares room(frame, at);
+  LostLight lost{};
+  FloatLanes of_lamps{};
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
-    const FloatLanes hidden = 1 - past.of(lamp);
-    if (!any(hidden > 0)) continue;
-    FloatLanes of_lamp = hidden * irradiance(lamp, at);
-    if (!any(of_lamp > 0)) continue;
-    if (holds(maybe, k)) of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal);
-    if (lamp.room_layer >= 0) of_lamp *= room.of(lamp);
-    add(of_lamp, frame.light.exposure * lamp.intensity, taken);
+    const FloatLanes light = real_light(lamp, nullptr, at, room);
+    if (!any(light > 0)) continue;
+    const auto whole = static_cast<std::size_t>(lamp.part_of);
+    const FloatLanes past = whole < share.size() ? share[whole] : FloatLanes{} + 1.0F;
+    of_lamps += light;
+    lost.by_people += light * (1 - past);
+    if (!holds(maybe, k)) continue;
+    const FloatLanes hidden =
+        light * (1 - visibility(lamp, maps[k], at.position_m, no_normal(), light > 0));
+    lost.lamps += hidden;
+    lost.past_people += hidden * past;
   }
-  return true;
+  const FloatLanes least = FloatLanes{} + kFaintestLight;
+  const FloatLanes over = 1 / max(of_lamps + luminance(frame.light.ambient), least);
+  lost.seen = 1 - lost.by_people / max(of_lamps, least);
+  lost.ambient = near ? lost_ambient(frame, at) * over : FloatLanes{};
+  lost.lamps *= over, lost.past_people *= over, lost.by_people *= over;
+  return lost;
 }
 
 }  // namespace mixrig::render::cpu

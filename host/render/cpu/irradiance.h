@@ -69,19 +69,30 @@ enum class PastRoom { kFind, kInShare };
 
 /// Exposed light of all lamps and the ambient light. Without glossy surfaces in the frame only
 /// `diffuse` is set. `maybe`: lamps that objects may hide; `share`: of the first lamps what is seen
-/// of each past what else hides them.
+/// of each past what else hides them. What each of the first whole lamps gives, luminance, not
+/// exposed, is added to `lamp_light`.
 ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
                      const SurfaceLanes& at, std::span<const FloatLanes> share = {},
-                     PastRoom past_room = PastRoom::kFind);
+                     PastRoom past_room = PastRoom::kFind, std::span<FloatLanes> lamp_light = {});
 
 /// The same light past people too. False where people hide nothing; then `light` is not set.
 bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>& maps,
                          LampSet maybe, const PeopleMaps& people, const SurfaceLanes& at,
                          ShadingLanes& light);
 
-/// Exposed diffuse light that people take from what the objects leave of the lamps. False where
-/// they take none; then `taken` is not set.
-bool taken_by_people(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     const PeopleMaps& people, const SurfaceLanes& at, VectorLanes& taken);
+/// Share of each whole lamp that is seen past people, as many as there are maps and room for. False
+/// where they hide nothing; then all are 1.
+bool seen_past_people(const PeopleMaps& people, const SurfaceLanes& at,
+                      std::span<FloatLanes> share);
+
+/// Of real surfaces in the shadow of objects, over all light without people: what is lost of the
+/// ambient light, of the lamps, and of these past people; what people hide of all light. With the
+/// mean share of the lamps that is seen past them.
+struct LostLight {
+  FloatLanes ambient, lamps, past_people, by_people, seen;
+};
+/// `share`: of each whole lamp what is seen past people.
+LostLight lost_light(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                     bool near, const SurfaceLanes& at, std::span<const FloatLanes> share);
 
 }  // namespace mixrig::render::cpu

@@ -43,8 +43,8 @@ void light_background(Crew& crew, const LightInput& input, LightLayer& light);
 void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer);
 /// Shades again where people of this frame or of the last one hide a lamp. After shade_virtual.
 void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer);
-/// Gives the layer the images that shade_behind_people needs.
-void size_for_people(Size view_size, VirtualLayer& layer);
+/// Makes the layer keep what shade_behind_people needs.
+void size_for_people(const FrameParams& frame, Size view_size, VirtualLayer& layer);
 /// Light of the background in this frame: where `people` hide a lamp from an object's shadow the
 /// plate is dark already. After light_background.
 void light_visible_background(Crew& crew, const LightInput& input, LightLayer& light);

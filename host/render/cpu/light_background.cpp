@@ -9,6 +9,7 @@
 #include "host/render/cpu/contact.h"
 #include "host/render/cpu/light_cells.h"
 #include "host/render/cpu/light_parts.h"
+#include "host/render/cpu/people_cells.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -76,7 +77,8 @@ void light_tile(const LightInput& input, const Rect& rect, const DepthRange& dep
   if (is_sure(input, doubt)) return;
   if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight) {
     const bool wide = input.maps.size() <= kMostLamps &&
-                      blur_allows_cells(input, doubt.lamps, rect, depth_m.first, depth_m.second);
+                      blur_allows_cells(input.tables.warp.view, input.frame.lamps, input.maps,
+                                        doubt.lamps, rect, depth_m.first, depth_m.second);
     return (wide ? light_in_cells : light_exactly)(input, doubt, lit_depth_m(input), rect, light);
   }
   for (int y = rect.y0; y < rect.y1; ++y)
@@ -120,8 +122,16 @@ void light_tile_past_people(const LightInput& input, const Rect& rect, LightLaye
       lamps_in_doubt(view, input.people->lamps, input.people->maps, rect, near_m, far_m)};
   if (people.maybe == 0) return;
   const Doubt doubt = doubt_of(input, rect, {near_m, far_m});
-  for (int y = rect.y0; y < rect.y1; ++y)
-    light_row(input, doubt, y, rect.x0, rect.x1, light.visible.row(y) + rect.x0, &people);
+  const auto each_pixel = [&](const Rect& part) {
+    for (int y = part.y0; y < part.y1; ++y)
+      light_row(input, doubt, y, part.x0, part.x1, light.visible.row(y) + part.x0, &people);
+  };
+  const bool whole = rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight;
+  if (whole && std::max(input.maps.size(), people.maps.size()) <= kMostLamps &&
+      blur_allows_cells(view, people.lamps, people.maps, people.maybe, rect, near_m, far_m))
+    light_cells_past_people(input, doubt, people, lit_depth_m(input), rect, light, each_pixel);
+  else
+    each_pixel(rect);
 }
 
 }  // namespace

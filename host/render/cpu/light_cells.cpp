@@ -5,48 +5,15 @@
 #include <array>
 #include <utility>
 
+#include "host/render/cpu/background_corners.h"
 #include "host/render/cpu/contact.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
-/// Points of the background at the corners.
-struct BackgroundCorners {
-  CornerValues depth_m;
-  alignas(64) std::array<PackedNormal, kCornersPadded> normal{};
-};
-
-BackgroundCorners background_corners(const LightInput& input, ImageView<const float> depth_m,
-                                     const Rect& tile) {
-  BackgroundCorners out;
-  out.depth_m.fill(0);
-  each_corner(tile, depth_m.size,
-              [&](std::size_t i, int x, int y) { out.depth_m[i] = depth_m.row(y)[x]; });
-  const bool cut = tile.x0 + kCellsAcross * kCellPx >= depth_m.size.width;
-  for (int row = 0; row <= kCellsDown; ++row) {
-    const std::span to(&out.normal[corner(0, row)], static_cast<std::size_t>(kCellsAcross + 1));
-    const int y = std::min(tile.y0 + row * kCellPx, depth_m.size.height - 1);
-    background_normals(input, tile.x0, y, to.first(cut ? kCellsAcross : kCellsAcross + 1), kCellPx);
-    if (cut) to.back() = to[kCellsAcross - 1];
-  }
-  return out;
-}
-
-/// No lamp lights what has no depth.
-SurfaceLanes surface_at(const VectorLanes& ray, FloatLanes depth, const PackedNormal* normals) {
-  const VectorLanes n = unpack(load<IntLanes>(normals), ray);
-  const auto known = [&](FloatLanes f) { return depth > 0 ? f : FloatLanes{}; };
-  return {{ray.x * depth, ray.y * depth, ray.z * depth}, {known(n.x), known(n.y), known(n.z)}};
-}
-
 FloatLanes left_of(FloatLanes lost) {
   const FloatLanes one = FloatLanes{} + 1.0F;
   return lost > 0 ? max(1 - lost, FloatLanes{}) : one;
-}
-
-VectorLanes rays_at(const PinholeParams& view, FloatLanes x, FloatLanes y) {
-  return {(x - view.center_px.x) / view.focal_px.x, (y - view.center_px.y) / view.focal_px.y,
-          FloatLanes{} + 1.0F};
 }
 
 /// What objects take of the light at the corners, over all of it.
@@ -56,20 +23,11 @@ struct CornerLight {
   std::array<CornerValues, kMostLamps> part, lost;  ///< of lamps in doubt: LightShares
 };
 
-void find_light(const LightInput& input, const Doubt& doubt, const Rect& tile,
-                const BackgroundCorners& corners, Size view, CornerLight& out) {
-  CornerValues x, y;
-  x.fill(0), y.fill(0);
-  each_corner(tile, view, [&](std::size_t i, int px, int py) {
-    x[i] = static_cast<float>(px), y[i] = static_cast<float>(py);
-  });
+void find_light(const LightInput& input, const Doubt& doubt, const BackgroundCorners& corners,
+                CornerLight& out) {
   LightShares shares;
   for (std::size_t i = 0; i < kCornersPadded; i += kLanes) {
-    const VectorLanes ray =
-        rays_at(input.tables.warp.view, load<FloatLanes>(&x[i]), load<FloatLanes>(&y[i]));
-    const FloatLanes depth = max(load<FloatLanes>(&corners.depth_m[i]), FloatLanes{});
-    shares.find(input.frame, input.maps, doubt.lamps, doubt.near,
-                surface_at(ray, depth, &corners.normal[i]));
+    shares.find(input.frame, input.maps, doubt.lamps, doubt.near, corners.at[i / kLanes]);
     FloatLanes lost = shares.ambient;
     store(&out.ambient[i], shares.ambient);
     for (std::size_t k = 0; k < input.maps.size(); ++k) {
@@ -198,14 +156,39 @@ void light_flat_cell(const LightInput& input, LampSet maybe, LampSet lamps,
 
 }  // namespace
 
-bool blur_allows_cells(const LightInput& input, LampSet maybe, const Rect& tile, float near_m,
-                       float far_m) {
-  const PinholeParams& view = input.tables.warp.view;
+BackgroundCorners background_corners(const LightInput& input, ImageView<const float> depth_m,
+                                     const Rect& tile) {
+  BackgroundCorners out;
+  out.depth_m.fill(0);
+  each_corner(tile, depth_m.size,
+              [&](std::size_t i, int x, int y) { out.depth_m[i] = depth_m.row(y)[x]; });
+  const bool cut = tile.x0 + kCellsAcross * kCellPx >= depth_m.size.width;
+  for (int row = 0; row <= kCellsDown; ++row) {
+    const std::span to(&out.normal[corner(0, row)], static_cast<std::size_t>(kCellsAcross + 1));
+    const int y = std::min(tile.y0 + row * kCellPx, depth_m.size.height - 1);
+    background_normals(input, tile.x0, y, to.first(cut ? kCellsAcross : kCellsAcross + 1), kCellPx);
+    if (cut) to.back() = to[kCellsAcross - 1];
+  }
+  CornerValues px, py;
+  px.fill(0), py.fill(0);
+  each_corner(tile, depth_m.size, [&](std::size_t i, int x, int y) {
+    px[i] = static_cast<float>(x), py[i] = static_cast<float>(y);
+  });
+  for (std::size_t i = 0; i < kCornersPadded; i += kLanes)
+    out.at[i / kLanes] = surface_at(
+        rays_at(input.tables.warp.view, load<FloatLanes>(&px[i]), load<FloatLanes>(&py[i])),
+        max(load<FloatLanes>(&out.depth_m[i]), FloatLanes{}), &out.normal[i]);
+  return out;
+}
+
+bool blur_allows_cells(const PinholeParams& view, const std::vector<LampParams>& lamps,
+                       const std::vector<ShadowMap>& maps, LampSet maybe, const Rect& tile,
+                       float near_m, float far_m) {
   const float cell_m = kCellPx * far_m / std::min(view.focal_px.x, view.focal_px.y);
   const glm::vec3 at_m = near_m * ray_of(view, (tile.x0 + tile.x1) / 2, (tile.y0 + tile.y1) / 2);
-  for (std::size_t k = 0; k < input.maps.size(); ++k) {
-    const LampParams& lamp = input.frame.lamps[k];
-    if (!holds(maybe, k) || input.maps[k].empty()) continue;
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const LampParams& lamp = lamps[k];
+    if (!holds(maybe, k) || maps[k].empty()) continue;
     // Casters are searched within so much of a surface (README.md, light).
     const float depth_m = transform(lamp.lamp_from_camera, at_m).z;
     if (!(lamp.radius_m * (depth_m / lamp.casters_near_m - 1) >= cell_m)) return false;
@@ -223,7 +206,7 @@ void light_in_cells(const LightInput& input, const Doubt& doubt, ImageView<const
                     const Rect& tile, Image<std::uint16_t>& light) {
   const BackgroundCorners corners = background_corners(input, depth_m, tile);
   CornerLight found;
-  find_light(input, doubt, tile, corners, depth_m.size, found);
+  find_light(input, doubt, corners, found);
   ExactCells exact(input, doubt, depth_m);
   // Panels have parts where light is found once, and may take longer.
   const std::vector<LampParams>& lamps = input.frame.lamps;

@@ -40,6 +40,14 @@ inline VectorLanes unpack(IntLanes packed, const VectorLanes& ray) {
   return {n.x * scale, n.y * scale, n.z * scale};
 }
 
+/// Whether none of as many pixels as a Word has bytes shows a person.
+template <typename Word>
+bool no_people(const std::uint8_t* matte) {
+  static_assert(kPersonByte == 128);
+  constexpr Word kHighBits = static_cast<Word>(~Word{}) / 255 * 128;
+  return (load<Word>(matte) & kHighBits) == 0;
+}
+
 /// Normals of the background from (x0, y) on, of every `step`-th pixel of the row.
 void background_normals(const LightInput& input, int x0, int y, std::span<PackedNormal> out,
                         int step);
@@ -49,6 +57,11 @@ std::pair<float, float> positive_range(ImageView<const float> image, const Rect&
 
 /// What the rectangle's pixels show between two depths.
 Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m);
+
+/// Whether the layer keeps its shading without people.
+inline bool keeps_alone(const VirtualLayer& layer) { return !layer.alone.in_shadow.empty(); }
+/// Makes room for it in the layer's rectangle, where nobody shades anything yet.
+void begin_alone(VirtualLayer& layer);
 
 /// What objects may hide.
 struct Doubt {

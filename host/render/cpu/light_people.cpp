@@ -17,14 +17,6 @@ float tile_center(int i) {
   return static_cast<float>(kLightTilePx * i) + 0.5F * static_cast<float>(kLightTilePx - 1);
 }
 
-/// Whether none of as many pixels as a Word has bytes shows a person.
-template <typename Word>
-bool no_people(const std::uint8_t* matte) {
-  static_assert(kPersonByte == 128);
-  constexpr Word kHighBits = static_cast<Word>(~Word{}) / 255 * 128;
-  return (load<Word>(matte) & kHighBits) == 0;
-}
-
 /// Mean inverse depth of the people in a tile; 0 without people.
 float mean_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int tile_x, int tile_y) {
   float sum = 0, count = 0;

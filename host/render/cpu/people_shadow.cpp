@@ -5,23 +5,33 @@
 #include <cmath>
 #include <span>
 
+#include "host/render/cpu/light_parts.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
-/// Mean inverse depth of a block's people; 0 where they fill less than half of it.
-float people_w(const Image<float>& view_w, const Image<std::uint8_t>& matte, int bx, int by) {
-  const int x1 = std::min((bx + 1) * kBlockPx, matte.width());
-  const int y1 = std::min((by + 1) * kBlockPx, matte.height());
+/// Where nobody is, farther than every body.
+constexpr float kNobodyM = 1e9F;
+
+/// Depth of a block's people, the inverse of their mean w; kNobodyM where they fill less than half
+/// of it.
+float people_m(const Image<float>& view_w, const Image<std::uint8_t>& matte, int bx, int by) {
+  static_assert(kBlockPx == sizeof(std::uint64_t));
+  const int x0 = bx * kBlockPx, y0 = by * kBlockPx;
+  const int x1 = std::min(x0 + kBlockPx, matte.width()),
+            y1 = std::min(y0 + kBlockPx, matte.height());
   float sum = 0;
-  int count = 0, pixels = 0;
-  for (int y = by * kBlockPx; y < y1; ++y)
-    for (int x = bx * kBlockPx; x < x1; ++x) {
-      ++pixels;
+  int count = 0;
+  for (int y = y0; y < y1; ++y) {
+    if (x1 - x0 == kBlockPx && no_people<std::uint64_t>(matte.row(y) + x0)) continue;
+    for (int x = x0; x < x1; ++x) {
       if (matte.row(y)[x] < kPersonByte || !(view_w.row(y)[x] > 0)) continue;
       sum += view_w.row(y)[x];
       ++count;
     }
-  return 2 * count >= pixels && count > 0 ? sum / static_cast<float>(count) : 0;
+  }
+  return 2 * count >= (x1 - x0) * (y1 - y0) && count > 0 ? static_cast<float>(count) / sum
+                                                         : kNobodyM;
 }
 
 struct Surroundings {
@@ -30,37 +40,40 @@ struct Surroundings {
 };
 
 /// Of the middle of (bx, by); a person goes on past the border of the view.
-Surroundings surroundings(const Image<float>& w, int bx, int by, int reach) {
-  const float own_m = 1 / w.row(by)[bx];
-  int nearest2 = reach * reach;
-  float behind_m = 0;
-  for (int y = std::max(0, by - reach); y <= std::min(w.height() - 1, by + reach); ++y)
-    for (int x = std::max(0, bx - reach); x <= std::min(w.width() - 1, bx + reach); ++x) {
-      const float other_w = w.row(y)[x];
-      const bool same = other_w > 0 && std::abs(1 / other_w - own_m) < kPeopleStepM;
-      const int distance2 = (x - bx) * (x - bx) + (y - by) * (y - by);
-      if (!same) nearest2 = std::min(nearest2, distance2);
-      const float ahead_m = same ? own_m - 1 / other_w : 0;
-      if (ahead_m < kPeopleRadiusM) behind_m = std::max(behind_m, ahead_m);
+Surroundings surroundings(const Image<float>& z_m, int bx, int by, int reach) {
+  const float own_m = z_m.row(by)[bx];
+  const int x0 = std::max(0, bx - reach), x1 = std::min(z_m.width() - 1, bx + reach);
+  float nearest2 = static_cast<float>(reach * reach), behind_m = 0;
+  for (int y = std::max(0, by - reach); y <= std::min(z_m.height() - 1, by + reach); ++y) {
+    const float* row = z_m.row(y);
+    const int dy2 = (y - by) * (y - by);
+#pragma omp simd reduction(min : nearest2) reduction(max : behind_m)
+    for (int x = x0; x <= x1; ++x) {
+      const float ahead_m = own_m - row[x];
+      const float distance2 = static_cast<float>((x - bx) * (x - bx) + dy2);
+      const bool same = std::abs(ahead_m) < kPeopleStepM;
+      nearest2 = std::min(nearest2, same ? nearest2 : distance2);
+      behind_m = std::max(behind_m, same && ahead_m < kPeopleRadiusM ? ahead_m : 0.0F);
     }
-  return {std::sqrt(static_cast<float>(nearest2)) - 0.5F, behind_m};
+  }
+  return {std::sqrt(nearest2) - 0.5F, behind_m};
 }
 
-Ball ball_at(const Image<float>& w, const PinholeParams& view, int bx, int by) {
-  const float own_w = w.row(by)[bx];
-  if (!(own_w > 0)) return {};
-  const float px_m = 1 / (own_w * view.focal_px.x);
+Ball ball_at(const Image<float>& z_m, const PinholeParams& view, int bx, int by) {
+  const float own_m = z_m.row(by)[bx];
+  if (!(own_m < kNobodyM)) return {};
+  const float px_m = own_m / view.focal_px.x;
   const int reach = std::clamp(
       static_cast<int>(std::ceil(kPeopleRadiusM / (kBlockPx * px_m) + 0.5F)), 1, kMostBallBlocks);
   const float block_m = kBlockPx * px_m;
-  const auto [blocks, behind_m] = surroundings(w, bx, by, reach);
+  const auto [blocks, behind_m] = surroundings(z_m, bx, by, reach);
   const float radius_m = std::max(std::min(kPeopleRadiusM - 0.5F * behind_m, blocks * block_m),
                                   kLeastBallBlocks * block_m);
   const float middle = 0.5F * (kBlockPx - 1);
   const glm::vec2 px(static_cast<float>(bx * kBlockPx) + middle,
                      static_cast<float>(by * kBlockPx) + middle);
   const glm::vec3 ray((px - view.center_px) / view.focal_px, 1);
-  return {ray / own_w + radius_m * glm::normalize(ray), radius_m};
+  return {ray * own_m + radius_m * glm::normalize(ray), radius_m};
 }
 
 /// A ball in a lamp's map: a disc at the depth of its centre.
@@ -135,23 +148,24 @@ void draw_map(Crew& crew, std::span<const Ball> balls, LampParams& lamp, ShadowM
 }  // namespace
 
 PeopleShadow::PeopleShadow(Size view_size) {
-  w.reset(
+  z_m.reset(
       {(view_size.width + kBlockPx - 1) / kBlockPx, (view_size.height + kBlockPx - 1) / kBlockPx});
-  balls.resize(w.size().area());
+  balls.resize(z_m.size().area());
 }
 
 void draw_people_maps(Crew& crew, const FrameParams& frame, const PinholeParams& view,
                       const Image<float>& view_w, const Image<std::uint8_t>& matte,
                       PeopleShadow& people) {
-  const int columns = people.w.width(), rows = people.w.height();
+  const int columns = people.z_m.width(), rows = people.z_m.height();
   crew.rows(rows, 4, [&](int begin, int end) {
     for (int by = begin; by < end; ++by)
-      for (int bx = 0; bx < columns; ++bx) people.w.row(by)[bx] = people_w(view_w, matte, bx, by);
+      for (int bx = 0; bx < columns; ++bx) people.z_m.row(by)[bx] = people_m(view_w, matte, bx, by);
   });
   crew.rows(rows, 4, [&](int begin, int end) {
     for (int by = begin; by < end; ++by)
       for (int bx = 0; bx < columns; ++bx)
-        people.balls[static_cast<std::size_t>(by * columns + bx)] = ball_at(people.w, view, bx, by);
+        people.balls[static_cast<std::size_t>(by * columns + bx)] =
+            ball_at(people.z_m, view, bx, by);
   });
   people.lamps = frame.people_lamps;
   people.maps.resize(people.lamps.size());

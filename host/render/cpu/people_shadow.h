@@ -20,7 +20,7 @@ struct Ball {
 struct PeopleShadow {
   PeopleShadow() = default;
   explicit PeopleShadow(Size view_size);
-  Image<float> w;  ///< mean over people, 1/m; 0 where less than half of the block shows any
+  Image<float> z_m;  ///< of people; very far where less than half of the block shows any
   std::vector<Ball> balls;
   std::vector<ShadowMap> maps;    ///< of each lamp
   std::vector<LampParams> lamps;  ///< frame.people_lamps, with the nearest of their casters

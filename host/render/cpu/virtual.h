@@ -28,6 +28,15 @@ struct GlossBytes {
   std::uint8_t metallic = 0, roughness = 0, specular = 0, unused = 0;
 };
 
+/// What is kept of the shading without people, so that only what they hide is found in each frame.
+/// Pixel (0, 0) is the first of the layer's `rect`; the images are as large as any has been.
+struct ShadedAlone {
+  Image<Rgbx16> albedo, color;
+  std::vector<Image<float>> lamp_light;  ///< luminance that each whole lamp gives, not exposed
+  Image<std::uint8_t>
+      in_shadow;  ///< of each tile of the view: people darkened it in the last frame
+};
+
 /// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.
 struct VirtualLayer {
   Rect rect;
@@ -37,9 +46,7 @@ struct VirtualLayer {
   Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
   Image<GlossBytes> gloss;       ///< empty where no object is glossy
   Image<Rgbx16> emission;        ///< premultiplied; empty where no object emits
-  /// Where people cast shadows: the albedo, and its shading without people.
-  Image<Rgbx16> albedo, without_people;
-  Image<std::uint8_t> in_shadow;  ///< a pixel a tile: people may have darkened it in the last frame
+  ShadedAlone alone;             ///< where people cast shadows
 };
 
 /// Memory of the pass, kept between frames.

@@ -9,11 +9,27 @@
 
 namespace mixrig::render::cpu {
 
+/// What the tile shows at the corners, and which cells show one smooth surface.
+class VirtualCorners {
+ public:
+  static constexpr std::size_t kRegisters = kCornersPadded / kLanes;
+  VirtualCorners(const PinholeParams& view, const Rect& tile, const VirtualLayer& layer);
+  bool any_smooth() const { return smooth_ != 0; }
+  bool is_smooth(int column, int row) const { return (smooth_ & bit(column, row)) != 0; }
+  /// No lamp lights a corner that is not covered.
+  const std::array<SurfaceLanes, kRegisters>& at() const { return at_; }
+
+ private:
+  static unsigned bit(int column, int row) { return 1U << (row * kCellsAcross + column); }
+  std::array<SurfaceLanes, kRegisters> at_;
+  unsigned smooth_ = 0;  ///< cells
+};
+
 class VirtualCells {
  public:
   /// Precondition: at most kMostLamps maps.
   VirtualCells(const LightInput& input, LampSet maybe, const Rect& tile, const VirtualLayer& layer);
-  bool is_smooth(int column, int row) const { return (smooth_ & bit(column, row)) != 0; }
+  bool is_smooth(int column, int row) const { return corners_.is_smooth(column, row); }
   /// Lamps in doubt that change too much over a smooth cell to be taken from its corners.
   LampSet lamps_to_find(int column, int row) const;
   /// Share of each lamp at places (x, y) of a smooth cell, past the real room and, of all lamps but
@@ -22,14 +38,10 @@ class VirtualCells {
               std::span<FloatLanes> out) const;
 
  private:
-  static unsigned bit(int column, int row) { return 1U << (row * kCellsAcross + column); }
-  void find_flat(const LightInput& input, const VirtualLayer& layer);
   void find_shares(const LightInput& input, LampSet maybe);
 
-  static constexpr std::size_t kRegisters = kCornersPadded / kLanes;
   Rect tile_;
-  unsigned smooth_ = 0;  ///< cells
-  std::array<SurfaceLanes, kRegisters> at_;
+  VirtualCorners corners_;
   LampSet maybe_;
   std::size_t count_;                             ///< of lamps
   std::array<CornerValues, kMostLamps> weight_;   ///< of all light, without shadows

@@ -28,7 +28,7 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
   }
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(size);
-  size_for_people(size, objects_);
+  size_for_people(frame, size, objects_);
 }
 
 LightInput VirtualThings::light_input(MovingBackground* moving, const PeopleShadow* people) const {
