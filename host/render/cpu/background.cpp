@@ -161,7 +161,7 @@ void MovingBackground::look_up(int y) {
   float* depth_m = depth_m_.row(y);
   for (int x = 0; x < width; x += kLanes) {
     const FloatLanes w_lanes = load<FloatLanes>(w + x);
-    store(depth_m + x, w_lanes > 0 ? inverse(w_lanes) : FloatLanes{});
+    store(depth_m + x, w_lanes > 0 ? 1 / w_lanes : FloatLanes{});
   }
   if (y % kSpreadStep != 0) return;
   float* sigma_m = depth_sigma_m_.row(y / kSpreadStep);
@@ -197,14 +197,14 @@ void MovingBackground::limit_row(int y, float* limit_w) const {
     FloatLanes most_w{};
     for (int j = first; j <= last; ++j)
       most_w = max(most_w, load<FloatLanes>(row_most_w_.row(j) + x));
-    const FloatLanes z = inverse(most_w);
+    const FloatLanes z = 1 / most_w;
     const FloatLanes sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
     const FloatLanes spread = twice_each(load<FloatLanes>(spread_m + x / kSpreadStep),
                                          std::make_index_sequence<kLanes>{});
     const FloatLanes threshold =
         max(FloatLanes{} + least_m, noise_factor * sqrt(spread * spread + sigma * sigma));
     const IntLanes known = (load<FloatLanes>(w + x) > 0) & (threshold < z);
-    store(limit_w + x, known ? inverse(z - threshold) : FloatLanes{} + kNever);
+    store(limit_w + x, known ? 1 / (z - threshold) : FloatLanes{} + kNever);
   }
 }
 
