@@ -89,7 +89,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       lens_(setup_),
       meter_(tables_, setup_.background),
       grid_(tables_.tof_size),
-      warp_scratch_(tables_.tof_size, true),
+      warp_scratch_(tables_.tof_size, color_places_borders(tables_.tof_footprint_px)),
       people_key_(setup_, tables_, crew_.threads()),
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
@@ -185,7 +185,8 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
   else
     correct(crew_, tables_.correct, tables_.tof_ray, input.tof_depth_m, grid_);
   watch.lap(Stage::kCorrect);
-  warp(crew_, tables_, grid_, warp_scratch_, view_w_, Before::kNothing, &plate_);
+  warp(crew_, tables_, grid_, warp_scratch_, view_w_, Before::kNothing,
+       color_places_borders(tables_.tof_footprint_px) ? &plate_ : nullptr);
   if (two) second_depth_->add_to(crew_, view_w_);
   watch.lap(Stage::kWarp);
 }

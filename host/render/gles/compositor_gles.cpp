@@ -195,7 +195,9 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   }
   {
     const StageScope stage(timer, Stage::kWarp);
-    warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m(), &plate_.in_view());
+    const bool colors = color_places_borders(tables_.tof_footprint_px);
+    warp_.draw(correct_.vertices(), correct_.tof_ray(), correct_.raw_z_m(),
+               colors ? &plate_.in_view() : nullptr);
     if (two) second_depth_->add_to(warp_);
   }
   if (things_) MIXRIG_TRY(things_->draw(timer));
