@@ -110,7 +110,7 @@ TEST_P(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
   expect_refusal(trigger({"set", "0", "--divider", "1", "--phase", "0.05"}), 2, "steps of 0.1");
   expect_refusal(trigger({"set", "0", "--divider", "1", "--width", "10"}), 2, "its period");
   expect_refusal(trigger({"set", "0", "--divider", "1", "--width", "0"}), 2, "at least 0.1 ms");
-  expect_refusal(trigger({"set", "--divider", "1"}), 2, "channel");
+  expect_refusal(trigger({"set", "--divider", "1"}), 2, "CHANNEL");
   expect_refusal(trigger({}), 2, "trigger");
   EXPECT_EQ(report({"status"})["channels"].size(), 0u);
 }
