@@ -86,6 +86,56 @@ TEST(Compositor, person_before_the_object_hides_it) {
   EXPECT_EQ(out.segmented_depth_m.at(60, 32), 0);
 }
 
+TEST(Compositor, an_object_has_a_pixel_that_it_covers_by_more_than_half) {
+  const auto moved_by_px = [](float px) {
+    Stage stage(2);
+    for (glm::vec3& p : stage.positions) p.x += px * 2 / 64;
+    return stage.compose();
+  };
+  // Its borders run through the middles of the pixels in columns 16 and 48...
+  const auto half = moved_by_px(0.5F);
+  for (const int x : {16, 48}) {
+    EXPECT_NE(half.color.at(x, 32), kWallColor) << "its colour is there all the same";
+    EXPECT_NE(half.layer.at(x, 32), kVirtualLayer);
+    EXPECT_NEAR(half.mixed_depth_m.at(x, 32), 4, 1e-3);
+  }
+  // ...and a quarter of a pixel beyond.
+  const auto more = moved_by_px(0.75F);
+  EXPECT_EQ(more.layer.at(48, 32), kVirtualLayer);
+  EXPECT_NEAR(more.mixed_depth_m.at(48, 32), 2, 1e-4);
+  EXPECT_NE(more.layer.at(16, 32), kVirtualLayer);
+}
+
+/// First column past a box before a wall, by a ToF camera that sees it in columns before `end`, and
+/// a plate that changes at column `change`.
+int warped_border(int view_px, int tof_px, int end, int change) {
+  const render::CompositorSetup setup =
+      plain_setup({view_px, view_px}, view_px, {tof_px, tof_px}, tof_px);
+  const auto depth =
+      make_image<float>({tof_px, tof_px}, [&](int x, int) { return x < end ? 2.0F : 4.0F; });
+  const auto plate = make_image<Rgb8>({view_px, view_px}, [&](int x, int) {
+    return x < change ? Rgb8{200, 200, 200} : Rgb8{60, 60, 60};
+  });
+  render::FrameOutput out;
+  out.wanted = render::kWarpedDepth;
+  const auto compositor = render::make_cpu_compositor(setup, 1);
+  EXPECT_TRUE(compositor && (*compositor)->compose({plate, depth, {}}, out));
+  int x = view_px - 1;
+  const float* row = out.warped_depth_m.row(view_px / 2);
+  while (x > 0 && !(row[x] > 0 && row[x] < 3)) --x;
+  return x + 1;
+}
+
+TEST(Compositor, colours_place_borders_where_the_plate_is_finer_than_the_depth) {
+  EXPECT_EQ(warped_border(64, 16, 8, 34), 34);
+  EXPECT_EQ(warped_border(64, 16, 8, 31), 31);
+  // Here a pixel of the view is 1.2 of the ToF camera's.
+  for (int end = 8; end < 24; ++end) {
+    const int change = end * 5 / 6;
+    EXPECT_EQ(warped_border(25, 30, end, change), warped_border(25, 30, end, change + 1)) << end;
+  }
+}
+
 TEST(Compositor, object_behind_the_wall_is_not_seen_and_one_that_touches_it_is) {
   EXPECT_EQ(Stage(4.5F).compose().color.at(32, 32), kWallColor);
   EXPECT_EQ(Stage(4.01F).compose().color.at(32, 32), kObjectColor);
