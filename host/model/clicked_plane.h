@@ -57,9 +57,10 @@ std::string_view text_of(ClickRefusal refusal);
 
 /// A plane through the depths around the pixel that agree with one (estimation::fit_plane_robust),
 /// grown over neighbours within three sigmas to its border, and fitted again to all of them by
-/// least squares of inverse depth, which is linear in the ray, weighted by the depth's noise. Sigma
-/// of the depth holds a share that neighbours have in common (kCommonShare). Pure; time grows with
-/// the pixels of the depth picture.
+/// least squares of inverse depth, which is linear in the ray, weighted by the depth's noise. What
+/// a step parts from the click, even one within the noise of a depth (click_step.h), belongs to the
+/// region but not to the fit. Sigma of the depth holds a share that neighbours have in common
+/// (kCommonShare). Pure; time grows with the pixels of the depth picture.
 std::variant<ClickedPlane, ClickRefusal> plane_under(const ClickPicture& picture,
                                                      const Click& click);
 

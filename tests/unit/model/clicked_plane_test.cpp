@@ -3,10 +3,12 @@
 #include "host/model/clicked_plane.h"
 
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "hal/base/angles.h"
+#include "host/model/click_step.h"
 
 namespace mixrig::model {
 namespace {
@@ -23,10 +25,12 @@ struct Drawn {
   Vector3d table_normal = Vector3d(0.05, -0.9, -0.4).normalized();  // axes of the view
   double table_m = 1.9;  ///< depth of the table's middle, at (0, 0.25, table_m)
   double ball_m = 0;     ///< radius of a ball at (0, -0.2, 2)
+  double board_m = 0;    ///< thickness of a board on the wall, right of x = 0.2 and above y = -0.3
 
   double depth_m(const Vector3d& ray) const {  // depth 1 along z
     const Vector3d eye = view_from_tof.translation_m;
     double z = 3.0 - eye.z();  // the wall
+    if (const Vector3d at = eye + z * ray; at.x() > 0.2 && at.y() < -0.3) z -= board_m;
     const Vector3d middle(0, 0.25, table_m);
     const double t = table_normal.dot(middle - eye) / table_normal.dot(ray);
     const Vector3d off = eye + t * ray - middle;
@@ -93,6 +97,40 @@ TEST(ClickedPlane, GrowsToItsBorderAndNoFarther) {
     area += 2 * std::sqrt(0.62 * 0.62 - x * x) / kSteps;
   }
   EXPECT_NEAR(plane.area_m2, area, 0.08 * area);
+}
+
+TEST(ClickedPlane, StandsOnABoardThatIsThinnerThanTheNoiseShows) {
+  Drawn drawn;
+  drawn.tof = {{{320, 240}, 280, 280, 159.5, 119.5}, {}};
+  drawn.noise = {0.002, 0.001, 0};  // 5 mm at the wall
+  drawn.board_m = 0.008;
+  // 8 px of the view beside both borders of the board: on it, and on the wall.
+  const Vector2d corner_px = drawn.view.project({0.2, -0.3, 3.0});
+  int set = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Image<float> depth = drawn.draw(static_cast<unsigned>(i));
+    const auto check = [&](const Vector2d& px, double wall_m) {
+      const auto found = plane_under(drawn.picture(depth), {px, {}});
+      if (!std::holds_alternative<ClickedPlane>(found)) return;
+      ++set;
+      EXPECT_NEAR(std::get<ClickedPlane>(found).point_m.z(), wall_m, 2e-3) << i;
+    };
+    check(corner_px + Vector2d(8, -8), 3 - drawn.board_m);
+    check(corner_px + Vector2d(-8, -60), 3);
+  }
+  EXPECT_GE(set, 20);  // the others say that several surfaces meet
+}
+
+TEST(ClickStep, NoiseHasNone) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    std::vector<PlaceOff> places;
+    for (int y = 0; y < 12; ++y)
+      for (int x = 0; x < 12; ++x) places.push_back({{x, y}, normal(random)});
+    EXPECT_TRUE(find_steps(places, {6, 6}).empty()) << i;
+  }
+  EXPECT_TRUE(find_steps({}, {6, 6}).empty());
 }
 
 TEST(ClickedPlane, RefusesWhatIsNoPlace) {
