@@ -7,6 +7,7 @@
 
 #include <malloc.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "hal/base/log.h"
 #include "hal/base/partial_path.h"
@@ -17,13 +18,15 @@ namespace mixrig::tools {
 namespace {
 
 constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
+constexpr const char* kStdout = "-";
 
 /// Adds -v and --json to every subcommand that does not define them itself.
 void add_common_options(Command command, Context& context) {
   if (!command.has_option("-v")) command.add_flag("-v,--verbose", context.verbose, "log the steps");
   for (Command child : command.subcommands()) {
     if (!child.has_option("--json"))
-      child.add_option("--json", context.json_path, "FILE that the report is written to");
+      child.add_option("--json", context.json_path,
+                       "FILE that the report is written to; -: stdout, and tables to stderr");
     add_common_options(child, context);
   }
 }
@@ -46,7 +49,7 @@ int exit_status(const Error& error) {
 
 /// Checks before the work that the report can be written.
 Result<void> check_json_path(const std::string& path) {
-  if (path.empty()) return {};
+  if (path.empty() || path == kStdout) return {};
   std::error_code code;
   if (std::filesystem::is_directory(path, code))
     return Error{ErrorCode::kUsage, "--json " + path + ": is a folder: name a file"};
@@ -56,8 +59,24 @@ Result<void> check_json_path(const std::string& path) {
                "--json " + path + ": there is no folder " + folder.string() + ": make it first"};
 }
 
+/// The report alone goes to stdout: what commands print there goes to stderr meanwhile.
+Result<void> act_for_stdout(const Context& context) {
+  const int report_fd = ::dup(STDOUT_FILENO);
+  if (report_fd < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    return Error{ErrorCode::kIo, "--json -: stdout cannot be written"};
+  auto done = context.action();
+  std::fflush(stdout);
+  ::dup2(report_fd, STDOUT_FILENO), ::close(report_fd);
+  if (!done) return done.error();
+  const std::string text = done->dump(2) + "\n";
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+    return {};
+  return Error{ErrorCode::kIo, "--json -: stdout cannot be written"};
+}
+
 Result<void> act(const Context& context) {
   MIXRIG_TRY(check_json_path(context.json_path));
+  if (context.json_path == kStdout) return act_for_stdout(context);
   MIXRIG_ASSIGN(const nlohmann::json report, context.action());
   if (context.json_path.empty()) return {};
   return write_file(context.json_path, report.dump(2) + "\n");

@@ -98,6 +98,10 @@ TEST(CommandLine, InfoAndExplainDescribeATake) {
   EXPECT_EQ(info.status, 0) << info.err;
   EXPECT_NE(info.out.find("tiny: 4 frames"), std::string::npos) << info.out;
   EXPECT_NE(take.text_of("info.json").find("\"unknown_pct\": 0.0"), std::string::npos);
+  const Outcome piped = take.mixrig("info take --json -");  // the report alone
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_EQ(piped.out, take.text_of("info.json"));
+  EXPECT_NE(piped.err.find("tiny: 4 frames"), std::string::npos) << piped.err;
   fs::copy(take.path("scene.toml"), take.path("take/scene.toml"));
   const Outcome explain = take.mixrig("explain take/scene.toml --backend cpu");  // finds its take
   EXPECT_EQ(explain.status, 0) << explain.err;
