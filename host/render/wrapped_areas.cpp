@@ -16,8 +16,8 @@
 namespace mixrig::render {
 namespace {
 
-/// Neighbours within this part of their depth are one area, since wrapped depth scatters by that.
-constexpr float kJoinedPart = 0.1F;
+/// Depths within this part of each other are one surface.
+constexpr float kJoinedPart = 0.06F;
 /// What lies behind a border is farther by at least this part.
 constexpr float kBehindPart = 0.1F;
 constexpr double kLeastOfPicture = 0.002, kMostOfPicture = 0.5;
@@ -73,8 +73,8 @@ class Areas {
     std::iota(parent_.begin(), parent_.end(), 0);
     for (int y = 0; y < size_.height; ++y)
       for (int x = 0; x < size_.width; ++x) {
-        if (x + 1 < size_.width && joined(z(x, y), z(x + 1, y))) join(at(x, y), at(x + 1, y));
-        if (y + 1 < size_.height && joined(z(x, y), z(x, y + 1))) join(at(x, y), at(x, y + 1));
+        if (x + 1 == size_.width || y + 1 == size_.height || !is_one(x, y)) continue;
+        for (const int i : {at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)}) join(at(x, y), i);
       }
   }
 
@@ -88,8 +88,11 @@ class Areas {
   }
 
  private:
-  static bool joined(float a, float b) {
-    return a > 0 && b > 0 && std::abs(a - b) <= kJoinedPart * std::min(a, b);
+  /// Whether the square of four pixels from (x, y) on shows one surface. Areas are made of such
+  /// squares, so that single pixels between two depths join none.
+  bool is_one(int x, int y) const {
+    const auto [low, high] = std::minmax({z(x, y), z(x + 1, y), z(x, y + 1), z(x + 1, y + 1)});
+    return low > 0 && high - low <= kJoinedPart * low;
   }
   float z(int x, int y) const { return depth_m_.row(y)[x]; }
   float noise(int x, int y) const { return sigma_m_.row(y)[x] / (z(x, y) * z(x, y)); }
