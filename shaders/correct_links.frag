@@ -15,8 +15,8 @@ bool linked(ivec2 at, ivec2 d) {
   float a = value_at(z_m, at), b = value_at(z_m, at + d);
   if (min(a, b) <= 0.0) return false;
   float limit = min(value_at(step_m, at), value_at(step_m, at + d));
-  return abs(a - b) <= limit || run_on(value_at(z_m, at - d), a, b, limit) ||
-         run_on(a, b, value_at(z_m, at + 2 * d), limit);
+  return abs(a - b) <= limit || (run_on(value_at(z_m, at - d), a, b, limit) &&
+                                 run_on(a, b, value_at(z_m, at + 2 * d), limit));
 }
 
 // Mean difference of w over the links that hold before and after a pixel, 0 without.

@@ -105,7 +105,8 @@ vec2 color_border(vec2 ray, vec2 half_step, float w) {
     sum += clamp(share, 0.0, 1.0);
   }
   off2 /= float(border_samples - 1);
-  float sure = apart2 / (apart2 + border_apart * border_apart * sigma2) * sigma2 / (sigma2 + off2);
+  float line2 = sigma2 + border_bent2 * apart2;
+  float sure = apart2 / (apart2 + border_apart * border_apart * sigma2) * line2 / (line2 + off2);
   return vec2(0.5 * sum - 0.75, sure);
 }
 

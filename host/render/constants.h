@@ -68,9 +68,12 @@ inline constexpr int kBorderSamples = 10;
 /// they are so many of these deviations apart.
 inline constexpr float kBorderSpread2 = 2e-4F;
 inline constexpr float kBorderApart = 4.0F;
+/// Variance of what samples are off the line between both colours, of the square of their distance:
+/// light mixes along a line, its roots by up to 0.13 of the distance off it (red before cyan).
+inline constexpr float kBorderBent2 = 0.02F;
 /// Where a gap opens, the border by colours lies farther in by this, times what the reach is less
 /// than whole: a pixel too far is wrong, one too near is unknown.
-inline constexpr float kBorderBack = 0.5F;
+inline constexpr float kBorderBack = 0.6F;
 /// Most indices of a cell: four quarters of two triangles.
 inline constexpr int kCellIndices = 24;
 

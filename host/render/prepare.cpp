@@ -8,6 +8,7 @@
 
 #include "host/render/light_surface.h"
 #include "host/render/room_edges.h"
+#include "host/render/wrapped_areas.h"
 
 namespace mixrig::render {
 namespace {
@@ -194,8 +195,12 @@ Tables make_tables(const CompositorSetup& setup) {
   if (!t.has_background) return t;
   const int radius_px = limit_radius_px(t.tof_footprint_px);
   t.key_limit_w = key_limit(setup.background, setup.key, t.correct.noise, radius_px);
-  if (!setup.objects.empty())
-    t.edge_depth_m = depth_at_color_edges(setup.background, t.tof_footprint_px);
+  if (!setup.objects.empty()) {
+    BackgroundView room = setup.background;
+    const Image<float> room_m = without_wrapped(room.depth_m, room.depth_sigma_m);
+    room.depth_m = room_m;
+    t.edge_depth_m = depth_at_color_edges(room, t.tof_footprint_px);
+  }
   if (setup.objects.empty() || (setup.light.lamps.empty() && !setup.light.contact)) {
     t.background_normal = normals(setup.background.depth_m, setup.view, 2 * radius_px);
     return t;

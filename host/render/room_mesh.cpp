@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/render/prepare.h"
+#include "host/render/wrapped_areas.h"
 
 namespace mixrig::render {
 namespace {
@@ -84,13 +85,22 @@ void add_picture(const CoarsePicture& picture, const glm::dmat4& world_from_pict
 
 RoomMesh make_room_mesh(const CompositorSetup& setup, const geometry::Pose& world_from_camera) {
   RoomMesh mesh;
-  if (!setup.background.depth_m.empty())
-    add_picture({setup.background.depth_m, setup.view}, to_glm(world_from_camera.matrix()), mesh);
+  const BackgroundView& background = setup.background;
+  if (!background.depth_m.empty()) {
+    const Image<float> depth_m = without_wrapped(background.depth_m, background.depth_sigma_m);
+    add_picture({depth_m, setup.view}, to_glm(world_from_camera.matrix()), mesh);
+  }
   for (const BackgroundModel& model : setup.background_models)
     for (std::size_t face = 0; face < model.world_from_face.size(); ++face) {
       const Size size = model.camera.size_px;
-      const ImageView<const float> depth_m{model.depth_m.row(static_cast<int>(face) * size.height),
-                                           size, model.depth_m.stride};
+      const auto of_face = [&](ImageView<const float> faces) {
+        return faces.empty()
+                   ? faces
+                   : ImageView<const float>{faces.row(static_cast<int>(face) * size.height), size,
+                                            faces.stride};
+      };
+      const Image<float> depth_m =
+          without_wrapped(of_face(model.depth_m), of_face(model.depth_sigma_m));
       add_picture({depth_m, model.camera}, to_glm(model.world_from_face[face].matrix()), mesh);
     }
   return mesh;

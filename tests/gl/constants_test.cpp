@@ -41,6 +41,7 @@ const std::map<std::string, double> kOurs = {
     {"border_samples", kBorderSamples},
     {"border_spread2", kBorderSpread2},
     {"border_apart", kBorderApart},
+    {"border_bent2", kBorderBent2},
     {"border_back", kBorderBack},
     {"cell_indices", kCellIndices},
     {"hidden_part", kHiddenPart},

@@ -138,8 +138,15 @@ TEST_F(CorrectPassTest, grazing_plane_stays_linked_by_its_inverse_depth) {
 
 TEST_F(CorrectPassTest, slope_uses_the_links_that_hold) {
   draw(make_image<float>(kSize, [](int x, int) { return x < 8 ? grazing_m(x) : 8.0F; }));
-  EXPECT_NEAR(vertices_.at(7, 5).g, -0.01F, 1e-5F);
+  EXPECT_NEAR(vertices_.at(6, 5).g, -0.01F, 1e-5F);  // the next sample is the surface's last
   EXPECT_NEAR(vertices_.at(8, 5).g, 0, 1e-6F);
+}
+
+TEST_F(CorrectPassTest, a_sample_between_two_surfaces_is_no_plane) {
+  tables_.correct.step_min_m = 0.2F;
+  draw(make_image<float>(kSize, [](int x, int) { return x < 8 ? 3.5F : x == 8 ? 3.65F : 3.9F; }));
+  EXPECT_EQ(links(7, 5), 15);     // within a step
+  EXPECT_EQ(links(8, 5), 2 + 8);  // in line with the near surface, not with the far one
 }
 
 }  // namespace

@@ -134,6 +134,25 @@ TEST_F(WarpPassTest, border_lies_where_the_plate_changes) {
   }
 }
 
+TEST_F(WarpPassTest, border_lies_where_red_meets_cyan) {
+  const Rgbf red{0.6F, 0.02F, 0.02F}, cyan{0.02F, 0.6F, 0.6F}, both{0.31F, 0.31F, 0.31F};
+  const auto depth = make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 2.0F : 4.0F; });
+  const auto last_near_column = [&](int mixed) {
+    const Texture plate = make_texture(
+        make_image<Rgbf>(kWarpView,
+                         [&](int x, int) { return x < mixed    ? red
+                                                  : x == mixed ? both
+                                                               : cyan; })
+            .view(),
+        GL_RGB32F);
+    const auto w = draw(depth, &plate);
+    int x = 31;
+    while (x > 0 && std::abs(w.at(x, 15).r) < 0.4F) --x;
+    return x;
+  };
+  EXPECT_GE(last_near_column(18) - last_near_column(15), 2);  // of 3
+}
+
 TEST_F(WarpPassTest, unknown_samples_and_points_behind_the_camera_draw_nothing) {
   tables_.warp.camera_from_tof[3] = glm::vec4(0, 0, -2, 1);
   const auto w = draw(make_image<float>(kWarpTof, [](int x, int y) {

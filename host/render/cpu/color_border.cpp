@@ -61,8 +61,9 @@ ColorBorder border_of(const Colors& colors) {
     sum += std::clamp(share, 0.0F, 1.0F);
   }
   const float one_off2 = off2 / (kBorderSamples - 1);
+  const float line2 = sigma2 + kBorderBent2 * apart2;
   const float sure =
-      apart2 / (apart2 + kBorderApart * kBorderApart * sigma2) * sigma2 / (sigma2 + one_off2);
+      apart2 / (apart2 + kBorderApart * kBorderApart * sigma2) * line2 / (line2 + one_off2);
   return {0.5F * sum - 0.75F, sure};
 }
 

@@ -173,7 +173,7 @@ bool linked(const float* p, const float* step_m, Stride d) {
   const float a = p[0], b = p[d];
   if (!(a > 0 && b > 0)) return false;
   const float step = std::min(step_m[0], step_m[d]);
-  return std::abs(a - b) <= step || run_on(p[-d], a, b, step) || run_on(a, b, p[2 * d], step);
+  return std::abs(a - b) <= step || (run_on(p[-d], a, b, step) && run_on(a, b, p[2 * d], step));
 }
 
 void link_row(const float* z_m, const float* step_m, Stride stride, int width, float step_min_m,

@@ -108,14 +108,14 @@ TEST(Compositor, an_object_has_a_pixel_that_it_covers_by_more_than_half) {
 
 /// First column past a box before a wall, by a ToF camera that sees it in columns before `end`, and
 /// a plate that changes at column `change`.
-int warped_border(int view_px, int tof_px, int end, int change) {
+int warped_border(int view_px, int tof_px, int end, int change, Rgb8 box = {200, 200, 200},
+                  Rgb8 wall = {60, 60, 60}) {
   const render::CompositorSetup setup =
       plain_setup({view_px, view_px}, view_px, {tof_px, tof_px}, tof_px);
   const auto depth =
       make_image<float>({tof_px, tof_px}, [&](int x, int) { return x < end ? 2.0F : 4.0F; });
-  const auto plate = make_image<Rgb8>({view_px, view_px}, [&](int x, int) {
-    return x < change ? Rgb8{200, 200, 200} : Rgb8{60, 60, 60};
-  });
+  const auto plate =
+      make_image<Rgb8>({view_px, view_px}, [&](int x, int) { return x < change ? box : wall; });
   render::FrameOutput out;
   out.wanted = render::kWarpedDepth;
   const auto compositor = render::make_cpu_compositor(setup, 1);
@@ -134,6 +134,13 @@ TEST(Compositor, colours_place_borders_where_the_plate_is_finer_than_the_depth) 
     const int change = end * 5 / 6;
     EXPECT_EQ(warped_border(25, 30, end, change), warped_border(25, 30, end, change + 1)) << end;
   }
+}
+
+TEST(Compositor, colours_of_opposite_channels_place_borders_too) {
+  // Where they meet light is mixed: its roots lie off the line between those of the colours.
+  const Rgb8 red{220, 40, 40}, cyan{40, 220, 220};
+  EXPECT_EQ(warped_border(64, 16, 8, 34, red, cyan), 34);
+  EXPECT_EQ(warped_border(64, 16, 8, 30, cyan, red), 30);
 }
 
 TEST(Compositor, object_behind_the_wall_is_not_seen_and_one_that_touches_it_is) {

@@ -67,6 +67,18 @@ TEST(Correct, silhouette_is_cut_and_keeps_both_depths) {
   }
 }
 
+TEST(Correct, a_sample_between_two_surfaces_is_no_plane) {
+  render::CorrectParams params;
+  params.step_min_m = 0.2F;
+  const Corrected c(make_image<float>(kCorrectSize,
+                                      [](int x, int) {
+                                        return x < 8 ? 3.5F : x == 8 ? 3.65F : 3.9F;
+                                      }),
+                    params);
+  EXPECT_TRUE(c.links(7, 5) & kRight) << "within a step";
+  EXPECT_FALSE(c.links(8, 5) & kRight) << "in line with the near surface, not with the far one";
+}
+
 TEST(Correct, flying_pixel_goes_to_the_surface_that_fills_most_of_it) {
   // Amplitudes fall with z^2, so the near surface at 1.5 m pulls four times as hard as that at 3 m:
   // at half of the pixel, the mean lies at (4 * 1.5 + 3) / 5 = 1.8 m.
