@@ -4,16 +4,18 @@
 //   state  of key_state.frag
 //   w      1/m, negative where a cut cell drew it
 //   plate  linear light, view
+//   limit_w  as in key_state.frag: negative where the background has no depth
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
 layout(binding = 0) uniform sampler2D state;
 layout(binding = 1) uniform sampler2D w;
 layout(binding = 2) uniform sampler2D plate;
+layout(binding = 3) uniform sampler2D limit_w;
 layout(location = 0) out vec4 counts;
 layout(location = 1) out vec4 colors;
 layout(location = 2) out vec4 rooms;
-uniform bool needs_room;
+uniform bool needs_room, by_volume;
 
 void main() {
   ivec2 first = ivec2(gl_FragCoord.xy) * block_px;
@@ -25,6 +27,9 @@ void main() {
       int s = to_state(texelFetch(state, at, 0).r);
       b.others = b.others || s != foreground;
       b.doubt = b.doubt || s == doubt;
+      float pixel_w = texelFetch(w, at, 0).r, measured = abs(pixel_w);
+      bool behind = measured < -behind_hole * texelFetch(limit_w, at, 0).r;
+      if (!by_volume && measured > 0.0 && behind) b.mirrored += 1.0;
       if (needs_room && s == background) {
         vec3 color = texelFetch(plate, at, 0).rgb;
         b.room += 1.0;
@@ -32,9 +37,8 @@ void main() {
         b.room_square_sum += dot(color, color);
       }
       if (s != foreground) continue;
-      float pixel_w = texelFetch(w, at, 0).r;
       b.foreground += 1.0;
-      b.w_sum += abs(pixel_w);
+      b.w_sum += measured;
       if (pixel_w < 0.0) continue;
       vec3 color = texelFetch(plate, at, 0).rgb;
       b.inner += 1.0;

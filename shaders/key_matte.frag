@@ -135,7 +135,8 @@ bool may_be_people(ivec2 at) {
     for (int i = -1; i <= 1; ++i) {
       ivec2 beside = clamp(at + reach_px * ivec2(i, j), ivec2(0), last);
       int s = to_state(texelFetch(state, beside, 0).r);
-      if (s != background && (s != foreground || is_foreground_at(beside))) return true;
+      bool by_mirror = (int(texelFetch(counts, beside / block_px, 0).w) & by_mirror_flag()) != 0;
+      if (s == doubt || (s == unknown && !by_mirror) || is_foreground_at(beside)) return true;
     }
   return false;
 }

@@ -7,7 +7,7 @@
 //                 not learned)
 //   band, person, room, person_deep  blocks, of key_band.frag
 //   vote          within color_vote_cap, or up to brighter_vote_cap; only blocks where votes decide
-//                 are drawn
+//                 are drawn; with whether people's colours cannot explain it (common/key.glsl)
 #include "common/precision.glsl"
 #include "common/constants.glsl"
 #include "common/key.glsl"
@@ -44,7 +44,7 @@ void main() {
   if (!has_learned && (around.a == 0.0 || !has_person)) return;
   vec3 off = p - around.rgb;
   float background2 = dot(off, off) / max(around.a, 1e-12), variance = around.a;
-  bool is_brighter = false;  // than a learned background
+  bool no_shadow = false;  // of people on a learned background
   if (has_learned) {
     vec3 known = texelFetch(learned, at, 0).rgb;
     if (known.r < 0.0) return;  // unknown
@@ -52,11 +52,13 @@ void main() {
     float spread = has_sigma ? gain.g * texelFetch(learned_sigma, at, 0).r : 0.0;
     variance = spread * spread + floor_variance(b);
     // A shadow darkens the background without changing its hue.
-    float k = clamp(dot(p, b) / max(dot(b, b), 1e-8), darkest_shadow, 1.0);
+    float shade = dot(p, b) / max(dot(b, b), 1e-8), k = clamp(shade, darkest_shadow, 1.0);
     off = p - k * b;
     float dark = (1.0 - k) / shadow_sigma;
     background2 = dot(off, off) / variance + dark * dark;
-    is_brighter = has_person && luminance(p) > brighter * luminance(b) + brighter_light;
+    vec3 other = p - clamp(shade, deepest_shadow, 1.0) * b;
+    bool is_brighter = luminance(p) > brighter * luminance(b) + brighter_light;
+    no_shadow = has_person && (is_brighter || dot(other, other) > other_color * variance);
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {
@@ -65,5 +67,6 @@ void main() {
     odds = 0.5 * background2 + spread_odds * log(variance) + person_odds;
   }
   float cap = has_learned ? color_vote_cap : room_vote_cap;
-  vote = clamp(odds, -cap, is_brighter ? brighter_vote_cap : cap);
+  vote = stored_vote(clamp(odds, -cap, no_shadow ? brighter_vote_cap : cap),
+                     has_learned && has_person && odds < inside_odds);
 }

@@ -95,6 +95,9 @@ inline constexpr float kSampleTurnPx = 0.125F;
 inline constexpr int kBlockPx = 8;
 /// Least size of a person in ToF pixels; less is a speckle of depth noise.
 inline constexpr float kSpeckleTofPx = 6.0F;
+/// The same where more pixels around show what a mirror shows: a dark head in it has little depth,
+/// some of it too near by noise.
+inline constexpr float kMirrorSpeckleTofPx = 24.0F;
 /// Foreground is counted in the blocks within this radius, 5x5: a person's border that only touches
 /// a block is no speckle.
 inline constexpr int kSpeckleBlocks = 2;
@@ -142,6 +145,11 @@ inline constexpr float kColorVoteCap = 4.0F;
 inline constexpr float kBrighter = 1.1F;
 inline constexpr float kBrighterLight = 0.02F;
 inline constexpr float kBrighterVoteCap = 6.0F;
+/// So it is with what no shade of the learned background explains: off its light times any factor
+/// from this on to 1 by so many variances (a grey sole on a red rug, whose measured depth is the
+/// rug's). With a factor of 0.5 the shadows of people are keyed.
+inline constexpr float kDeepestShadow = 0.3F;
+inline constexpr float kOtherColor = 16.0F;
 /// The same where the room's colour is that of the pixels around: a rougher guess. On walk 3 to 9
 /// (kinect2, 640x512) key_iou is 0.929 with 4, 0.931 with 2.5, 0.928 with 1.5.
 inline constexpr float kRoomVoteCap = 2.5F;
@@ -155,6 +163,16 @@ inline constexpr int kDepthTapRadius = 2;
 /// no longer wins where depth reaches over by more than a footprint (key_iou of talk 8 0.967 to
 /// 0.976, of edges 5 with sr3000 0.979 to 0.977).
 inline constexpr float kForegroundWeight = 3.0F;
+/// But where people are measured all around, colours do not take them away by little: a shirt like
+/// the wall has no holes. All around are as many taps as above, half a block apart or this many ToF
+/// footprints, whichever is more; of them this share is people (one may show background). Most of
+/// 3x3 colours must be people's by more than these log odds: those of a gap between two legs, which
+/// the ToF camera does not resolve, are less (seeds 5 and 8: people 90 % over -5.8, room under
+/// -7.6).
+inline constexpr float kInsideWeight = 6.0F;
+inline constexpr float kInsideFootprints = 2.5F;
+inline constexpr float kInsideShare = 0.95F;
+inline constexpr float kInsideOdds = -7.0F;
 /// Measured background is sure, while colour may be a shadow.
 inline constexpr float kBackgroundWeight = 5.0F;
 /// What a tap without measurement counts as, between background 0 and foreground 1: a little less

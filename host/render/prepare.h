@@ -251,6 +251,11 @@ inline int matte_tile_px(float tof_footprint_px) {
 }
 /// Whether the plate's colours place the borders of the warp: where it is finer than the depth.
 inline bool color_places_borders(float tof_footprint_px) { return tof_footprint_px > 1; }
+/// View pixels between the taps that tell whether people are measured all around.
+inline int inside_tap_px(float tof_footprint_px) {
+  return std::max(kBlockPx / 2,
+                  static_cast<int>(std::lround(kInsideFootprints * tof_footprint_px)));
+}
 /// View pixels around one in which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {
   return static_cast<int>(std::ceil(tof_footprint_px));

@@ -3,6 +3,12 @@
 // block_px wide. Needs common/constants.glsl.
 const int unknown = 0, background = 1, foreground = 2, doubt = 3;
 
+// A colour vote, and whether people's colours cannot explain the pixel, as key_votes.frag has them.
+float stored_vote(float vote, bool other) { return other ? vote - 64.0 : vote; }
+vec2 vote_and_other(float stored) {
+  return stored < -32.0 ? vec2(stored + 64.0, 1) : vec2(stored, 0);
+}
+
 int to_state(float stored) { return int(stored * 255.0 + 0.5); }
 
 // Three textures, a texel a block.
@@ -13,6 +19,8 @@ struct Block {
   bool others;        // any pixel that is not foreground
   bool doubt;         // any pixel measured where the background has no depth
   bool dropped;       // its foreground was a speckle
+  float mirrored;     // pixels that show what a mirror shows
+  bool by_mirror;     // what is unknown is background
   vec3 color_sum;     // linear, over inner
   float square_sum;   // of all channels' squares, over inner
   float room;         // pixels of the background; where its colour was not learned
@@ -20,18 +28,22 @@ struct Block {
   float room_square_sum;
 };
 
+// Of the counts of blocks.
+int by_mirror_flag() { return 1 << 17; }
+
 const Block empty_block =
-    Block(0.0, 0.0, 0.0, false, false, false, vec3(0), 0.0, 0.0, vec3(0), 0.0);
+    Block(0.0, 0.0, 0.0, false, false, false, 0.0, false, vec3(0), 0.0, 0.0, vec3(0), 0.0);
 
 Block read_block(sampler2D counts, sampler2D colors, sampler2D rooms, ivec2 at) {
   vec4 count = texelFetch(counts, at, 0), color = texelFetch(colors, at, 0);
   vec4 room = texelFetch(rooms, at, 0);
   int flags = int(count.w);
   return Block(count.x, count.y, count.z, (flags & 1) != 0, (flags & 2) != 0, (flags & 4) != 0,
-               color.rgb, color.a, float(flags >> 3), room.rgb, room.a);
+               float((flags >> 10) & 127), (flags & by_mirror_flag()) != 0, color.rgb, color.a, float((flags >> 3) & 127), room.rgb, room.a);
 }
 
 vec4 counts_of(Block b) {
-  int flags = (b.others ? 1 : 0) + (b.doubt ? 2 : 0) + (b.dropped ? 4 : 0) + 8 * int(b.room);
+  int flags = (b.others ? 1 : 0) + (b.doubt ? 2 : 0) + (b.dropped ? 4 : 0) + 8 * int(b.room) +
+              1024 * int(b.mirrored) + (b.by_mirror ? by_mirror_flag() : 0);
   return vec4(b.foreground, b.inner, b.w_sum, flags);
 }

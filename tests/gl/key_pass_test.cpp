@@ -169,6 +169,69 @@ TEST_F(KeyPassTest, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_peop
   }
 }
 
+TEST_F(KeyPassTest, what_no_shade_of_the_background_explains_outweighs_its_measured_depth) {
+  params_.refine = false;
+  for (const bool is_sole : {true, false}) {
+    w_.fill(0.25F);
+    plate_.fill(kWall);
+    put(16, 0, 48, 40);
+    for (int y = 0; y < 46; ++y)
+      for (int x = 16; x < 48; ++x)
+        plate_.at(x, y) = y < 40 || is_sole ? Rgb8{60, 60, 60} : Rgb8{72, 0, 0};
+    draw();
+    EXPECT_EQ(matte(32, 43), is_sole ? 1 : 0);
+    EXPECT_EQ(matte(32, 52), 0);
+  }
+}
+
+TEST_F(KeyPassTest, a_patch_like_the_wall_inside_people_is_no_hole_but_a_gap_between_legs_is) {
+  params_.refine = false;
+  for (const bool is_shirt : {true, false}) {
+    w_.fill(0.25F);
+    put(8, 0, 56, 64);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 8; x < 56; ++x) plate_.at(x, y) = is_shirt ? Rgb8{134, 0, 10} : Rgb8{30, 30, 90};
+    for (int y = 20; y < 44; ++y)
+      for (int x = 29; x < 34; ++x) plate_.at(x, y) = kWall;
+    for (const int y : {8, 9, 52, 53}) w_.at(30, y) = w_.at(31, y) = 0;  // votes decide here
+    draw();
+    EXPECT_EQ(matte(31, 22) > 0.5F, is_shirt);
+    EXPECT_EQ(matte(31, 42) > 0.5F, is_shirt);
+  }
+}
+
+TEST_F(KeyPassTest, a_few_near_pixels_beside_what_a_mirror_shows_are_nobody) {
+  use_color_ = false;
+  for (const bool mirrored : {true, false}) {
+    w_.fill(0);
+    tables_.key_limit_w.fill(-0.33F);
+    put(28, 20, 32, 24);
+    if (mirrored)
+      for (int y = 24; y < 52; ++y)
+        for (int x = 24; x < 40; ++x) w_.at(x, y) = 0.2F;
+    draw();
+    EXPECT_EQ(matte(30, 22) == 0, mirrored);
+  }
+}
+
+TEST_F(KeyPassTest, what_is_unknown_beside_what_a_mirror_shows_is_nobody) {
+  for (const bool mirrored : {true, false}) {
+    plate_.fill(kWall);
+    put(8, 8, 28, 56, true, false);
+    for (int y = 8; y < 56; ++y)
+      for (int x = 8; x < 48; ++x)
+        if (x < 28 || (x >= 32 && y >= 24 && y < 40)) plate_.at(x, y) = {74, 0, 0};
+    for (int y = 0; y < 64; ++y)
+      for (int x = 28; x < 64; ++x) tables_.key_limit_w.at(x, y) = -0.33F, w_.at(x, y) = 0;
+    if (mirrored)
+      for (int y = 28; y < 36; ++y)
+        for (int x = 40; x < 44; ++x) w_.at(x, y) = 0.2F;
+    draw();
+    EXPECT_EQ(matte(20, 32), 1);
+    EXPECT_EQ(matte(36, 32) > 0.5F, !mirrored);
+  }
+}
+
 TEST_F(KeyPassTest, points_outside_the_capture_box_are_cropped) {
   put(0, 0, 64, 64);
   params_.crop = true;

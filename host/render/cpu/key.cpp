@@ -17,7 +17,9 @@ constexpr auto kBackground = static_cast<std::uint8_t>(PixelState::kBackground);
 constexpr auto kForeground = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
-void classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
+/// Whether any pixel shows what a mirror shows: farther than the background around a hole of it.
+bool classify_row(const float* w, const float* limit_w, int width, std::uint8_t* state) {
+  int mirrored = 0;
   for (int x = 0; x < width; ++x) {
     const float limit = limit_w[x];
     const bool known = w[x] > 0, learned = (limit > 0) & (limit < kNoLimitW);
@@ -25,7 +27,9 @@ void classify_row(const float* w, const float* limit_w, int width, std::uint8_t*
     const std::uint8_t behind = is_behind ? kBackground : kDoubt;
     const std::uint8_t measured = w[x] > std::abs(limit) ? kForeground : behind;
     state[x] = known ? measured : kUnknown;
+    mirrored |= known & (limit < 0) & is_behind;
   }
+  return mirrored != 0;
 }
 
 /// A row without a background: what lies over the volume's floor is foreground.
@@ -104,20 +108,34 @@ void sample_blocks(const KeyInput& input, const Image<float>& view_w, int by, Ke
       sample_pair(input, view_w, bx, by, scratch);
 }
 
+/// Counts what a mirror shows in a row of blocks.
+void count_mirrored(const Image<float>& view_w, const Image<float>& limit_w, int by,
+                    KeyScratch& scratch) {
+  std::uint8_t* mirrored = scratch.planes.mirrored.row(by);
+  for (int y = block_begin(by); y < block_end(by, limit_w.height()); ++y) {
+    const float *w = view_w.row(y), *limit = limit_w.row(y);
+    for (int x = 0; x < limit_w.width(); ++x)
+      mirrored[x / kBlockPx] += w[x] > 0 && w[x] < -kBehindHole * limit[x];
+  }
+}
+
 void classify(const KeyInput& input, const Image<float>& view_w, int by, KeyScratch& scratch) {
   const Size size = input.tables.view_size;
+  bool mirrored = false;
   for (int y = block_begin(by); y < block_end(by, size.height); ++y) {
     if (input.params.by == KeyBy::kVolume)
       classify_over_floor(input, view_w.row(y), y, size.width, scratch.state.row(y));
     else
-      classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
-                   scratch.state.row(y));
+      mirrored |= classify_row(view_w.row(y), input.tables.key_limit_w.row(y), size.width,
+                               scratch.state.row(y));
     if (input.params.crop) crop_row(input, view_w.row(y), y, size.width, scratch.state.row(y));
   }
   const int rows = block_end(by, size.height) - block_begin(by);
   for (int bx = 0; bx < scratch.blocks_size.width; ++bx)
     scratch.planes.count(scratch.state, bx, by,
                          rows * (block_end(bx, size.width) - block_begin(bx)));
+  std::fill_n(scratch.planes.mirrored.row(by), scratch.blocks_size.width, std::uint8_t{0});
+  if (mirrored) count_mirrored(view_w, input.tables.key_limit_w, by, scratch);
 }
 
 }  // namespace
@@ -156,7 +174,7 @@ void key(Crew& crew, const KeyInput& input, KeyScratch& scratch, Image<float>& v
   const float footprint_px = input.tables.tof_footprint_px;
   for (KeyVotes& votes : scratch.votes) votes.set_footprint(footprint_px);
   each_row([&](int by, int) { classify(input, view_w, by, scratch); });
-  scratch.planes.drop_speckles(kSpeckleTofPx * footprint_px * footprint_px, scratch.state);
+  scratch.planes.drop_speckles(footprint_px * footprint_px, scratch.state);
   scratch.planes.find_band(input.needs_room());
   each_row([&](int by, int) {
     if (input.moving) draw_colors(scratch, by, input.tables.view_size, *input.moving);

@@ -3,10 +3,12 @@
 
 #include "host/render/compositor.h"
 #include "host/render/cpu/simd.h"
+#include "host/render/mirror_key.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
+constexpr auto kHidden = static_cast<std::uint8_t>(PixelState::kUnknown);
 constexpr auto kSpeckleFrom = static_cast<std::uint8_t>(PixelState::kForeground);
 constexpr auto kSpeckleTo = static_cast<std::uint8_t>(PixelState::kBackground);
 
@@ -34,6 +36,10 @@ void join_around(const Image<From>& from, int radius, Image<T>& rows, Image<T>& 
   }
 }
 
+constexpr auto kAdd = [](std::uint16_t a, std::uint16_t b) {
+  return static_cast<std::uint16_t>(a + b);
+};
+
 /// Counts eight states at once: foreground is binary 10, doubt 11, unknown 00.
 struct RowCount {
   std::uint64_t foreground = 0;  ///< a byte a column
@@ -51,10 +57,10 @@ struct RowCount {
 }  // namespace
 
 BlockPlanes::BlockPlanes(Size blocks) {
-  for (Plane* plane : {&foreground, &others, &unknown, &doubt, &band, &near, &decided, &decided1,
-                       &decided2, &sampled, &any_, &rows_})
+  for (Plane* plane : {&foreground, &others, &mirrored, &unknown, &doubt, &band, &near, &decided,
+                       &decided1, &decided2, &sampled, &any_, &rows_})
     plane->reset(blocks);
-  sum_.reset(blocks), row_sum_.reset(blocks);
+  sum_.reset(blocks), mirrored_sum_.reset(blocks), row_sum_.reset(blocks);
 }
 
 void BlockPlanes::count(const Image<std::uint8_t>& state, int bx, int by, int pixels) {
@@ -68,15 +74,36 @@ void BlockPlanes::count(const Image<std::uint8_t>& state, int bx, int by, int pi
   unknown.row(by)[bx] = c.unknown != 0;
 }
 
-void BlockPlanes::drop_speckles(float least_px, Image<std::uint8_t>& state) {
-  join_around(foreground, kSpeckleBlocks, row_sum_, sum_,
-              [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a + b); });
+/// One state of a block becomes background.
+void BlockPlanes::replace(int bx, int by, std::uint8_t from, Image<std::uint8_t>& state) const {
+  for (int y = block_begin(by); y < block_begin(by + 1); ++y)
+    std::replace(state.row(y) + block_begin(bx), state.row(y) + block_begin(bx + 1), from,
+                 kSpeckleTo);
+}
+
+/// What is unknown beside what a mirror shows is background.
+void BlockPlanes::end_mirrors(Image<std::uint8_t>& state) {
+  join_around(foreground, kBandBlocks, row_sum_, sum_, kAdd);
+  join_around(mirrored, kBandBlocks, row_sum_, mirrored_sum_, kAdd);
   for (int by = 0; by < foreground.height(); ++by)
     for (int bx = 0; bx < foreground.width(); ++bx) {
-      if (foreground.row(by)[bx] == 0 || static_cast<float>(sum_.row(by)[bx]) >= least_px) continue;
-      for (int y = block_begin(by); y < block_begin(by + 1); ++y)
-        std::replace(state.row(y) + block_begin(bx), state.row(y) + block_begin(bx + 1),
-                     kSpeckleFrom, kSpeckleTo);
+      const float least = kMirrorPart * static_cast<float>(sum_.row(by)[bx]);
+      if (static_cast<float>(mirrored_sum_.row(by)[bx]) <= least) continue;
+      replace(bx, by, kHidden, state);
+      unknown.row(by)[bx] = 0;
+    }
+}
+
+void BlockPlanes::drop_speckles(float tof_px, Image<std::uint8_t>& state) {
+  end_mirrors(state);
+  join_around(foreground, kSpeckleBlocks, row_sum_, sum_, kAdd);
+  join_around(mirrored, kSpeckleBlocks, row_sum_, mirrored_sum_, kAdd);
+  for (int by = 0; by < foreground.height(); ++by)
+    for (int bx = 0; bx < foreground.width(); ++bx) {
+      const int sum = sum_.row(by)[bx];
+      const float least = sum < mirrored_sum_.row(by)[bx] ? kMirrorSpeckleTofPx : kSpeckleTofPx;
+      if (foreground.row(by)[bx] == 0 || static_cast<float>(sum) >= least * tof_px) continue;
+      replace(bx, by, kSpeckleFrom, state);
       foreground.row(by)[bx] = 0;
       others.row(by)[bx] = 1;
     }

@@ -21,6 +21,7 @@ struct BlockPlanes {
 
   Plane foreground;      ///< pixels
   Plane others;          ///< any pixel that is not foreground
+  Plane mirrored;        ///< pixels that show what a mirror shows
   Plane unknown, doubt;  ///< any pixel without depth; any measured where the background has none
   Plane band, near;      ///< within one block of a border, three of foreground
   Plane decided;         ///< votes decide
@@ -30,9 +31,10 @@ struct BlockPlanes {
   /// Of the states of block (bx, by), whose image is padded with background to whole blocks;
   /// `pixels` counts without.
   void count(const Image<std::uint8_t>& state, int bx, int by, int pixels);
-  /// Foreground too small to be a person, less than `least_px` within 5x5 blocks, is background:
-  /// in `state` too.
-  void drop_speckles(float least_px, Image<std::uint8_t>& state);
+  /// Background, in `state` too, are: foreground too small to be a person, within 5x5 blocks, and
+  /// what is unknown beside what a mirror shows. `tof_px`: pixels that one of the ToF camera
+  /// covers.
+  void drop_speckles(float tof_px, Image<std::uint8_t>& state);
   /// The band and what follows from it. `room`: colours of the background are needed too.
   void find_band(bool room);
   /// Whether a block and all around it are foreground alone; after find_band().
@@ -40,7 +42,9 @@ struct BlockPlanes {
 
  private:
   Plane any_, rows_;
-  Image<std::uint16_t> sum_, row_sum_;
+  Image<std::uint16_t> sum_, mirrored_sum_, row_sum_;
+  void end_mirrors(Image<std::uint8_t>& state);
+  void replace(int bx, int by, std::uint8_t from, Image<std::uint8_t>& state) const;
 };
 
 /// Calls visit(begin, end) for runs of at most `most` of 0 .. width - 1 where flags are not 0.

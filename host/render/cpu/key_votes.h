@@ -18,7 +18,7 @@ struct NearColors;
 /// Memory of one thread.
 class KeyVotes {
  public:
-  /// Distance of the taps of depth votes: half a ToF footprint. Allocates only where it is larger
+  /// Distances of the taps of depth votes, by the ToF footprint. Allocates only where it is larger
   /// than any before.
   void set_footprint(float tof_footprint_px);
   static constexpr int kMostBlocks = 16;
@@ -36,17 +36,21 @@ class KeyVotes {
   using Rows = std::array<std::array<float, kStride>, kRows>;
   using Votes = std::array<std::array<float, kVoteStride>, kRows>;
   using Mean = std::array<std::array<float, kBlockPx>, kBlockPx>;
+  /// Over 3x3 pixels: colour votes, and which part of them people's colours cannot explain.
+  struct Means {
+    Mean vote, other;
+  };
 
   void load_colors(const KeyInput& input, int bx0, int bx1, int by);
   void load_row(const KeyInput& input, int x0, int width, int y, int j);
-  void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Mean& mean) const;
-  void sum_depths(const Image<std::uint8_t>& state, Size size, int x0, int x1, int y,
-                  std::uint8_t* sums);
+  void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Means& means) const;
+  using Taps = std::array<int, 2 * kDepthTapRadius + 1>;
+  void sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0, int x1,
+                  int y, std::uint8_t* sums);
 
-  int reach_ = 0;  ///< of the taps of depth votes, pixels
-  std::array<int, 2 * kDepthTapRadius + 1> taps_{};
+  Taps near_{}, around_{};             ///< of depth votes, pixels
   std::vector<std::uint8_t> columns_;  ///< sums of a row's taps along columns
-  std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{};
+  std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{}, around_depths_{};
   // From one pixel left of and above the run on.
   Rows r_{}, g_{}, b_{};  ///< plate, linear
   Rows distance_{};       ///< of the learned background: squared, over its variance

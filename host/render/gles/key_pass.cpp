@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/render/mirror_key.h"
 #include "host/render/people_motion.h"
 
 namespace mixrig::render::gles {
@@ -85,8 +86,9 @@ void KeyPass::set_view(const Tables& tables) const {
   state_.program.set("focal_px", tables.warp.view.focal_px);
   state_.program.set("center_px", tables.warp.view.center_px);
   finish_.program.set("parallax_px_m", parallax_px_m(tables.warp));
-  speckles_.program.set("least_foreground_px", kSpeckleTofPx * footprint * footprint);
+  speckles_.program.set("tof_px", footprint * footprint);
   decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
+  decide_.program.set("inside_px", inside_tap_px(footprint));
 }
 
 void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
@@ -99,6 +101,7 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
     tone_ = ToneUniforms(vote_.program);
   }
   decide_.program.set("use_color", use_color_);
+  speckles_.program.set("mirror_part", kMirrorPart);
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.program.set("refine", refine_);
@@ -106,7 +109,8 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
   matte_tone_ = ToneUniforms(finish_.program);
   has_before_ = finish_.program.location("has_before");
   finish_.program.set("cell_px", 1);  // drivers may divide before they know that nothing is before
-  state_.program.set("by_volume", params.by == KeyBy::kVolume);
+  for (const Step* step : {&state_, &blocks_})
+    step->program.set("by_volume", params.by == KeyBy::kVolume);
   state_.program.set("noise_factor", params.noise_factor);
   state_.program.set("noise_floor_m", params.noise.floor_m);
   state_.program.set("noise_linear", params.noise.linear);
@@ -123,7 +127,7 @@ void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
   set_uniform(world_from_camera_, params.world_from_camera);
   set_uniform(floor_w_, params.floor_w);
   run(state_, {&w, &limit_w});
-  run(blocks_, {&state_image_, &w, &input.plate});
+  run(blocks_, {&state_image_, &w, &input.plate, &limit_w});
   run(speckles_, {&counts_, &colors_, &rooms_});
   run(find_deep_, {&kept_counts_, &kept_colors_});
   run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});

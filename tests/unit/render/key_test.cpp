@@ -280,6 +280,71 @@ TEST(Key, a_shirt_like_the_wall_beside_dark_trousers_is_compared_with_the_shirt)
   EXPECT_FALSE(k.is_person(5, 28));
 }
 
+/// A sole on the rug: its depth is the rug's within the noise, and it is darker.
+TEST(Key, what_no_shade_of_the_background_explains_outweighs_its_measured_depth) {
+  const Rgbf rug{0.4F, 0.05F, 0.05F}, sole{0.12F, 0.12F, 0.12F};
+  for (const auto& [below, is_person] :
+       {std::pair(sole, true), std::pair(Rgbf{0.16F, 0.02F, 0.02F}, false)}) {
+    Keyed k;
+    k.color.fill(rug);
+    k.paint(0, 0, 64, 64, rug);
+    k.person(16, 16, 48, 40);
+    k.paint(16, 16, 48, 40, sole);
+    k.paint(16, 40, 48, 46, below);
+    k.run();
+    EXPECT_EQ(k.is_person(32, 43), is_person) << below.g;
+    EXPECT_FALSE(k.is_person(32, 52)) << below.g;
+  }
+}
+
+/// People measured all around a patch in the wall's colour, and a gap between two legs, which the
+/// depth camera closes.
+TEST(Key, a_patch_like_the_wall_inside_people_is_no_hole_but_a_gap_between_legs_is) {
+  const Rgbf shirt{0.62F, 0.5F, 0.4F}, jeans{0.03F, 0.04F, 0.12F};
+  for (const auto& [clothes, is_person] : {std::pair(shirt, true), std::pair(jeans, false)}) {
+    Keyed k;
+    k.setup.key.refine = false;
+    k.person(10, 0, 56, 64);
+    k.paint(10, 0, 56, 64, clothes);
+    k.paint(29, 20, 34, 44, kWall);
+    for (const int y : {8, 9, 52, 53}) k.w.at(30, y) = k.w.at(31, y) = 0;  // votes decide here
+    k.run();
+    EXPECT_EQ(k.is_person(31, 22), is_person) << clothes.r;
+    EXPECT_EQ(k.is_person(31, 42), is_person) << clothes.r;
+  }
+}
+
+/// Of a dark head in a mirror some pixels are measured too near.
+TEST(Key, a_few_near_pixels_beside_what_a_mirror_shows_are_nobody) {
+  for (const bool mirrored : {true, false}) {
+    Keyed k;
+    for (int y = 8; y < 56; ++y)
+      for (int x = 8; x < 56; ++x) k.depth.at(x, y) = 0, k.w.at(x, y) = 0;
+    k.person(28, 20, 35, 26);
+    k.paint(24, 18, 40, 34, kShirt);
+    if (mirrored) k.person(24, 26, 40, 52, 6);
+    k.run();
+    EXPECT_EQ(k.people() == 0, mirrored) << k.people();
+  }
+}
+
+/// A sleeve in a mirror beside the person who wears it, measured in part.
+TEST(Key, what_is_unknown_beside_what_a_mirror_shows_is_nobody) {
+  const Rgbf coat{0.18F, 0.18F, 0.18F};
+  for (const bool mirrored : {true, false}) {
+    Keyed k;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 28; x < 64; ++x) k.depth.at(x, y) = 0, k.w.at(x, y) = 0;
+    k.person(8, 8, 28, 56);
+    k.paint(8, 8, 28, 56, coat);
+    k.paint(32, 24, 48, 40, coat);
+    if (mirrored) k.person(40, 28, 44, 36, 6);
+    k.run();
+    EXPECT_TRUE(k.is_person(20, 32));
+    EXPECT_EQ(k.is_person(36, 32), !mirrored);
+  }
+}
+
 /// The depth camera shows people who walk where they were before.
 TEST(Key, a_strip_of_the_room_under_peoples_depth_is_no_colour_of_people) {
   Keyed k;
