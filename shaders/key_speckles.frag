@@ -9,7 +9,6 @@
 layout(binding = 0) uniform sampler2D counts;
 layout(binding = 1) uniform sampler2D colors;
 layout(binding = 2) uniform sampler2D rooms;
-uniform float mirror_part;  // mirror_key.h
 uniform float tof_px;  // pixels that one of the ToF camera covers
 layout(location = 0) out vec4 kept_counts;
 layout(location = 1) out vec4 kept_colors;

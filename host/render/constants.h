@@ -98,6 +98,10 @@ inline constexpr float kSpeckleTofPx = 6.0F;
 /// The same where more pixels around show what a mirror shows: a dark head in it has little depth,
 /// some of it too near by noise.
 inline constexpr float kMirrorSpeckleTofPx = 24.0F;
+/// What is unknown in a block is background where the 3x3 blocks around show what a mirror shows,
+/// at least this part of their foreground: hair and sleeves in a mirror have no depth, and look
+/// like people.
+inline constexpr float kMirrorPart = 0.1F;
 /// Foreground is counted in the blocks within this radius, 5x5: a person's border that only touches
 /// a block is no speckle.
 inline constexpr int kSpeckleBlocks = 2;

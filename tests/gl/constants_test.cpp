@@ -56,6 +56,7 @@ const std::map<std::string, double> kOurs = {
     {"block_px", kBlockPx},
     {"speckle_tof_px", kSpeckleTofPx},
     {"mirror_speckle_tof_px", kMirrorSpeckleTofPx},
+    {"mirror_part", kMirrorPart},
     {"speckle_blocks", kSpeckleBlocks},
     {"near_blocks", kNearBlocks},
     {"band_blocks", kBandBlocks},

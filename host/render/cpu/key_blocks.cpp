@@ -3,7 +3,6 @@
 
 #include "host/render/compositor.h"
 #include "host/render/cpu/simd.h"
-#include "host/render/mirror_key.h"
 
 namespace mixrig::render::cpu {
 namespace {

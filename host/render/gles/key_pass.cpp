@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "host/render/mirror_key.h"
 #include "host/render/people_motion.h"
 
 namespace mixrig::render::gles {
@@ -101,7 +100,6 @@ void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
     tone_ = ToneUniforms(vote_.program);
   }
   decide_.program.set("use_color", use_color_);
-  speckles_.program.set("mirror_part", kMirrorPart);
   for (const Step* step : {&blocks_, &speckles_})
     step->program.set("needs_room", use_color_ && !has_learned_);
   finish_.program.set("refine", refine_);
