@@ -20,7 +20,7 @@ layout(binding = 3) uniform sampler2D band;
 layout(binding = 4) uniform sampler2D person;
 layout(binding = 5) uniform sampler2D room;
 layout(binding = 7) uniform sampler2D person_deep;  // 6 is that of blocks.vert
-uniform bool has_learned, has_sigma;
+uniform bool has_learned, has_sigma, is_still;
 out float vote;
 
 // Of a colour with a variance.
@@ -58,7 +58,8 @@ void main() {
     background2 = dot(off, off) / variance + dark * dark;
     vec3 other = p - clamp(shade, deepest_shadow, 1.0) * b;
     bool is_brighter = luminance(p) > brighter * luminance(b) + brighter_light;
-    no_shadow = has_person && (is_brighter || dot(other, other) > other_color * variance);
+    bool is_other = is_still && dot(other, other) > other_color * variance;
+    no_shadow = has_person && (is_brighter || is_other);
   }
   float odds = 0.5 * background2 - color_vote_cap;
   if (has_person) {

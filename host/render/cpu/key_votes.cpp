@@ -42,7 +42,8 @@ LearnedDistance to_learned(const KeyInput& input, const ColorLanes& p, const Col
   const FloatLanes deep = clamp(shade, FloatLanes{} + kDeepestShadow, kOne);
   const ColorLanes off{p.r - deep * b.r, p.g - deep * b.g, p.b - deep * b.b};
   const IntLanes brighter = luminance(p) > kBrighter * light + kBrighterLight;
-  const IntLanes no_shadow = brighter | (dot(off, off) > kOtherColor * variance);
+  IntLanes no_shadow = brighter;
+  if (!input.moving) no_shadow |= dot(off, off) > kOtherColor * variance;
   FloatLanes most = no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
   most = learned.r < 0 ? FloatLanes{} : most;  // unknown
   return {dot(d, d) / variance + dark * dark, variance, most};

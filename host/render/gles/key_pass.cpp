@@ -35,6 +35,7 @@ Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
   if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
   MIXRIG_TRY(pass.make_steps());
   pass.set_constants(params, learned.with_spread);
+  if (pass.use_color_) pass.vote_.program.set("is_still", !tables.key_limit_w.empty());
   const int matte_tile = matte_tile_px(tables.tof_footprint_px);
   pass.finish_.program.set("tile_px", matte_tile);
   if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile);

@@ -286,6 +286,7 @@ TEST(Key, what_no_shade_of_the_background_explains_outweighs_its_measured_depth)
   for (const auto& [below, is_person] :
        {std::pair(sole, true), std::pair(Rgbf{0.16F, 0.02F, 0.02F}, false)}) {
     Keyed k;
+    k.setup.key.refine = false;
     k.color.fill(rug);
     k.paint(0, 0, 64, 64, rug);
     k.person(16, 16, 48, 40);
