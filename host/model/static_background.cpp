@@ -46,10 +46,30 @@ int stride_of(int added, int max_frames) {
 }
 
 template <typename T>
-void drop_odd(std::vector<Image<T>>& images) {
-  std::vector<Image<T>> even;
-  for (std::size_t i = 0; i < images.size(); i += 2) even.push_back(std::move(images[i]));
-  images = std::move(even);
+void drop_odd(std::vector<T>& frames) {
+  std::vector<T> even;
+  for (std::size_t i = 0; i < frames.size(); i += 2) even.push_back(std::move(frames[i]));
+  frames = std::move(even);
+}
+
+/// A part of a picture: columns [x0, x1) of the rows [y0, y1).
+struct Bounds {
+  int x0, y0, x1, y1;
+};
+
+/// Of all known depths; at least a pixel.
+Bounds bounds_of_known(ImageView<const float> depth_m) {
+  Bounds b{depth_m.size.width, depth_m.size.height, 0, 0};
+  const auto known = [](float z) { return z > 0; };
+  for (int y = 0; y < depth_m.size.height; ++y) {
+    const float *row = depth_m.row(y), *end = row + depth_m.size.width;
+    const float* const first = std::find_if(row, end, known);
+    if (first == end) continue;
+    while (!known(end[-1])) --end;
+    b = {std::min(b.x0, static_cast<int>(first - row)), std::min(b.y0, y),
+         std::max(b.x1, static_cast<int>(end - row)), y + 1};
+  }
+  return b.x1 > b.x0 ? b : Bounds{0, 0, 1, 1};
 }
 
 }  // namespace
@@ -65,22 +85,23 @@ Result<void> StaticBackgroundBuilder::add(ImageView<const float> depth_m,
   const int index = seen_++;
   const int stride = stride_of(seen_, max_frames_);
   const std::size_t older = static_cast<std::size_t>((index + stride - 1) / stride);
-  if (depth_.size() > older) {
-    drop_odd(depth_);
-    drop_odd(color_);
-  }
+  if (kept_.size() > older) drop_odd(kept_);
   if (index % stride != 0) return {};
-  Image<std::uint16_t>& steps = depth_.emplace_back(view_.size_px);
-  Image<Rgb8>& kept = color_.emplace_back(view_.size_px);
-  for (int y = 0; y < view_.size_px.height; ++y) {
-    std::transform(depth_m.row(y), depth_m.row(y) + depth_m.size.width, steps.row(y), to_steps);
-    std::copy_n(color.row(y), color.size.width, kept.row(y));
+  const Bounds b = views_ == Views::kDifferent
+                       ? bounds_of_known(depth_m)
+                       : Bounds{0, 0, view_.size_px.width, view_.size_px.height};
+  const Size size{b.x1 - b.x0, b.y1 - b.y0};
+  Kept& kept = kept_.emplace_back(Kept{b.x0, b.y0, Image<std::uint16_t>(size), Image<Rgb8>(size)});
+  for (int y = 0; y < size.height; ++y) {
+    const float* const from_m = depth_m.row(b.y0 + y) + b.x0;
+    std::transform(from_m, from_m + size.width, kept.depth.row(y), to_steps);
+    std::copy_n(color.row(b.y0 + y) + b.x0, size.width, kept.color.row(y));
   }
   return {};
 }
 
 Result<StaticBackground> StaticBackgroundBuilder::finish() {
-  const int frames = static_cast<int>(depth_.size());
+  const int frames = static_cast<int>(kept_.size());
   if (frames < kFewestFrames)
     return Error{ErrorCode::kData, "a background needs at least 3 empty frames, not " +
                                        std::to_string(frames) + ": give more frames"};
@@ -94,9 +115,11 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
   const bool moving = views_ == Views::kDifferent;
   const auto learn_depth = [&](int x, int y, std::vector<float>& values) {
     values.clear();
-    for (const auto& frame : depth_)
-      if (const std::uint16_t steps = frame.row(y)[x]; steps != 0)
-        values.push_back(kStep_m * steps);
+    for (const Kept& frame : kept_) {
+      if (!frame.has(x, y)) continue;
+      const std::uint16_t steps = frame.depth.row(y - frame.y0)[x - frame.x0];
+      if (steps != 0) values.push_back(kStep_m * steps);
+    }
     const int count = static_cast<int>(values.size());
     if (moving ? count < kFewestFrames : 3 * count < frames) return;
     const Spread z = robust_spread(values);
@@ -107,9 +130,12 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
   const auto learn_channel = [&](int x, int y, std::uint8_t Rgb8::*channel,
                                  std::vector<float>& values) {
     values.clear();
-    for (std::size_t i = 0; i < color_.size(); ++i)
-      if (!moving || depth_[i].row(y)[x] != 0)
-        values.push_back(linear[color_[i].row(y)[x].*channel]);
+    for (const Kept& frame : kept_) {
+      if (!frame.has(x, y)) continue;
+      const int row = y - frame.y0, column = x - frame.x0;
+      if (!moving || frame.depth.row(row)[column] != 0)
+        values.push_back(linear[frame.color.row(row)[column].*channel]);
+    }
     return robust_spread(values);
   };
   Crew crew;
@@ -130,8 +156,7 @@ Result<StaticBackground> StaticBackgroundBuilder::finish() {
             std::max((r.sigma + g.sigma + b.sigma) / 3.0F, kLeastColorSigma);
       }
   });
-  depth_ = {};
-  color_ = {};
+  kept_ = {};
   seen_ = 0;
   const auto row_has_depth = [&](int y) {
     const float* row = out.depth_m.row(y);

@@ -39,7 +39,8 @@ enum class Views {
 /// Not thread-safe.
 class StaticBackgroundBuilder {
  public:
-  /// Keeps at most `max_frames`, spread over those added (memory: about 5 bytes a pixel and frame).
+  /// Keeps at most `max_frames`, spread over those added (memory: about 5 bytes a pixel and frame;
+  /// of different views only of the rectangle in which a frame has depth).
   explicit StaticBackgroundBuilder(const geometry::Pinhole& view, int max_frames = 32,
                                    Views views = Views::kSame);
   /// Depth warped into the view (z in metres, 0 unknown) and the plate in the view (sRGB).
@@ -55,8 +56,16 @@ class StaticBackgroundBuilder {
   int max_frames_;
   Views views_;
   int seen_ = 0;
-  std::vector<Image<std::uint16_t>> depth_;  ///< units of 0.25 mm
-  std::vector<Image<Rgb8>> color_;
+  /// What a frame saw of the view: nothing outside of its images.
+  struct Kept {
+    int x0 = 0, y0 = 0;          ///< of the view
+    Image<std::uint16_t> depth;  ///< units of 0.25 mm
+    Image<Rgb8> color;
+    bool has(int x, int y) const {
+      return x >= x0 && y >= y0 && x - x0 < depth.width() && y - y0 < depth.height();
+    }
+  };
+  std::vector<Kept> kept_;
 };
 
 /// The floor: the lowest large plane whose normal is within 45 degrees of the camera's up, found

@@ -217,6 +217,8 @@ inline constexpr int kPartBlockerTapCount = 6;
 inline constexpr int kPartShadowTapCount = 8;
 /// Texels by which a receiver is lifted along its normal off its own shadow.
 inline constexpr float kLiftTexels = 2.0F;
+/// Of a ray of a lamp and the normal of what it lights: planes of surfaces count as no steeper.
+inline constexpr float kSteepestCosine = -0.1F;
 /// Texels: a filter is never narrower.
 inline constexpr float kLeastRadiusTexel = 1.0F;
 /// Square metres: nothing is lit from nearer than a millimetre.

@@ -81,8 +81,6 @@ Result<std::unique_ptr<ChangeSink>> ChangeSink::create(const Session& session,
 ChangeSink::ChangeSink(const Session& session, const ChangeOptions& options)
     : session_(session), options_(options), small_(session.setup) {
   small_.view = resized(session.setup.view, watch_size(session.setup.view.size_px));
-  tables_.view_size = small_.view.size_px;
-  tables_.key_limit_w.reset(small_.view.size_px);
   kept_frames_.reserve(kLearnFrames);
 }
 
@@ -108,8 +106,8 @@ void ChangeSink::draw_background() {
   setup.tof = {small_.view, {}};  // no finer than the watch
   setup.background = {};
   setup.background_models = models;
-  drawn_ =
-      std::make_unique<render::cpu::MovingBackground>(crew_, setup, render::cpu::Normals::kSkip);
+  drawn_ = std::make_unique<render::cpu::MovingBackground>(crew_, setup,
+                                                           render::cpu::DrawnFor::kPictures);
   drawn_at_.reset();
   if (!watch_)
     watch_.emplace(bounds_of(models, first_pose_->translation_m), small_.noise, options_.watch);
@@ -132,16 +130,20 @@ Result<void> ChangeSink::look(const output::Composite& composite) {
   constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
   const geometry::Pose& pose = composite.world_from_target;
   if (!drawn_at_ || capture::moved(*drawn_at_, pose)) {
-    drawn_->draw(crew_, pose, tables_);
-    for (int y = 0; y < small_.view.size_px.height && drawn_->has_color(); ++y)
-      for (int x = 0; x < small_.view.size_px.width; x += kColumns)
-        drawn_->draw_color(x, y, std::min(kColumns, small_.view.size_px.width - x));
+    drawn_->draw(crew_, pose);
+    const Size size = drawn_->has_color() ? small_.view.size_px : Size{};
+    drawn_color_.reset(size);
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; x += kColumns)
+        drawn_->colors(x, y,
+                       {drawn_color_.row(y) + x,
+                        static_cast<std::size_t>(std::min(kColumns, size.width - x))});
     drawn_at_ = pose;
   }
   MIXRIG_ASSIGN(const render::FrameOutput* const seen, views_->of(*composite.capture));
   const render::BackgroundView background = drawn_->view();
   const bool news = watch_->add({composite.capture->time_s, small_.view, pose, seen->warped_depth_m,
-                                 seen->color, background.depth_m, background.color});
+                                 seen->color, background.depth_m, drawn_color_});
   if (news) tell();
   return {};
 }

@@ -64,9 +64,9 @@ class ChangeSink final : public output::CompositeSink {
   SystemClock clock_;
   Crew crew_{1};
   render::CompositorSetup small_;  ///< in the size of the watch
-  render::Tables tables_;
   std::optional<FrameViews> views_;
   std::unique_ptr<render::cpu::MovingBackground> drawn_;
+  Image<Rgbf> drawn_color_;  ///< its colours; empty without
   std::optional<geometry::Pose> drawn_at_;
   std::optional<geometry::Pose> first_pose_;
   std::optional<model::RoomWatch> watch_;

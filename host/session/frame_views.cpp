@@ -2,6 +2,8 @@
 #include "host/session/frame_views.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "hal/base/srgb.h"
 #include "host/session/frame_lens.h"
@@ -36,39 +38,41 @@ WideFrame::WideFrame(const render::CompositorSetup& setup, const WideView& wide,
   setup_.view = wide.camera;
   setup_.target = {wide.camera, {}}, setup_.vignetting = {};
   setup_.background = {};
-  tables_.view_size = wide.camera.size_px;
-  tables_.key_limit_w.reset(wide.camera.size_px);
 }
 
 void WideFrame::draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
                      const render::FrameOutput& seen) {
-  color_seen_.reset(seen.color.size());
-  for (int y = 0; y < color_seen_.height(); ++y)
-    std::transform(seen.color.row(y), seen.color.row(y) + color_seen_.width(), color_seen_.row(y),
+  Image<Rgbx8> color(seen.color.size());
+  for (int y = 0; y < color.height(); ++y)
+    std::transform(seen.color.row(y), seen.color.row(y) + color.width(), color.row(y),
                    [](const Rgb8& p) {
                      return Rgbx8{p.r, p.g, p.b, 0};
                    });
-  setup_.background_models = {{view, {world_from_view}, seen.warped_depth_m, {}, color_seen_}};
-  render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::Normals::kSkip);
-  drawn.draw(crew_, wide_.world_from_camera, tables_);
+  setup_.background_models = {{view, {world_from_view}, seen.warped_depth_m, {}, color}};
+  render::cpu::MovingBackground drawn(crew_, setup_, render::cpu::DrawnFor::kPictures);
+  setup_.background_models.clear();
+  color = {};  // `drawn` has read it
+  drawn.draw(crew_, wide_.world_from_camera);
   take_over(drawn);
 }
 
-void WideFrame::take_over(render::cpu::MovingBackground& drawn) {
+void WideFrame::take_over(const render::cpu::MovingBackground& drawn) {
   constexpr int kColumns = render::cpu::MovingBackground::kMostColumns;
   depth_m_.reset(color_.size());
+  const ImageView<const float> drawn_m = drawn.view().depth_m;
   crew_.rows(color_.height(), 16, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      for (int x = 0; x < color_.width(); x += kColumns)
-        drawn.draw_color(x, y, std::min(kColumns, color_.width() - x));
-      const render::BackgroundView view = drawn.view();
-      for (int x = 0; x < color_.width(); ++x) {
-        const Rgbf c = view.color.row(y)[x];
-        depth_m_.row(y)[x] = c.r < 0 ? 0 : view.depth_m.row(y)[x];
-        color_.row(y)[x] = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
-                            srgb_byte_from_linear(c.b)};
+    std::array<Rgbf, kColumns> colors;
+    for (int y = begin; y < end; ++y)
+      for (int x0 = 0; x0 < color_.width(); x0 += kColumns) {
+        const int count = std::min(kColumns, color_.width() - x0);
+        drawn.colors(x0, y, std::span(colors).first(static_cast<std::size_t>(count)));
+        for (int i = 0; i < count; ++i) {
+          const Rgbf& c = colors[static_cast<std::size_t>(i)];
+          depth_m_.row(y)[x0 + i] = c.r < 0 ? 0 : drawn_m.row(y)[x0 + i];
+          color_.row(y)[x0 + i] = {srgb_byte_from_linear(c.r), srgb_byte_from_linear(c.g),
+                                   srgb_byte_from_linear(c.b)};
+        }
       }
-    }
   });
 }
 

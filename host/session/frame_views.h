@@ -38,13 +38,11 @@ class WideFrame {
   const Image<Rgb8>& color() const { return color_; }
 
  private:
-  void take_over(render::cpu::MovingBackground& drawn);
+  void take_over(const render::cpu::MovingBackground& drawn);
 
   render::CompositorSetup setup_;
   const WideView wide_;
   Crew& crew_;
-  render::Tables tables_;
-  Image<Rgbx8> color_seen_;
   Image<float> depth_m_;
   Image<Rgb8> color_;
 };

@@ -74,20 +74,22 @@ Result<model::StaticBackground> learn_moving(capture::CaptureSource& source,
                                              capture::PoseSource* poses,
                                              std::span<const PosedView> known) {
   MIXRIG_ASSIGN(const WideView wide, view_of_all(known));
-  MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
-  Crew crew;
-  WideFrame drawn(setup, wide, crew);
   model::StaticBackgroundBuilder builder(wide.camera, 32, model::Views::kDifferent);
-  Frames frames(source, range);
-  for (;;) {
-    MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
-    if (!capture) break;
-    const std::optional<PosedView> view = posed_view(setup, *capture, poses);
-    if (!view) continue;
-    MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
-    drawn.draw(view->camera, view->world_from_camera, *seen);
-    MIXRIG_TRY(builder.add(drawn.depth_m(), drawn.color()));
-    if (progress) progress("background, as the camera moves", frames.done(), frames.total());
+  {  // the memory of what draws is given back before the background is found
+    MIXRIG_ASSIGN(FrameViews views, FrameViews::make(setup, backend));
+    Crew crew;
+    WideFrame drawn(setup, wide, crew);
+    Frames frames(source, range);
+    for (;;) {
+      MIXRIG_ASSIGN(const capture::CapturePtr capture, frames.next());
+      if (!capture) break;
+      const std::optional<PosedView> view = posed_view(setup, *capture, poses);
+      if (!view) continue;
+      MIXRIG_ASSIGN(const render::FrameOutput* const seen, views.of(*capture));
+      drawn.draw(view->camera, view->world_from_camera, *seen);
+      MIXRIG_TRY(builder.add(drawn.depth_m(), drawn.color()));
+      if (progress) progress("background, as the camera moves", frames.done(), frames.total());
+    }
   }
   MIXRIG_ASSIGN(model::StaticBackground background, builder.finish());
   background.world_from_view = wide.world_from_camera;

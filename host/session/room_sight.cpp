@@ -51,10 +51,8 @@ class RoomDepth {
     setup_.tof = {view, {}};  // no finer than the picture
     setup_.background = {};
     setup_.background_models = models_;
-    tables_.view_size = view.size_px;
-    tables_.key_limit_w.reset(view.size_px);
-    drawn_.emplace(crew_, setup_, render::cpu::Normals::kSkip);
-    drawn_->draw(crew_, from.world_from_view, tables_);
+    drawn_.emplace(crew_, setup_, render::cpu::DrawnFor::kPictures);
+    drawn_->draw(crew_, from.world_from_view);
   }
   bool known() const { return !models_.empty(); }
   ImageView<const float> depth_m() const { return drawn_->view().depth_m; }
@@ -63,7 +61,6 @@ class RoomDepth {
   Image<Rgbx8> color_;
   std::vector<render::BackgroundModel> models_;
   render::CompositorSetup setup_;
-  render::Tables tables_;
   Crew crew_{1};
   std::optional<render::cpu::MovingBackground> drawn_;
 };

@@ -30,15 +30,20 @@ float texel(Lamp lamp, sampler2DArray maps, int layer, vec2 at) {
   return inside ? texelFetch(maps, ivec3(t, layer), 0).r / nearest_m : 0.0;
 }
 
-// Mean lamp depth of what lies before w within radius texels; 0 for nothing.
-float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, mat2 panel, float w) {
+// Inverse depth that hides a point at a tap: more than its own, w, and more than that of the plane
+// of its surface there, which grows by `slope` a texel.
+float least_w(float w, vec2 slope, vec2 tap) { return w + max(dot(slope, tap), 0.0); }
+
+// Mean lamp depth of what lies before a point within radius texels; 0 for nothing.
+float blocker_depth_m(Lamp lamp, sampler2DArray maps, int layer, vec2 center, mat2 panel, float w,
+                      vec2 slope) {
   float sum = 0.0, count = 0.0;
   bool part = lamp.map_size_texel.w != 0;
   int taps = part ? part_blocker_tap_count : blocker_tap_count;
   for (int k = 0; k < taps; ++k) {
     vec2 tap = panel * (part ? part_blocker_taps[k] : blocker_taps[k]);
     float blocker = texel(lamp, maps, layer, center + tap);
-    if (blocker > w) sum += 1.0 / blocker, count += 1.0;
+    if (blocker > least_w(w, slope, tap)) sum += 1.0 / blocker, count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
 }
@@ -63,14 +68,17 @@ float visibility_past(Lamp lamp, sampler2DArray maps, int layer, vec3 position_m
   vec2 beside = search * (abs(panel[0]) + abs(panel[1]));
   vec2 last = float(lamp.map_size_texel.x - 1) + beside;
   if (any(lessThanEqual(center, -beside)) || any(greaterThanEqual(center, last))) return 1.0;
-  float blocker_m = blocker_depth_m(lamp, maps, layer, center, search * panel, w);
+  // Of the plane of the surface: inverse depth is affine over it.
+  vec3 n = mat3(lamp.lamp_from_camera) * normal;
+  vec2 slope = n.xy * (w / (focal * min(dot(n, vec3(ray, 1)), steepest_cosine)));
+  float blocker_m = blocker_depth_m(lamp, maps, layer, center, search * panel, w, slope);
   if (blocker_m <= 0.0) return 1.0;
   float radius = max(reach * (1.0 / blocker_m - w), least_radius_texel), lit = 0.0;
   bool part = lamp.map_size_texel.w != 0;
   int taps = part ? part_shadow_tap_count : shadow_tap_count;
   for (int k = 0; k < taps; ++k) {
     vec2 tap = radius * (panel * (part ? part_shadow_taps[k] : shadow_taps[k]));
-    lit += texel(lamp, maps, layer, center + tap) > w ? 0.0 : 1.0;
+    lit += texel(lamp, maps, layer, center + tap) > least_w(w, slope, tap) ? 0.0 : 1.0;
   }
   return lit / float(taps);
 }

@@ -24,6 +24,7 @@ const std::map<std::string, double> kOurs = {
     {"farthest_m", kFarthestM},
     {"steepest", kSteepest},
     {"steepest_slope", kSteepestSlope},
+    {"steepest_cosine", kSteepestCosine},
     {"largest_bend", kLargestBend},
     {"plane_part", kPlanePart},
     {"smooth_part", kSmoothPart},

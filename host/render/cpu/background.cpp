@@ -77,8 +77,10 @@ Image<Rgbx16> linear_table(ImageView<const Rgbx8> colors, int face_rows) {
 static_assert(sizeof(float) == sizeof(PackedNormal));
 
 MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorSetup& setup,
-                                                   const BackgroundModel& from, Normals normals) {
-  ModelTables tables = make_model_tables(setup, from, normals == Normals::kMake);
+                                                   const BackgroundModel& from,
+                                                   DrawnFor drawn_for) {
+  const bool composites = drawn_for == DrawnFor::kComposites;
+  ModelTables tables = make_model_tables(setup, from, composites);
   const Size grid = tables.grid.tof_size;
   Part part{std::move(tables), {}, WarpScratch(grid), {}, from.color_factor, {}, {}, {}};
   ModelTables& t = part.tables;
@@ -90,12 +92,13 @@ MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorS
   const Size size = from.depth_m.size;
   const int rows = t.face_rows;
   part.w = padded(size, rows, 0.0F, [&](int x, int y) { return t.w.row(y)[x]; });
-  part.sigma_m = padded(size, rows, 0.0F, [&](int x, int y) {
-    return from.depth_sigma_m.empty() ? 0 : from.depth_sigma_m.row(y)[x];
-  });
-  if (normals == Normals::kMake)
+  if (composites) {
+    part.sigma_m = padded(size, rows, 0.0F, [&](int x, int y) {
+      return from.depth_sigma_m.empty() ? 0 : from.depth_sigma_m.row(y)[x];
+    });
     part.normal =
         padded(size, rows, PackedNormal{}, [&](int x, int y) { return t.normal.row(y)[x]; });
+  }
   t.depth_m.clear();
   t.w = {};
   t.normal = {};
@@ -103,18 +106,19 @@ MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorS
   return part;
 }
 
-MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals)
+MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, DrawnFor drawn_for)
     : key_(setup.key),
       noise_(noise_params(setup.noise)),
       has_color_(has_model_color(setup)),
       w_(with_margin(setup.view.size_px)),
-      row_most_w_(setup.view.size_px),
-      depth_sigma_m_(spread_size(setup.view.size_px)),
       depth_m_(setup.view.size_px) {
   for (const BackgroundModel& model : setup.background_models) {
-    parts_.push_back(make_part(crew, setup, model, normals));
+    parts_.push_back(make_part(crew, setup, model, drawn_for));
     limit_radius_px_ = std::max(limit_radius_px_, parts_.back().tables.limit_radius_px);
   }
+  if (drawn_for == DrawnFor::kPictures) return;
+  row_most_w_.reset(setup.view.size_px);
+  depth_sigma_m_.reset(spread_size(setup.view.size_px));
   if (!has_color_) return;
   color_.reset(setup.view.size_px, {-1, -1, -1});
   color_sigma_.reset(setup.view.size_px);
@@ -128,7 +132,7 @@ void MovingBackground::see_through(const CompositorSetup& setup) {
   }
 }
 
-void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
+void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera) {
   Before before = Before::kNothing;
   for (Part& part : parts_)
     for (std::size_t i = 0; i < part.faces.size(); ++i) {
@@ -142,10 +146,17 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
       before = Before::kSurfaces;
     }
   if (before == Before::kNothing) w_.fill(0);
+  crew.rows(depth_m_.height(), kBackgroundGrain, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) find_depth(y);
+  });
+}
+
+void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
+  draw(crew, world_from_camera);
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
-      look_up(y);
+      if (y % kSpreadStep == 0) find_spread(y);
       most_within(w_.row(y), width, limit_radius_px_, row_most_w_.row(y));
     }
   });
@@ -154,8 +165,8 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera,
   });
 }
 
-/// Depths of a row; of every other row and column the spread. Rows are padded to whole registers.
-void MovingBackground::look_up(int y) {
+/// Of a row; rows are padded to whole registers.
+void MovingBackground::find_depth(int y) {
   const int width = depth_m_.width();
   const float* w = w_.row(y);
   float* depth_m = depth_m_.row(y);
@@ -163,7 +174,11 @@ void MovingBackground::look_up(int y) {
     const FloatLanes w_lanes = load<FloatLanes>(w + x);
     store(depth_m + x, w_lanes > 0 ? 1 / w_lanes : FloatLanes{});
   }
-  if (y % kSpreadStep != 0) return;
+}
+
+/// Of every kSpreadStep-th column of a row.
+void MovingBackground::find_spread(int y) {
+  const int width = depth_m_.width();
   float* sigma_m = depth_sigma_m_.row(y / kSpreadStep);
   Run run;
   constexpr int kColumns = kMostColumns * kSpreadStep;

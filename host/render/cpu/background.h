@@ -15,8 +15,11 @@
 
 namespace mixrig::render::cpu {
 
-/// Whether the normals are needed: only light on the background does.
-enum class Normals { kMake, kSkip };
+/// What the background is drawn for.
+enum class DrawnFor {
+  kComposites,  ///< limit of the key, normals for light, images of the colours that are drawn
+  kPictures,    ///< depth, and colours that are given away: half the memory
+};
 
 /// The background at the last pose, images of the view's size. What no model ever saw, or saw
 /// hidden behind another surface, is unknown: depth 0, colour negative, no limit. Where several
@@ -25,20 +28,26 @@ enum class Normals { kMake, kSkip };
 class MovingBackground {
  public:
   /// Reads the model's images now and borrows nothing.
-  MovingBackground(Crew& crew, const CompositorSetup& setup, Normals normals = Normals::kMake);
-  /// Draws the depth, and tables.key_limit_w. Colours are those of earlier draws until
-  /// draw_color().
+  MovingBackground(Crew& crew, const CompositorSetup& setup,
+                   DrawnFor drawn_for = DrawnFor::kComposites);
+  /// Draws the depth. Colours are those of earlier draws until draw_color().
+  void draw(Crew& crew, const geometry::Pose& world_from_camera);
+  /// The same and tables.key_limit_w. Precondition: made for composites.
   void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
   /// Takes the view of `setup`, of the same size, for the next draws. Allocates nothing.
   void see_through(const CompositorSetup& setup);
   bool has_color() const { return has_color_; }
-  /// Draws the colour of `width` <= kMostColumns pixels of a row. Few pixels need it: those that
-  /// depth cannot decide. Any thread, different pixels. Precondition: has_color().
-  void draw_color(int x0, int y, int width);
+  /// Draws the colour of `count` <= kMostColumns pixels of a row, of every `step`-th from x0 on.
+  /// Few pixels need it: those that depth cannot decide. Any thread, different pixels.
+  /// Precondition: has_color(), made for composites.
+  void draw_color(int x0, int y, int count, int step = 1);
+  /// Colours of at most kMostColumns pixels of a row from (x0, y) on, linear, negative where they
+  /// are unknown. Any thread. Precondition: has_color().
+  void colors(int x0, int y, std::span<Rgbf> out) const;
   static constexpr int kMostColumns = 128;
   /// Normals of at most kMostColumns pixels of a row from (x0, y) on, as Tables::background_normal
   /// has them. Few pixels need them: those that a shadow can reach. Any thread. Precondition: made
-  /// with Normals::kMake. `step`: of every so many pixels.
+  /// for composites. `step`: of every so many pixels.
   void normals(int x0, int y, std::span<PackedNormal> out, int step = 1) const;
   /// Valid for the life of this; changed by the draws.
   BackgroundView view() const { return {depth_m_, {}, color_, color_sigma_}; }
@@ -63,20 +72,23 @@ class MovingBackground {
     WarpScratch scratch;
     /// Lookup tables: the faces below one another, each with a border of one pixel that knows
     /// nothing.
-    Image<Rgbx16> color;         ///< x: the spread, 65535 where unknown; empty without colour
-    int color_factor = 1;        ///< its pixels a pixel of the other tables, along a side
-    Image<float> w;              ///< inverse depth, 0 unknown
+    Image<Rgbx16> color;   ///< x: the spread, 65535 where unknown; empty without colour
+    int color_factor = 1;  ///< its pixels a pixel of the other tables, along a side
+    Image<float> w;        ///< inverse depth, 0 unknown
+    /// Of composites.
     Image<float> sigma_m;        ///< spread of the depth
     Image<PackedNormal> normal;  ///< axes of the first face
   };
   static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,
-                        Normals normals);
+                        DrawnFor drawn_for);
   void find(const Pixels& pixels, Run& run) const;
   void find_in(std::size_t part, const Pixels& pixels, Find what, Run& run) const;
   void keep_better(const Run& other, Run& run) const;
   bool shows(const Run& run, std::size_t i) const;
+  void find_colors(const Pixels& pixels, Rgbf* color, float* sigma) const;
   static void colors_of(const Part& part, const Run& run, std::array<Rgbx16, kMostColumns>& out);
-  void look_up(int y);
+  void find_depth(int y);
+  void find_spread(int y);
   void limit_row(int y, float* limit_w) const;
 
   KeyParams key_;
@@ -84,10 +96,11 @@ class MovingBackground {
   std::vector<Part> parts_;
   int limit_radius_px_ = 1;  ///< largest of the models
   bool has_color_ = false;
-  Image<float> w_;              ///< with kViewMargin
+  Image<float> w_;  ///< with kViewMargin
+  Image<float> depth_m_;
+  /// Of composites.
   Image<float> row_most_w_;     ///< largest w_ within the radius, along the row
   Image<float> depth_sigma_m_;  ///< of squares of pixels
-  Image<float> depth_m_;
   Image<Rgbf> color_;
   Image<float> color_sigma_;
 };

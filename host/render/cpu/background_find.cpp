@@ -223,12 +223,11 @@ void MovingBackground::colors_of(const Part& part, const Run& run,
     if (known[i] == 0) out[i].x = kUnknownColor;
 }
 
-void MovingBackground::draw_color(int x0, int y, int width) {
-  Rgbf* color = color_.row(y) + x0;
-  float* color_sigma = color_sigma_.row(y) + x0;
-  const std::size_t count = std::min(kBackgroundRun, static_cast<std::size_t>(width));
+/// One after another, negative where unknown, with their spread.
+void MovingBackground::find_colors(const Pixels& pixels, Rgbf* color, float* sigma) const {
+  const std::size_t count = std::min(kBackgroundRun, static_cast<std::size_t>(pixels.count));
   std::fill_n(color, count, Rgbf{-1, -1, -1});
-  std::fill_n(color_sigma, count, 0.0F);
+  std::fill_n(sigma, count, 0.0F);
   std::array<float, kBackgroundRun> best;  // score of the model whose colour a pixel has
   std::fill_n(best.begin(), count, 0.0F);
   std::array<Rgbx16, kBackgroundRun> found;
@@ -236,7 +235,7 @@ void MovingBackground::draw_color(int x0, int y, int width) {
   Run run;
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     if (parts_[part].color.empty()) continue;
-    find_in(part, {x0, y, width, 1}, Find::kAll, run);
+    find_in(part, pixels, Find::kAll, run);
     colors_of(parts_[part], run, found);
     for (std::size_t i = 0; i < run.count; ++i) {
       if (parts_.size() > 1 && !(shows(run, i) && run.score[i] > best[i])) continue;
@@ -244,9 +243,27 @@ void MovingBackground::draw_color(int x0, int y, int width) {
       if (c.x == kUnknownColor) continue;
       best[i] = run.score[i];
       color[i] = {c.r * kPerLinear, c.g * kPerLinear, c.b * kPerLinear};
-      color_sigma[i] = c.x * kPerLinear;
+      sigma[i] = c.x * kPerLinear;
     }
   }
+}
+
+void MovingBackground::draw_color(int x0, int y, int count, int step) {
+  Rgbf* const color = color_.row(y) + x0;
+  float* const sigma = color_sigma_.row(y) + x0;
+  const Pixels pixels{x0, y, count, step};
+  if (step == 1) return find_colors(pixels, color, sigma);
+  std::array<Rgbf, kBackgroundRun> colors;
+  std::array<float, kBackgroundRun> sigmas;
+  find_colors(pixels, colors.data(), sigmas.data());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+    color[i * static_cast<std::size_t>(step)] = colors[i],
+              sigma[i * static_cast<std::size_t>(step)] = sigmas[i];
+}
+
+void MovingBackground::colors(int x0, int y, std::span<Rgbf> out) const {
+  std::array<float, kBackgroundRun> sigmas;
+  find_colors({x0, y, static_cast<int>(out.size()), 1}, out.data(), sigmas.data());
 }
 
 }  // namespace mixrig::render::cpu

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -213,13 +214,25 @@ MovingBackground* CpuCompositor::colors_of_key() const {
   return any ? moving_background_.get() : nullptr;
 }
 
+/// Places of a row that lie evenly apart together.
+void draw_colors_at(std::span<const ExposureMeter::Place> places, MovingBackground& background) {
+  for (std::size_t i = 0, end = 0; i < places.size(); i = end) {
+    const int x = places[i].view_x, y = places[i].view_y;
+    const auto beyond = [&](std::size_t k) {
+      return k < places.size() && places[k].view_y == y ? places[k].view_x - places[k - 1].view_x
+                                                        : 0;
+    };
+    const int step = beyond(end = i + 1);
+    while (step > 0 && end - i < MovingBackground::kMostColumns && beyond(end) == step) ++end;
+    background.draw_color(x, y, static_cast<int>(end - i), std::max(step, 1));
+  }
+}
+
 /// Only where the camera moves; while the pose stays, so does the background.
 void CpuCompositor::draw_background(StopWatch& watch) {
   if (!moving_background_ || !preparer_.params().pose_changed) return;
   moving_background_->draw(crew_, preparer_.world_from_camera(), tables_);
-  if (moving_background_->has_color())
-    for (const ExposureMeter::Place& place : meter_.places())
-      moving_background_->draw_color(place.view_x, place.view_y, 1);
+  if (moving_background_->has_color()) draw_colors_at(meter_.places(), *moving_background_);
   meter_.learn(setup_.background);
   watch.lap(Stage::kBackground);
 }

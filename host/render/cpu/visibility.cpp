@@ -16,6 +16,12 @@ struct FilterLanes {
   FloatLanes x_texel, y_texel, radius_texel;
   FloatLanes panel_ux, panel_uy, panel_vx, panel_vy;  ///< as the point sees it along its ray
   FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w where it sees all of the lamp
+  FloatLanes slope_u, slope_v;  ///< of w along the point's own surface, 1/m a texel of panel_u, _v
+  /// Inverse depth that hides the point at a tap: more than its own, and more than that of the
+  /// plane of its surface there.
+  FloatLanes least_w(glm::vec2 tap) const {
+    return w + max(radius_texel * (tap.x * slope_u + tap.y * slope_v), FloatLanes{});
+  }
 };
 
 /// Reads the taps of filters.
@@ -44,6 +50,20 @@ class TapReader {
 /// Coordinate `axis` of each point in the lamp's axes.
 FloatLanes in_lamp(const glm::mat4& m, int axis, FloatLanes x, FloatLanes y, FloatLanes z) {
   return x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis];
+}
+
+/// Slopes of the surfaces' own planes: w is affine over a plane in the map.
+void find_slopes(const LampParams& lamp, const VectorLanes& normal, FloatLanes ray_x,
+                 FloatLanes ray_y, FilterLanes& filter) {
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const auto along = [&](int axis) {
+    return normal.x * m[0][axis] + normal.y * m[1][axis] + normal.z * m[2][axis];
+  };
+  const FloatLanes x = along(0), y = along(1), toward = ray_x * x + ray_y * y + along(2);
+  const FloatLanes scale =
+      filter.w / (lamp.map_focal_texel * min(toward, FloatLanes{} + kSteepestCosine));
+  filter.slope_u = (x * filter.panel_ux + y * filter.panel_uy) * scale;
+  filter.slope_v = (x * filter.panel_vx + y * filter.panel_vy) * scale;
 }
 
 /// Points into the lamp's map, with the radius in which casters can be.
@@ -78,6 +98,8 @@ FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLane
   filter.x_texel = inside ? u : FloatLanes{};
   filter.y_texel = inside ? v : FloatLanes{};
   filter.radius_texel = inside ? radius : FloatLanes{};
+  filter.w = w;
+  find_slopes(lamp, normal, ray_x, ray_y, filter);
   filter.w = inside ? w : FloatLanes{} + kLitAll_w;
   return filter;
 }
@@ -89,7 +111,7 @@ void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes&
   FloatLanes sum_m{}, count{};
   for (const glm::vec2 tap : kTaps) {
     const FloatLanes w = reader.read(filter, tap);
-    const IntLanes before = w > filter.w;
+    const IntLanes before = w > filter.least_w(tap);
     sum_m += before ? inverse(w) : FloatLanes{};
     count -= to_float(before);  // true is -1
   }
@@ -129,7 +151,8 @@ FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& fi
   find_blockers<kBlockers>(lamp, reader, filter);
   if (!any(filter.w < kLitAll_w)) return FloatLanes{} + 1.0F;
   FloatLanes lit{};
-  for (const glm::vec2 tap : kTaps) lit -= to_float(reader.read(filter, tap) <= filter.w);
+  for (const glm::vec2 tap : kTaps)
+    lit -= to_float(reader.read(filter, tap) <= filter.least_w(tap));
   return lit / static_cast<float>(kCount);
 }
 

@@ -126,6 +126,38 @@ TEST(StaticBackground, MoreFramesThanFitAreSpreadOverAllOfThem) {
   EXPECT_NEAR(background.depth_sigma_m.at(5, 5), 1.4826 * 0.25, 0.08);
 }
 
+/// Frames of a camera that moves see parts of the view: a pixel is learned from those that saw it.
+TEST(StaticBackground, OfDifferentViewsEachFrameTellsOfWhatItSaw) {
+  StaticBackgroundBuilder builder(kPlateView, 32, Views::kDifferent);
+  for (int i = 0; i < 6; ++i) {
+    Frame frame;
+    // Frame i sees the columns from 3 i to 3 i + 8, without the first and the last row.
+    for (int y = 1; y < kSize.height - 1; ++y)
+      for (int x = 3 * i; x < 3 * i + 9; ++x) {
+        const auto value = static_cast<std::uint8_t>(100 + x);
+        frame.depth_m.at(x, y) = 2 + 0.01F * static_cast<float>(x);
+        frame.color.at(x, y) = {value, value, static_cast<std::uint8_t>(100 + y)};
+      }
+    ASSERT_TRUE(builder.add(frame.depth_m, frame.color));
+  }
+  ASSERT_TRUE(builder.add(Frame().depth_m, Frame().color));  // one that saw nothing
+  const StaticBackground background = learned(builder);
+  EXPECT_EQ(background.frames, 7);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      // Three frames see the columns from 6 to 17.
+      const bool known = y > 0 && y < kSize.height - 1 && x >= 6 && x < 18;
+      if (!known) {
+        EXPECT_EQ(background.depth_m.at(x, y), 0) << x << "," << y;
+        EXPECT_LT(background.color.at(x, y).r, 0) << x << "," << y;
+        continue;
+      }
+      EXPECT_NEAR(background.depth_m.at(x, y), 2 + 0.01F * static_cast<float>(x), 2e-4);
+      EXPECT_NEAR(background.color.at(x, y).g, linear(100 + x), 1e-4);
+      EXPECT_NEAR(background.color.at(x, y).b, linear(100 + y), 1e-4);
+    }
+}
+
 TEST(StaticBackground, TooLittleToLearnFromIsAnError) {
   StaticBackgroundBuilder builder(kPlateView);
   Frame frame;

@@ -3,6 +3,7 @@
 #include "host/render/cpu/background.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -112,6 +113,31 @@ TEST(Background, AtItsOwnPoseIsTheModel) {
   EXPECT_GT(d.known, 0.999 * d.all);
   EXPECT_GT(d.near, 0.985 * d.known);
   EXPECT_LT(d.color_error, 0.01);
+}
+
+TEST(Background, ColoursOfEveryFewPixelsAndOfPicturesAreThoseOfAll) {
+  const Modelled m;
+  const geometry::Pose pose = moved({0.3, 0, 0});
+  const DrawnBackground all(m, pose);
+  DrawnBackground few(m, pose);
+  render::cpu::MovingBackground picture(few.crew, m.setup, render::cpu::DrawnFor::kPictures);
+  picture.draw(few.crew, pose);
+  const int y = 100, x0 = 3, step = 7, count = 40;
+  few.background.draw(few.crew, geometry::Pose(), few.tables);
+  few.background.draw_color(0, y, 1);
+  few.background.draw(few.crew, pose, few.tables);
+  few.background.draw_color(x0, y, count, step);
+  std::array<Rgbf, render::cpu::MovingBackground::kMostColumns> colors;
+  picture.colors(0, y, colors);
+  const auto view = all.background.view();
+  for (int i = 0; i < count; ++i) {
+    const Rgbf one = few.background.view().color.row(y)[x0 + i * step];
+    EXPECT_NEAR(one.g, view.color.row(y)[x0 + i * step].g, 1e-3) << i;
+  }
+  for (int x = 0; x < static_cast<int>(colors.size()); ++x) {
+    EXPECT_EQ(colors[static_cast<std::size_t>(x)].g, view.color.row(y)[x].g) << x;
+    EXPECT_EQ(picture.view().depth_m.row(y)[x], view.depth_m.row(y)[x]) << x;
+  }
 }
 
 TEST(Background, FromAnotherPlaceAgreesWithTheRayCastScene) {

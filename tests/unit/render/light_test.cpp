@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "host/render/cpu/visibility.h"
 #include "tests/unit/render/helpers.h"
@@ -98,6 +99,59 @@ TEST(Shadow, wide_lamp_softens_the_border) {
 TEST(Shadow, caster_does_not_shadow_itself) {
   const Lit lit(point_lamp({0.3, 0, 1.8}));
   for (const float x : {-0.4F, 0.0F, 0.4F}) EXPECT_EQ(lit.seen(x, 2, 1), 1) << x;
+}
+
+/// A sheet, by its corners in turn.
+render::VirtualObject sheet(std::span<const glm::vec3, 4> corners,
+                            std::span<const glm::vec3> normal,
+                            std::span<const std::uint32_t> triangles) {
+  render::VirtualObject object;
+  object.meshes.push_back({corners, normal, {}, triangles, glm::vec3(1), {}, true});
+  return object;
+}
+
+/// Under the edge of a caster, on a slope that is in the map itself: what the lamp's filter meets
+/// of the slope does not narrow the shadow.
+TEST(Shadow, a_slope_has_the_penumbra_of_what_is_before_it) {
+  const std::array<glm::vec3, 4> caster{{{0, 1, 1}, {1, 1, 1}, {1, 1, 3}, {0, 1, 3}}};
+  const std::array<glm::vec3, 4> slope{{{-1, 1.2F, 1}, {1, 2.8F, 1}, {1, 2.8F, 3}, {-1, 1.2F, 3}}};
+  const glm::vec3 up = glm::normalize(glm::vec3(0.8F, -1, 0));
+  const std::vector<glm::vec3> normals(4, up);
+  const std::vector<std::uint32_t> triangles{0, 1, 2, 0, 2, 3};
+  render::CompositorSetup setup = plain_setup({64, 64}, 64, {4, 4}, 4);
+  render::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.size_m = {0.4, 0.4};
+  setup.light.lamps.push_back(lamp);
+  setup.objects = {sheet(caster, normals, triangles), sheet(slope, normals, triangles)};
+  render::FramePreparer preparer(setup);
+  preparer.update({});
+  std::vector<render::cpu::ShadowMap> both(1), alone(1);
+  Crew crew(2);
+  render::FrameParams params = preparer.params();
+  render::cpu::draw_shadow_maps(crew, params, both);
+  std::erase_if(params.draws, [](const render::Draw& draw) { return draw.object == 1; });
+  render::cpu::draw_shadow_maps(crew, params, alone);
+  double off = 0;
+  int soft = 0;
+  for (int k = -16; k <= 16; ++k) {
+    const float x = 0.015F * static_cast<float>(k);
+    const glm::vec3 p(x, 2 + 0.8F * x, 2);
+    const render::LampParams& of = params.lamps[0];
+    const float lift_m =
+        render::kLiftTexels * render::transform(of.lamp_from_camera, p).z / of.map_focal_texel;
+    const auto all = [](const glm::vec3& v) {
+      render::cpu::VectorLanes lanes{};
+      lanes.x += v.x, lanes.y += v.y, lanes.z += v.z;
+      return lanes;
+    };
+    const float seen = render::cpu::visibility(of, both[0], all(p), all(up))[0];
+    const float past_caster =
+        render::cpu::visibility(of, alone[0], all(p + lift_m * up), all(glm::vec3(0)))[0];
+    soft += past_caster > 0 && past_caster < 1;
+    off += std::abs(seen - past_caster) / 33;
+  }
+  EXPECT_GT(soft, 10);
+  EXPECT_LT(off, 0.02);
 }
 
 TEST(Shadow, panel_that_faces_away_has_no_map) {
