@@ -89,7 +89,7 @@ struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
   bool from_room = false;    ///< the ambient light on objects is that of the learned room by side
-  bool people_cast = false;  ///< people cast shadows on the objects; on a set they always do
+  bool people_cast = true;   ///< people cast shadows on the objects; on a set they always do
   bool contact = false;      ///< objects hide ambient light from what is near, and from themselves
   bool follow = false;       ///< lamps that are switched or dimmed while it runs
   std::vector<Lamp> lamps;
