@@ -16,6 +16,8 @@ void main() {
   ball = vec4(0);
   if (w <= 0.0) return;
   float block_m = float(block_px) / (w * focal_px.x);
+  bool small = block_m < small_block_m;  // every second one has a ball
+  if (small && ((at.x | at.y) & 1) != 0) return;
   int reach = clamp(int(ceil(people_radius_m / block_m + 0.5)), 1, most_ball_blocks);
   int nearest2 = reach * reach;
   float behind = 0.0;  // the nearest part of the body around, no limb before it
@@ -29,7 +31,7 @@ void main() {
       if (ahead < people_radius_m) behind = max(behind, ahead);
     }
   float radius = min(people_radius_m - 0.5 * behind, (sqrt(float(nearest2)) - 0.5) * block_m);
-  radius = max(radius, least_ball_blocks * block_m);
+  radius = max(radius, least_ball_blocks * (small ? 2.0 : 1.0) * block_m);
   vec2 px = vec2(at * block_px) + 0.5 * float(block_px - 1);
   vec3 ray = vec3((px - center_px) / focal_px, 1.0);
   ball = vec4(ray / w + radius * normalize(ray), radius);

@@ -256,6 +256,8 @@ inline constexpr float kLeastRoughness = 0.2F;
 inline constexpr float kPeopleRadiusM = 0.12F;
 /// Blocks: a ball is never smaller, so that those of neighbouring blocks leave no gap.
 inline constexpr float kLeastBallBlocks = 0.71F;
+/// Metres: of blocks that are smaller every second one along both axes has a ball, for all four.
+inline constexpr float kSmallBlockM = 0.025F;
 /// Metres: what differs by more in depth is another surface.
 inline constexpr float kPeopleStepM = 0.3F;
 /// Blocks in which the silhouette is looked for, at most: people nearer than a metre cast thinner

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/render/depth_planes.h"
@@ -16,6 +17,14 @@ constexpr int kLeastCell_px = 4, kMostCell_px = 16;
 constexpr double kOutlier = 4;  // of one depth among others on the plane
 constexpr double kNormalAngle_rad = 0.1;
 constexpr int kMostScale = 8;
+/// An object stands on a plane that is off its foot by less than this part of the depth, and across
+/// its way up within 15 degrees. What it is off by less than the second may stay; light bends it by
+/// up to the third.
+constexpr double kMostSunk = 0.05, kLeastSunk = 0.003, kBentPart = 0.012, kLeastUpright = 0.966;
+/// So far above the foot the plane lies: what is seen beside an object is not below it. Of walk 7
+/// (kinect2, plain, 320x256) light_shadow_rmse is 0.031 with -3 mm, 0.025 with 0, 0.021 with 5,
+/// 0.023 with 12.
+constexpr double kOverFootM = 0.005;
 
 constexpr std::uint8_t kUnknown = 255, kOffPlanes = 254;
 
@@ -94,6 +103,33 @@ std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
   return static_cast<std::uint8_t>(most - votes.begin());
 }
 
+/// Depths are off by a part of them, and planes bent, where light comes on more than one way. But
+/// an object stands on what is there: the plane goes through its foot, and what is bent belongs to
+/// it.
+void stand_on_plane(const ObjectFoot& foot, ImageView<const float> depth_m,
+                    const geometry::Pinhole& view, Image<std::uint8_t>& plane_of,
+                    std::vector<WPlane>& planes) {
+  const Eigen::Vector3d floor_m = foot.at_m + kOverFootM * foot.up;
+  WPlane* nearest = nullptr;
+  double least = kMostSunk;
+  for (WPlane& plane : planes) {
+    if (-plane.abc.normalized().dot(foot.up) < kLeastUpright) continue;
+    const double sunk = std::abs(plane.abc.dot(floor_m) - 1);
+    if (sunk < least) nearest = &plane, least = sunk;
+  }
+  if (nearest == nullptr) return;
+  const auto number = static_cast<std::uint8_t>(nearest - planes.data());
+  for (int v = 0; v < plane_of.height(); ++v)
+    for (int u = 0; u < plane_of.width(); ++u) {
+      if (plane_of.row(v)[u] != kOffPlanes) continue;
+      const double there =
+          nearest->at((u - view.cx_px) / view.fx_px, (v - view.cy_px) / view.fy_px);
+      if (std::abs(there * static_cast<double>(depth_m.row(v)[u]) - 1) < kBentPart)
+        plane_of.row(v)[u] = number;
+    }
+  if (least > kLeastSunk) nearest->abc /= nearest->abc.dot(floor_m);
+}
+
 PackedNormal normal_of(const WPlane& plane) {
   const Eigen::Vector3d n = -127 * plane.abc.normalized();
   const auto pack = [](double value) { return static_cast<std::int8_t>(std::lround(value)); };
@@ -120,12 +156,14 @@ PackedNormal certain_normal(ImageView<const float> depth_m, const geometry::Pinh
 }  // namespace
 
 LightSurface light_surface(ImageView<const float> depth_m, const geometry::Pinhole& view,
-                           const NoiseParams& noise, int footprint_px) {
+                           const NoiseParams& noise, int footprint_px,
+                           std::span<const ObjectFoot> feet) {
   const Cells cells =
       make_cells(depth_m, view, noise, std::clamp(2 * footprint_px, kLeastCell_px, kMostCell_px));
-  const std::vector<WPlane> planes = find_planes(cells);
+  std::vector<WPlane> planes = find_planes(cells);
   Image<std::uint8_t> plane_of = plane_of_pixels(depth_m, view, noise, cells, planes);
   join_outliers(depth_m, view, noise, cells.side_px, planes, plane_of);
+  for (const ObjectFoot& foot : feet) stand_on_plane(foot, depth_m, view, plane_of, planes);
   std::array<PackedNormal, kMostPlanes> normals{};
   std::transform(planes.begin(), planes.end(), normals.begin(), normal_of);
   LightSurface out{Image<float>(depth_m.size), Image<PackedNormal>(depth_m.size)};
@@ -146,6 +184,23 @@ LightSurface light_surface(ImageView<const float> depth_m, const geometry::Pinho
       out.normal.row(v)[u] = normals[plane];
     }
   return out;
+}
+
+std::vector<ObjectFoot> feet_of(std::span<const VirtualObject> objects,
+                                const geometry::Pose& camera_from_world) {
+  std::vector<ObjectFoot> feet;
+  for (const VirtualObject& object : objects) {
+    if (object.in_set) continue;
+    glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
+    for (const MeshView& mesh : object.meshes)
+      for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
+    if (!(low.x <= high.x)) continue;
+    const geometry::Pose camera_from_object = camera_from_world * object.world_from_object;
+    const Eigen::Vector3d foot_m(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
+    feet.push_back({camera_from_object * (object.scale * foot_m),
+                    camera_from_object.rotation * Eigen::Vector3d::UnitZ()});
+  }
+  return feet;
 }
 
 }  // namespace mixrig::render

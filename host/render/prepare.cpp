@@ -207,7 +207,10 @@ Tables make_tables(const CompositorSetup& setup) {
   }
   const ImageView<const float> room_m =
       t.edge_depth_m.empty() ? setup.background.depth_m : t.edge_depth_m.view();
-  LightSurface surface = light_surface(room_m, setup.view, t.correct.noise, radius_px);
+  const std::vector<ObjectFoot> feet =
+      setup.first_pose ? feet_of(setup.objects, geometry::inverse(*setup.first_pose))
+                       : std::vector<ObjectFoot>();
+  LightSurface surface = light_surface(room_m, setup.view, t.correct.noise, radius_px, feet);
   t.light_depth_m = std::move(surface.depth_m), t.background_normal = std::move(surface.normal);
   return t;
 }

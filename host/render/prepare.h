@@ -161,6 +161,7 @@ struct FrameParams {
   std::span<const float> room_share;     ///< RoomShade::share
   std::vector<LampParams> lamps;         ///< Light::lamps; panels in parts (parts_of_lamps)
   std::vector<LampParams> people_lamps;  ///< whole, with maps of people; empty: they cast none
+  RoomShadeParams people_grid;           ///< where they are looked for; no cells: everywhere
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
   std::vector<ContactParams> contacts;
   std::span<const HiddenShares> contact_hidden;  ///< kContactNodes^3 of each of `contacts`
@@ -201,6 +202,8 @@ class FramePreparer {
   void fit_objects();
   MapFit fit_map(const Lamp& lamp, std::span<const glm::dvec3> corners_m) const;
   void fit_people_maps(const geometry::Pose& world_from_target);
+  void fit_people_grid();
+  void update_people(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
   static LampParams lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,
                                 const glm::dmat4& world_from_camera,
                                 const glm::dmat4& camera_from_world);
@@ -227,11 +230,20 @@ class FramePreparer {
     std::size_t object = 0;
     glm::vec3 albedo{0};
   };
-  std::vector<Contact> contacts_;                         ///< as FrameParams::contacts
-  std::vector<HiddenShares> contact_hidden_;              ///< of all of them
-  std::vector<MapFit> fits_, people_fits_;                ///< of parts_, of the lamps
+  std::vector<Contact> contacts_;             ///< as FrameParams::contacts
+  std::vector<HiddenShares> contact_hidden_;  ///< of all of them
+  std::vector<MapFit> fits_, people_fits_;    ///< of parts_, of the lamps
+  struct PeopleGridFit {                      ///< along the world's axes
+    glm::dvec3 first_m{0};
+    double cell_m = 0;
+    glm::ivec3 cells{0};
+  };
+  PeopleGridFit people_grid_;
   std::vector<glm::dvec3> corners_m_, caster_corners_m_;  ///< world, eight an object
 };
+
+/// Of FrameParams::people_grid, at most.
+inline constexpr int kMostPeoplePoints = 32768;
 
 /// Tiles to either side over which a person's normal is measured.
 inline int normal_reach_tiles(float tof_footprint_px) {

@@ -64,11 +64,11 @@ FramePreparer::FramePreparer(const CompositorSetup& setup) : setup_(setup) {
   parts_ = light_stays(setup) ? parts_of_lamps(setup.light.lamps) : whole_lamps(setup.light.lamps);
   params_.lamps.resize(parts_.size());
   params_.lamp_from_object.assign(parts_.size(), std::vector<glm::mat4>(objects));
-  fit_objects();
   if (setup.people_cast_shadows && !setup.objects.empty() && key_by(setup) != KeyBy::kNothing) {
     params_.people_lamps.resize(setup.light.lamps.size());
     people_fits_.resize(setup.light.lamps.size());
   }
+  fit_objects();
 
   for (const Draw& draw : params_.draws) {
     params_.glossy |= !draw.mesh->gloss.is_matte();
@@ -117,11 +117,9 @@ void FramePreparer::update_room(const geometry::Pose& world_from_target) {
   find_room(world_from_target);
   params_.room_changed = !has_pose_ && needs_room_shade(setup_);
   if (room_.empty()) return;
-  const double scale = 1 / room_.cell_m;
-  glm::dmat4 cell_from_world(scale);
-  cell_from_world[3] = glm::dvec4(-scale * room_.first_m, 1);
-  params_.room = {glm::mat4(cell_from_world * to_glm(world_from_target.matrix())), room_.cells,
-                  kRoomLiftCells * static_cast<float>(room_.cell_m)};
+  params_.room =
+      grid_params(room_.first_m, room_.cell_m, room_.cells, to_glm(world_from_target.matrix()));
+  params_.room.lift_m = kRoomLiftCells * static_cast<float>(room_.cell_m);
 }
 
 /// Found once, with the room's shade; later it is as much brighter as the constant part is.

@@ -11,21 +11,12 @@
 namespace mixrig::render {
 namespace {
 
-constexpr double kLargestTanHalf = 3.0;  // a map sees 143 degrees at most
 /// Along an axis, so that the border of a shadow where an object touches the floor is that of a
 /// pixel.
 constexpr int kMapTexelsPerPixel = 2;
 constexpr int kSmallestMap = 256, kLargestMap = 1024;
 // The four maps of a panel's parts have as many texels as the largest one of all of it.
 constexpr int kLargestPartMap = 512;
-/// Texels across a map of people: 2 cm on the floor under a lamp that sees 143 degrees; around the
-/// objects alone fewer will do.
-constexpr int kPeopleMap = 1024, kPeopleMapOfObjects = 256;
-/// Without a capture volume people are looked for between these distances from the camera.
-constexpr double kNearPeopleM = 0.3, kFarPeopleM = 6.0;
-/// Between a lamp and the objects they are no nearer to it than this part of the way.
-constexpr double kPeopleNearPart = 0.4;
-
 /// World to lamp axes: z from the lamp towards `target`.
 glm::dmat4 lamp_from_world(const glm::dvec3& lamp, const glm::dvec3& target) {
   const glm::dvec3 z = glm::normalize(target - lamp);
@@ -48,13 +39,6 @@ void append_corners(const VirtualObject& object, std::vector<glm::dvec3>& corner
   for (int i = 0; i < 8; ++i)
     corners.push_back(
         apply(m, {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}));
-}
-
-/// Whether people are looked for between the lamps and the objects alone.
-bool people_around_objects(const CompositorSetup& setup) {
-  return !setup.capture_box &&
-         std::none_of(setup.objects.begin(), setup.objects.end(),
-                      [](const VirtualObject& object) { return object.in_set; });
 }
 
 }  // namespace
@@ -130,14 +114,15 @@ std::vector<LampPart> parts_of_lamps(const std::vector<Lamp>& lamps) {
 
 /// Boxes of the objects, and the maps of the lamps around those that cast shadows.
 void FramePreparer::fit_objects() {
-  map_size_ = 0;  // maps are drawn again
-  if (!people_fits_.empty() && people_around_objects(setup_)) people_fits_[0].near_m = 0;
+  map_size_ = 0;                                          // maps are drawn again
+  if (!people_fits_.empty()) people_fits_[0].near_m = 0;  // so are those of people
   corners_m_.clear(), caster_corners_m_.clear(), fits_.clear();
   for (const VirtualObject& object : setup_.objects) {
     append_corners(object, corners_m_);
     if (object.casts_shadow) append_corners(object, caster_corners_m_);
   }
   for (const LampPart& part : parts_) fits_.push_back(fit_map(part.lamp, caster_corners_m_));
+  fit_people_grid();
 }
 
 /// A map of what lies between `corners_m`, a multiple of eight; none for a lamp that cannot light
@@ -168,46 +153,6 @@ FramePreparer::MapFit FramePreparer::fit_map(const Lamp& lamp,
     fit.near_m = std::max(kNearestM, std::min(fit.near_m, p.z));
   }
   return fit;
-}
-
-/// Maps of the capture volume; without one, of what lies between a lamp and the objects, or of what
-/// the camera sees of a set, which is all around.
-void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
-  const bool around_objects = people_around_objects(setup_);
-  const bool stay = setup_.capture_box || around_objects;
-  if (params_.people_lamps.empty() || (stay && people_fits_[0].near_m > 0)) return;
-  if (around_objects) {
-    for (std::size_t i = 0; i < people_fits_.size(); ++i) {
-      const Lamp& lamp = setup_.light.lamps[i];
-      people_fits_[i] = fit_map(lamp, corners_m_);
-      // The floor in the objects' penumbrae, and the filters around it.
-      if (people_fits_[i].tan_half > 0)
-        people_fits_[i].tan_half =
-            std::min(kLargestTanHalf,
-                     people_fits_[i].tan_half + disc_radius_m(lamp) / people_fits_[i].near_m);
-      people_fits_[i].near_m = std::max(kNearPeopleM, kPeopleNearPart * people_fits_[i].near_m);
-    }
-    return;
-  }
-  std::array<glm::dvec3, 8> corners_m;
-  for (std::size_t i = 0; i < 8; ++i) {
-    if (setup_.capture_box) {
-      const CaptureBox& box = *setup_.capture_box;
-      corners_m[i] = {i & 1 ? box.max_m.x : box.min_m.x, i & 2 ? box.max_m.y : box.min_m.y,
-                      i & 4 ? box.max_m.z : box.min_m.z};
-    } else {
-      const Size size = setup_.view.size_px;
-      const Eigen::Vector2d ray =
-          setup_.view.unproject({i & 1 ? size.width : 0.0, i & 2 ? size.height : 0.0});
-      const Eigen::Vector3d p = world_from_target * (Eigen::Vector3d(ray.x(), ray.y(), 1) *
-                                                     (i & 4 ? kFarPeopleM : kNearPeopleM));
-      corners_m[i] = {p.x(), p.y(), p.z()};
-    }
-  }
-  for (std::size_t i = 0; i < people_fits_.size(); ++i) {
-    people_fits_[i] = fit_map(setup_.light.lamps[i], corners_m);
-    people_fits_[i].near_m = std::max(people_fits_[i].near_m, kNearPeopleM);
-  }
 }
 
 /// Texels across: twice as many as view pixels across the casters, as a power of two, so that a
@@ -262,10 +207,7 @@ void FramePreparer::update_lamps(const glm::dmat4& world_from_camera,
       params_.lamp_from_object[i][k] =
           glm::mat4(fit.lamp_from_world * world_from(setup_.objects[k]));
   }
-  const int people_map = people_around_objects(setup_) ? kPeopleMapOfObjects : kPeopleMap;
-  for (std::size_t i = 0; i < params_.people_lamps.size(); ++i)
-    params_.people_lamps[i] = lamp_params(setup_.light.lamps[i], people_fits_[i], people_map,
-                                          world_from_camera, camera_from_world);
+  update_people(world_from_camera, camera_from_world);
 }
 
 }  // namespace mixrig::render

@@ -21,7 +21,7 @@ enum class FocusRung : std::uint8_t { kFast, kFine };
 
 struct Rungs {
   KeyRung key = KeyRung::kRefined;
-  LightRung light = LightRung::kShadows;
+  LightRung light = LightRung::kPeople;
   FocusRung focus = FocusRung::kFine;  ///< only where the scene has a focus
   bool operator==(const Rungs&) const = default;
 };
@@ -43,7 +43,7 @@ const char* name(FocusRung rung);
 
 /// Rungs that a scene asks for, by [quality] and the tables of the stages. Pure.
 Rungs rungs_of(const Scene& scene);
-/// "key refined, light shadows"; the focus only where there is one.
+/// "key refined, light people"; the focus only where there is one.
 std::string to_text(const Rungs& rungs, bool has_focus);
 
 }  // namespace mixrig::scene

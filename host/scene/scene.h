@@ -88,10 +88,10 @@ struct Lamp {
 struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
-  bool from_room = false;    ///< the ambient light on objects is that of the learned room by side
-  bool people_cast = false;  ///< people cast shadows on the objects; on a set they always do
-  bool contact = false;      ///< objects hide ambient light from what is near, and from themselves
-  bool follow = false;       ///< lamps that are switched or dimmed while it runs
+  bool from_room = false;   ///< the ambient light on objects is that of the learned room by side
+  bool people_cast = true;  ///< people cast shadows on the objects; on a set they always do
+  bool contact = false;     ///< objects hide ambient light from what is near, and from themselves
+  bool follow = false;      ///< lamps that are switched or dimmed while it runs
   std::vector<Lamp> lamps;
   bool find_lamps = false;  ///< in the scanned room, when a session begins; then `lamps` is empty
 };

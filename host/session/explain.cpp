@@ -53,7 +53,8 @@ std::string light_reason(const render::CompositorSetup& setup, std::size_t maps,
                                    "virtual objects"
                                  : "shading of virtual objects; without a background no real "
                                    "surface is known that could receive a shadow";
-  if (setup.people_cast_shadows && keyed) reason += "; people cast shadows on virtual surfaces";
+  if (setup.people_cast_shadows && keyed && !setup.light.lamps.empty())
+    reason += "; people cast shadows on virtual surfaces";
   if (render::needs_room_shade(setup)) reason += "; what the room hides of the lamps, found once";
   if (setup.light.contact) reason += "; objects hide ambient light, found once";
   return reason;

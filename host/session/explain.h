@@ -34,7 +34,7 @@ struct Explanation {
   std::string scene, source, backend, renderer;
   std::string calibration;                 ///< which one is used, and why
   std::string camera;                      ///< origin of its pose
-  std::string rungs;                       ///< in use: "key refined, light shadows"
+  std::string rungs;                       ///< in use: "key refined, light people"
   std::optional<QualityChoice> quality{};  ///< where they follow from a budget
   int frames = 0;                          ///< composited to measure
   double frame_p50_ms = 0, rss_mb = 0;

@@ -86,7 +86,8 @@ class Runner {
     return judges() || (options_.true_people && session_.source->info().has_truth);
   }
   Result<void> open_compositor();
-  Result<void> warm_up();
+  pose::FramePose pose_of_first(const capture::Capture& capture);
+  Result<void> warm_up(capture::CaptureItem item, const pose::FramePose& known);
   Result<void> open_baselines();
   render::OutputMask wanted(render::OutputMask by_sinks) const;
   Result<void> compose_timed(output::Composite& composite, render::OutputMask wanted);
@@ -131,12 +132,25 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
   MIXRIG_ASSIGN(report_.quality, follow_budget(session_, range.first, clock_));
   MIXRIG_TRY(sinks_.open_streams());
   poses_.open();
-  MIXRIG_TRY(open_compositor());
-  if (options_.baselines) MIXRIG_TRY(open_baselines());
   // A live source may drop captures: it is read until enough were composited.
   feed_.emplace(session_, range.first, live() ? capture::kEndless : range.second, reads_truth(),
                 gate());
-  return warm_up();
+  MIXRIG_ASSIGN(auto first, feed_->next());
+  pose::FramePose known;
+  if (first) known = pose_of_first(*first->capture);
+  MIXRIG_TRY(open_compositor());
+  if (options_.baselines) MIXRIG_TRY(open_baselines());
+  return first ? warm_up(*std::move(first), known) : Result<void>();
+}
+
+/// Of a camera that stands still the compositor is made for it.
+pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
+  pose::FramePoses poses(*session_.poses, frame_pose_options(session_.scene));
+  pose::FramePose known = poses.next(capture);
+  render::CompositorSetup& setup = session_.setup;
+  const bool still = !setup.background.depth_m.empty() && !setup.lens_moves;
+  if (still && known.camera.ok()) setup.first_pose = known.camera.world_from_target;
+  return known;
 }
 
 Result<void> Runner::open_compositor() {
@@ -177,15 +191,11 @@ render::OutputMask Runner::wanted(render::OutputMask by_sinks) const {
 /// found what the room hides of the lamps. The first capture is composited once for that, before
 /// times are taken. What was exposed meanwhile in a live run is late, so that it is not composited
 /// (CaptureFeed::next_fresh).
-Result<void> Runner::warm_up() {
-  MIXRIG_ASSIGN(auto item, feed_->next());
-  if (!item) return {};
-  const capture::Capture& capture = *item->capture;
-  pose::FramePoses poses(*session_.poses, frame_pose_options(session_.scene));
-  const pose::FramePose known = poses.next(capture);
+Result<void> Runner::warm_up(capture::CaptureItem item, const pose::FramePose& known) {
+  const capture::Capture& capture = *item.capture;
   if (known.camera.ok()) {  // else the room's place is not known
     const auto composite = composites_.take();
-    composite->capture = item->capture;
+    composite->capture = item.capture;
     composite->view = frame_view(session_.setup, capture);
     composite->world_from_target = known.camera.world_from_target;
     composite->world_from_object.clear();
@@ -194,7 +204,7 @@ Result<void> Runner::warm_up() {
     MIXRIG_TRY(compositor_.compose(*composite, images, composite->images));
     swap_inspection(composite->images, inspection_);
   }
-  feed_->give_back(*std::move(item), clock_.now());
+  feed_->give_back(std::move(item), clock_.now());
   return {};
 }
 

@@ -111,6 +111,7 @@ const std::map<std::string, double> kOurs = {
     {"least_roughness", kLeastRoughness},
     {"people_radius_m", kPeopleRadiusM},
     {"people_step_m", kPeopleStepM},
+    {"small_block_m", kSmallBlockM},
     {"least_ball_blocks", kLeastBallBlocks},
     {"most_ball_blocks", kMostBallBlocks},
     {"matte_tile_footprints", kMatteTileFootprints},

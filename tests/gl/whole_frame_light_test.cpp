@@ -106,6 +106,24 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
   expect_agreement(pair, room.frame());
 }
 
+/// Of panels cpu finds what people hide at the points of a grid, and between corners of cells; gles
+/// looks for each pixel.
+TEST(WholeFrame, agrees_where_people_stand_before_panels) {
+  for (const double side_m : {0.6, 0.8}) {
+    RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+    for (render::Lamp& lamp : room.setup.light.lamps) {
+      lamp.size_m = {side_m, side_m};
+      lamp.direction = glm::normalize(glm::dvec3(0.4, 0.9, 3.2) - lamp.position_m);
+    }
+    Pair without = make_pair(room);
+    expect_agreement(without, room.frame());
+    room.setup.people_cast_shadows = true;
+    Pair pair = make_pair(room);
+    expect_agreement(pair, room.frame());
+    EXPECT_LT(psnr_db(pair.cpu_frame.color, without.cpu_frame.color), 50) << "nobody casts any";
+  }
+}
+
 /// A person between a lamp and the floor: the object's shadow there is that of the other lamp
 /// alone.
 TEST(WholeFrame, agrees_where_a_person_shades_the_floor) {

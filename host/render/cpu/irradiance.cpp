@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/render/cpu/contact.h"
+#include "host/render/cpu/people_grid.h"
 
 namespace mixrig::render::cpu {
 namespace {
@@ -27,19 +28,6 @@ FloatLanes irradiance(const LampParams& lamp, const SurfaceLanes& at) {
   return receiver * emitter / (distance2 * distance2);
 }
 
-/// Cell below a place along an axis of `count` cells, and the way on to the next one.
-struct CellLanes {
-  IntLanes first;
-  FloatLanes share;
-};
-CellLanes cell_at(FloatLanes at, int count) {
-  const FloatLanes inside =
-      min(max(at, FloatLanes{}), FloatLanes{} + static_cast<float>(count - 1));
-  const IntLanes whole = truncate(inside), last = IntLanes{} + std::max(count - 2, 0);
-  const IntLanes first = whole > last ? last : whole;
-  return {first, inside - to_float(first)};
-}
-
 /// Share of a lamp that is seen past the real room: RoomShade, trilinear.
 FloatLanes share_in_room(const FrameParams& frame, const LampParams& lamp, const SurfaceLanes& at) {
   if (lamp.room_layer < 0) return FloatLanes{} + 1.0F;
@@ -47,26 +35,10 @@ FloatLanes share_in_room(const FrameParams& frame, const LampParams& lamp, const
   const FloatLanes px = at.position_m.x + room.lift_m * at.normal.x,
                    py = at.position_m.y + room.lift_m * at.normal.y,
                    pz = at.position_m.z + room.lift_m * at.normal.z;
-  const auto cell = [&](int axis) {
-    const glm::mat4& m = room.cell_from_camera;
-    return cell_at(px * m[0][axis] + py * m[1][axis] + pz * m[2][axis] + m[3][axis],
-                   room.cells[axis]);
-  };
-  const CellLanes x = cell(0), y = cell(1), z = cell(2);
-  const int columns = room.cells.x, plane = columns * room.cells.y;
-  const float* const shares =
-      frame.room_share.data() + static_cast<std::ptrdiff_t>(lamp.room_layer) * plane * room.cells.z;
-  const IntLanes first = x.first + y.first * columns + z.first * plane;
-  const auto along_x = [&](int offset) {
-    const FloatLanes a = gather(shares, first + offset), b = gather(shares, first + (offset + 1));
-    return a + (b - a) * x.share;
-  };
-  const auto along_y = [&](int offset) {
-    const FloatLanes a = along_x(offset), b = along_x(offset + columns);
-    return a + (b - a) * y.share;
-  };
-  const FloatLanes a = along_y(0), b = along_y(plane);
-  return a + (b - a) * z.share;
+  const GridLanes places(room, {px, py, pz});
+  const int layer = room.cells.x * room.cells.y * room.cells.z;
+  return places.read(frame.room_share.data() +
+                     static_cast<std::ptrdiff_t>(lamp.room_layer) * layer);
 }
 
 /// The same for one lamp after another: parts of a panel, which follow each other, share it.
@@ -251,40 +223,42 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
 bool seen_past_people(const PeopleMaps& people, const SurfaceLanes& at,
                       std::span<FloatLanes> share) {
   bool hides = false;
+  std::optional<GridLanes> places;
+  if ((people.grid.lamps & people.maybe) != 0) places.emplace(people.grid.at, at.position_m);
   for (std::size_t k = 0; k < std::min(people.maps.size(), share.size()); ++k) {
     share[k] = FloatLanes{} + 1.0F;
     if (!holds(people.maybe, k)) continue;
-    share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal);
+    const bool known = places && holds(people.grid.lamps, k);
+    const IntLanes by_map = known ? ~places->inside() : IntLanes{} - 1;
+    if (any(by_map))
+      share[k] = visibility(people.lamps[k], people.maps[k], at.position_m, at.normal, by_map);
+    if (known) share[k] = by_map ? share[k] : places->read(people.grid.of(k));
     hides |= any(share[k] < 1);
   }
   return hides;
 }
 
-LostLight lost_light(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     bool near, const SurfaceLanes& at, std::span<const FloatLanes> share) {
+void find_lamp_shares(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                      bool near, const SurfaceLanes& at, std::size_t count, LampShares& out) {
   RoomShares room(frame, at);
-  LostLight lost{};
-  FloatLanes of_lamps{};
+  FloatLanes all = FloatLanes{} + luminance(frame.light.ambient);
+  std::fill_n(out.light.begin(), count, FloatLanes{});
+  std::fill_n(out.hidden.begin(), count, FloatLanes{});
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = frame.lamps[k];
     const FloatLanes light = real_light(lamp, nullptr, at, room);
-    if (!any(light > 0)) continue;
     const auto whole = static_cast<std::size_t>(lamp.part_of);
-    const FloatLanes past = whole < share.size() ? share[whole] : FloatLanes{} + 1.0F;
-    of_lamps += light;
-    lost.by_people += light * (1 - past);
-    if (!holds(maybe, k)) continue;
-    const FloatLanes hidden =
-        light * (1 - visibility(lamp, maps[k], at.position_m, no_normal(), light > 0));
-    lost.lamps += hidden;
-    lost.past_people += hidden * past;
+    if (!any(light > 0)) continue;
+    all += light;
+    if (whole >= count) continue;
+    out.light[whole] += light;
+    if (holds(maybe, k))
+      out.hidden[whole] +=
+          light * (1 - visibility(lamp, maps[k], at.position_m, no_normal(), light > 0));
   }
-  const FloatLanes least = FloatLanes{} + kFaintestLight;
-  const FloatLanes over = 1 / max(of_lamps + luminance(frame.light.ambient), least);
-  lost.seen = 1 - lost.by_people / max(of_lamps, least);
-  lost.ambient = near ? lost_ambient(frame, at) * over : FloatLanes{};
-  lost.lamps *= over, lost.past_people *= over, lost.by_people *= over;
-  return lost;
+  const FloatLanes over = 1 / max(all, FloatLanes{} + kFaintestLight);
+  for (std::size_t k = 0; k < count; ++k) out.light[k] *= over, out.hidden[k] *= over;
+  out.ambient = near ? lost_ambient(frame, at) * over : FloatLanes{};
 }
 
 }  // namespace mixrig::render::cpu

@@ -3,22 +3,14 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "host/render/cpu/gloss.h"
+#include "host/render/cpu/lamp_set.h"
 #include "host/render/cpu/visibility.h"
 
 namespace mixrig::render::cpu {
-
-/// Lamps that may be hidden, by bit; those without a bit of their own always may.
-using LampSet = std::uint64_t;
-inline constexpr std::size_t kLampBits = 64;
-inline bool holds(LampSet set, std::size_t lamp) {
-  return lamp >= kLampBits || (set >> lamp & 1) != 0;
-}
-inline constexpr LampSet kAllLamps = ~LampSet{0};
 
 /// Points of surfaces with unit normals, camera axes; finite.
 struct SurfaceLanes {
@@ -30,10 +22,13 @@ struct SurfaceLanes {
   }
 };
 
-/// Maps of people, and the whole lamps that they may hide: at most the first kMostLamps.
+struct PeopleGrid;
+/// Maps of people, and the whole lamps that they may hide: at most the first kMostLamps. Where the
+/// grid knows a lamp its map is not looked at.
 struct PeopleMaps {
   const std::vector<LampParams>& lamps;
   const std::vector<ShadowMap>& maps;
+  const PeopleGrid& grid;
   LampSet maybe = kAllLamps;
 };
 
@@ -85,14 +80,14 @@ bool shading_past_people(const FrameParams& frame, const std::vector<ShadowMap>&
 bool seen_past_people(const PeopleMaps& people, const SurfaceLanes& at,
                       std::span<FloatLanes> share);
 
-/// Of real surfaces in the shadow of objects, over all light without people: what is lost of the
-/// ambient light, of the lamps, and of these past people; what people hide of all light. With the
-/// mean share of the lamps that is seen past them.
-struct LostLight {
-  FloatLanes ambient, lamps, past_people, by_people, seen;
+/// Of real surfaces, over all light without people: what objects take of the ambient light, and of
+/// each whole lamp what reaches the surface without them and what of it they hide.
+struct LampShares {
+  FloatLanes ambient;
+  std::array<FloatLanes, kMostLamps> light, hidden;
 };
-/// `share`: of each whole lamp what is seen past people.
-LostLight lost_light(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
-                     bool near, const SurfaceLanes& at, std::span<const FloatLanes> share);
+/// Of the first `count` whole lamps. Precondition: at most kMostLamps maps.
+void find_lamp_shares(const FrameParams& frame, const std::vector<ShadowMap>& maps, LampSet maybe,
+                      bool near, const SurfaceLanes& at, std::size_t count, LampShares& out);
 
 }  // namespace mixrig::render::cpu

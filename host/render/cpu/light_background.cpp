@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <tuple>
 
 #include "host/render/cpu/color_lanes.h"
 #include "host/render/cpu/contact.h"
@@ -108,31 +109,39 @@ void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>
     light_tile(input, tile(i), depth_m[static_cast<std::size_t>(i)], light);
 }
 
-/// A tile of the background that an object shades, past people.
-void light_tile_past_people(const LightInput& input, const Rect& rect, LightLayer& light) {
-  bool in_shadow = false;
+/// What of a tile does not depend on people.
+void look_at(const LightInput& input, const Rect& rect, const LightLayer& light,
+             BackgroundTile& tile) {
+  tile = {.seen = true};
   for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x) in_shadow |= light.background.row(y)[x] < kLit;
-  if (!in_shadow) return;
-  const auto [near_m, far_m] = positive_range(lit_depth_m(input), rect);
-  if (!(far_m > 0)) return;
+    for (int x = rect.x0; x < rect.x1; ++x) tile.in_shadow |= light.background.row(y)[x] < kLit;
+  if (!tile.in_shadow) return;
+  std::tie(tile.near_m, tile.far_m) = positive_range(lit_depth_m(input), rect);
+}
+
+/// A tile of the background that an object shades, past people; `number`: of it.
+void light_tile_past_people(const LightInput& input, const Rect& rect, std::size_t number,
+                            LightLayer& light) {
+  BackgroundTile& tile = light.room_tiles[number];
+  if (!tile.seen) look_at(input, rect, light, tile);
+  if (!tile.in_shadow || !(tile.far_m > 0)) return;
   const PinholeParams& view = input.tables.warp.view;
+  const PeopleShadow& shadow = *input.people;
   const PeopleMaps people{
-      input.people->lamps, input.people->maps,
-      lamps_in_doubt(view, input.people->lamps, input.people->maps, rect, near_m, far_m)};
+      shadow.lamps, shadow.maps, shadow.grid,
+      lamps_in_doubt(view, shadow.lamps, shadow.maps, rect, tile.near_m, tile.far_m, shadow.reach)};
   if (people.maybe == 0) return;
-  const Doubt doubt = doubt_of(input, rect, {near_m, far_m});
-  const auto each_pixel = [&](const Rect& part) {
-    for (int y = part.y0; y < part.y1; ++y)
-      light_row(input, doubt, y, part.x0, part.x1, light.visible.row(y) + part.x0, &people);
-  };
+  const Doubt doubt = doubt_of(input, rect, {tile.near_m, tile.far_m});
   const bool whole = rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight;
   if (whole && std::max(input.maps.size(), people.maps.size()) <= kMostLamps &&
-      blur_allows_cells(view, people.lamps, people.maps, people.maybe, rect, near_m, far_m))
-    light_cells_past_people(input, doubt, people, lit_depth_m(input), rect, light, each_pixel);
-  else
-    each_pixel(rect);
+      people_allow_cells(view, people, rect, tile.near_m, tile.far_m))
+    return light_cells_past_people(input, doubt, people, lit_depth_m(input), rect, tile,
+                                   light.corners.row(static_cast<int>(number)), light);
+  for (int y = rect.y0; y < rect.y1; ++y)
+    light_row(input, doubt, y, rect.x0, rect.x1, light.visible.row(y) + rect.x0, &people);
 }
+
+int tiles_across(Size view) { return (view.width + kLitTileWidth - 1) / kLitTileWidth; }
 
 }  // namespace
 
@@ -182,12 +191,22 @@ bool has_shadows(const FrameParams& frame) {
 
 void light_background(Crew& crew, const LightInput& input, LightLayer& light) {
   Image<std::uint16_t>& out = light.background;
+  std::fill(light.room_tiles.begin(), light.room_tiles.end(), BackgroundTile{});
   if (input.background.depth_m.empty()) return out.fill(kLit);
   crew.rows(out.height(), kLitTileHeight, [&](int begin, int end) {
     for (int x = 0; x < out.width(); x += kTilesTogether * kLitTileWidth)
       light_tiles(input, {x, begin, std::min(x + kTilesTogether * kLitTileWidth, out.width()), end},
                   out);
   });
+}
+
+void size_for_people(const FrameParams& frame, Size view_size, LightLayer& light) {
+  const int rows = (view_size.height + kLitTileHeight - 1) / kLitTileHeight;
+  light.room_tiles.resize(static_cast<std::size_t>(rows * tiles_across(view_size)));
+  const Size size{static_cast<int>(corner_floats(frame.people_lamps.size())),
+                  static_cast<int>(light.room_tiles.size())};
+  light.corners.make(size);
+  light.corners.reset(size);
 }
 
 void light_visible_background(Crew& crew, const LightInput& input, LightLayer& light) {
@@ -197,8 +216,10 @@ void light_visible_background(Crew& crew, const LightInput& input, LightLayer& l
     for (int y = begin; y < end; ++y)
       std::copy_n(light.background.row(y), size.width, light.visible.row(y));
     for (int x = 0; past_people && x < size.width; x += kLitTileWidth)
-      light_tile_past_people(input, {x, begin, std::min(x + kLitTileWidth, size.width), end},
-                             light);
+      light_tile_past_people(
+          input, {x, begin, std::min(x + kLitTileWidth, size.width), end},
+          static_cast<std::size_t>(begin / kLitTileHeight * tiles_across(size) + x / kLitTileWidth),
+          light);
   });
 }
 

@@ -39,29 +39,6 @@ void find_light(const LightInput& input, const Doubt& doubt, const BackgroundCor
   }
 }
 
-/// kLanes pixels of a cell, row by row.
-struct CellPixels {
-  alignas(64) std::array<float, kLanes> depth_m, x, y;
-  CellPixels(ImageView<const float> depths_m, int x0, int y0, int first) {
-    for (int i = 0; i < kLanes; ++i) {
-      const int px = (first + i) % kCellPx, py = (first + i) / kCellPx;
-      const auto k = static_cast<std::size_t>(i);
-      depth_m[k] = std::max(depths_m.row(y0 + py)[x0 + px], 0.0F);
-      x[k] = static_cast<float>(x0 + px), y[k] = static_cast<float>(y0 + py);
-    }
-  }
-  VectorLanes ray(const PinholeParams& view) const {
-    return rays_at(view, load<FloatLanes>(x.data()), load<FloatLanes>(y.data()));
-  }
-  FloatLanes depth() const { return load<FloatLanes>(depth_m.data()); }
-  void store_light(FloatLanes ratio, Image<std::uint16_t>& light) const {
-    for (std::size_t i = 0; i < kLanes; ++i)
-      if (depth_m[i] > 0)
-        light.row(static_cast<int>(y[i]))[static_cast<int>(x[i])] =
-            light_to_fixed(ratio[static_cast<int>(i)]);
-  }
-};
-
 /// Each pixel of cells by itself; the normals of a row of cells are read once.
 class ExactCells {
  public:
@@ -141,10 +118,7 @@ void light_flat_cell(const LightInput& input, LampSet maybe, LampSet lamps,
     const VectorLanes ray = pixels.ray(input.tables.warp.view);
     const FloatLanes depth = pixels.depth();
     const SurfaceLanes at{{ray.x * depth, ray.y * depth, ray.z * depth}, {}};
-    const FloatLanes across =
-        (load<FloatLanes>(pixels.x.data()) - static_cast<float>(rect.x0)) / kCellPx;
-    const FloatLanes down =
-        (load<FloatLanes>(pixels.y.data()) - static_cast<float>(rect.y0)) / kCellPx;
+    const FloatLanes across = pixels.across(rect), down = pixels.down(rect);
     FloatLanes lost = between(others, c, across, down);
     for (std::size_t k = 0; k < input.maps.size(); ++k)
       if (holds(lamps, k))

@@ -3,7 +3,6 @@
 // one smooth surface pixels take what lies between.
 #pragma once
 
-#include <functional>
 #include <span>
 
 #include "host/render/cpu/cells.h"
@@ -32,11 +31,20 @@ class PeopleCells {
   std::array<CornerValues, kMostLamps> seen_;
 };
 
+/// Floats of a row of LightLayer::corners, for so many whole lamps.
+std::size_t corner_floats(std::size_t lamps);
+
+/// Whether what people hide of the lamps in doubt may be taken from corners of cells: from lamps
+/// that are wide beside a cell, or where blur_allows_cells().
+bool people_allow_cells(const PinholeParams& view, const PeopleMaps& people, const Rect& tile,
+                        float near_m, float far_m);
+
 /// Light of a whole tile of the background that objects shade, past people: the place of a shadow
-/// within a cell is that of the light without people, `light.background`. Cells that are not flat
-/// are given to `each_pixel`. Preconditions: as light_in_cells().
+/// within a cell is that of the light without people, `light.background`. `known` and `kept`: of
+/// the tile, found in the first frame in which people hide anything of it. Preconditions:
+/// people_allow_cells(); at most kMostLamps maps.
 void light_cells_past_people(const LightInput& input, const Doubt& doubt, const PeopleMaps& people,
-                             ImageView<const float> depth_m, const Rect& tile, LightLayer& light,
-                             const std::function<void(const Rect&)>& each_pixel);
+                             ImageView<const float> depth_m, const Rect& tile,
+                             BackgroundTile& known, float* kept, LightLayer& light);
 
 }  // namespace mixrig::render::cpu

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "host/render/cpu/people_grid.h"
 #include "host/render/cpu/shadow.h"
 
 namespace mixrig::render::cpu {
@@ -20,14 +21,18 @@ struct Ball {
 struct PeopleShadow {
   PeopleShadow() = default;
   explicit PeopleShadow(Size view_size);
-  Image<float> z_m;  ///< of people; very far where less than half of the block shows any
-  std::vector<Ball> balls;
-  std::vector<ShadowMap> maps;    ///< of each lamp
+  Image<float> z_m;             ///< of people; very far where less than half of the block shows any
+  std::vector<Ball> balls;      ///< radius 0 too where no lamp's map shows it
+  std::vector<Ball> drawn;      ///< the others
+  std::vector<ShadowMap> maps;  ///< of each lamp
   std::vector<LampParams> lamps;  ///< frame.people_lamps, with the nearest of their casters
+  LampSet reach = 0;              ///< lamps whose maps show anybody
+  PeopleGrid grid;
 };
 
 /// Balls of the people that `matte` and their inverse depth `view_w` show, into the map of every
-/// lamp of frame.people_lamps. Allocates in the first frame only.
+/// lamp of frame.people_lamps, and what they hide into the grid. Allocates in the first frame
+/// only.
 void draw_people_maps(Crew& crew, const FrameParams& frame, const PinholeParams& view,
                       const Image<float>& view_w, const Image<std::uint8_t>& matte,
                       PeopleShadow& people);

@@ -27,7 +27,7 @@ TileLamps lamps_of_tile(const LightInput& input, const Rect& tile, const Image<f
   const PinholeParams& view = input.tables.warp.view;
   TileLamps lamps{0, 1 / most_w, 1 / least_w};
   lamps.by_people = lamps_in_doubt(view, input.people->lamps, input.people->maps, tile,
-                                   lamps.near_m, lamps.far_m);
+                                   lamps.near_m, lamps.far_m, input.people->reach);
   return lamps;
 }
 
@@ -41,7 +41,7 @@ class TilePastPeople {
       : input_(input),
         lamps_(lamps),
         colors_(colors),
-        people_{input.people->lamps, input.people->maps, lamps.by_people},
+        people_{input.people->lamps, input.people->maps, input.people->grid, lamps.by_people},
         tile_(tile),
         layer_(layer),
         count_(layer.alone.lamp_light.size()) {}
@@ -144,8 +144,7 @@ void TilePastPeople::shade() {
   if (!layer_.gloss.empty()) return shade_anew(tile_);
   const VirtualCorners corners(view, tile_, layer_);
   if (!corners.any_smooth() ||
-      !blur_allows_cells(view, people_.lamps, people_.maps, lamps_.by_people, tile_, lamps_.near_m,
-                         lamps_.far_m))
+      !people_allow_cells(view, people_, tile_, lamps_.near_m, lamps_.far_m))
     return shade_places(tile_);
   const PeopleCells cells(people_, corners.at());
   each_cell([&](int column, int row) {
@@ -169,31 +168,28 @@ LampColors lamp_colors(const FrameParams& frame) {
 }  // namespace
 
 void size_for_people(const FrameParams& frame, Size view_size, VirtualLayer& layer) {
-  layer.alone.lamp_light.resize(std::min<std::size_t>(frame.people_lamps.size(), kMostLamps));
-  layer.alone.in_shadow.reset({(view_size.width + kLitTileWidth - 1) / kLitTileWidth,
-                               (view_size.height + kLitTileHeight - 1) / kLitTileHeight});
+  ShadedAlone& alone = layer.alone;
+  alone.albedo.make(view_size), alone.color.make(view_size);
+  alone.lamp_light.resize(std::min<std::size_t>(frame.people_lamps.size(), kMostLamps));
+  for (RoomFor<float>& light : alone.lamp_light) light.make(view_size);
+  alone.in_shadow.reset({(view_size.width + kLitTileWidth - 1) / kLitTileWidth,
+                         (view_size.height + kLitTileHeight - 1) / kLitTileHeight});
 }
 
 void begin_alone(VirtualLayer& layer) {
   ShadedAlone& alone = layer.alone;
-  alone.in_shadow.fill(0);
-  const Size wanted{layer.rect.x1 - layer.rect.x0, layer.rect.y1 - layer.rect.y0};
-  const Size had = alone.color.size();
-  if (wanted.width <= had.width && wanted.height <= had.height) return;
-  // A moving camera seldom outgrows them.
-  const Size view = layer.color.size();
-  const auto grown = [](int wanted_px, int had_px, int most_px) {
-    return wanted_px <= had_px ? had_px : std::min(most_px, wanted_px + wanted_px / 4);
-  };
-  const Size size{grown(wanted.width, had.width, view.width),
-                  grown(wanted.height, had.height, view.height)};
+  alone.in_shadow.fill(0), alone.any_in_shadow = false;
+  const Size size{layer.rect.x1 - layer.rect.x0, layer.rect.y1 - layer.rect.y0};
   alone.albedo.reset(size), alone.color.reset(size);
-  for (Image<float>& light : alone.lamp_light) light.reset(size);
+  for (RoomFor<float>& light : alone.lamp_light) light.reset(size);
 }
 
-void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer) {
+bool shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& layer) {
   const Rect& rect = layer.rect;
   Image<std::uint8_t>& in_shadow = layer.alone.in_shadow;
+  const bool any = input.people->reach != 0;
+  if (!any && !layer.alone.any_in_shadow) return false;
+  layer.alone.any_in_shadow = any;
   const LampColors colors = lamp_colors(input.frame);
   crew.rows(in_shadow.height(), 1, [&](int row, int) {
     const int y0 = std::max(row * kLitTileHeight, rect.y0);
@@ -211,6 +207,7 @@ void shade_behind_people(Crew& crew, const LightInput& input, VirtualLayer& laye
       was = lamps.by_people != 0 ? 1 : 0;
     }
   });
+  return true;
 }
 
 }  // namespace mixrig::render::cpu

@@ -35,7 +35,7 @@ template <typename LightAt>
 void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
                 LightAt&& light_at) {
   const auto all = [](int, int) { return true; };
-  std::vector<Image<float>>& kept = layer.alone.lamp_light;
+  std::vector<RoomFor<float>>& kept = layer.alone.lamp_light;
   std::array<FloatLanes, kMostLamps> of_lamps;
   const std::span lamp_light = std::span(of_lamps).first(kept.size());
   const auto shade = [&](std::span<const Place> places, const SurfaceLanes& at) {
@@ -94,7 +94,7 @@ void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
   const bool people = keeps_alone(layer);
   if (people) begin_alone(layer);
   crew.rows(rect.y1 - rect.y0, kLitTileHeight, [&](int begin, int end) {
-    const auto keep_rows = [&](Image<Rgbx16>& to) {
+    const auto keep_rows = [&](RoomFor<Rgbx16>& to) {
       for (int y = begin; y < end; ++y)
         std::copy_n(layer.color.row(rect.y0 + y) + rect.x0, rect.x1 - rect.x0, to.row(y));
     };

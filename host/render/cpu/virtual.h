@@ -3,7 +3,12 @@
 #pragma once
 
 #include <array>
+#include <cassert>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "hal/base/parallel.h"
@@ -28,13 +33,43 @@ struct GlossBytes {
   std::uint8_t metallic = 0, roughness = 0, specular = 0, unused = 0;
 };
 
+/// Memory for images of a size up to the largest one, of which no page is touched before it is
+/// used: what a moving camera outgrows costs no allocation.
+template <typename T>
+class RoomFor {
+ public:
+  void make(Size most) {
+    constexpr std::size_t kAlign = 64;
+    most_ = most.area();
+    const std::size_t bytes = (most_ * sizeof(T) + kAlign) / kAlign * kAlign;
+    pixels_.reset(static_cast<T*>(std::aligned_alloc(kAlign, bytes)));
+    if (!pixels_) std::abort();
+  }
+  /// What was in it is lost. Precondition: no more pixels than there is room for.
+  void reset(Size size) {
+    assert(size.area() <= most_);
+    width_ = size.width;
+  }
+  T* row(int y) const { return pixels_.get() + static_cast<std::ptrdiff_t>(y) * width_; }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { std::free(p); }
+  };
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::unique_ptr<T[], Free> pixels_;
+  std::size_t most_ = 0;
+  int width_ = 0;
+};
+
 /// What is kept of the shading without people, so that only what they hide is found in each frame.
-/// Pixel (0, 0) is the first of the layer's `rect`; the images are as large as any has been.
+/// Pixel (0, 0) is the first of the layer's `rect`.
 struct ShadedAlone {
-  Image<Rgbx16> albedo, color;
-  std::vector<Image<float>> lamp_light;  ///< luminance that each whole lamp gives, not exposed
+  RoomFor<Rgbx16> albedo, color;
+  std::vector<RoomFor<float>> lamp_light;  ///< luminance that each whole lamp gives, not exposed
   Image<std::uint8_t>
       in_shadow;  ///< of each tile of the view: people darkened it in the last frame
+  bool any_in_shadow = false;
 };
 
 /// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.

@@ -29,6 +29,7 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(size);
   size_for_people(frame, size, objects_);
+  size_for_people(frame, size, light_);
 }
 
 LightInput VirtualThings::light_input(MovingBackground* moving, const PeopleShadow* people) const {
@@ -71,12 +72,11 @@ void VirtualThings::light_real(Crew& crew, MovingBackground* moving, const Image
                                const Image<std::uint8_t>& matte) {
   if (people_cast()) {
     draw_people_maps(crew, frame_, tables_.warp.view, view_w, matte, people_shadow_);
-    shade_behind_people(crew, light_input(nullptr, &people_shadow_), objects_);
-    drawn_ = true;
+    drawn_ |= shade_behind_people(crew, light_input(nullptr, &people_shadow_), objects_);
   }
   if (!has_shadows(frame_)) return;
-  const LightInput input =
-      light_input(moving, people_cast() && !setup_.backdrop ? &people_shadow_ : nullptr);
+  const bool past_people = people_shadow_.reach != 0 && !setup_.backdrop;
+  const LightInput input = light_input(moving, past_people ? &people_shadow_ : nullptr);
   light_visible_background(crew, input, light_);
   light_people(crew, input, view_w, matte, light_);
 }

@@ -119,6 +119,53 @@ TEST(LightSurface, a_curved_surface_stays_and_its_normals_follow_the_noise_no_mo
     }
 }
 
+/// A floor that is measured 3 % too far, as by light that comes on more than one way.
+TEST(LightSurface, the_floor_goes_through_the_foot_of_what_stands_on_it) {
+  Image<float> far_m = noisy_room();
+  for (int v = 0; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u) far_m.row(v)[u] *= 1.03F;
+  const auto floor_at = [&](const render::ObjectFoot& foot) {
+    return render::light_surface(far_m, kNoisyEye, kStepNoise, 1, std::span(&foot, 1))
+        .depth_m.at(80, 200);
+  };
+  EXPECT_NEAR(floor_at({{0.3, kFloorDown_m, 3}, kFloorUp}), floor_m(200), 0.02);
+  const double measured_m = 1.03 * floor_m(200);
+  EXPECT_NEAR(floor_at({{0.3, 0.8, 3}, kFloorUp}), measured_m, 0.03) << "it hovers";
+  EXPECT_NEAR(floor_at({{0.3, kFloorDown_m, 3}, kWallTowards}), measured_m, 0.03) << "it lies";
+}
+
+/// Light on more ways bends a floor: beside what stands on it that is the floor, too.
+TEST(LightSurface, a_bend_in_the_floor_under_an_object_belongs_to_it) {
+  const render::Rect bend{60, 185, 110, 215};
+  Image<float> bent_m(kNoisyView);
+  for (int v = 0; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u)
+      bent_m.row(v)[u] = static_cast<float>(noisy_truth_m(u, v) * (holds(bend, u, v) ? 1.01 : 1));
+  const render::NoiseParams noise{0.001F, 0, 0};
+  const render::ObjectFoot foot{{0.3, kFloorDown_m, 3}, kFloorUp};
+  const auto with = render::light_surface(bent_m, kNoisyEye, noise, 1, std::span(&foot, 1));
+  const auto without = render::light_surface(bent_m, kNoisyEye, noise, 1);
+  const double over_foot = (kFloorDown_m - 0.005) / kFloorDown_m;
+  EXPECT_NEAR(with.depth_m.at(80, 200), over_foot * floor_m(200), 0.004);
+  EXPECT_NEAR(without.depth_m.at(80, 200), 1.01 * floor_m(200), 0.004);
+}
+
+TEST(LightSurface, feet_are_below_the_middle_of_objects) {
+  const std::vector<glm::vec3> positions{{-1, -1, 0.5F}, {3, -1, 0.5F}, {1, 1, 2}};
+  const std::vector<std::uint32_t> triangle{0, 1, 2};
+  render::VirtualObject object;
+  object.meshes.push_back({positions, positions, {}, triangle, glm::vec3(1), {}, true});
+  object.scale = 2, object.world_from_object.translation_m = {0, 0, 1};
+  geometry::Pose camera_from_world;
+  camera_from_world.translation_m = {0, 5, 0};
+  const std::vector<render::ObjectFoot> feet =
+      render::feet_of(std::span(&object, 1), camera_from_world);
+  ASSERT_EQ(feet.size(), 1U);
+  EXPECT_LT((feet[0].at_m - Eigen::Vector3d(2, 5, 2)).norm(), 1e-6);
+  object.in_set = true;
+  EXPECT_TRUE(render::feet_of(std::span(&object, 1), camera_from_world).empty());
+}
+
 TEST(LightSurface, nothing_known_gives_nothing) {
   const auto surface =
       render::light_surface(Image<float>({64, 48}), {{64, 48}, 50, 50, 31.5, 23.5}, kStepNoise, 1);

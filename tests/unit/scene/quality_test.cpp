@@ -26,7 +26,7 @@ TEST(QualityTable, RungsAreThoseOfTheStagesWhereItIsAbsent) {
   EXPECT_EQ(rungs(""), Rungs{});
   EXPECT_EQ(rungs("[key]\nrefine = false").key, KeyRung::kVotes);
   EXPECT_EQ(rungs("[key]\ncolor = false").key, KeyRung::kPlain);
-  EXPECT_EQ(rungs("[light]\npeople_cast = true").light, LightRung::kPeople);
+  EXPECT_EQ(rungs("[light]\npeople_cast = false").light, LightRung::kShadows);
   EXPECT_EQ(rungs("[focus]\ndistance_m = 2\nrung = \"fast\"").focus, FocusRung::kFast);
 }
 
