@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <vector>
 
@@ -43,7 +44,7 @@ class RoomFor {
     most_ = most.area();
     const std::size_t bytes = (most_ * sizeof(T) + kAlign) / kAlign * kAlign;
     pixels_.reset(static_cast<T*>(std::aligned_alloc(kAlign, bytes)));
-    if (!pixels_) std::abort();
+    if (!pixels_) throw std::bad_alloc();
   }
   /// What was in it is lost. Precondition: no more pixels than there is room for.
   void reset(Size size) {
