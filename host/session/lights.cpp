@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
+#include "hal/base/srgb.h"
 #include "host/config/table.h"
 #include "host/image_io/image_io.h"
 #include "host/lights/bright_regions.h"
@@ -100,6 +102,18 @@ Result<TakeViews> views_of(const LightsOptions& options, capture::CaptureSource&
   return all;
 }
 
+Result<int> view_of_frame(const TakeViews& all, int frame) {
+  const auto off = [&](int a) { return std::abs(a - frame); };
+  const auto nearest = std::min_element(all.frames.begin(), all.frames.end(),
+                                        [&](int a, int b) { return off(a) < off(b); });
+  if (*nearest == frame) return static_cast<int>(nearest - all.frames.begin());
+  return Error{
+      ErrorCode::kUsage,
+      fmt::format("lights: --bracket-frame {}: the take has no picture of the fisheye with "
+                  "a pose there: the nearest is of frame {}",
+                  frame, *nearest)};
+}
+
 void draw_ring(const Eigen::Vector2d& centre, double radius_px, Rgb8 color, Image<Rgb8>& picture) {
   const int steps = static_cast<int>(16 * radius_px) + 32;
   for (int k = 0; k < steps; ++k)
@@ -126,14 +140,48 @@ void draw_candidates(const lights::LampSearch& search, const std::vector<lights:
   for (const auto& lamp : search.lamps) draw(lamp.seen, {60, 255, 60});
 }
 
-/// Without a measure: lamps of the same radiance, together as bright as a common room's.
-void assume_intensity(const lights::LampSearch& search, std::vector<scene::Lamp>& lamps) {
+/// Each lamp's part of the light of all, by its area and its radiance; without a bracket lamps have
+/// the same radiance.
+std::vector<float> parts_of_light(const RoomLights& found) {
+  std::vector<double> light;
+  double all = 0;
+  for (std::size_t i = 0; i < found.search.lamps.size(); ++i) {
+    const double radiance = found.radiance.empty() ? 1 : found.radiance[i];
+    light.push_back(radiance * found.search.lamps[i].size_m.prod());
+    all += light.back();
+  }
+  std::vector<float> parts;
+  for (const double part : light)
+    parts.push_back(all > 0 ? static_cast<float>(part / all)
+                            : 1 / static_cast<float>(light.size()));
+  return parts;
+}
+
+/// Without a measure lamps are together as bright as a common room's.
+void assume_intensity(const RoomLights& found, std::vector<scene::Lamp>& lamps) {
   constexpr float kTogether = 8;
-  double area_m2 = 0;
-  for (const auto& lamp : search.lamps) area_m2 += lamp.size_m.prod();
+  const std::vector<float> parts = parts_of_light(found);
   for (std::size_t i = 0; i < lamps.size(); ++i)
-    lamps[i].intensity.setConstant(
-        area_m2 > 0 ? kTogether * static_cast<float>(search.lamps[i].size_m.prod() / area_m2) : 1);
+    lamps[i].intensity.setConstant(kTogether * parts[i]);
+}
+
+/// By the room's shading; where there is a bracket, that says how the sum is shared out.
+void take_intensity(const RoomLights& found, std::vector<scene::Lamp>& lamps) {
+  const Eigen::Vector3f luminance(kRec709Red, kRec709Green, kRec709Blue);
+  float all = 0;
+  for (std::size_t i = 0; i < lamps.size(); ++i) {
+    lamps[i].intensity = found.light.value.intensity[i];
+    all += luminance.dot(lamps[i].intensity);
+  }
+  if (found.radiance.empty()) return;
+  const std::vector<float> parts = parts_of_light(found);
+  for (std::size_t i = 0; i < lamps.size(); ++i) {
+    const float own = luminance.dot(lamps[i].intensity);
+    if (own > 0)
+      lamps[i].intensity *= parts[i] * all / own;
+    else
+      lamps[i].intensity.setConstant(parts[i] * all);
+  }
 }
 
 std::vector<scene::Lamp> scene_lamps(const lights::LampSearch& search) {
@@ -169,6 +217,11 @@ Result<RoomLights> lights_of_take(const LightsOptions& options, const lights::Ro
   RoomLights found;
   found.pictures = static_cast<int>(all.views.size()), found.without_pose = all.without_pose;
   found.search = lights::find_lamps(all.views, room, options.lamps);
+  if (!options.bracket.empty()) {
+    MIXRIG_ASSIGN(const int view, view_of_frame(all, options.bracket_frame));
+    MIXRIG_ASSIGN(found.radiance, radiance_by_bracket(options.bracket, camera.model, all.views,
+                                                      view, found.search.lamps));
+  }
   if (options.drawing.empty()) return found;
   // Of a view that was used, in the middle.
   int view = 0;
@@ -211,6 +264,8 @@ void measure(const lights::RoomSurfaces& room, double exposure, RoomLights& foun
     const Vector3d eye = room.world_from_base().translation_m;
     found.search.rejected.push_back({lights::Refusal::kDark, at->position_m, eye,
                                      (at->position_m - eye).normalized(), at->surround, at->seen});
+    if (!found.radiance.empty())
+      found.radiance.erase(found.radiance.begin() + (at - lamps.begin()));
     lamps.erase(at);
   }
   found.light = {};
@@ -270,6 +325,8 @@ nlohmann::json rejected_json(const lights::RejectedLamp& rejected) {
 Result<RoomLights> find_lights(const LightsOptions& options) {
   if (options.take.empty() && options.room.empty())
     return Error{ErrorCode::kUsage, "lights: give --take, --model, or both: whose lamps?"};
+  if (options.take.empty() && !options.bracket.empty())
+    return Error{ErrorCode::kUsage, "lights: --bracket needs --take: whose fisheye took it?"};
   MIXRIG_ASSIGN(const auto room, room_of(options));
   RoomLights found;
   if (options.take.empty()) {
@@ -280,17 +337,18 @@ Result<RoomLights> find_lights(const LightsOptions& options) {
   if (room) measure(*room, options.exposure, found);
   found.lamps = scene_lamps(found.search);
   if (found.light.usable())
-    for (std::size_t i = 0; i < found.lamps.size(); ++i)
-      found.lamps[i].intensity = found.light.value.intensity[i];
+    take_intensity(found, found.lamps);
   else
-    assume_intensity(found.search, found.lamps);
+    assume_intensity(found, found.lamps);
   return found;
 }
 
 nlohmann::json to_json(const RoomLights& found) {
   nlohmann::json lamps = nlohmann::json::array(), rejected = nlohmann::json::array();
-  for (std::size_t i = 0; i < found.lamps.size(); ++i)
+  for (std::size_t i = 0; i < found.lamps.size(); ++i) {
     lamps.push_back(lamp_json(found.search.lamps[i], found.lamps[i]));
+    if (!found.radiance.empty()) lamps.back()["radiance"] = found.radiance[i];
+  }
   for (const auto& r : found.search.rejected) rejected.push_back(rejected_json(r));
   return {{"lamps", lamps},
           {"rejected", rejected},

@@ -12,6 +12,7 @@
 #include "host/lights/lamp_tracks.h"
 #include "host/lights/shading.h"
 #include "host/scene/scene.h"
+#include "host/session/lights_bracket.h"
 #include "host/session/take_pictures.h"
 
 namespace mixrig::session {
@@ -24,7 +25,9 @@ struct LightsOptions {
   std::filesystem::path calibration;  ///< empty: the take's
   std::optional<geometry::Pose> world_from_base;  ///< of the room; absent: as its folder says
   geometry::Pose otherwise_from_base;             ///< where neither says where the room stands
-  std::filesystem::path drawing;  ///< PNG of a picture with its candidates; empty: none
+  std::filesystem::path drawing;     ///< PNG of a picture with its candidates; empty: none
+  std::vector<BracketFile> bracket;  ///< of the take's fisheye at a picture's place; empty: none
+  int bracket_frame = 1;             ///< of the take: that place
   lights::LampOptions lamps;
   double exposure = 1;                     ///< of the scene that they are for
   int threads = 0;                         ///< 0: one per core
@@ -37,6 +40,9 @@ struct RoomLights {
   /// By the room's shading. Degenerate without a room, and where it does not tell; then all lamps
   /// have the same radiance, an assumption.
   estimation::Estimate<lights::RoomLight> light;
+  /// Of each lamp, relative, by LightsOptions::bracket; empty without. Ratios of the intensities
+  /// follow from it and the lamps' sizes.
+  std::vector<double> radiance;
   int pictures = 0, without_pose = 0;
 };
 
@@ -45,11 +51,11 @@ struct RoomLights {
 Result<RoomLights> find_lights(const LightsOptions& options);
 
 /// {"lamps": [{"name", "position_m", "sigma_mm", "direction", "size_m", "intensity",
-/// "solid_angle_sr", "pictures", "residual", "by"}], "rejected": [{"reason", "text", "position_m",
-/// "from_m", "ray", "pictures"}], "pictures",
-/// "without_pose", "light": {"intensity": "measured", "ambient", "sigma_share" (of each lamp, then
-/// of the ambient light, over the sum of the intensities), "largest_share", "residual", "samples",
-/// "planes"} or {"intensity": "assumed", "reason"}}.
+/// "solid_angle_sr", "pictures", "residual", "by", "radiance" (by a bracket)}], "rejected":
+/// [{"reason", "text", "position_m", "from_m", "ray", "pictures"}], "pictures", "without_pose",
+/// "light": {"intensity": "measured", "ambient", "sigma_share" (of each lamp, then of the ambient
+/// light, over the sum of the intensities), "largest_share", "residual", "samples", "planes"} or
+/// {"intensity": "assumed", "reason"}}.
 nlohmann::json to_json(const RoomLights& lights);
 
 /// Writes the lamps (and the ambient light, where it was measured) into a scene, whose other text

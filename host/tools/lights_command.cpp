@@ -2,6 +2,7 @@
 // mixrig lights: the lamps of a room, into a scene.
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -16,6 +17,8 @@ namespace {
 
 struct LightsArguments {
   std::string take, model, poses, poses_camera = "target", calibration, scene, drawing;
+  std::vector<std::string> bracket;
+  int bracket_frame = 1;
   bool low_lamps = false;
   int threads = 0;
 };
@@ -35,10 +38,26 @@ void print(const session::RoomLights& found) {
                   std::string(lights::text_of(rejected.refusal)).c_str());
   if (found.lamps.empty()) std::printf("no lamp\n");
   if (!found.lamps.empty() && !found.light.usable())
-    std::printf("their intensity is assumed: %s\n",
+    std::printf("%s is assumed: %s\n",
+                found.radiance.empty() ? "their intensity" : "how bright they are together",
                 found.light.verdict.reason.empty()
                     ? "give the scanned room by --model to measure it"
                     : found.light.verdict.reason.c_str());
+}
+
+/// PICTURE,EXPOSURE
+Result<session::BracketFile> bracket_file(const std::string& text) {
+  const std::size_t comma = text.rfind(',');
+  session::BracketFile file{text.substr(0, comma), 0};
+  if (comma != std::string::npos && comma > 0) {
+    char* end = nullptr;
+    file.exposure = std::strtod(text.c_str() + comma + 1, &end);
+    if (end == text.c_str() + comma + 1 || *end != 0) file.exposure = 0;
+  }
+  if (file.exposure > 0 && std::isfinite(file.exposure)) return file;
+  return Error{ErrorCode::kUsage,
+               "lights: --bracket " + text +
+                   ": write PICTURE,EXPOSURE, such as long.png,1 short.png,0.0156"};
 }
 
 Result<nlohmann::json> find(const LightsArguments& arguments) {
@@ -47,6 +66,11 @@ Result<nlohmann::json> find(const LightsArguments& arguments) {
   options.poses_of_fisheye = arguments.poses_camera == "fisheye";
   options.calibration = arguments.calibration, options.drawing = arguments.drawing;
   options.lamps.low_lamps = arguments.low_lamps, options.threads = arguments.threads;
+  for (const std::string& text : arguments.bracket) {
+    MIXRIG_ASSIGN(session::BracketFile file, bracket_file(text));
+    options.bracket.push_back(std::move(file));
+  }
+  options.bracket_frame = arguments.bracket_frame;
   if (!arguments.scene.empty()) {
     MIXRIG_ASSIGN(const scene::Scene scene, scene::load_scene(arguments.scene));
     options.exposure = scene.light.exposure;
@@ -87,6 +111,12 @@ void add_lights_command(Command app, Context& context) {
                      "scene.toml that gets the lamps; it says where the room stands");
   command.add_option("--draw", arguments->drawing,
                      "PNG of a picture with its candidates, lamps green, others red");
+  command.add_option("--bracket", arguments->bracket,
+                     "PICTURE,EXPOSURE ...: the fisheye's pictures at several exposures, from the "
+                     "place of --bracket-frame: how bright lamps are for each other");
+  command.add_option("--bracket-frame", arguments->bracket_frame, "frame of the take")
+      .positive()
+      .show_default();
   command.add_flag("--low-lamps", arguments->low_lamps, "what lies below the camera may be a lamp");
   command.add_option("--threads", arguments->threads, "0: one per core").non_negative();
   command.callback(
