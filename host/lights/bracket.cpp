@@ -2,7 +2,6 @@
 #include "host/lights/bracket.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -11,8 +10,6 @@
 
 namespace mixrig::lights {
 namespace {
-
-constexpr int kSaturated = 250;
 
 float luminance_of(Rgb8 c) {
   const auto linear = [](std::uint8_t v) { return linear_from_srgb(static_cast<float>(v) / 255); };
@@ -36,7 +33,7 @@ BracketLight light_of_bracket(std::span<const BracketShot> shots) {
       for (const std::size_t i : longest_first) {
         const Rgb8 c = shots[i].picture.row(y)[x];
         light.luminance.at(x, y) = luminance_of(c) / static_cast<float>(shots[i].exposure);
-        if (std::max({c.r, c.g, c.b}) >= kSaturated) continue;
+        if (std::max({c.r, c.g, c.b}) >= RegionOptions{}.saturation) continue;
         light.saturated.at(x, y) = 0;
         break;
       }

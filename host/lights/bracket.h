@@ -25,7 +25,8 @@ struct BracketLight {
   Image<std::uint8_t> saturated;  ///< 1: even in the shortest shot, so that it is at least that
 };
 
-/// Each pixel has its light in the longest shot in which no channel is saturated (250). Channels
+/// Each pixel has its light in the longest shot in which no channel is saturated
+/// (RegionOptions::saturation). Channels
 /// saturate alone, so a coloured lamp needs a shot in which none does. Precondition: shots of one
 /// size with exposures above 0; of none the pictures are empty. Pure.
 BracketLight light_of_bracket(std::span<const BracketShot> shots);

@@ -54,11 +54,16 @@ Result<std::vector<double>> radiance_by_bracket(std::span<const BracketFile> fil
     const auto& region =
         views[static_cast<std::size_t>(view)].regions[static_cast<std::size_t>(at->region)];
     const lights::RegionLight of_lamp = lights::light_of_region(light, region, pixel);
-    if (!(of_lamp.radiance > 0) || of_lamp.saturated_share > kMostSaturated)
+    if (!(of_lamp.radiance > 0))
       return Error{ErrorCode::kData,
-                   fmt::format("lights: found lamp {} is {} in all pictures of --bracket: add one "
-                               "of a shorter exposure",
-                               k + 1, of_lamp.radiance > 0 ? "saturated" : "black")};
+                   fmt::format("lights: found lamp {} is black in the pictures of --bracket: take "
+                               "them from the place of --bracket-frame",
+                               k + 1)};
+    if (of_lamp.saturated_share > kMostSaturated)
+      return Error{ErrorCode::kData,
+                   fmt::format("lights: found lamp {} is saturated in all pictures of --bracket: "
+                               "add one of a shorter exposure",
+                               k + 1)};
     radiance.push_back(of_lamp.radiance);
   }
   return radiance;

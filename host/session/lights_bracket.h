@@ -21,7 +21,7 @@ struct BracketFile {
 /// Mean radiance of each lamp, relative, by its region in view `view`, from whose place the
 /// pictures were taken. Errors: kUsage for less than two pictures; those of reading; kData where a
 /// picture has another size than the camera's, where the view does not show a lamp, and where one
-/// is too bright for all pictures.
+/// is black, or too bright for all pictures.
 Result<std::vector<double>> radiance_by_bracket(std::span<const BracketFile> files,
                                                 const geometry::AnyCamera& camera,
                                                 std::span<const lights::LampView> views, int view,

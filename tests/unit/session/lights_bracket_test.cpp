@@ -83,6 +83,10 @@ TEST_F(LightsBracket, RefusesWhatDoesNotTell) {
             std::string::npos);
   EXPECT_NE(refusal(radiance({a, file("c.png", 1.0 / 64)}, 1)).find("does not show found lamp 1"),
             std::string::npos);
+  const Image<Rgb8> dark(kSize);
+  ASSERT_TRUE(image_io::write_png(folder_ / "dark.png", dark.view()));
+  const BracketFile black{folder_ / "dark.png", 1};
+  EXPECT_NE(refusal(radiance({black, black})).find("is black"), std::string::npos);
   EXPECT_NE(refusal(radiance({a, {folder_ / "none.png", 1}})).find("none.png"), std::string::npos);
 }
 
