@@ -178,6 +178,9 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
       if (!split_port(where.rest, host, plan.port.emplace()))
         return stream_error(out, "names no host and port: give rtp://HOST:PORT");
       plan.texts.emplace_back("host", host);
+      // Else its socket, which GStreamer does not connect, takes what any host sends.
+      if (host == "localhost" || host.starts_with("127."))
+        plan.texts.emplace_back("bind-address", "127.0.0.1");
       return {};
     }
     case Carrier::kShm:

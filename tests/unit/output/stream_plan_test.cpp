@@ -37,6 +37,11 @@ TEST(StreamPlan, EachAddressHasItsCodecAndPlugIns) {
   ASSERT_TRUE(rtp);
   EXPECT_TRUE(has(rtp->description, "width=1280,"));
   EXPECT_EQ(rtp->port, 5004);
+  const auto texts = [](const std::string& uri) { return plan(uri, Picture::kFill)->texts; };
+  using Texts = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(texts("rtp://10.0.0.7:5004"), (Texts{{"host", "10.0.0.7"}}));
+  EXPECT_EQ(texts("rtp://127.0.0.1:5004"),
+            (Texts{{"host", "127.0.0.1"}, {"bind-address", "127.0.0.1"}}));
   EXPECT_TRUE(has(plan("a.mov", Picture::kAlpha)->description, "A444_10LE"));
   const std::string node = plan("v4l2:///dev/video7")->description;
   EXPECT_TRUE(has(node, "v4l2sink"));
