@@ -6,17 +6,13 @@
 #include <cstdlib>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
-#include "hal/base/partial_path.h"
-#include "hal/base/srgb.h"
-#include "host/config/table.h"
 #include "host/image_io/image_io.h"
 #include "host/lights/bright_regions.h"
+#include "host/lights/lamp_intensity.h"
 #include "host/lights/room_lamps.h"
 #include "host/model/room_file.h"
-#include "host/scene/scene_edit.h"
 #include "host/session/room_track.h"
 #include "host/take/take_source.h"
 
@@ -140,57 +136,16 @@ void draw_candidates(const lights::LampSearch& search, const std::vector<lights:
   for (const auto& lamp : search.lamps) draw(lamp.seen, {60, 255, 60});
 }
 
-/// Each lamp's part of the light of all, by its area and its radiance; without a bracket lamps have
-/// the same radiance.
-std::vector<float> parts_of_light(const RoomLights& found) {
-  std::vector<double> light;
-  double all = 0;
-  for (std::size_t i = 0; i < found.search.lamps.size(); ++i) {
-    const double radiance = found.radiance.empty() ? 1 : found.radiance[i];
-    light.push_back(radiance * found.search.lamps[i].size_m.prod());
-    all += light.back();
-  }
-  std::vector<float> parts;
-  for (const double part : light)
-    parts.push_back(all > 0 ? static_cast<float>(part / all)
-                            : 1 / static_cast<float>(light.size()));
-  return parts;
-}
-
-/// Without a measure lamps are together as bright as a common room's.
-void assume_intensity(const RoomLights& found, std::vector<scene::Lamp>& lamps) {
-  constexpr float kTogether = 8;
-  const std::vector<float> parts = parts_of_light(found);
-  for (std::size_t i = 0; i < lamps.size(); ++i)
-    lamps[i].intensity.setConstant(kTogether * parts[i]);
-}
-
-/// By the room's shading; where there is a bracket, that says how the sum is shared out.
-void take_intensity(const RoomLights& found, std::vector<scene::Lamp>& lamps) {
-  const Eigen::Vector3f luminance(kRec709Red, kRec709Green, kRec709Blue);
-  float all = 0;
-  for (std::size_t i = 0; i < lamps.size(); ++i) {
-    lamps[i].intensity = found.light.value.intensity[i];
-    all += luminance.dot(lamps[i].intensity);
-  }
-  if (found.radiance.empty()) return;
-  const std::vector<float> parts = parts_of_light(found);
-  for (std::size_t i = 0; i < lamps.size(); ++i) {
-    const float own = luminance.dot(lamps[i].intensity);
-    if (own > 0)
-      lamps[i].intensity *= parts[i] * all / own;
-    else
-      lamps[i].intensity.setConstant(parts[i] * all);
-  }
-}
-
-std::vector<scene::Lamp> scene_lamps(const lights::LampSearch& search) {
+std::vector<scene::Lamp> scene_lamps(const RoomLights& found) {
+  const auto intensities =
+      lights::lamp_intensities(found.search.lamps, found.light, found.radiance);
   std::vector<scene::Lamp> lamps;
-  for (const lights::FoundLamp& found : search.lamps) {
+  for (const lights::FoundLamp& of_search : found.search.lamps) {
     scene::Lamp lamp;
     lamp.name = fmt::format("found {}", lamps.size() + 1);
-    lamp.position_m = found.position_m, lamp.direction = found.direction;
-    lamp.size_m = found.size_m;
+    lamp.position_m = of_search.position_m, lamp.direction = of_search.direction;
+    lamp.size_m = of_search.size_m;
+    lamp.intensity = intensities[lamps.size()];
     lamps.push_back(std::move(lamp));
   }
   return lamps;
@@ -271,55 +226,6 @@ void measure(const lights::RoomSurfaces& room, double exposure, RoomLights& foun
   found.light = {};
 }
 
-template <typename Vector>
-nlohmann::json numbers(const Vector& v) {
-  nlohmann::json list = nlohmann::json::array();
-  for (int i = 0; i < v.size(); ++i) list.push_back(v[i]);
-  return list;
-}
-
-nlohmann::json lamp_json(const lights::FoundLamp& found, const scene::Lamp& lamp) {
-  nlohmann::json json = {{"name", lamp.name},
-                         {"position_m", numbers(found.position_m)},
-                         {"direction", nullptr},
-                         {"size_m", numbers(found.size_m)},
-                         {"intensity", numbers(lamp.intensity)},
-                         {"solid_angle_sr", found.solid_angle_sr},
-                         {"surround", found.surround},
-                         {"pictures", found.seen.size()},
-                         {"residual", found.residual},
-                         {"by", found.by_surface ? "surface" : "triangulation"}};
-  json["sigma_mm"] = numbers(Vector3d(1e3 * found.covariance.diagonal().cwiseSqrt()));
-  if (found.direction) json["direction"] = numbers(*found.direction);
-  return json;
-}
-
-nlohmann::json light_json(const estimation::Estimate<lights::RoomLight>& light) {
-  if (!light.usable()) return {{"intensity", "assumed"}, {"reason", light.verdict.reason}};
-  nlohmann::json sigma = nlohmann::json::array();
-  for (Eigen::Index i = 0; i < light.covariance.rows(); ++i)
-    sigma.push_back(std::sqrt(light.covariance(i, i)));
-  return {{"intensity", "measured"},
-          {"ambient", numbers(light.value.ambient)},
-          {"sigma_share", sigma},
-          {"largest_share", light.value.largest_share},
-          {"residual", light.value.residual},
-          {"samples", light.value.samples},
-          {"planes", light.value.planes}};
-}
-
-nlohmann::json rejected_json(const lights::RejectedLamp& rejected) {
-  nlohmann::json json = {{"reason", lights::name(rejected.refusal)},
-                         {"text", lights::text_of(rejected.refusal)},
-                         {"position_m", nullptr},
-                         {"from_m", numbers(rejected.from_m)},
-                         {"ray", numbers(rejected.ray)},
-                         {"surround", rejected.surround},
-                         {"pictures", rejected.seen.size()}};
-  if (rejected.position_m) json["position_m"] = numbers(*rejected.position_m);
-  return json;
-}
-
 }  // namespace
 
 Result<RoomLights> find_lights(const LightsOptions& options) {
@@ -335,35 +241,8 @@ Result<RoomLights> find_lights(const LightsOptions& options) {
     MIXRIG_ASSIGN(found, lights_of_take(options, room ? &*room : nullptr));
   }
   if (room) measure(*room, options.exposure, found);
-  found.lamps = scene_lamps(found.search);
-  if (found.light.usable())
-    take_intensity(found, found.lamps);
-  else
-    assume_intensity(found, found.lamps);
+  found.lamps = scene_lamps(found);
   return found;
-}
-
-nlohmann::json to_json(const RoomLights& found) {
-  nlohmann::json lamps = nlohmann::json::array(), rejected = nlohmann::json::array();
-  for (std::size_t i = 0; i < found.lamps.size(); ++i) {
-    lamps.push_back(lamp_json(found.search.lamps[i], found.lamps[i]));
-    if (!found.radiance.empty()) lamps.back()["radiance"] = found.radiance[i];
-  }
-  for (const auto& r : found.search.rejected) rejected.push_back(rejected_json(r));
-  return {{"lamps", lamps},
-          {"rejected", rejected},
-          {"light", light_json(found.light)},
-          {"pictures", found.pictures},
-          {"without_pose", found.without_pose}};
-}
-
-Result<void> write_lights(const RoomLights& found, const fs::path& scene) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20;
-  MIXRIG_ASSIGN(const std::string text, config::read_text(scene, kMostBytes));
-  std::optional<Eigen::Vector3f> ambient;
-  if (found.light.usable()) ambient = found.light.value.ambient;
-  MIXRIG_ASSIGN(const std::string edited, scene::with_lamps(text, scene, found.lamps, ambient));
-  return write_file(scene, edited);
 }
 
 }  // namespace mixrig::session
