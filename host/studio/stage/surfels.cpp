@@ -66,6 +66,23 @@ Surfel mean(const Probe* const (&corners)[4]) {
   return s;
 }
 
+/// Sub-sample i of pixel (x, y).
+Probe sub_sample(const TraceScene& scene, const Materials& materials, const CameraRays& rays, int x,
+                 int y, int i) {
+  const float u = static_cast<float>(x) + (static_cast<float>(i % 4) + 0.5F) / 4 - 0.5F;
+  const float v = static_cast<float>(y) + (static_cast<float>(i / 4) + 0.5F) / 4 - 0.5F;
+  return probe(scene, materials, rays, u, v);
+}
+
+/// The object's texture may be finer than a pixel, where its corners do not tell the mean.
+Vec3 mean_albedo(const TraceScene& scene, const Materials& materials, const CameraRays& rays, int x,
+                 int y) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < kSubSamples; ++i)
+    sum += sub_sample(scene, materials, rays, x, y, i).surfel.albedo;
+  return sum / kSubSamples;
+}
+
 }  // namespace
 
 CameraRays camera_rays(const RayGrid& grid, const geometry::Pose& world_from_camera) {
@@ -91,9 +108,7 @@ void SurfelMap::build(const TraceScene& scene, const Materials& materials, const
     bool any = false;
     const std::size_t first = surfels.size();
     for (int i = 0; i < kSubSamples; ++i) {
-      const float u = static_cast<float>(x) + (static_cast<float>(i % 4) + 0.5F) / 4 - 0.5F;
-      const float v = static_cast<float>(y) + (static_cast<float>(i / 4) + 0.5F) / 4 - 0.5F;
-      surfels.push_back(probe(scene, materials, rays, u, v).surfel);
+      surfels.push_back(sub_sample(scene, materials, rays, x, y, i).surfel);
       any |= surfels.back().z != kMiss;
     }
     if (!any) surfels.resize(first);
@@ -120,6 +135,9 @@ void SurfelMap::build(const TraceScene& scene, const Materials& materials, const
         if (misses < 4 || is_thin) {
           if (!is_thin && agree(corners)) {
             surfels.push_back(mean(corners));
+            if (surfels.back().kind == Kind::kObject)
+              surfels.back().albedo =
+                  mean_albedo(scene, materials, rays, rect.x0 + i, rect.y0 + j);
             z = surfels.back().z;
           } else {
             z = trace_pixel(rect.x0 + i, rect.y0 + j, surfels);
