@@ -1,6 +1,7 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the mean of a pixel's virtual samples, under the same lamps as the real scene.
+// Pass light: a pixel's virtual samples under the same lamps as the real scene: those of the nearest
+// surface as one, those of other surfaces as another one.
 //   albedo  linear, alpha 1 where covered; normal 0..1 for -1..1; depth nearest_m / z: a picture of
 //           size_px from origin_px on for each sample, virtual_samples along each axis
 //   color   linear, premultiplied by the coverage in alpha
@@ -26,49 +27,96 @@ uniform float exposure;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float w;
 
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  vec4 sum = vec4(0);
-  vec3 normal = vec3(0), gloss = vec3(0), own = vec3(0);
-  float nearest = 0.0;
-  for (int j = 0; j < virtual_samples; ++j)
-    for (int i = 0; i < virtual_samples; ++i) {
-      ivec2 sample_at = at - origin_px + size_px * ivec2(i, j);
-      vec4 a = texelFetch(albedo, sample_at, 0);
-      sum += a;
-      normal += a.a * (2.0 * texelFetch(normals, sample_at, 0).xyz - 1.0);
-      if (glossy) gloss += a.a * texelFetch(glosses, sample_at, 0).xyz;
-      if (emits) own += texelFetch(emission, sample_at, 0).rgb;
-      nearest = max(nearest, texelFetch(depth, sample_at, 0).r);
-    }
-  if (sum.a == 0.0) discard;
-  w = nearest / nearest_m;
-  vec3 ray = ray_of(at);
-  normal = normalize(normal - vec3(0, 0, 1e-6));
-  gloss /= sum.a;
-  Lobe lobe = lobe_of(ray / w, normal, gloss.y);
+// Mean of some samples of a pixel: all sums but `w`, of the nearest.
+struct Samples {
+  vec4 albedo;
+  vec3 normal, gloss, emission;
+  float w;
+};
+
+struct Nearest {
+  vec3 normal;
+  float depth;
+};
+
+vec3 normal_at(ivec2 at) { return 2.0 * texelFetch(normals, at, 0).xyz - 1.0; }
+
+ivec2 sample_of(ivec2 at, int i) {
+  return at - origin_px + size_px * ivec2(i % virtual_samples, i / virtual_samples);
+}
+
+Nearest nearest_sample(ivec2 at) {
+  Nearest nearest = Nearest(vec3(0), 0.0);
+  for (int i = 0; i < virtual_samples * virtual_samples; ++i) {
+    float d = texelFetch(depth, sample_of(at, i), 0).r;
+    if (d > nearest.depth) nearest = Nearest(normal_at(sample_of(at, i)), d);
+  }
+  return nearest;
+}
+
+// Those of the nearest surface, or the other ones.
+Samples samples_of(ivec2 at, Nearest nearest, bool of_nearest) {
+  Samples sum = Samples(vec4(0), vec3(0), vec3(0), vec3(0), 0.0);
+  for (int i = 0; i < virtual_samples * virtual_samples; ++i) {
+    ivec2 from = sample_of(at, i);
+    vec4 a = texelFetch(albedo, from, 0);
+    float d = texelFetch(depth, from, 0).r;
+    vec3 n = normal_at(from);
+    bool is_near = dot(n, nearest.normal) >= one_surface_cosine * length(n) * length(nearest.normal);
+    if ((d == nearest.depth || (is_near && d >= one_surface_part * nearest.depth)) != of_nearest)
+      continue;
+    sum.albedo += a;
+    sum.normal += a.a * n;
+    if (glossy) sum.gloss += a.a * texelFetch(glosses, from, 0).xyz;
+    if (emits) sum.emission += texelFetch(emission, from, 0).rgb;
+    sum.w = max(sum.w, d / nearest_m);
+  }
+  return sum;
+}
+
+// Light that samples send to the camera, not yet exposed.
+vec3 light_of(ivec2 at, Samples sum) {
+  vec3 position_m = ray_of(at) / sum.w;
+  vec3 normal = normalize(sum.normal - vec3(0, 0, 1e-6)), gloss = sum.gloss / sum.albedo.a;
+  Lobe lobe = lobe_of(position_m, normal, gloss.y);
   Shading light = Shading(diffuse_ambient(normal), vec3(0), vec3(0), vec3(0));
   if (glossy) add_ambient_gloss(lobe, light);
   int past_of = -1;
   float past = 1.0;
   if (contact_count > 0) {
-    Contact contact = contact_at(ray / w, normal, 1.0);
+    Contact contact = contact_at(position_m, normal, 1.0);
     light.diffuse = contact.open * light.diffuse + contact.sent;
     light.straight *= contact.open, light.grazing *= contact.open, light.lost *= contact.open;
   }
   for (int i = 0; i < lamp_count; ++i) {
-    float seen = visibility(i, ray / w, normal);
+    float seen = visibility(i, position_m, normal);
     int whole = lamps[i].map_size_texel.z;
     if (has_people && whole != past_of)
-      past = visibility_past(people_lamps[whole], people_maps, whole, ray / w, normal);
+      past = visibility_past(people_lamps[whole], people_maps, whole, position_m, normal);
     past_of = whole;
-    seen *= past * seen_in_room(i, ray / w, normal);
-    vec3 of_lamp = irradiance(i, ray / w, normal) * seen;
+    seen *= past * seen_in_room(i, position_m, normal);
+    vec3 of_lamp = irradiance(i, position_m, normal) * seen;
     light.diffuse += of_lamp;
-    if (glossy && of_lamp != vec3(0)) add_lamp_gloss(i, ray / w, lobe, of_lamp, light);
+    if (glossy && of_lamp != vec3(0)) add_lamp_gloss(i, position_m, lobe, of_lamp, light);
   }
   const float share = 1.0 / float(virtual_samples * virtual_samples);
-  sum *= share;
-  vec3 lit = glossy ? shown(sum.rgb, sum.a, gloss, light) : sum.rgb * light.diffuse;
-  color = vec4(min((lit + share * own) * exposure, 1.0), sum.a);
+  vec4 mean = share * sum.albedo;
+  vec3 lit = glossy ? shown(mean.rgb, mean.a, gloss, light) : mean.rgb * light.diffuse;
+  return lit + share * sum.emission;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  Nearest nearest = nearest_sample(at);
+  if (nearest.depth == 0.0) discard;
+  color = vec4(0);
+  // A loop, so that the compiler has one copy of light_of().
+  for (int k = 0; k < 2; ++k) {
+    Samples sum = samples_of(at, nearest, k == 0);
+    if (sum.albedo.a == 0.0) continue;
+    color += vec4(min(exposure * light_of(at, sum), 1.0),
+                  sum.albedo.a / float(virtual_samples * virtual_samples));
+  }
+  color.rgb = min(color.rgb, 1.0);
+  w = nearest.depth / nearest_m;
 }

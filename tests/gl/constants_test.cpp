@@ -48,6 +48,8 @@ const std::map<std::string, double> kOurs = {
     {"hidden_part", kHiddenPart},
     {"virtual_samples", kVirtualSamples},
     {"sample_turn_px", kSampleTurnPx},
+    {"one_surface_cosine", kOneSurfaceCosine},
+    {"one_surface_part", kOneSurfacePart},
     {"blur_reach", kBlurReach},
     {"least_motion_px", kLeastMotionPx},
     {"most_motion_px", kMostMotionPx},

@@ -6,6 +6,7 @@
 
 #include "host/render/cpu/color_lanes.h"
 #include "host/render/cpu/people_cells.h"
+#include "host/render/cpu/shade_others.h"
 #include "host/render/cpu/shade_places.h"
 #include "host/render/cpu/virtual_cells.h"
 
@@ -48,6 +49,7 @@ class TilePastPeople {
   void shade();
 
  private:
+  void shade_nearest();
   void shade_cell(const PeopleCells& cells, int column, int row);
   void shade_places(const Rect& rect);
   void shade_anew(const Rect& rect);
@@ -139,7 +141,11 @@ void TilePastPeople::shade() {
   for (int y = tile_.y0; y < tile_.y1; ++y)
     std::copy_n(layer_.alone.color.row(y - layer_.rect.y0) + (tile_.x0 - layer_.rect.x0),
                 tile_.x1 - tile_.x0, layer_.color.row(y) + tile_.x0);
-  if (lamps_.by_people == 0) return;
+  if (lamps_.by_people != 0) shade_nearest();
+  add_others_past_people(input_, people_, tile_, layer_);
+}
+
+void TilePastPeople::shade_nearest() {
   const PinholeParams& view = input_.tables.warp.view;
   if (!layer_.gloss.empty()) return shade_anew(tile_);
   const VirtualCorners corners(view, tile_, layer_);

@@ -26,23 +26,38 @@ inline glm::vec3 mirroring(const glm::vec3& base, float coverage, GlossBytes glo
          grazing * lane(light.grazing, i);
 }
 
-/// Colour of a pixel of `albedo`, premultiplied as it.
-inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, int y,
-                     Rgbx16 albedo, const ShadingLanes& light, int i) {
-  glm::vec3 c(albedo.r, albedo.g, albedo.b);
-  if (layer.gloss.empty()) {
+/// What a surface of a pixel does with light; premultiplied by its samples.
+struct Matter {
+  Rgbx16 albedo;
+  const GlossBytes* gloss = nullptr;  ///< null where no object is glossy
+  const Rgbx16* emission = nullptr;   ///< null where none emits
+  int samples = 0;
+};
+
+/// Colour of a surface, premultiplied as it.
+inline Rgbx16 shaded(const LightInput& input, const Matter& of, const ShadingLanes& light, int i) {
+  glm::vec3 c(of.albedo.r, of.albedo.g, of.albedo.b);
+  if (of.gloss == nullptr) {
     c *= lane(light.diffuse, i);
   } else {
-    const float coverage = kLinearOne / 255 * static_cast<float>(layer.coverage.row(y)[x]);
-    c = mirroring(c, coverage, layer.gloss.row(y)[x], light, i);
+    const float coverage = kLinearOne / kPixelSamples * static_cast<float>(of.samples);
+    c = mirroring(c, coverage, *of.gloss, light, i);
   }
-  if (!layer.emission.empty()) {
-    const Rgbx16& own = layer.emission.row(y)[x];
-    c += input.frame.light.exposure * glm::vec3(own.r, own.g, own.b);
-  }
+  if (of.emission != nullptr)
+    c += input.frame.light.exposure * glm::vec3(of.emission->r, of.emission->g, of.emission->b);
   c = glm::min(c + 0.5F, glm::vec3(kLinearOne));
   return {static_cast<std::uint16_t>(c.r), static_cast<std::uint16_t>(c.g),
           static_cast<std::uint16_t>(c.b), 0};
+}
+
+/// Of a pixel's nearest surface, whose albedo is `albedo`.
+inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, int y,
+                     Rgbx16 albedo, const ShadingLanes& light, int i) {
+  return shaded(input,
+                {albedo, layer.gloss.empty() ? nullptr : layer.gloss.row(y) + x,
+                 layer.emission.empty() ? nullptr : layer.emission.row(y) + x,
+                 layer.normal.row(y)[x].w},
+                light, i);
 }
 
 /// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/shade_others.h"
 #include "host/render/cpu/shade_places.h"
 #include "host/render/cpu/virtual_cells.h"
 
@@ -103,6 +104,7 @@ void shade_virtual(Crew& crew, const LightInput& input, VirtualLayer& layer) {
     for (int x = rect.x0; x < rect.x1; x += kLitTileWidth)
       shade_tile(input, {x, y0, std::min(x + kLitTileWidth, rect.x1), y1}, layer);
     if (people) keep_rows(layer.alone.color);
+    shade_others(input, {rect.x0, y0, rect.x1, y1}, layer);
   });
 }
 

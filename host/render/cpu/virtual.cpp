@@ -58,7 +58,8 @@ void resolve_row(const FrameParams& params, const VirtualScratch& scratch, int y
   for (int x = rect.x0; x < rect.x1; x += kLanes) {
     // Samples outside the rectangle are not covered.
     const int first = std::min(x, last_x);
-    if (first >= 0 && resolve_lanes(params, scratch, first, y, sample_row, layer)) continue;
+    if (first >= 0 && resolve_lanes(params, scratch, first, y, sample_row, x - first, layer))
+      continue;
     for (int i = x; i < std::min(x + kLanes, rect.x1); ++i)
       resolve(params, scratch, i, y, sample_row, layer);
   }
@@ -88,6 +89,13 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
 
 }  // namespace
 
+void VirtualLayer::reset(Size size, bool glossy, bool emits) {
+  coverage.reset(size), w.reset(size), normal.reset(size), color.reset(size);
+  if (glossy) gloss.reset(size);
+  if (emits) emission.reset(size);
+  others.make(size);
+}
+
 VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int threads) {
   for (std::size_t k = 0; k < params.draws.size(); ++k) {
     const MeshView& mesh = *params.draws[k].mesh;
@@ -111,6 +119,7 @@ void draw_virtual(Crew& crew, const FrameParams& params, VirtualScratch& scratch
     std::fill(layer.w.row(y) + layer.rect.x0, layer.w.row(y) + layer.rect.x1, 0.0F);
   }
   layer.rect = params.virtual_rect;
+  layer.others.reset(layer.rect);
   if (layer.rect.empty()) return;
   transform_vertices(crew, params, scratch);
   set_up_items(crew, params, scratch);

@@ -2,6 +2,7 @@
 // Pass virtual: coverage, depth, normal and albedo of the virtual objects in the view.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -63,7 +65,48 @@ class RoomFor {
   int width_ = 0;
 };
 
-/// What is kept of the shading without people, so that only what they hide is found in each frame.
+/// What a pixel shows beside its nearest surface.
+struct OtherSurface {
+  std::int32_t x;
+  float w;              ///< of its nearest sample
+  PackedNormal normal;  ///< w: its samples
+  GlossBytes gloss;
+  Rgbx16 albedo, emission;  ///< premultiplied by its samples
+  Rgbx16 lit;               ///< shaded, without people
+};
+
+/// Of a layer's pixels: few have one. The rows of a rectangle are filled by one thread each.
+class OtherSurfaces {
+ public:
+  void make(Size most) {
+    rows_.make(most);
+    count_.assign(static_cast<std::size_t>(most.height), 0);
+  }
+  /// None in the pixels of `rect`.
+  void reset(const Rect& rect) {
+    rows_.reset({rect.x1 - rect.x0, rect.y1 - rect.y0});
+    first_ = rect.y0;
+    std::fill(count_.begin(), count_.end(), 0);
+  }
+  /// Precondition: row y is in the rectangle, and has none for this pixel.
+  void add(int y, const OtherSurface& surface) {
+    int& count = count_[static_cast<std::size_t>(y - first_)];
+    rows_.row(y - first_)[count++] = surface;
+  }
+  /// By x.
+  std::span<OtherSurface> row(int y) const {
+    return {rows_.row(y - first_),
+            static_cast<std::size_t>(count_[static_cast<std::size_t>(y - first_)])};
+  }
+
+ private:
+  RoomFor<OtherSurface> rows_;
+  std::vector<int> count_;
+  int first_ = 0;
+};
+
+/// What is kept of the shading of the nearest surfaces without people, so that only what they hide is
+/// found in each frame.
 /// Pixel (0, 0) is the first of the layer's `rect`.
 struct ShadedAlone {
   RoomFor<Rgbx16> albedo, color;
@@ -78,11 +121,15 @@ struct VirtualLayer {
   Rect rect;
   Image<std::uint8_t> coverage;  ///< of 255
   Image<float> w;                ///< of the nearest sample; 0 where not covered
-  Image<PackedNormal> normal;    ///< camera axes
+  Image<PackedNormal> normal;    ///< of the nearest surface, camera axes; w: its samples
   Image<Rgbx16> color;           ///< premultiplied linear albedo; pass light shades it in place
   Image<GlossBytes> gloss;       ///< empty where no object is glossy
   Image<Rgbx16> emission;        ///< premultiplied; empty where no object emits
+  OtherSurfaces others;          ///< until pass light, `color` lacks their share
   ShadedAlone alone;             ///< where people cast shadows
+
+  /// Memory for a view.
+  void reset(Size size, bool glossy, bool emits);
 };
 
 /// Memory of the pass, kept between frames.

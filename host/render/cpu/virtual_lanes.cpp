@@ -89,10 +89,11 @@ bool show(const FrameParams& params, const VirtualScratch& scratch, const Sample
   return true;
 }
 
-/// Sum of the samples' unit normals.
-VectorLanes sum_of_normals(const PinholeParams& view, const Samples& samples, const Shown& shown,
-                           int x, int y) {
-  VectorLanes sum{};
+/// Of each sample; zero where nothing is covered.
+using NormalLanes = std::array<VectorLanes, kPixelSamples>;
+NormalLanes unit_normals(const PinholeParams& view, const Samples& samples, const Shown& shown,
+                         int x, int y) {
+  NormalLanes out;
   for (std::size_t s = 0; s < kPixelSamples; ++s) {
     const VectorLanes& n = shown.normal[s];
     const FloatLanes square = n.x * n.x + n.y * n.y + n.z * n.z;
@@ -108,9 +109,32 @@ VectorLanes sum_of_normals(const PinholeParams& view, const Samples& samples, co
       scale = (shown.double_sided[s] & (along > 0)) ? -scale : scale;
     }
     scale = counted ? scale : kZeroLanes;
-    sum.x += n.x * scale, sum.y += n.y * scale, sum.z += n.z * scale;
+    out[s] = {n.x * scale, n.y * scale, n.z * scale};
   }
-  return sum;
+  return out;
+}
+
+/// Of each sample, whether it counts.
+using SampleMask = std::array<IntLanes, kPixelSamples>;
+
+/// The samples of the nearest surface.
+SampleMask nearest_surface(const Samples& samples, const NormalLanes& normals, FloatLanes nearest) {
+  VectorLanes n{};
+  SampleMask is_nearest;
+  IntLanes found{};
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    const IntLanes is = samples.covered[s] & (samples.w[s] == nearest) & ~found;
+    n.x = is ? normals[s].x : n.x, n.y = is ? normals[s].y : n.y, n.z = is ? normals[s].z : n.z;
+    is_nearest[s] = is, found |= is;
+  }
+  SampleMask mask;
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    const VectorLanes& m = normals[s];
+    const IntLanes like = (n.x * m.x + n.y * m.y + n.z * m.z >= kOneSurfaceCosine) &
+                          (samples.w[s] >= kOneSurfacePart * nearest);
+    mask[s] = samples.covered[s] & (like | is_nearest[s]);
+  }
+  return mask;
 }
 
 IntLanes packed_normal(const VectorLanes& sum) {
@@ -123,16 +147,25 @@ IntLanes packed_normal(const VectorLanes& sum) {
   return byte(sum.x) | byte(sum.y) << 8 | byte(z) << 16;
 }
 
-/// Sums over the covered samples.
+/// Sums over some of the samples.
 struct Sums {
+  VectorLanes normal{};
   ColorLanes albedo{};
   std::array<FloatLanes, 3> gloss{};  ///< metallic, roughness, specular
+  IntLanes count{};
 };
 
 /// The draws that the pixels show, one after the other.
-Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& shown) {
+Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& shown,
+             const NormalLanes& normals, const SampleMask& mask) {
   Sums sums;
-  std::array<IntLanes, kPixelSamples> left = samples.covered;
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    const auto counted = [&](FloatLanes f) { return mask[s] ? f : kZeroLanes; };
+    sums.normal.x += counted(normals[s].x), sums.normal.y += counted(normals[s].y),
+        sums.normal.z += counted(normals[s].z);
+    sums.count -= mask[s];  // true is -1
+  }
+  SampleMask left = mask;
   for (std::size_t s = 0; s < kPixelSamples; ++s)
     while (const unsigned bits = bits_of(left[s])) {
       const std::int32_t number = shown.draw[s][std::countr_zero(bits)];
@@ -157,33 +190,56 @@ Sums sums_of(const FrameParams& params, const Samples& samples, const Shown& sho
   return sums;
 }
 
-void store_colors(const Sums& sums, FloatLanes count, unsigned covered, int x, int y,
-                  VirtualLayer& layer) {
-  const auto fixed = [](FloatLanes sum) {
+/// What a layer keeps of Sums.
+class Packed {
+ public:
+  explicit Packed(const Sums& sums)
+      : normal_(packed_normal(sums.normal) | sums.count << 24),
+        albedo_{fixed(sums.albedo.r), fixed(sums.albedo.g), fixed(sums.albedo.b)} {
+    const FloatLanes count = max(to_float(sums.count), kZeroLanes + 1.0F);
+    for (std::size_t i = 0; i < gloss_.size(); ++i)
+      gloss_[i] = truncate(kWholeByte * min(max(sums.gloss[i] / count, kZeroLanes),
+                                            kZeroLanes + 1.0F) +
+                           0.5F);
+  }
+  IntLanes normal() const { return normal_; }
+  Rgbx16 albedo(int i) const {
+    const auto of = [i](IntLanes lanes) { return static_cast<std::uint16_t>(lanes[i]); };
+    return {of(albedo_[0]), of(albedo_[1]), of(albedo_[2]), 0};
+  }
+  GlossBytes gloss(int i) const {
+    const auto of = [i](IntLanes lanes) { return static_cast<std::uint8_t>(lanes[i]); };
+    return {of(gloss_[0]), of(gloss_[1]), of(gloss_[2])};
+  }
+
+ private:
+  static IntLanes fixed(FloatLanes sum) {
     return truncate(min(sum / static_cast<float>(kPixelSamples), kZeroLanes + 1.0F) * kLinearOne +
                     0.5F);
-  };
-  const IntLanes r = fixed(sums.albedo.r), g = fixed(sums.albedo.g), b = fixed(sums.albedo.b);
-  Rgbx16* const color = layer.color.row(y) + x;
-  for (unsigned left = covered; left != 0; left &= left - 1) {
+  }
+  IntLanes normal_;
+  std::array<IntLanes, 3> albedo_, gloss_;
+};
+
+void store_nearest(const Packed& packed, IntLanes some, int x, int y, VirtualLayer& layer) {
+  PackedNormal* const normal = layer.normal.row(y) + x;
+  store(normal, some ? packed.normal() : load<IntLanes>(normal));
+  for (unsigned left = bits_of(some); left != 0; left &= left - 1) {
     const int i = std::countr_zero(left);
-    color[i] = {static_cast<std::uint16_t>(r[i]), static_cast<std::uint16_t>(g[i]),
-                static_cast<std::uint16_t>(b[i]), 0};
+    layer.color.row(y)[x + i] = packed.albedo(i);
+    if (!layer.gloss.empty()) layer.gloss.row(y)[x + i] = packed.gloss(i);
     if (!layer.emission.empty()) layer.emission.row(y)[x + i] = {};
   }
-  if (layer.gloss.empty()) return;
-  const auto byte = [&](FloatLanes sum) {
-    return truncate(
-        kWholeByte * min(max(sum / max(count, kZeroLanes + 1.0F), kZeroLanes), kZeroLanes + 1.0F) +
-        0.5F);
-  };
-  const IntLanes metallic = byte(sums.gloss[0]), roughness = byte(sums.gloss[1]),
-                 specular = byte(sums.gloss[2]);
-  for (unsigned left = covered; left != 0; left &= left - 1) {
+}
+
+/// `done`: lanes whose pixels have theirs already.
+void add_others(const Packed& packed, IntLanes some, FloatLanes w, int x, int y, int done,
+                VirtualLayer& layer) {
+  for (unsigned left = bits_of(some); left != 0; left &= left - 1) {
     const int i = std::countr_zero(left);
-    layer.gloss.row(y)[x + i] = {static_cast<std::uint8_t>(metallic[i]),
-                                 static_cast<std::uint8_t>(roughness[i]),
-                                 static_cast<std::uint8_t>(specular[i])};
+    if (i < done) continue;
+    const auto normal = std::bit_cast<PackedNormal>(packed.normal()[i]);
+    layer.others.add(y, {x + i, w[i], normal, packed.gloss(i), packed.albedo(i), {}, {}});
   }
 }
 
@@ -214,7 +270,7 @@ bool fits_lanes(const MeshView& mesh) {
 }
 
 bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int x, int y,
-                   int sample_row, VirtualLayer& layer) {
+                   int sample_row, int done, VirtualLayer& layer) {
   const Samples samples = samples_at(scratch, x, sample_row);
   Shown shown;
   if (!show(params, scratch, samples, x, y, shown)) return false;
@@ -223,14 +279,23 @@ bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int
   const auto white = static_cast<std::int32_t>(kWholeByte);
   store(layer.coverage.row(y) + x,
         to_bytes((white * count + kPixelSamples / 2) / static_cast<std::int32_t>(kPixelSamples)));
-  store(layer.w.row(y) + x, max(max(samples.w[0], samples.w[1]), max(samples.w[2], samples.w[3])));
+  const FloatLanes nearest =
+      max(max(samples.w[0], samples.w[1]), max(samples.w[2], samples.w[3]));
+  store(layer.w.row(y) + x, nearest);
   const IntLanes some = count > 0;
-  const unsigned bits = bits_of(some);
-  if (bits == 0) return true;
-  store_colors(sums_of(params, samples, shown), to_float(count), bits, x, y, layer);
-  PackedNormal* const normal = layer.normal.row(y) + x;
-  const VectorLanes sum = sum_of_normals(params.draws[0].params.view, samples, shown, x, y);
-  store(normal, some ? packed_normal(sum) : load<IntLanes>(normal));
+  if (!any(some)) return true;
+  const NormalLanes normals = unit_normals(params.draws[0].params.view, samples, shown, x, y);
+  const SampleMask mask = nearest_surface(samples, normals, nearest);
+  store_nearest(Packed(sums_of(params, samples, shown, normals, mask)), some, x, y, layer);
+  SampleMask rest;
+  FloatLanes rest_w{};
+  for (std::size_t s = 0; s < kPixelSamples; ++s) {
+    rest[s] = covered[s] & ~mask[s];
+    rest_w = max(rest_w, rest[s] ? samples.w[s] : kZeroLanes);
+  }
+  const IntLanes two = rest_w > 0;
+  if (any(two))
+    add_others(Packed(sums_of(params, samples, shown, normals, rest)), two, rest_w, x, y, done, layer);
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "host/render/cpu/simd.h"
 
@@ -108,6 +109,7 @@ struct Surface {
   F4 albedo{}, emission{};
   F4 gloss{};  ///< metallic, roughness, specular
   glm::vec3 normal{0};
+  int count = 0;
 };
 
 /// Where the samples of one item lie on its mesh.
@@ -143,9 +145,16 @@ glm::vec3 bent_normal(const MeshView& mesh, const std::array<glm::vec3, 3>& corn
                         std::max(texel[2], 1e-3F) * normal);
 }
 
-/// Adds the `counted` samples (1 or 0) of pixel (x, y), all of one item, `w` their inverse depth.
-void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::Item& item, int x,
-         int y, F4 w, F4 counted, Surface& sum) {
+/// The samples of one item, and what lies at them.
+struct OfItem {
+  const VirtualScratch::Item* item;
+  I4 mask;         ///< samples of the pixel
+  Vector4 weights; ///< of the corners
+  Vector4 normal;  ///< unit, zero elsewhere
+};
+
+/// `w`: inverse depth of the samples, 1 outside `mask`.
+OfItem at_item(const Draw& draw, const VirtualScratch::Item& item, int x, int y, F4 w, I4 mask) {
   const float dx = static_cast<float>(kVirtualSamples * x - item.triangle.box.x0);
   const float dy = static_cast<float>(kVirtualSamples * y - item.triangle.box.y0);
   const F4 z = 1 / w;
@@ -158,10 +167,24 @@ void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::
   const std::uint32_t* i = &mesh.indices[item.first_index];
   const Vector4 n = draw.params.camera_from_object_normal *
                     mix(weights, mesh.normals[i[0]], mesh.normals[i[1]], mesh.normals[i[2]]);
-  F4 scale = counted / sqrt4(dot(n, n));
+  const I4 counted = mask & (dot(n, n) > 0);
+  F4 scale = 1 / sqrt4(counted ? dot(n, n) : F4{} + 1.0F);
   if (mesh.double_sided) scale = dot(n, rays(draw.params.view, x, y)) > 0 ? -scale : scale;
-  const auto scaled = [&](F4 f) { return total(counted > 0 ? f * scale : F4{}); };
-  const glm::vec3 normal(scaled(n.x), scaled(n.y), scaled(n.z));
+  const auto scaled = [&](F4 f) { return counted ? f * scale : F4{}; };
+  return {&item, mask, weights, {scaled(n.x), scaled(n.y), scaled(n.z)}};
+}
+
+/// Adds the samples of `among` that are of the item.
+void add(const Draw& draw, const VirtualScratch& scratch, const OfItem& of, I4 among,
+         Surface& sum) {
+  const I4 mask = of.mask & among;
+  const F4 counted = mask ? F4{} + 1.0F : F4{};
+  if (!(total(counted) > 0)) return;
+  const MeshView& mesh = *draw.mesh;
+  const std::uint32_t* i = &mesh.indices[of.item->first_index];
+  const auto of_mask = [&](F4 f) { return total(mask ? f : F4{}); };
+  const glm::vec3 normal(of_mask(of.normal.x), of_mask(of.normal.y), of_mask(of.normal.z));
+  sum.count += static_cast<int>(total(counted));
   const F4 base = of_color(draw.params.base_color), glow = of_color(mesh.emission);
   const F4 gloss = {mesh.gloss.metallic, mesh.gloss.roughness, mesh.gloss.specular, 0};
   if (mesh.uv.empty()) {
@@ -171,8 +194,8 @@ void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::
     return;
   }
   const glm::vec2 a = mesh.uv[i[0]], b = mesh.uv[i[1]], c = mesh.uv[i[2]];
-  const OnMesh at{weights.x * a.x + weights.y * b.x + weights.z * c.x,
-                  weights.x * a.y + weights.y * b.y + weights.z * c.y, counted};
+  const OnMesh at{of.weights.x * a.x + of.weights.y * b.x + of.weights.z * c.x,
+                  of.weights.x * a.y + of.weights.y * b.y + of.weights.z * c.y, counted};
   sum.albedo += mapped(base, mesh.texture, linear_of_byte(), at);
   sum.emission += mapped(glow, mesh.emission_map, linear_of_byte(), at);
   if (mesh.gloss_map.empty()) {
@@ -185,9 +208,25 @@ void add(const Draw& draw, const VirtualScratch& scratch, const VirtualScratch::
     sum.normal += normal;
     return;
   }
-  const auto& p = scratch.positions_m[item.draw];
+  const auto& p = scratch.positions_m[of.item->draw];
   sum.normal += total(counted) *
                 bent_normal(mesh, {p[i[0]], p[i[1]], p[i[2]]}, i, glm::normalize(normal), at);
+}
+
+/// The samples of the nearest surface, of those of `items`; `w` is 0 where nothing is covered.
+I4 nearest_surface(std::span<const OfItem> items, F4 w) {
+  Vector4 normal{};
+  for (const OfItem& of : items) {
+    normal.x += of.normal.x, normal.y += of.normal.y, normal.z += of.normal.z;
+  }
+  int nearest = 0;
+  for (int i = 1; i < kPixelSamples; ++i)
+    if (w[i] > w[nearest]) nearest = i;
+  const F4 cosine = normal.x * normal.x[nearest] + normal.y * normal.y[nearest] +
+                    normal.z * normal.z[nearest];
+  I4 like = (cosine >= kOneSurfaceCosine) & (w >= kOneSurfacePart * w[nearest]);
+  like[nearest] = -1;
+  return (w > 0) & like;
 }
 
 std::uint16_t linear16(float share) {
@@ -197,15 +236,18 @@ std::uint8_t byte_of(float share) {
   return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0F, 1.0F) + 0.5F);
 }
 
-/// What pass light needs beyond the albedo.
-void store_gloss(const Surface& sum, int covered, int x, int y, VirtualLayer& layer) {
-  if (!layer.gloss.empty()) {
-    const F4 gloss = sum.gloss / static_cast<float>(covered);
-    layer.gloss.row(y)[x] = {byte_of(gloss[0]), byte_of(gloss[1]), byte_of(gloss[2])};
-  }
-  if (layer.emission.empty()) return;
-  const F4 own = sum.emission / static_cast<float>(kPixelSamples);
-  layer.emission.row(y)[x] = {linear16(own[0]), linear16(own[1]), linear16(own[2]), 0};
+Rgbx16 fixed(F4 sum) {
+  const F4 mean = sum / static_cast<float>(kPixelSamples);
+  return {linear16(mean[0]), linear16(mean[1]), linear16(mean[2]), 0};
+}
+PackedNormal packed_normal(const Surface& sum) {
+  const glm::vec3 n = glm::round(127.0F * glm::normalize(sum.normal + glm::vec3(0, 0, -1e-6F)));
+  return {static_cast<std::int8_t>(n.x), static_cast<std::int8_t>(n.y),
+          static_cast<std::int8_t>(n.z), static_cast<std::int8_t>(sum.count)};
+}
+GlossBytes gloss_bytes(const Surface& sum) {
+  const F4 gloss = sum.gloss / static_cast<float>(sum.count);
+  return {byte_of(gloss[0]), byte_of(gloss[1]), byte_of(gloss[2])};
 }
 
 }  // namespace
@@ -229,23 +271,33 @@ void resolve(const FrameParams& params, const VirtualScratch& scratch, int x, in
   const std::array<std::uint32_t, kPixelSamples> items = {upper_item[0], upper_item[1],
                                                           lower_item[0], lower_item[1]};
   const I4 number = std::bit_cast<I4>(items);
-  Surface sum;
+  std::array<OfItem, kPixelSamples> kept;
+  std::size_t count = 0;
   for (int i = 0; i < kPixelSamples; ++i) {
     if (!left[i]) continue;
     const VirtualScratch::Item& item = scratch.items[items[static_cast<std::size_t>(i)]];
     const I4 same = left & (number == number[i]);
-    const F4 counted = same ? F4{} + 1.0F : F4{};
-    add(params.draws[item.draw], scratch, item, x, y, same ? w : F4{} + 1.0F, counted, sum);
+    kept[count++] = at_item(params.draws[item.draw], item, x, y, same ? w : F4{} + 1.0F, same);
     left &= ~same;
   }
-  const F4 mean = sum.albedo / static_cast<float>(kPixelSamples);
-  const F4 c = (mean < 1 ? mean : F4{} + 1.0F) * kLinearOne + 0.5F;
-  layer.color.row(y)[x] = {static_cast<std::uint16_t>(c[0]), static_cast<std::uint16_t>(c[1]),
-                           static_cast<std::uint16_t>(c[2]), 0};
-  store_gloss(sum, covered, x, y, layer);
-  const glm::vec3 n = glm::round(127.0F * glm::normalize(sum.normal + glm::vec3(0, 0, -1e-6F)));
-  layer.normal.row(y)[x] = {static_cast<std::int8_t>(n.x), static_cast<std::int8_t>(n.y),
-                            static_cast<std::int8_t>(n.z), 0};
+  const auto of_items = std::span<const OfItem>(kept).first(count);
+  const auto sum_of = [&](I4 among) {
+    Surface sum;
+    for (const OfItem& of : of_items) add(params.draws[of.item->draw], scratch, of, among, sum);
+    return sum;
+  };
+  const I4 mask = nearest_surface(of_items, w), rest = (w > 0) & ~mask;
+  const Surface first = sum_of(mask);
+  layer.color.row(y)[x] = fixed(first.albedo);
+  layer.normal.row(y)[x] = packed_normal(first);
+  if (!layer.gloss.empty()) layer.gloss.row(y)[x] = gloss_bytes(first);
+  if (!layer.emission.empty()) layer.emission.row(y)[x] = fixed(first.emission);
+  const F4 rest_w = rest ? w : F4{};
+  const float behind = std::max(std::max(rest_w[0], rest_w[1]), std::max(rest_w[2], rest_w[3]));
+  if (!(behind > 0)) return;
+  const Surface other = sum_of(rest);
+  layer.others.add(y, {x, behind, packed_normal(other), gloss_bytes(other), fixed(other.albedo),
+                       fixed(other.emission), {}});
 }
 
 }  // namespace mixrig::render::cpu

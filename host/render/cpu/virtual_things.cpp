@@ -15,12 +15,7 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
       light_(tables.view_size),
       look_(setup) {
   const Size size = tables.view_size;
-  objects_.coverage.reset(size);
-  objects_.w.reset(size);
-  objects_.normal.reset(size);
-  objects_.color.reset(size);
-  if (frame.glossy) objects_.gloss.reset(size);
-  if (frame.emits) objects_.emission.reset(size);
+  objects_.reset(size, frame.glossy, frame.emits);
   if (setup.look.motion) {
     moved_.coverage.reset(size);
     moved_.w.reset(size);

@@ -353,7 +353,9 @@ TEST(Light, shading_is_lambert_by_hand) {
   preparer.update({});
   const render::Tables tables = render::make_tables(lit.setup);
   render::cpu::VirtualLayer layer;
+  layer.reset({64, 64}, false, false);
   layer.rect = {32, 32, 33, 33};
+  layer.others.reset({0, 0, 64, 64});
   layer.coverage.reset({64, 64}, 255);
   layer.w.reset({64, 64}, 0.5F);  // 2 m before the camera, just right of and below the lamp
   layer.normal.reset({64, 64}, {0, -127, 0, 0});
@@ -369,6 +371,12 @@ TEST(Light, shading_is_lambert_by_hand) {
   const double y_m = 2 * 31.5 / 64, x_m = 2 * -0.5 / 64, d2 = x_m * x_m + y_m * y_m;
   const double light = 0.1 + y_m / std::sqrt(d2) / d2;
   EXPECT_NEAR(layer.color.at(31, 63).r, std::min(1.0, 0.5 * 0.5 * light) * 65535, 300);
+  // Half of the pixel shows a surface that faces away from the lamp: each has its own light.
+  const render::cpu::Rgbx16 half{16384, 16384, 16384, 0};
+  layer.color.reset({64, 64}, half);
+  layer.others.add(63, {31, 0.5F, {0, 127, 0, 2}, {}, half, {}, {}});
+  render::cpu::shade_virtual(crew, {preparer.params(), tables, {}, no_shadow}, layer);
+  EXPECT_NEAR(layer.color.at(31, 63).r, 0.25 * 0.5 * (light + 0.1) * 65535, 300);
 }
 
 }  // namespace

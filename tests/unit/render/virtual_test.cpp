@@ -33,10 +33,7 @@ struct DrawnObjects {
     rect = preparer.params().virtual_rect;
     Crew crew(2);
     render::cpu::VirtualScratch scratch(preparer.params(), view, crew.threads());
-    layer.coverage.reset(view);
-    layer.w.reset(view);
-    layer.normal.reset(view);
-    layer.color.reset(view);
+    layer.reset(view, false, false);
     render::cpu::draw_virtual(crew, preparer.params(), scratch, layer);
   }
   /// Pixels' worth of coverage.
@@ -217,7 +214,10 @@ TEST(Virtual, many_small_triangles_agree_with_rays) {
         ASSERT_EQ(d.layer.coverage.at(x, y), (255 * covered + 2) / 4) << x << "," << y;
         ASSERT_NEAR(d.layer.w.at(x, y), nearest_w, 1e-3) << x << "," << y;
         if (covered == 0) continue;
-        EXPECT_NEAR(d.layer.color.at(x, y).g / 65535.0, light / 4, 0.01) << x << "," << y;
+        double shown = d.layer.color.at(x, y).g / 65535.0;
+        for (const auto& other : d.layer.others.row(y))
+          if (other.x == x) shown += other.albedo.g / 65535.0;
+        EXPECT_NEAR(shown, light / 4, 0.01) << x << "," << y;
       }
     EXPECT_GT(judged, static_cast<int>(view.area()) / 2);
     EXPECT_GT(mixed, view.width > 10 ? 10 : 0);
@@ -235,8 +235,7 @@ struct Drawn {
     render::cpu::VirtualScratch scratch(preparer.params(), view, crew.threads());
     fitting = std::count(scratch.fits.begin(), scratch.fits.end(), true);
     if (!in_lanes) scratch.fits.assign(scratch.fits.size(), false);
-    layer.coverage.reset(view), layer.w.reset(view), layer.normal.reset(view);
-    layer.color.reset(view), layer.gloss.reset(view), layer.emission.reset(view);
+    layer.reset(view, true, true);
     render::cpu::draw_virtual(crew, preparer.params(), scratch, layer);
   }
   std::ptrdiff_t fitting = 0;  ///< meshes
@@ -291,6 +290,7 @@ TEST(Virtual, registers_of_pixels_show_what_single_ones_do) {
     const Drawn lanes(setup, true), single(setup, false);
     ASSERT_EQ(lanes.fitting, kMeshes - 1);
     int covered = 0, far_off = 0;
+    std::size_t two_surfaces = 0;
     for (int y = 0; y < view.height; ++y)
       for (int x = 0; x < view.width; ++x) {
         const auto &a = lanes.layer, &b = single.layer;
@@ -312,10 +312,45 @@ TEST(Virtual, registers_of_pixels_show_what_single_ones_do) {
         ASSERT_NEAR(g.roughness, h.roughness, 1);
         ASSERT_NEAR(g.specular, h.specular, 1);
         ASSERT_EQ(a.emission.at(x, y).g, b.emission.at(x, y).g);
+        ASSERT_EQ(n.w, o.w) << "samples";
       }
+    for (int y = 0; y < view.height; ++y) {
+      const auto a = lanes.layer.others.row(y), b = single.layer.others.row(y);
+      ASSERT_EQ(a.size(), b.size()) << y;
+      two_surfaces += a.size();
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(a[i].x, b[i].x);
+        ASSERT_EQ(a[i].w, b[i].w);
+        ASSERT_EQ(a[i].normal.w, b[i].normal.w);
+        ASSERT_NEAR(a[i].albedo.g, b[i].albedo.g, 655);
+        ASSERT_NEAR(a[i].gloss.roughness, b[i].gloss.roughness, 1);
+        ASSERT_EQ(a[i].emission.g, b[i].emission.g);
+      }
+    }
+    EXPECT_GT(two_surfaces, 100U);
     EXPECT_GT(covered, view.area() / 2);
     EXPECT_LT(far_off, covered / 50);
   }
+}
+
+/// A square that ends in the middle of pixel 7, before one that fills the view.
+TEST(Virtual, two_surfaces_of_a_pixel_are_kept_apart) {
+  std::vector<glm::vec3> corners = square(0.53125F, 2);
+  for (const glm::vec3& p : square(4, 3)) corners.push_back(p);
+  std::vector<std::uint32_t> indices = kFront;
+  for (const std::uint32_t i : kFront) indices.push_back(4 + i);
+  const DrawnObjects d(corners, indices);
+  EXPECT_EQ(d.layer.coverage.at(7, 15), 255);
+  EXPECT_NEAR(d.layer.w.at(7, 15), 0.5F, 1e-6F);
+  EXPECT_NEAR(d.layer.color.at(7, 15).g, 16384, 1) << "of two samples";
+  EXPECT_EQ(d.layer.normal.at(7, 15).w, 2);
+  const auto others = d.layer.others.row(15);
+  ASSERT_EQ(others.size(), 2U) << "pixels 7 and 24";
+  EXPECT_EQ(others[0].x, 7);
+  EXPECT_NEAR(others[0].w, 1.0F / 3, 1e-6F);
+  EXPECT_NEAR(others[0].albedo.g, 16384, 1);
+  EXPECT_EQ(others[0].normal.w, 2);
+  EXPECT_EQ(others[1].x, 24);
 }
 
 TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(DrawnObjects({}, {}).area(), 0); }
