@@ -23,8 +23,8 @@ std::vector<float> parts_of_light(std::span<const FoundLamp> lamps,
   const double all = std::accumulate(light.begin(), light.end(), 0.0);
   std::vector<float> parts;
   for (const double part : light)
-    parts.push_back(static_cast<float>(all > 0 ? part / all
-                                               : 1 / static_cast<double>(lamps.size())));
+    parts.push_back(
+        static_cast<float>(all > 0 ? part / all : 1 / static_cast<double>(lamps.size())));
   return parts;
 }
 

@@ -90,8 +90,8 @@ inline constexpr int kVirtualSamples = 2;
 /// By how much, px.
 inline constexpr float kSampleTurnPx = 0.125F;
 /// Samples of a pixel are of its nearest surface while their normals are within this cosine of that
-/// of the nearest sample, and their inverse depths at least this part of its own. The other ones are
-/// a surface of their own, lit by itself: the mean of two normals is that of neither.
+/// of the nearest sample, and their inverse depths at least this part of its own. The other ones
+/// are a surface of their own, lit by itself: the mean of two normals is that of neither.
 inline constexpr float kOneSurfaceCosine = 0.9F;
 inline constexpr float kOneSurfacePart = 0.98F;
 

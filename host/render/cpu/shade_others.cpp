@@ -85,8 +85,8 @@ void add_others_past_people(const LightInput& input, const PeopleMaps& people, c
   const LampSet maybe = people.maybe == 0 ? 0 : lamps_in_doubt(input, rect, layer);
   for_each_other(input, rect, layer, [&](std::span<const OtherAt> others, const SurfaceLanes& at) {
     ShadingLanes light;
-    const bool hidden = people.maybe != 0 &&
-                        shading_past_people(input.frame, input.maps, maybe, people, at, light);
+    const bool hidden =
+        people.maybe != 0 && shading_past_people(input.frame, input.maps, maybe, people, at, light);
     for (int i = 0; const OtherAt& o : others) {
       add_to(layer.color.row(o.y)[o.surface->x],
              hidden ? lit_by(input, layer, *o.surface, light, i) : o.surface->lit);

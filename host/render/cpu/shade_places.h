@@ -53,11 +53,11 @@ inline Rgbx16 shaded(const LightInput& input, const Matter& of, const ShadingLan
 /// Of a pixel's nearest surface, whose albedo is `albedo`.
 inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, int y,
                      Rgbx16 albedo, const ShadingLanes& light, int i) {
-  return shaded(input,
-                {albedo, layer.gloss.empty() ? nullptr : layer.gloss.row(y) + x,
-                 layer.emission.empty() ? nullptr : layer.emission.row(y) + x,
-                 layer.normal.row(y)[x].w},
-                light, i);
+  return shaded(
+      input,
+      {albedo, layer.gloss.empty() ? nullptr : layer.gloss.row(y) + x,
+       layer.emission.empty() ? nullptr : layer.emission.row(y) + x, layer.normal.row(y)[x].w},
+      light, i);
 }
 
 /// Whether the 2x2 pixels from (x, y) on show one smooth surface: their light is alike.

@@ -105,9 +105,8 @@ class OtherSurfaces {
   int first_ = 0;
 };
 
-/// What is kept of the shading of the nearest surfaces without people, so that only what they hide is
-/// found in each frame.
-/// Pixel (0, 0) is the first of the layer's `rect`.
+/// What is kept of the shading of the nearest surfaces without people, so that only what they hide
+/// is found in each frame. Pixel (0, 0) is the first of the layer's `rect`.
 struct ShadedAlone {
   RoomFor<Rgbx16> albedo, color;
   std::vector<RoomFor<float>> lamp_light;  ///< luminance that each whole lamp gives, not exposed

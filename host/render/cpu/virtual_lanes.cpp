@@ -198,9 +198,8 @@ class Packed {
         albedo_{fixed(sums.albedo.r), fixed(sums.albedo.g), fixed(sums.albedo.b)} {
     const FloatLanes count = max(to_float(sums.count), kZeroLanes + 1.0F);
     for (std::size_t i = 0; i < gloss_.size(); ++i)
-      gloss_[i] = truncate(kWholeByte * min(max(sums.gloss[i] / count, kZeroLanes),
-                                            kZeroLanes + 1.0F) +
-                           0.5F);
+      gloss_[i] = truncate(
+          kWholeByte * min(max(sums.gloss[i] / count, kZeroLanes), kZeroLanes + 1.0F) + 0.5F);
   }
   IntLanes normal() const { return normal_; }
   Rgbx16 albedo(int i) const {
@@ -279,8 +278,7 @@ bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int
   const auto white = static_cast<std::int32_t>(kWholeByte);
   store(layer.coverage.row(y) + x,
         to_bytes((white * count + kPixelSamples / 2) / static_cast<std::int32_t>(kPixelSamples)));
-  const FloatLanes nearest =
-      max(max(samples.w[0], samples.w[1]), max(samples.w[2], samples.w[3]));
+  const FloatLanes nearest = max(max(samples.w[0], samples.w[1]), max(samples.w[2], samples.w[3]));
   store(layer.w.row(y) + x, nearest);
   const IntLanes some = count > 0;
   if (!any(some)) return true;
@@ -295,7 +293,8 @@ bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int
   }
   const IntLanes two = rest_w > 0;
   if (any(two))
-    add_others(Packed(sums_of(params, samples, shown, normals, rest)), two, rest_w, x, y, done, layer);
+    add_others(Packed(sums_of(params, samples, shown, normals, rest)), two, rest_w, x, y, done,
+               layer);
   return true;
 }
 

@@ -12,8 +12,9 @@ VirtualScratch::Surface surface_of(const Draw& draw, const Triangle& triangle,
 /// Whether resolve_lanes() knows all that a mesh shows.
 bool fits_lanes(const MeshView& mesh);
 
-/// As resolve(), for the kLanes pixels from (x, y) on, of which the first `done` were resolved before
-/// and stay as they are. False where they show a mesh that does not fit; then nothing is written.
+/// As resolve(), for the kLanes pixels from (x, y) on, of which the first `done` were resolved
+/// before and stay as they are. False where they show a mesh that does not fit; then nothing is
+/// written.
 bool resolve_lanes(const FrameParams& params, const VirtualScratch& scratch, int x, int y,
                    int sample_row, int done, VirtualLayer& layer);
 

@@ -148,9 +148,9 @@ glm::vec3 bent_normal(const MeshView& mesh, const std::array<glm::vec3, 3>& corn
 /// The samples of one item, and what lies at them.
 struct OfItem {
   const VirtualScratch::Item* item;
-  I4 mask;         ///< samples of the pixel
-  Vector4 weights; ///< of the corners
-  Vector4 normal;  ///< unit, zero elsewhere
+  I4 mask;          ///< samples of the pixel
+  Vector4 weights;  ///< of the corners
+  Vector4 normal;   ///< unit, zero elsewhere
 };
 
 /// `w`: inverse depth of the samples, 1 outside `mask`.
@@ -222,8 +222,8 @@ I4 nearest_surface(std::span<const OfItem> items, F4 w) {
   int nearest = 0;
   for (int i = 1; i < kPixelSamples; ++i)
     if (w[i] > w[nearest]) nearest = i;
-  const F4 cosine = normal.x * normal.x[nearest] + normal.y * normal.y[nearest] +
-                    normal.z * normal.z[nearest];
+  const F4 cosine =
+      normal.x * normal.x[nearest] + normal.y * normal.y[nearest] + normal.z * normal.z[nearest];
   I4 like = (cosine >= kOneSurfaceCosine) & (w >= kOneSurfacePart * w[nearest]);
   like[nearest] = -1;
   return (w > 0) & like;
@@ -296,8 +296,13 @@ void resolve(const FrameParams& params, const VirtualScratch& scratch, int x, in
   const float behind = std::max(std::max(rest_w[0], rest_w[1]), std::max(rest_w[2], rest_w[3]));
   if (!(behind > 0)) return;
   const Surface other = sum_of(rest);
-  layer.others.add(y, {x, behind, packed_normal(other), gloss_bytes(other), fixed(other.albedo),
-                       fixed(other.emission), {}});
+  layer.others.add(y, {x,
+                       behind,
+                       packed_normal(other),
+                       gloss_bytes(other),
+                       fixed(other.albedo),
+                       fixed(other.emission),
+                       {}});
 }
 
 }  // namespace mixrig::render::cpu

@@ -136,8 +136,7 @@ void SurfelMap::build(const TraceScene& scene, const Materials& materials, const
           if (!is_thin && agree(corners)) {
             surfels.push_back(mean(corners));
             if (surfels.back().kind == Kind::kObject)
-              surfels.back().albedo =
-                  mean_albedo(scene, materials, rays, rect.x0 + i, rect.y0 + j);
+              surfels.back().albedo = mean_albedo(scene, materials, rays, rect.x0 + i, rect.y0 + j);
             z = surfels.back().z;
           } else {
             z = trace_pixel(rect.x0 + i, rect.y0 + j, surfels);

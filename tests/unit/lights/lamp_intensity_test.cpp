@@ -67,9 +67,7 @@ TEST_F(LampIntensity, PointsHaveTheSameWithoutABracket) {
   EXPECT_EQ(found[1], found[0]);
 }
 
-TEST_F(LampIntensity, NoLampNoIntensity) {
-  EXPECT_TRUE(lamp_intensities({}, none_, {}).empty());
-}
+TEST_F(LampIntensity, NoLampNoIntensity) { EXPECT_TRUE(lamp_intensities({}, none_, {}).empty()); }
 
 }  // namespace
 }  // namespace mixrig::lights
