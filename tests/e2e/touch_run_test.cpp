@@ -161,7 +161,7 @@ TEST_F(TouchRun, ContactsAreThoseOfTheTrueSurfaces) {
   EXPECT_TRUE(std::filesystem::exists(path("out/people.csv")));
   EXPECT_EQ(run_report["events"]["osc"]["sent"], all.size());
   for (const auto& e : all) {
-    const std::string text = listener.next(), osc = osc_listener.next();
+    const std::string text = listener.awaited(), osc = osc_listener.awaited();
     ASSERT_FALSE(text.empty());
     EXPECT_EQ(nlohmann::json::parse(text), e);
     const std::string address =

@@ -17,6 +17,7 @@
 namespace mixrig::device {
 namespace {
 
+constexpr int kPeerLimit_s = 120;  // for a busy machine
 const std::string kImage = std::string(MIXRIG_IMAGE_DIR) + "/trigger.bin";
 
 std::string text_of(const std::string& path) {
@@ -46,7 +47,7 @@ TEST(FlashPeer, stm32flash_writes_verifies_and_starts_our_emulated_rom) {
   // A pty has no parity bit, hence 8n1 instead of 8e1.
   test::ChildProcess peer({"stm32flash", "-m", "8n1", "-b", "115200", "-w", kImage, "-v", "-g",
                            "0x08000000", folder / "port"},
-                          20, folder / "log");
+                          kPeerLimit_s, folder / "log");
   EXPECT_EQ(peer.wait(), 0) << text_of(folder / "log");
   stop = true;
   device.join();
@@ -72,7 +73,7 @@ TEST(FlashPeer, dfu_util_lists_our_emulated_device) {
       "E: PRODUCT=483/df11/200\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\nA: devnum=2\\n\n"
       "A: speed=12\\n\nA: idVendor=0483\\n\nA: idProduct=df11\\n\nH: descriptors=" +
           descriptors + "\n");
-  test::ChildProcess peer({"umockdev-run", "-d", device, "--", "dfu-util", "-l"}, 20,
+  test::ChildProcess peer({"umockdev-run", "-d", device, "--", "dfu-util", "-l"}, kPeerLimit_s,
                           folder / "log");
   peer.wait();
   const std::string said = text_of(folder / "log");

@@ -10,6 +10,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "tests/support/progress.h"
+
 namespace mixrig::test {
 
 class UdpListener {
@@ -28,11 +30,17 @@ class UdpListener {
 
   int port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  /// The next datagram; empty where there is none.
+  /// The next datagram; empty where there is none yet.
   std::string next() {
     std::string bytes(65536, '\0');
     const ssize_t size = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return bytes;
+  }
+  /// As next(), of one that was sent: the kernel may deliver it later. Empty after two minutes.
+  std::string awaited() {
+    std::string bytes;
+    (void)comes_true([&] { return !(bytes = next()).empty(); });
     return bytes;
   }
 

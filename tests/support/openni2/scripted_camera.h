@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <OniCAPI.h>
@@ -62,16 +61,18 @@ class ScriptedRecording {
     }
     EXPECT_EQ(oniRecorderStart(recorder_), ONI_STATUS_OK);
     for (OniStreamHandle stream : streams_) EXPECT_EQ(oniStreamStart(stream), ONI_STATUS_OK);
-    // Two seconds of frames at most: what the recorder has not written yet waits in memory.
-    bool begun = false;
-    for (int i = 0; i < 200 && !begun; ++i) {
-      module.expose(next(), depth, rgb);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    // At most so many pictures: what the recorder has not written yet waits in memory.
+    constexpr int kMostShown = 200;
+    auto shown = std::chrono::steady_clock::now();
+    EXPECT_TRUE(comes_true([&] {
+      if (const auto now = std::chrono::steady_clock::now(); frames_ < kMostShown && now >= shown) {
+        module.expose(next(), depth, rgb);
+        shown = now + std::chrono::milliseconds(10);
+      }
       std::error_code none;
       const auto bytes = std::filesystem::file_size(file, none);
-      begun = !none && bytes > rgb.size();
-    }
-    EXPECT_TRUE(begun) << "the recorder does not begin";
+      return !none && bytes > rgb.size();
+    })) << "the recorder does not begin";
   }
   /// The frame that is shown next.
   int next() { return ++frames_; }

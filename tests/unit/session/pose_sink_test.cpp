@@ -49,7 +49,7 @@ class PoseSinkTest : public ::testing::Test {
 TEST_F(PoseSinkTest, FreeDHasItsSignsAndTheEncoders) {
   const auto sink = sink_of({{Protocol::kFreeD, listener_.address(), 7}});
   ASSERT_TRUE(sink->write(frame()));
-  const std::string datagram = listener_.next();
+  const std::string datagram = listener_.awaited();
   const auto packet = stream::parse_freed(std::as_bytes(std::span(datagram)));
   ASSERT_TRUE(packet) << packet.error().context;
   EXPECT_EQ(packet->camera, 7);
@@ -63,7 +63,7 @@ TEST_F(PoseSinkTest, FreeDHasItsSignsAndTheEncoders) {
 TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   const auto sink = sink_of({{Protocol::kOpenTrackJson, listener_.address(), 2, 32}});
   ASSERT_TRUE(sink->write(frame()));
-  const Json sample = sample_in(listener_.next());
+  const Json sample = sample_in(listener_.awaited());
   EXPECT_EQ(sample["sourceNumber"], 2);
   EXPECT_EQ(sample["timing"]["sampleTimestamp"]["seconds"], 1'750'000'004);
   EXPECT_EQ(sample["timing"]["sampleTimestamp"]["nanoseconds"], 800'000'000);
@@ -76,7 +76,7 @@ TEST_F(PoseSinkTest, OpenTrackIOHasTimeAndLensOfThePicture) {
   EXPECT_NEAR(sample["static"]["camera"]["activeSensorPhysicalDimensions"]["height"].get<double>(),
               30, 1e-9);
   ASSERT_TRUE(sink->write(frame()));
-  const Json second = sample_in(listener_.next());
+  const Json second = sample_in(listener_.awaited());
   EXPECT_FALSE(second.contains("static")) << "sent every two seconds";
   EXPECT_NE(second["sampleId"], sample["sampleId"]);
   EXPECT_EQ(second["sourceId"], sample["sourceId"]);
@@ -89,7 +89,7 @@ TEST_F(PoseSinkTest, OpenTrackIOSaysWhatSetsTheClock) {
     out.clock = clock;
     const auto sink = PoseSink::create({out}, kEpoch_ns, std::nullopt, reports_, is_locked);
     EXPECT_TRUE(sink && (*sink)->write(frame()));
-    return sample_in(listener_.next())["timing"].value("synchronization", Json());
+    return sample_in(listener_.awaited())["timing"].value("synchronization", Json());
   };
   EXPECT_EQ(told(ClockSource::kPtp, [] { return true; }),
             Json::parse(R"({"source":"ptp","locked":true})"));
@@ -108,7 +108,7 @@ TEST_F(PoseSinkTest, ARecordingBeginsWhenTheRunDoes) {
     capture->mid_exposure += std::chrono::milliseconds(frame_ms);
     composite->capture = capture;
     ASSERT_TRUE((*sink)->write(composite));
-    const Json time = sample_in(listener_.next())["timing"]["sampleTimestamp"];
+    const Json time = sample_in(listener_.awaited())["timing"]["sampleTimestamp"];
     EXPECT_EQ(time["seconds"], 1'750'000'100);
     EXPECT_EQ(time["nanoseconds"], frame_ms * 1'000'000);
   }
@@ -121,8 +121,8 @@ TEST_F(PoseSinkTest, ALostPoseIsToldOrNotSent) {
   auto lost = frame();
   lost->pose = capture::CameraPose::lost(capture::PoseLoss::kGap);
   ASSERT_TRUE(sink->write(lost));
+  const Json sample = sample_in(other.awaited());
   EXPECT_TRUE(listener_.next().empty());
-  const Json sample = sample_in(other.next());
   EXPECT_EQ(sample["tracker"]["status"], "lost: gap");
   EXPECT_FALSE(sample.contains("transforms"));
   ASSERT_TRUE(sink->finish());

@@ -13,8 +13,8 @@ TEST(DatagramSender, SendsEachTextAsADatagram) {
   auto sender = DatagramSender::open("localhost:" + std::to_string(listener.port()));
   ASSERT_TRUE(sender) << sender.error().context;
   sender->send("one"), sender->send("two");
-  EXPECT_EQ(listener.next(), "one");
-  EXPECT_EQ(listener.next(), "two");
+  EXPECT_EQ(listener.awaited(), "one");
+  EXPECT_EQ(listener.awaited(), "two");
   EXPECT_EQ(sender->sent(), 2U);
 }
 
