@@ -50,6 +50,9 @@ struct StreamRequest {
   double rate_hz = 0;
   bool hardware_trigger = false;  ///< one frame per trigger edge, where the device supports it
   std::string trigger_input{};  ///< the device's name of that input; empty: the driver's usual one
+  /// Frames may lie in the device's own buffers, where their driver shares these (Frame::memory):
+  /// nothing is copied, but a processor may read them slowly. Who keeps frames gets copies.
+  bool lends = false;
 };
 
 enum class CameraControl {

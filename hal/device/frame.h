@@ -11,6 +11,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/image.h"
+#include "hal/base/raw_picture.h"
 
 namespace mixrig::device {
 
@@ -64,6 +65,7 @@ struct Frame {
   HostTime received{};                         ///< when the driver received it
   Duration exposure{};                         ///< 0 where unknown
   std::uint32_t flags = kFrameOk;
+  DmaBuf memory{};  ///< that `bytes` lie in, where the driver shares it (StreamRequest::lends)
 };
 
 /// Dropping the last reference returns the buffer to its pool.

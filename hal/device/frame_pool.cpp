@@ -119,6 +119,7 @@ FramePtr FramePool::Draft::publish(Frame frame, std::size_t used, std::size_t am
   frame.bytes = first(bytes_, used);
   frame.amplitude = first(amplitude_, amplitude_used);
   frame.confidence = first(confidence_, confidence_used);
+  frame.memory = {};  // the bytes lie in this pool
   *frame_ = frame;
   const int index = std::exchange(index_, -1);
   return {frame_, NoDelete{}, SlotAllocator<std::byte>(slots_, index)};

@@ -37,6 +37,7 @@ class CalibratedSource final : public CaptureSource {
   Result<void> read_truth(int number, Truth& truth) override {
     return source_->read_truth(number, truth);
   }
+  void share_plates(PlateForms forms) override { source_->share_plates(forms); }
   std::optional<SourceReport> report() const override { return source_->report(); }
 
  private:

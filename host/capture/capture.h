@@ -12,6 +12,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/image.h"
 #include "hal/device/pan_tilt.h"
+#include "host/capture/camera_picture.h"
 #include "host/capture/rig_cameras.h"
 #include "host/geometry/lens_table.h"
 
@@ -64,7 +65,10 @@ struct Capture {
   std::uint64_t tick = 0;             ///< of the 100 Hz master; 0 where the source has none
   HostTime mid_exposure{};            ///< of the plate, on the source's clock
   double time_s = 0;                  ///< of the plate, since the source's start or its own epoch
-  Image<Rgb8> plate;                  ///< sRGB, distorted, size of cameras->target
+  Image<Rgb8> plate;                  ///< sRGB, distorted, size of cameras->target; empty where
+                                      ///< CaptureSource::share_plates() left it: see plate_of()
+  /// The plate in its camera's buffer, which is kept for it; null where it was copied.
+  std::shared_ptr<const CameraPicture> picture;
   Image<float> depth_m;               ///< size of cameras->tof, as DepthKind; 0 = unknown
   Image<float> amplitude;             ///< as depth_m; empty where the source has none
   HostTime depth_mid_exposure{};      ///< of `depth_m`, on the clock of mid_exposure; 0: not known
@@ -84,7 +88,14 @@ struct Capture {
 
   StreamStatus status_of(Stream stream) const { return status[static_cast<std::size_t>(stream)]; }
   void set_status(Stream stream, StreamStatus s) { status[static_cast<std::size_t>(stream)] = s; }
+  /// In a Pool: a capture that nobody looks at keeps no buffer of a camera.
+  void recycle() { picture.reset(); }
 };
+
+/// The plate: decoded now where it is not yet. Any thread.
+inline const Image<Rgb8>& plate_of(const Capture& capture) {
+  return capture.plate.empty() && capture.picture ? capture.picture->decoded() : capture.plate;
+}
 
 /// Dropping the last reference returns the buffers to their pool.
 using CapturePtr = std::shared_ptr<const Capture>;

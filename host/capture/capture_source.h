@@ -74,6 +74,14 @@ class RenderedExposure {
   virtual void set(double exposure_s) = 0;
 };
 
+/// In which forms captures of live devices have their plates, where the camera shares its memory
+/// (device::Frame::memory); of others they are decoded.
+struct PlateForms {
+  bool shared = false;  ///< as Capture::picture
+  bool decoded = true;  ///< as Capture::plate; false: only where `shared` cannot be
+  bool operator==(const PlateForms&) const = default;
+};
+
 /// Captures by number, 1..info().frames. Calls come from one thread at a time.
 class CaptureSource {
  public:
@@ -85,6 +93,8 @@ class CaptureSource {
   virtual Result<bool> read(int number, Capture& capture) = 0;
   /// Call after read() of the same number, and only where info().has_truth. Errors as read.
   virtual Result<void> read_truth(int number, Truth& truth) = 0;
+  /// From one of the next captures on. Any thread.
+  virtual void share_plates(PlateForms) {}
   /// Null where the captures are given, and no head can be moved.
   virtual RenderedHead* head() { return nullptr; }
   /// Null where the exposure cannot be set.

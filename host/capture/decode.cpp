@@ -92,6 +92,37 @@ void interpolate_row(const std::uint8_t* above, const std::uint8_t* here, const 
   }
 }
 
+/// Errors: kData where the bytes are fewer than the picture needs.
+Result<void> check_bytes(const Frame& frame) {
+  // Chroma of NV12 comes in pairs of bytes.
+  const int samples =
+      frame.size.width + (frame.format == PixelFormat::kNv12 ? frame.size.width % 2 : 0);
+  const std::size_t row = device::row_bytes(frame.format, samples);
+  const std::size_t whole = device::image_bytes(frame.format, frame.size, frame.stride_bytes);
+  if (row == 0 || frame.stride_bytes < row || whole == 0 ||
+      frame.bytes.size() + frame.stride_bytes < whole + row)
+    return Error{ErrorCode::kData, "a camera picture is shorter than its size says: dropped"};
+  return {};
+}
+
+std::optional<RawLayout> raw_layout(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kYuyv:
+      return RawLayout::kYuyv;
+    case PixelFormat::kNv12:
+      return RawLayout::kNv12;
+    case PixelFormat::kGray8:
+      return RawLayout::kGray;
+    case PixelFormat::kBayerRggb8:
+    case PixelFormat::kBayerGrbg8:
+    case PixelFormat::kBayerGbrg8:
+    case PixelFormat::kBayerBggr8:
+      return RawLayout::kBayer;
+    default:
+      return std::nullopt;
+  }
+}
+
 }  // namespace
 
 double linear_light(const device::ColorEncoding& encoding, double sample) {
@@ -122,6 +153,8 @@ ColorDecoder::ColorDecoder(const ColorSettings& settings)
     for (std::size_t i = 0; i < 256; ++i)
       byte_tables_[c][i] = srgb_byte(settings, settings.gains[c], static_cast<double>(i) / 255);
   }
+  for (std::size_t i = 0; i < 256; ++i)
+    samples_[i] = {byte_tables_[0][i], byte_tables_[1][i], byte_tables_[2][i], 255};
 }
 
 void ColorDecoder::map_rgb(Image<Rgb8>& image) const {
@@ -194,14 +227,7 @@ Result<void> ColorDecoder::decode(const Frame& frame, Image<Rgb8>& out) {
       std::reverse(out.row(y), out.row(y) + out.width());
     return {};
   }
-  // Chroma of NV12 comes in pairs of bytes.
-  const int samples =
-      frame.size.width + (frame.format == PixelFormat::kNv12 ? frame.size.width % 2 : 0);
-  const std::size_t row = device::row_bytes(frame.format, samples);
-  const std::size_t whole = device::image_bytes(frame.format, frame.size, frame.stride_bytes);
-  if (row == 0 || frame.stride_bytes < row || whole == 0 ||
-      frame.bytes.size() + frame.stride_bytes < whole + row)
-    return Error{ErrorCode::kData, "a camera picture is shorter than its size says: dropped"};
+  MIXRIG_TRY(check_bytes(frame));
   if (frame.format == PixelFormat::kDepth16)
     return Error{ErrorCode::kData, "a camera sends depth16, which has no colour"};
   if (out.size() != frame.size) out.reset(frame.size);
@@ -227,6 +253,24 @@ Result<void> ColorDecoder::decode(const Frame& frame, Image<Rgb8>& out) {
   }
   if (!plain()) map_rgb(out);
   return {};
+}
+
+std::optional<RawPicture> ColorDecoder::raw(const Frame& frame) const {
+  const auto layout = raw_layout(frame.format);
+  if (!layout || !check_bytes(frame)) return std::nullopt;
+  RawPicture picture{.layout = *layout,
+                     .size = frame.size,
+                     .stride_bytes = frame.stride_bytes,
+                     .bytes = frame.bytes,
+                     .samples = plain() ? nullptr : &samples_,
+                     .memory = frame.memory};
+  if (*layout == RawLayout::kBayer) {
+    const Bayer bayer = bayer_of(frame.format);
+    picture.red_x = bayer.red_x, picture.red_y = bayer.red_y;
+  } else if (*layout != RawLayout::kGray) {
+    picture.yuv = yuv_to_rgb(encoding_);
+  }
+  return picture;
 }
 
 }  // namespace mixrig::capture

@@ -16,9 +16,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hal/base/image.h"
+#include "hal/base/raw_picture.h"
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
 #include "hal/device/frame.h"
@@ -49,6 +51,9 @@ class ColorDecoder {
   /// Errors: kData where the bytes are fewer than the picture needs, or the format has no colours;
   /// kFormat for a damaged JPEG.
   Result<void> decode(const device::Frame& frame, Image<Rgb8>& out);
+  /// The frame with what decode() does to it, where its samples have 8 bits and are YUV, grey or
+  /// Bayer; none for other formats, and for bytes that are too few. Borrows frame and decoder.
+  std::optional<RawPicture> raw(const device::Frame& frame) const;
 
  private:
   static constexpr int kBits = 12;  ///< of a sample that looks up a table
@@ -64,6 +69,7 @@ class ColorDecoder {
   bool mirrored_;
   std::vector<Table> tables_;  ///< of red, green, blue; empty: samples are sRGB already
   std::array<std::array<std::uint8_t, 256>, 3> byte_tables_{};  ///< the same, of 8-bit samples
+  SampleTable samples_{};                                       ///< those, for raw()
   std::vector<std::uint8_t> rows_;                              ///< of Bayer samples
 };
 

@@ -33,6 +33,7 @@ class UnwrappedSource final : public CaptureSource {
   Result<void> read_truth(int number, Truth& truth) override {
     return source_->read_truth(number, truth);
   }
+  void share_plates(PlateForms forms) override { source_->share_plates(forms); }
   RenderedHead* head() override { return source_->head(); }
   std::optional<SourceReport> report() const override { return source_->report(); }
 

@@ -52,6 +52,27 @@ Factors limited_factors(double kr, double kb) {
           fixed(-chroma * (1 - kr) * kr / kg), fixed(chroma * (1 - kb))};
 }
 
+Factors limited_factors(YuvMatrix matrix) {
+  return matrix == YuvMatrix::kBt2020 ? limited_factors(0.2627, 0.0593)
+                                      : limited_factors(0.2126, 0.0722);
+}
+
+/// libyuv's numbers, in 1/64 (its source/row_common.cc): luma is y * 257 * scale / 65536.
+struct YuvNumbers {
+  int scale, add, red_v, green_u, green_v, blue_u;
+};
+YuvNumbers numbers_of(const ColorEncoding& encoding) {
+  if (encoding.range != SampleRange::kFull) return {18997, -1160, 102, -25, -52, 128};
+  switch (encoding.matrix) {
+    case YuvMatrix::kBt709:
+      return {16320, 32, 101, -12, -30, 119};
+    case YuvMatrix::kBt2020:
+      return {16320, 32, 94, -11, -37, 120};
+    default:
+      return {16320, 32, 90, -22, -46, 113};
+  }
+}
+
 /// A block of planes, chroma of half the width.
 struct Block {
   std::array<std::uint8_t, kBlock_px> y;
@@ -102,8 +123,7 @@ void decode_usual_yuyv(const Frame& frame, Image<Rgb8>& out) {
 /// `load(x, y, count, block)` splits pixels x to x + count of row y into planes.
 template <typename Load>
 void convert_rows(Size size, const ColorEncoding& encoding, const Load& load, Image<Rgb8>& out) {
-  const bool wide = encoding.matrix == YuvMatrix::kBt2020;
-  const Factors factors = wide ? limited_factors(0.2627, 0.0593) : limited_factors(0.2126, 0.0722);
+  const Factors factors = limited_factors(encoding.matrix);
   Block block;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; x += kBlock_px) {
@@ -117,6 +137,29 @@ void convert_rows(Size size, const ColorEncoding& encoding, const Load& load, Im
 }
 
 }  // namespace
+
+YuvToRgb yuv_to_rgb(const ColorEncoding& encoding) {
+  if (libyuv_holds(encoding)) {
+    const YuvNumbers n = numbers_of(encoding);
+    return {.y_scale = 257 * n.scale,
+            .y_shift = 16,
+            .y_add = n.add,
+            .red_v = n.red_v,
+            .green_u = n.green_u,
+            .green_v = n.green_v,
+            .blue_u = n.blue_u,
+            .shift = 6};
+  }
+  const Factors f = limited_factors(encoding.matrix);
+  return {.y_scale = f.luma,
+          .y_shift = 0,
+          .y_add = 32768 - 16 * f.luma,
+          .red_v = f.red_v,
+          .green_u = f.green_u,
+          .green_v = f.green_v,
+          .blue_u = f.blue_u,
+          .shift = 16};
+}
 
 void decode_yuyv(const Frame& frame, const ColorEncoding& encoding, Image<Rgb8>& out) {
   if (encoding.matrix == YuvMatrix::kBt601 && encoding.range != SampleRange::kFull)

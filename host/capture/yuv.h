@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hal/base/image.h"
+#include "hal/base/raw_picture.h"
 #include "hal/device/camera.h"
 #include "hal/device/frame.h"
 
@@ -14,5 +15,8 @@ void decode_yuyv(const device::Frame& frame, const device::ColorEncoding& encodi
                  Image<Rgb8>& out);
 void decode_nv12(const device::Frame& frame, const device::ColorEncoding& encoding,
                  Image<Rgb8>& out);
+
+/// What both do with one pixel, to the bit.
+YuvToRgb yuv_to_rgb(const device::ColorEncoding& encoding);
 
 }  // namespace mixrig::capture

@@ -17,6 +17,7 @@
 
 #include "hal/base/image.h"
 #include "hal/base/learned_color.h"
+#include "hal/base/raw_picture.h"
 #include "hal/base/result.h"
 #include "host/geometry/camera_model.h"
 #include "host/geometry/depth_noise.h"
@@ -210,8 +211,22 @@ struct FrameLight {
   std::span<const glm::vec3> intensity{};  ///< of the first lamps; the others keep theirs
 };
 
+/// A plate that lies in its camera's own memory, which a GPU may read in place. Any thread.
+class SharedPlate {
+ public:
+  virtual ~SharedPlate() = default;
+  /// Valid while what hold() gives lives.
+  virtual const RawPicture& raw() const = 0;
+  /// The same as sRGB; decoded by the first call.
+  virtual ImageView<const Rgb8> decoded() const = 0;
+  /// Keeps the memory from being filled again.
+  virtual std::shared_ptr<const void> hold() const = 0;
+};
+
 struct FrameInput {
-  ImageView<const Rgb8> plate;         ///< sRGB, distorted, size of `target`
+  /// sRGB, distorted, size of `target`; may be empty with `shared`, where Compositor::plate_need()
+  /// is kShared.
+  ImageView<const Rgb8> plate;
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
   std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
@@ -231,6 +246,14 @@ struct FrameInput {
   /// What was measured in plates, all of it; counts from this frame on. Null: the look stays as it
   /// is. Only where the setup's look measures.
   const PictureLook* look = nullptr;
+  const SharedPlate* shared = nullptr;  ///< the same picture as `plate`; null: it has no other form
+};
+
+/// What a compositor reads of a plate that its camera shares.
+enum class PlateNeed : std::uint8_t {
+  kDecoded,           ///< FrameInput::plate alone
+  kDecodedAndShared,  ///< the picture in place, and pixels on the host
+  kShared,            ///< the picture in place alone
 };
 
 enum class Stage {
@@ -312,7 +335,8 @@ class Compositor {
   static constexpr int kMostInFlight = 2;
 
   virtual ~Compositor() = default;
-  /// Starts a frame that makes the `wanted` images; `input` is read before it returns. gles only
+  /// Starts a frame that makes the `wanted` images; `input` is read before it returns, but for the
+  /// memory of `shared`, which is held until the frame was collected. gles only
   /// queues the work of the GPU, cpu does all of it here. Errors: kData for images of a wrong size
   /// and a pose that is not finite, kUsage for more than kMostInFlight frames; then no frame was
   /// started.
@@ -325,6 +349,12 @@ class Compositor {
   virtual int in_flight() const = 0;
   /// Of the frame collected last.
   virtual const StageTimes& stage_times() const = 0;
+  /// Of the next frame.
+  virtual PlateNeed plate_need() const { return PlateNeed::kDecoded; }
+  /// The plate of the frame submitted last was read in its camera's memory.
+  virtual bool imported_plate() const { return false; }
+  /// Why FrameInput::shared is not read, or no more; empty where it is.
+  virtual std::string why_copied() const { return "the back end reads copies"; }
   /// "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER.
   virtual std::string renderer() const = 0;
 

@@ -22,6 +22,11 @@ bool is_usable(const glm::vec3& c) {
          glm::all(glm::lessThan(c, glm::vec3(kBrightest)));
 }
 
+glm::vec3 linear_of(Rgb8 c) {
+  const auto& linear = linear_of_srgb_bytes();
+  return {linear[c.r], linear[c.g], linear[c.b]};
+}
+
 /// Nearest plate pixel; none outside.
 void put(const glm::vec2& at, Size plate, ExposureMeter::Place& place) {
   place.plate_x = place.plate_y = -1;
@@ -46,6 +51,7 @@ ExposureMeter::ExposureMeter(const Tables& tables, const BackgroundView& backgro
       if (place.plate_x >= 0 || tables.lens_moves) grid_.push_back(place);
     }
   samples_.reserve(grid_.size());
+  seen_.reserve(grid_.size());
   ratios_.reserve(grid_.size());
   order_.reserve(grid_.size());
   learn(background);
@@ -78,11 +84,16 @@ void ExposureMeter::learn(std::span<const glm::vec4> colors) {
 }
 
 glm::vec3 ExposureMeter::gain(ImageView<const Rgb8> plate) {
-  const auto& linear = linear_of_srgb_bytes();
+  seen_.clear();
+  for (const Sample& s : samples_) seen_.push_back(linear_of(plate.row(s.y)[s.x]));
+  return gain_of_seen();
+}
+
+glm::vec3 ExposureMeter::gain_of_seen() {
   ratios_.clear();
-  for (const Sample& s : samples_) {
-    const Rgb8 p = plate.row(s.y)[s.x];
-    const glm::vec3 seen(linear[p.r], linear[p.g], linear[p.b]), now = s.gain * seen;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& s = samples_[i];
+    const glm::vec3 seen = seen_[i], now = s.gain * seen;
     if (is_usable(seen))
       ratios_.push_back({std::log(luminance(now) / luminance(s.learned)), now, s.learned});
   }
@@ -109,17 +120,15 @@ ExposureMeter::Ratio ExposureMeter::densest_third() {
   return sum;
 }
 
-std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate, float knot,
-                                                    const glm::vec3& gain) {
+std::optional<glm::vec3> ExposureMeter::around_knot(float knot, const glm::vec3& gain) {
   constexpr float kHalfOctave = 1.4142136F;
-  const auto& linear = linear_of_srgb_bytes();
   ratios_.clear();
-  for (const Sample& s : samples_) {
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& s = samples_[i];
     const float light = luminance(s.learned);
     const bool is_first = knot == kToneFirstKnot;
     if (light > knot * kHalfOctave || (light <= knot / kHalfOctave && !is_first)) continue;
-    const Rgb8 p = plate.row(s.y)[s.x];
-    const glm::vec3 seen(linear[p.r], linear[p.g], linear[p.b]);
+    const glm::vec3 seen = seen_[i];
     if (glm::any(glm::lessThan(seen, glm::vec3(kDarkest)))) continue;
     // White stays: the curve ends there, too.
     const glm::vec3 now = glm::min(s.gain * seen, 1.0F);
@@ -138,12 +147,24 @@ std::optional<glm::vec3> ExposureMeter::around_knot(ImageView<const Rgb8> plate,
 }
 
 ToneCurve ExposureMeter::curve(ImageView<const Rgb8> plate) {
-  ToneCurve curve(gain(plate));
+  seen_.clear();
+  for (const Sample& s : samples_) seen_.push_back(linear_of(plate.row(s.y)[s.x]));
+  return curve_of_seen();
+}
+
+ToneCurve ExposureMeter::curve(const RawPicture& plate) {
+  seen_.clear();
+  for (const Sample& s : samples_) seen_.push_back(linear_of(pixel_of(plate, s.x, s.y)));
+  return curve_of_seen();
+}
+
+ToneCurve ExposureMeter::curve_of_seen() {
+  ToneCurve curve(gain_of_seen());
   // Tones bend by what the exposure has changed beyond kStraight (around_knot).
   if (std::abs(std::log(luminance(curve.gain))) <= kStraight) return curve;
   std::array<std::optional<glm::vec3>, kTonePieces> ratio;
   float knot = kToneFirstKnot;
-  for (auto& known : ratio) known = around_knot(plate, knot, curve.gain), knot *= 2;
+  for (auto& known : ratio) known = around_knot(knot, curve.gain), knot *= 2;
   for (std::size_t i = 1; i < ratio.size(); ++i)
     if (!ratio[i]) ratio[i] = ratio[i - 1];
   for (std::size_t i = ratio.size() - 1; i-- > 0;)

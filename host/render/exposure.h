@@ -45,6 +45,8 @@ class ExposureMeter {
   /// each knot, by no more from the gain than the gain is from 1, less 4 %, so that noise and
   /// people bend nothing while the exposure stays. Allocates nothing.
   ToneCurve curve(ImageView<const Rgb8> plate);
+  /// The same of a plate that is not decoded: single pixels of it are.
+  ToneCurve curve(const RawPicture& plate);
 
  private:
   struct Sample {
@@ -59,10 +61,12 @@ class ExposureMeter {
   /// Sums over the shortest interval that holds a third of `ratios_`.
   Ratio densest_third();
   /// The camera's gain around a knot over `gain`; none where too few places tell.
-  std::optional<glm::vec3> around_knot(ImageView<const Rgb8> plate, float knot,
-                                       const glm::vec3& gain);
+  std::optional<glm::vec3> around_knot(float knot, const glm::vec3& gain);
+  glm::vec3 gain_of_seen();
+  ToneCurve curve_of_seen();
   std::vector<Place> grid_;
   std::vector<Sample> samples_;
+  std::vector<glm::vec3> seen_;  ///< linear light of the samples in the plate
   std::vector<Ratio> ratios_;
   std::vector<std::pair<float, std::uint32_t>> order_;  ///< logarithms of `ratios_`, and which
 };

@@ -53,8 +53,10 @@ void size_to(Size size, Image<T>& image) {
 
 }  // namespace
 
-Result<void> check_frame(const FrameInput& input, const Tables& tables) {
-  MIXRIG_TRY(check_size(input.plate.size, tables.plate_size, "plate", "target"));
+Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imports) {
+  const bool in_place = imports && input.shared != nullptr;
+  MIXRIG_TRY(check_size(in_place ? input.shared->raw().size : input.plate.size, tables.plate_size,
+                        "plate", "target"));
   MIXRIG_TRY(check_size(input.tof_depth_m.size, tables.tof_size, "depth picture", "ToF"));
   if (!input.tof2_depth_m.empty())
     MIXRIG_TRY(check_size(input.tof2_depth_m.size, tables.tof2_size, "second depth picture",

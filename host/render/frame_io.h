@@ -7,8 +7,9 @@
 
 namespace mixrig::render {
 
-/// Errors: kData for pictures of a wrong size and a pose that is not finite.
-Result<void> check_frame(const FrameInput& input, const Tables& tables);
+/// Errors: kData for pictures of a wrong size and a pose that is not finite. `imports`: the plate
+/// is read in place, where the frame has it so.
+Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imports = false);
 
 /// Wanted images and those that they are made from: the matte decides the states. A composite that
 /// is to stay in the GPU's memory, but cannot, is a colour.

@@ -10,6 +10,12 @@ namespace {
 constexpr int kCameraBuffers = 10;
 constexpr Duration kWait = std::chrono::milliseconds(100);
 
+/// Pictures whose bytes are those of the driver's buffer, and that are not files.
+bool lends_format(const V4l2Layout& layout) {
+  return layout.planes == 1 && layout.packed.packing == SamplePacking::kNone &&
+         layout.format != PixelFormat::kMjpeg;
+}
+
 }  // namespace
 
 V4l2Camera::V4l2Camera(std::string path, const StreamRequest& request, Clock& clock)
@@ -47,7 +53,7 @@ Result<void> V4l2Camera::start(FrameSink sink) {
   {
     const std::lock_guard lock(mutex_);
     if (!node_.is_open()) MIXRIG_TRY(set_up());
-    MIXRIG_TRY(node_.start_streaming());
+    MIXRIG_TRY(node_.start_streaming(request_.lends && lends_format(layout_)));
     count_.health.state = DeviceState::kStreaming;
     count_.begin();
   }
@@ -67,16 +73,17 @@ void V4l2Camera::work() {
   while (!thread_.stopping()) {
     auto next = node_.next(kWait);
     if (next && *next) {
-      take(**next);
-      if (node_.give_back(**next)) continue;
-    } else if (next) {
+      const bool lent = take(**next);
+      if ((lent || node_.give_back(**next)) && node_.give_back_lent()) continue;
+    } else if (next && node_.give_back_lent()) {
       continue;
     }
     come_back();
   }
 }
 
-void V4l2Camera::take(const V4l2Picture& picture) {
+/// Whether the buffer of the picture is lent now.
+bool V4l2Camera::take(const V4l2Picture& picture) {
   Frame frame{.format = layout_.format,
               .size = layout_.size,
               .stride_bytes = layout_.stride_bytes,
@@ -85,17 +92,33 @@ void V4l2Camera::take(const V4l2Picture& picture) {
               .received = clock_.now(),
               .flags = payload_flags(layout_, picture.bytes, picture.error)};
   if (!picture.stamp_valid) frame.device_time = DeviceTime(frame.received.time_since_epoch());
-  auto draft = pool_->take();
+  FramePool::Draft draft = pool_->take();
   {
     const std::lock_guard lock(mutex_);
     const auto exposure = settings_.find(CameraControl::kExposure);
     if (exposure != settings_.end())
       frame.exposure = Duration(static_cast<long>(exposure->second * 1e9));
-    if (!count_.count(frame, static_cast<bool>(draft))) return;
+    if (!count_.count(frame, static_cast<bool>(draft))) return false;
   }
   if (picture.stamp_is_start) frame.device_time += frame.exposure / 2;
+  if (const FramePtr shared = lent(picture, frame)) {
+    sink_(shared);
+    return true;
+  }
   const std::size_t used = copy_v4l2_picture(layout_, picture.bytes, draft.bytes());
   sink_(std::move(draft).publish(frame, used));
+  return false;
+}
+
+/// In the kernel's buffer; null where that is not lent.
+FramePtr V4l2Camera::lent(const V4l2Picture& picture, const Frame& frame) {
+  if (!request_.lends || !lends_format(layout_) || frame.flags & kFrameIncomplete) return nullptr;
+  const std::shared_ptr<LentPicture> out = lent_.take();
+  if (!node_.lend(picture, *out)) return nullptr;
+  out->frame = frame;
+  out->frame.bytes = picture.bytes[0].first(layout_.picture_bytes);
+  out->frame.memory = out->buffers->memory(picture.index, picture.begin);
+  return {out, &out->frame};
 }
 
 /// Waits until the device is plugged in again.
@@ -108,7 +131,7 @@ void V4l2Camera::come_back() {
   thread_.find_again("v4l2", info_.uri, [this] {
     const std::lock_guard lock(mutex_);
     if (!set_up()) return false;
-    if (!node_.start_streaming()) {
+    if (!node_.start_streaming(request_.lends && lends_format(layout_))) {
       node_.close();
       return false;
     }

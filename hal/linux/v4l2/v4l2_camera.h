@@ -9,6 +9,7 @@
 #include <string>
 
 #include "hal/base/clock.h"
+#include "hal/base/pool.h"
 #include "hal/device/camera.h"
 #include "hal/device/frame_pool.h"
 #include "hal/device/stream_count.h"
@@ -17,7 +18,10 @@
 namespace mixrig::device {
 
 /// Pictures are copied out of the kernel's buffers, so that a slow consumer does not block the
-/// kernel's queue and frames stay valid after the camera was unplugged. When the node disappears,
+/// kernel's queue. With StreamRequest::lends, frames of one plane of 8-bit samples lie in these
+/// buffers instead, as DMABUFs, while enough stay with the kernel; a buffer is queued again when
+/// its frame is dropped. All frames stay valid after the camera was unplugged. When the node
+/// disappears,
 /// the driver looks for it four times a second and restores its settings.
 class V4l2Camera final : public Camera {
  public:
@@ -37,7 +41,8 @@ class V4l2Camera final : public Camera {
   V4l2Camera(std::string path, const StreamRequest& request, Clock& clock);
   Result<void> set_up();
   void work();
-  void take(const V4l2Picture& picture);
+  bool take(const V4l2Picture& picture);
+  FramePtr lent(const V4l2Picture& picture, const Frame& frame);
   void come_back();
   const ControlRange* range(CameraControl control) const;
 
@@ -47,6 +52,7 @@ class V4l2Camera final : public Camera {
   CameraInfo info_;
   V4l2Layout layout_;
   std::optional<FramePool> pool_;
+  Pool<LentPicture> lent_;
   FrameSink sink_;
   mutable std::mutex mutex_;  ///< guards node_ against set/get, count_ and settings_
   V4l2Node node_;

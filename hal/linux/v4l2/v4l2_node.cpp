@@ -18,6 +18,8 @@ namespace mixrig::device {
 namespace {
 
 constexpr std::uint32_t kNodeBuffers = 4;
+// What waits for the compositor, is composited, and is shown: eight frames at most.
+constexpr std::uint32_t kLentBuffers = 8;
 
 }  // namespace
 
@@ -43,6 +45,7 @@ V4l2Node& V4l2Node::operator=(V4l2Node&& other) noexcept {
   std::swap(type_, other.type_);
   std::swap(planes_, other.planes_);
   std::swap(buffers_, other.buffers_);
+  std::swap(returned_, other.returned_);
   return *this;
 }
 
@@ -77,22 +80,24 @@ Result<V4l2Node> V4l2Node::open(const std::string& path) {
 
 bool V4l2Node::multi_planar() const { return type_ == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
 
-Result<void> V4l2Node::start_streaming() {
+Result<void> V4l2Node::start_streaming(bool lends) {
   v4l2_requestbuffers request{};
-  request.count = kNodeBuffers;
+  request.count = kNodeBuffers + (lends ? kLentBuffers : 0);
   request.type = type_;
   request.memory = V4L2_MEMORY_MMAP;
   if (ioctl_again(fd_, VIDIOC_REQBUFS, &request) < 0) return failed("requesting buffers");
-  for (std::uint32_t i = 0; i < request.count; ++i) MIXRIG_TRY(map_buffer(i));
+  buffers_ = std::make_shared<V4l2Buffers>();
+  returned_.reserve(request.count);
+  for (std::uint32_t i = 0; i < request.count; ++i) MIXRIG_TRY(map_buffer(i, lends));
   if (ioctl_again(fd_, VIDIOC_STREAMON, &type_) < 0) return failed("starting the stream");
   return {};
 }
 
-/// Maps every plane of a buffer and queues it.
-Result<void> V4l2Node::map_buffer(std::uint32_t index) {
+/// Maps every plane of a buffer, exports it where that is wanted, and queues it.
+Result<void> V4l2Node::map_buffer(std::uint32_t index, bool exports) {
   Query query(*this, index);
   if (ioctl_again(fd_, VIDIOC_QUERYBUF, &query.buffer) < 0) return failed("querying a buffer");
-  Buffer& buffer = buffers_.emplace_back();
+  V4l2Buffers::Planes& buffer = buffers_->add();
   for (std::size_t i = 0; i < planes_; ++i) {
     const v4l2_plane& plane = query.planes[i];
     const std::size_t bytes = multi_planar() ? plane.length : query.buffer.length;
@@ -101,8 +106,36 @@ Result<void> V4l2Node::map_buffer(std::uint32_t index) {
     if (address == MAP_FAILED) return failed("mapping a buffer");
     buffer[i] = {address, bytes};
   }
-  Query queued(*this, index);
-  if (ioctl_again(fd_, VIDIOC_QBUF, &queued.buffer) < 0) return failed("queueing a buffer");
+  if (exports && planes_ == 1) export_buffer(index);
+  return queue(index);
+}
+
+/// A driver that does not (ENOTTY, EINVAL) has its pictures copied.
+void V4l2Node::export_buffer(std::uint32_t index) {
+  v4l2_exportbuffer exported{};
+  exported.type = type_;
+  exported.index = index;
+  exported.flags = O_CLOEXEC | O_RDONLY;
+  if (ioctl_again(fd_, VIDIOC_EXPBUF, &exported) == 0) buffers_->export_as(exported.fd);
+}
+
+Result<void> V4l2Node::queue(std::uint32_t index) {
+  Query query(*this, index);
+  if (ioctl_again(fd_, VIDIOC_QBUF, &query.buffer) < 0) return failed("queueing a buffer");
+  return {};
+}
+
+bool V4l2Node::lend(const V4l2Picture& picture, LentPicture& into) {
+  if (!buffers_->lend(picture.index, kKeptBuffers)) return false;
+  into.buffers = buffers_;
+  into.index = picture.index;
+  return true;
+}
+
+Result<void> V4l2Node::give_back_lent() {
+  returned_.clear();
+  buffers_->collect(returned_);
+  for (const std::uint32_t index : returned_) MIXRIG_TRY(queue(index));
   return {};
 }
 
@@ -118,7 +151,7 @@ Result<std::optional<V4l2Picture>> V4l2Node::next(Duration timeout) {
     if (errno == EAGAIN) return std::optional<V4l2Picture>();
     return failed("taking a picture");
   }
-  if (buffer.index >= buffers_.size())
+  if (buffer.index >= buffers_->count())
     return Error{ErrorCode::kDevice, "v4l2:" + path_ + ": the driver returned an unknown buffer"};
   V4l2Picture picture{.index = buffer.index,
                       .sequence = buffer.sequence,
@@ -130,28 +163,20 @@ Result<std::optional<V4l2Picture>> V4l2Node::next(Duration timeout) {
                                         V4L2_BUF_FLAG_TSTAMP_SRC_SOE,
                       .error = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0};
   for (std::size_t i = 0; i < planes_; ++i) {
-    const Mapping& mapping = buffers_[buffer.index][i];
+    const V4l2Buffers::Mapping& mapping = buffers_->planes(buffer.index)[i];
     // In a multi-planar buffer the used bytes count from its start, the picture begins later.
     const std::size_t used = std::min<std::size_t>(
         multi_planar() ? query.planes[i].bytesused : buffer.bytesused, mapping.bytes);
     const std::size_t begin =
         std::min<std::size_t>(multi_planar() ? query.planes[i].data_offset : 0, used);
+    if (i == 0) picture.begin = begin;
     picture.bytes[i] = {static_cast<const std::uint8_t*>(mapping.address) + begin, used - begin};
   }
   return std::optional<V4l2Picture>(picture);
 }
 
-Result<void> V4l2Node::give_back(const V4l2Picture& picture) {
-  Query query(*this, picture.index);
-  if (ioctl_again(fd_, VIDIOC_QBUF, &query.buffer) < 0) return failed("returning a buffer");
-  return {};
-}
-
 void V4l2Node::close() {
-  for (const Buffer& buffer : buffers_)
-    for (const Mapping& mapping : buffer)
-      if (mapping.address != nullptr) ::munmap(mapping.address, mapping.bytes);
-  buffers_.clear();
+  buffers_.reset();
   if (fd_ >= 0) ::close(std::exchange(fd_, -1));
 }
 

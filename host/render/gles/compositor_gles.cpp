@@ -20,6 +20,7 @@
 #include "host/render/gles/gpu_colors.h"
 #include "host/render/gles/mix_pass.h"
 #include "host/render/gles/people_key.h"
+#include "host/render/gles/plate_import.h"
 #include "host/render/gles/plate_pass.h"
 #include "host/render/gles/read_back.h"
 #include "host/render/gles/room.h"
@@ -41,6 +42,8 @@ class GlesCompositor final : public Compositor {
   Result<void> create_passes();
   /// Composites of kGpuColor stay in the GPU's memory, where the driver can copy them.
   void share_colors();
+  /// Plates are read in their camera's memory, where the driver offers it.
+  Result<void> import_plates(PlateImport import);
   /// The context is current on no thread afterwards.
   void leave_thread() const { context_.release(); }
 
@@ -48,6 +51,9 @@ class GlesCompositor final : public Compositor {
   Result<void> collect(FrameOutput& output) override;
   int in_flight() const override { return flight_.count(); }
   const StageTimes& stage_times() const override { return times_; }
+  PlateNeed plate_need() const override;
+  bool imported_plate() const override { return imported_; }
+  std::string why_copied() const override { return imports_ ? imports_->why() : why_copied_; }
   std::string renderer() const override { return renderer_; }
 
  private:
@@ -57,12 +63,15 @@ class GlesCompositor final : public Compositor {
     ReadBack color_and_matte, mixed, segmented, warped_w, state, light, layer, alpha;
     Fence done;
     std::shared_ptr<const GpuPicture> gpu_color;
+    std::shared_ptr<const void> plate_memory;  ///< of a plate that is read in place
     std::optional<StageTimer> timer;
   };
 
-  Result<void> draw(const FrameInput& input, Frame& frame);
+  const ImportedPlanes* import_plate(FrameInput& input);
+  Result<void> draw(const FrameInput& input, const ImportedPlanes* planes, Frame& frame);
+  ToneCurve tone_of(const FrameInput& input);
   void follow(const FrameInput& input);
-  void upload(const FrameInput& input);
+  void upload(const FrameInput& input, bool with_plate);
   void key_people(const FrameInput& input);
   Result<void> draw_mix(OutputMask wanted);
   void start_read_back(Frame& frame);
@@ -91,6 +100,10 @@ class GlesCompositor final : public Compositor {
   std::optional<VirtualThings> things_;          ///< where there are any
   MixPass mix_;
   std::optional<FocusPass> focus_;
+  std::optional<PlateImports> imports_;  ///< where the driver has them
+  std::string why_copied_;               ///< where it has not
+  bool imported_ = false;                ///< the plate of the newest frame
+  bool has_look_ = false;                ///< of virtual objects: found in a plate of the host
   std::optional<GpuColors> gpu_colors_;  ///< where objects are shared with a screen
   InFlight<Frame> flight_;
   StageTimes times_{};
@@ -111,7 +124,10 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
 }
 
 // GL names are given back to the context that made them.
-GlesCompositor::~GlesCompositor() { (void)context_.make_current(); }
+GlesCompositor::~GlesCompositor() {
+  (void)context_.make_current();
+  if (flight_.count() > 0) glFinish();  // buffers of cameras are given back now
+}
 
 /// Only the passes that the scene needs; their tables go to the GPU here, once.
 Result<void> GlesCompositor::create_passes() {
@@ -153,15 +169,57 @@ void GlesCompositor::share_colors() {
     log_info("render", renderer_ + " does not copy between textures: composites are read back");
 }
 
-Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) {
-  MIXRIG_TRY(check_frame(input, tables_));
+Result<void> GlesCompositor::import_plates(PlateImport import) {
+  if (import == PlateImport::kOnGpu && is_software(renderer_)) {
+    why_copied_ = renderer_ + " draws on the processor";
+    return {};
+  }
+  const auto calls = find_import_calls(context_);
+  if (!calls) {
+    why_copied_ = calls.error().context;
+    return {};
+  }
+  imports_.emplace(*calls);
+  return plate_.prepare_decoding();
+}
+
+PlateNeed GlesCompositor::plate_need() const {
+  if (!imports_ || !imports_->why().empty()) return PlateNeed::kDecoded;
+  const bool looks_at_people = key_ && key_->follows();
+  return looks_at_people ? PlateNeed::kDecodedAndShared : PlateNeed::kShared;
+}
+
+/// The plate's textures in its camera's memory; null where it is copied. Pixels that the host needs
+/// are decoded.
+const ImportedPlanes* GlesCompositor::import_plate(FrameInput& input) {
+  const ImportedPlanes* planes = nullptr;
+  if (input.shared != nullptr && imports_ && imports_->why().empty()) {
+    planes = imports_->find(input.shared->raw());
+    if (planes == nullptr)
+      log_warning("render", "camera pictures are copied from now on: " + imports_->why());
+  }
+  imported_ = planes != nullptr;
+  const bool measures = setup_.look.measures() && !std::exchange(has_look_, true);
+  const bool on_host = planes == nullptr || measures || plate_need() != PlateNeed::kShared;
+  if (input.plate.empty() && input.shared != nullptr && on_host)
+    input.plate = input.shared->decoded();
+  return planes;
+}
+
+Result<void> GlesCompositor::submit(const FrameInput& given, OutputMask wanted) {
+  MIXRIG_TRY(check_frame(given, tables_, true));
   MIXRIG_TRY(context_.make_current());
+  FrameInput input = given;
   const bool alone = flight_.count() == 0;
   MIXRIG_ASSIGN(Frame* const frame, flight_.push());
   frame->wanted = with_needed(wanted, gpu_colors_.has_value());
   frame->timer->begin_frame(alone);
-  auto drawn = draw(input, *frame);
+  const ImportedPlanes* const planes = import_plate(input);
+  if (planes != nullptr) frame->plate_memory = input.shared->hold();
+  auto drawn = draw(input, planes, *frame);
   if (!drawn) {
+    if (frame->plate_memory) glFinish();
+    frame->plate_memory.reset();
     flight_.drop_last();
     return drawn;
   }
@@ -173,21 +231,23 @@ Result<void> GlesCompositor::submit(const FrameInput& input, OutputMask wanted) 
 }
 
 /// The passes, in the order of host/render/README.md.
-Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
+Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes* planes,
+                                  Frame& frame) {
   const NeededPasses needed = needed_passes(frame.wanted, setup_);
   StageTimer& timer = *frame.timer;
   const bool two = second_depth_ && !input.tof2_depth_m.empty();
   {
     const StageScope stage(timer, Stage::kUpload, true);
-    upload(input);
+    upload(input, planes == nullptr);
   }
-  if (plate_.draws()) {
+  if (plate_.draws() || planes != nullptr) {
     const StageScope stage(timer, Stage::kPlate);
-    plate_.draw();
+    if (planes != nullptr) plate_.decode(input.shared->raw(), *planes);
+    if (plate_.draws()) plate_.draw();
   }
   if (room_.is_drawn()) {
     if (preparer_.params().pose_changed) room_.draw(preparer_.world_from_camera(), meter_, timer);
-    tone_ = meter_.curve(input.plate);
+    tone_ = tone_of(input);
   }
   {
     const StageScope stage(timer, Stage::kCorrect);
@@ -219,13 +279,17 @@ Result<void> GlesCompositor::draw(const FrameInput& input, Frame& frame) {
   return {};
 }
 
+ToneCurve GlesCompositor::tone_of(const FrameInput& input) {
+  return input.plate.empty() ? meter_.curve(input.shared->raw()) : meter_.curve(input.plate);
+}
+
 /// The frame's pictures; and what the host finds out from them.
-void GlesCompositor::upload(const FrameInput& input) {
+void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
   follow(input);
   if (things_) things_->take_look(input);
-  if (!room_.is_drawn()) tone_ = meter_.curve(input.plate);
+  if (!room_.is_drawn()) tone_ = tone_of(input);
   if (key_) key_->follow(input, plate_.in_view());
-  plate_.upload_plate(input.plate);
+  if (with_plate) plate_.upload_plate(input.plate);
   correct_.upload_depth(input.tof_depth_m);
   if (second_depth_ && !input.tof2_depth_m.empty()) second_depth_->upload_depth(input.tof2_depth_m);
 }
@@ -293,6 +357,7 @@ Result<void> GlesCompositor::collect(FrameOutput& output) {
   MIXRIG_TRY(context_.make_current());
   MIXRIG_ASSIGN(Frame* const frame, flight_.pop());
   MIXRIG_TRY(frame->done.wait());
+  frame->plate_memory.reset();
   {
     const StageScope stage(*frame->timer, Stage::kReadback, true);
     output.wanted = frame->wanted;
@@ -342,7 +407,7 @@ Result<void> GlesCompositor::fetch(const Frame& frame, FrameOutput& output) {
 }  // namespace
 
 Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& setup,
-                                                         const GlShare& share) {
+                                                         const GlShare& share, PlateImport import) {
   MIXRIG_TRY(validate(setup));
   MIXRIG_ASSIGN(EglContext context, share.display != nullptr ? EglContext::create_sharing(share)
                                                              : EglContext::create());
@@ -353,6 +418,7 @@ Result<std::unique_ptr<Compositor>> make_gles_compositor(const CompositorSetup& 
   log_info("render", fmt::format("{}: shaders are ready after {:.0f} ms", compositor->renderer(),
                                  milliseconds(clock.now() - begin)));
   if (share.display != nullptr) compositor->share_colors();
+  MIXRIG_TRY(compositor->import_plates(import));
   compositor->leave_thread();
   return std::unique_ptr<Compositor>(std::move(compositor));
 }

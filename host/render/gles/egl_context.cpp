@@ -151,6 +151,10 @@ bool EglContext::has_extension(std::string_view name) const {
   return contains_word(reinterpret_cast<const char*>(glGetString(GL_EXTENSIONS)), name);
 }
 
+bool EglContext::has_display_extension(std::string_view name) const {
+  return contains_word(eglQueryString(display_, EGL_EXTENSIONS), name);
+}
+
 bool may_have_gpu(const std::filesystem::path& dev) {
   std::error_code code;
   for (auto at = std::filesystem::directory_iterator(dev / "dri", code);

@@ -37,6 +37,9 @@ class EglContext {
   std::string renderer() const;
   /// Precondition: current.
   bool has_extension(std::string_view name) const;
+  /// Of EGL, for its display.
+  bool has_display_extension(std::string_view name) const;
+  EGLDisplay display() const { return display_; }
 
  private:
   EglContext(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}

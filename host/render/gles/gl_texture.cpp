@@ -23,12 +23,13 @@ void upload_as(const Texture& texture, ImageView<const T> image, GLenum format, 
 
 }  // namespace
 
-Texture make_texture(Size size, GLenum internal_format, Sampling sampling) {
+namespace {
+
+Texture make_name(Size size, GLenum internal_format, Sampling sampling) {
   GLuint name = 0;
   glGenTextures(1, &name);
   Texture texture{TextureHandle(name), size, internal_format};
   glBindTexture(GL_TEXTURE_2D, name);
-  glTexStorage2D(GL_TEXTURE_2D, 1, internal_format, size.width, size.height);
   const GLint filter = sampling == Sampling::kNearest ? GL_NEAREST : GL_LINEAR;
   const GLint wrap = sampling == Sampling::kRepeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
@@ -36,6 +37,18 @@ Texture make_texture(Size size, GLenum internal_format, Sampling sampling) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
   return texture;
+}
+
+}  // namespace
+
+Texture make_texture(Size size, GLenum internal_format, Sampling sampling) {
+  Texture texture = make_name(size, internal_format, sampling);
+  glTexStorage2D(GL_TEXTURE_2D, 1, internal_format, size.width, size.height);
+  return texture;
+}
+
+Texture make_unsized_texture(Size size, GLenum internal_format) {
+  return make_name(size, internal_format, Sampling::kNearest);
 }
 
 void upload(const Texture& texture, ImageView<const float> image) {

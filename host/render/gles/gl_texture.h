@@ -25,11 +25,14 @@ enum class Sampling { kNearest, kLinear, kRepeat };
 /// Immutable storage, clamped to the edge; kRepeat is linear and repeats. Content undefined.
 Texture make_texture(Size size, GLenum internal_format, Sampling sampling = Sampling::kNearest);
 
+/// A name without storage, bound: the next call gives it some. Nearest, clamped to the edge.
+Texture make_unsized_texture(Size size, GLenum internal_format);
+
 /// Rows of any stride into all of a texture of the same size.
 void upload(const Texture& texture, ImageView<const float> image);         // GL_R32F
 void upload(const Texture& texture, ImageView<const glm::vec2> image);     // GL_RG32F
 void upload(const Texture& texture, ImageView<const Rgb8> image);          // GL_SRGB8, GL_RGB8
-void upload(const Texture& texture, ImageView<const Rgbx8> image);         // GL_SRGB8_ALPHA8
+void upload(const Texture& texture, ImageView<const Rgbx8> image);  // GL_SRGB8_ALPHA8, GL_RGBA8
 void upload(const Texture& texture, ImageView<const Rgbf> image);          // GL_RGB16F, GL_RGB32F
 void upload(const Texture& texture, ImageView<const PackedNormal> image);  // GL_RGBA8_SNORM
 void upload(const Texture& texture, ImageView<const std::uint8_t> image);  // GL_R8

@@ -27,6 +27,8 @@ class PeopleKey {
   /// `depth_delay_s`: of the frame.
   void draw(const KeyPassParams& params, double depth_delay_s, KeyInput input);
   const KeyPass& pass() const { return pass_; }
+  /// It looks at plates on the host.
+  bool follows() const { return followed_ && (key_->motion || key_->steady); }
 
  private:
   /// Of a camera that stands still.

@@ -19,4 +19,19 @@ Result<PlatePass> PlatePass::create(const Tables& tables) {
   return pass;
 }
 
+Result<void> PlatePass::prepare_decoding() {
+  MIXRIG_ASSIGN(decode_, DecodePass::create(plate_.size));
+  return {};
+}
+
+void PlatePass::upload_plate(ImageView<const Rgb8> plate) {
+  upload(plate_, plate);
+  is_decoded_ = false;
+}
+
+void PlatePass::decode(const RawPicture& picture, const ImportedPlanes& planes) {
+  decode_->draw(picture, planes);
+  is_decoded_ = true;
+}
+
 }  // namespace mixrig::render::gles

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass plate: upload, and the way through the lens into the view.
+// Pass plate: upload, or decoding in the camera's memory, and the way through the lens into the
+// view.
 #pragma once
 
+#include <optional>
+
+#include "host/render/gles/decode_pass.h"
 #include "host/render/gles/gl_step.h"
 
 namespace mixrig::render::gles {
@@ -9,19 +13,27 @@ namespace mixrig::render::gles {
 class PlatePass {
  public:
   static Result<PlatePass> create(const Tables& tables);
-  void upload_plate(ImageView<const Rgb8> plate) const { upload(plate_, plate); }
+  /// Before the first decode(). Errors: as make_step.
+  Result<void> prepare_decoding();
+  void upload_plate(ImageView<const Rgb8> plate);
+  /// In place of upload_plate(); draws.
+  void decode(const RawPicture& picture, const ImportedPlanes& planes);
   /// Plate pixel of each view pixel, for another lens. Precondition: draws().
   void upload_map(ImageView<const glm::vec2> plate_px) const { upload(map_, plate_px); }
   /// Draws where there is a lens to see through.
-  void draw() const { run(step_, {&plate_, &map_, &gain_}); }
+  void draw() const { run(step_, {&plate(), &map_, &gain_}); }
   /// Linear light when sampled, view size.
-  const Texture& in_view() const { return is_view_ ? plate_ : view_; }
+  const Texture& in_view() const { return is_view_ ? plate() : view_; }
   bool draws() const { return !is_view_; }
 
  private:
-  bool is_view_ = false;
+  /// The newest one.
+  const Texture& plate() const { return is_decoded_ ? decode_->color() : plate_; }
+
+  bool is_view_ = false, is_decoded_ = false;
   Texture plate_, map_, gain_, view_;
   Step step_;
+  std::optional<DecodePass> decode_;
 };
 
 }  // namespace mixrig::render::gles

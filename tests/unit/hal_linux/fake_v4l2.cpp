@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -16,7 +17,6 @@ namespace mixrig::test {
 namespace {
 
 constexpr std::uint32_t kPlaneRoom = 1 << 16;
-constexpr std::uint32_t kBuffers = 4;
 
 FakeV4l2* g_node = nullptr;
 
@@ -36,7 +36,7 @@ FakeV4l2::FakeV4l2() {
   std::string name = std::filesystem::temp_directory_path() / "mixrig_v4l2_XXXXXX";
   fd_ = ::mkstemp(name.data());
   path_ = name;
-  if (::ftruncate(fd_, static_cast<off_t>(kPlaneRoom) * kBuffers * VIDEO_MAX_PLANES) != 0)
+  if (::ftruncate(fd_, static_cast<off_t>(kPlaneRoom) * kRoom * VIDEO_MAX_PLANES) != 0)
     std::abort();
   g_node = this;
 }
@@ -101,7 +101,7 @@ int FakeV4l2::set_format(v4l2_format& format) const {
 }
 
 int FakeV4l2::query(v4l2_buffer& buffer) const {
-  if (buffer.type != type() || buffer.index >= kBuffers) return fail(EINVAL);
+  if (buffer.type != type() || buffer.index >= buffers_) return fail(EINVAL);
   if (!multi_planar) {
     buffer.length = kPlaneRoom;
     buffer.m.offset = offset(buffer.index, 0);
@@ -116,10 +116,23 @@ int FakeV4l2::query(v4l2_buffer& buffer) const {
 }
 
 int FakeV4l2::queue(const v4l2_buffer& buffer) {
-  if (buffer.type != type() || buffer.index >= kBuffers) return fail(EINVAL);
+  if (buffer.type != type() || buffer.index >= buffers_) return fail(EINVAL);
   if (multi_planar && (buffer.m.planes == nullptr || buffer.length < planes.size()))
     return fail(EINVAL);
+  const std::lock_guard lock(mutex_);
   queued_.push_back(buffer.index);
+  return 0;
+}
+
+std::size_t FakeV4l2::queued() const {
+  const std::lock_guard lock(mutex_);
+  return queued_.size();
+}
+
+int FakeV4l2::export_buffer(v4l2_exportbuffer& buffer) const {
+  if (!exports) return fail(ENOTTY);
+  if (buffer.type != type() || buffer.index >= buffers_) return fail(EINVAL);
+  buffer.fd = ::fcntl(fd_, F_DUPFD_CLOEXEC, 0);
   return 0;
 }
 
@@ -130,6 +143,7 @@ int FakeV4l2::dequeue(v4l2_buffer& buffer) {
     absent_ = absent_for;
     return fail(ENODEV);
   }
+  const std::lock_guard lock(mutex_);
   if (pictures.empty() || queued_.empty()) return fail(EAGAIN);
   buffer.index = queued_.front();
   queued_.pop_front();
@@ -167,7 +181,7 @@ int FakeV4l2::extend(const uvc_xu_control_query& query) {
 
 int FakeV4l2::ioctl(unsigned long request, void* argument) {
   if (absent_ > 0) {
-    if (request == VIDIOC_QUERYCAP && --absent_ == 0) queued_.clear(), sequence_ = 0;
+    if (request == VIDIOC_QUERYCAP && --absent_ == 0) sequence_ = 0;
     return fail(ENODEV);
   }
   switch (request) {
@@ -192,7 +206,11 @@ int FakeV4l2::ioctl(unsigned long request, void* argument) {
       return as<v4l2_streamparm>(argument).type == type() ? 0 : fail(EINVAL);
     case VIDIOC_REQBUFS:
       if (as<v4l2_requestbuffers>(argument).type != type()) return fail(EINVAL);
-      return as<v4l2_requestbuffers>(argument).count = kBuffers, 0;
+      queued_.clear();
+      buffers_ = std::min({as<v4l2_requestbuffers>(argument).count, most_buffers, kRoom});
+      return as<v4l2_requestbuffers>(argument).count = buffers_, 0;
+    case VIDIOC_EXPBUF:
+      return export_buffer(as<v4l2_exportbuffer>(argument));
     case VIDIOC_QUERYBUF:
       return query(as<v4l2_buffer>(argument));
     case VIDIOC_QBUF:

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ class FakeV4l2 {
   std::uint32_t colorspace = 0, ycbcr = 0, quantization = 0, transfer = 0;
   /// Bytes of each plane of the pictures to send.
   std::deque<std::vector<std::vector<std::uint8_t>>> pictures;
+  std::uint32_t most_buffers = 4;  ///< of those that are asked for, at most kRoom
+  bool exports = false;            ///< VIDIOC_EXPBUF gives descriptors, of the whole file
+  /// Buffers that the driver has, filled or not. Any thread.
+  std::size_t queued() const;
   /// Unplugged after so many pictures (-1: never), until it was looked for so often.
   int unplug_after = -1, absent_for = 0;
 
@@ -60,6 +65,11 @@ class FakeV4l2 {
 
   std::string path_;
   int fd_ = -1;
+  static constexpr std::uint32_t kRoom = 12;
+  int export_buffer(v4l2_exportbuffer& buffer) const;
+
+  mutable std::mutex mutex_;  ///< guards queued_
+  std::uint32_t buffers_ = 0;
   std::deque<std::uint32_t> queued_;
   std::uint32_t sequence_ = 0;
   int absent_ = 0;

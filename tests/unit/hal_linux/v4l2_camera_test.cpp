@@ -6,9 +6,11 @@
 #include <mutex>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include "hal/linux/v4l2/realsense_unit.h"
+#include "tests/support/progress.h"
 #include "tests/support/realsense_answer.h"
 #include "tests/unit/hal_linux/fake_v4l2.h"
 
@@ -23,6 +25,7 @@ struct Got {
   device::PixelFormat format{};
   std::size_t stride_bytes = 0;
   std::uint32_t flags = 0;
+  int memory_fd = -1;
 };
 
 /// Everything that a camera sends until `count` frames came.
@@ -35,7 +38,8 @@ std::vector<Got> take(device::V4l2Camera& camera, std::size_t count) {
     got.push_back({{frame->bytes.begin(), frame->bytes.end()},
                    frame->format,
                    frame->stride_bytes,
-                   frame->flags});
+                   frame->flags,
+                   frame->memory.fd});
     changed.notify_all();
   });
   EXPECT_TRUE(started) << to_line(started.error());
@@ -163,6 +167,93 @@ TEST_F(V4l2Camera, UnpluggedAndBackItDeliversAgain) {
   EXPECT_EQ(health.returns, 1U);
   EXPECT_EQ(health.lost, 0U) << "the counter began anew";
   EXPECT_EQ(health.frames, 5U);
+}
+
+/// Lends its buffers.
+class V4l2Lending : public V4l2Camera {
+ protected:
+  /// Grey pictures of 4 x 2, whose bytes are the number of the picture.
+  void start(std::size_t pictures) {
+    node_.code = V4L2_PIX_FMT_GREY, node_.size = {4, 2}, node_.planes = {{4, 8}};
+    for (std::size_t i = 0; i < pictures; ++i)
+      node_.pictures.push_back({Bytes(8, static_cast<std::uint8_t>(i))});
+    auto camera = device::V4l2Camera::open(node_.path(), {.lends = true}, clock_);
+    ASSERT_TRUE(camera) << to_line(camera.error());
+    camera_ = *std::move(camera);
+    ASSERT_TRUE(camera_->start([this](const device::FramePtr& frame) {
+      const std::lock_guard lock(mutex_);
+      frames_.push_back(frame);
+    }));
+    ASSERT_TRUE(comes_true([&] {
+      const std::lock_guard lock(mutex_);
+      return frames_.size() == pictures;
+    }));
+  }
+  static bool is_open(int fd) { return ::fcntl(fd, F_GETFD) >= 0; }
+
+  std::unique_ptr<device::V4l2Camera> camera_;
+  std::mutex mutex_;
+  std::vector<device::FramePtr> frames_;
+};
+
+TEST_F(V4l2Lending, AFrameIsTheDriversBufferUntilItIsDropped) {
+  node_.exports = true, node_.most_buffers = 12;
+  start(2);
+  for (std::uint8_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(is_open(frames_[i]->memory.fd));
+    EXPECT_EQ(frames_[i]->memory.index, i);
+    EXPECT_EQ(Bytes(frames_[i]->bytes.begin(), frames_[i]->bytes.end()), Bytes(8, i));
+  }
+  EXPECT_EQ(frames_[0]->memory.set, frames_[1]->memory.set);
+  EXPECT_EQ(node_.queued(), 10U);
+  frames_.pop_back();
+  EXPECT_TRUE(comes_true([&] { return node_.queued() == 11; }));
+}
+
+TEST_F(V4l2Lending, ThreeBuffersStayWithTheDriverAndFurtherFramesAreCopied) {
+  node_.exports = true, node_.most_buffers = 5;
+  start(4);
+  for (std::uint8_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(static_cast<bool>(frames_[i]->memory), i < 2) << int{i};
+    EXPECT_EQ(Bytes(frames_[i]->bytes.begin(), frames_[i]->bytes.end()), Bytes(8, i));
+  }
+  EXPECT_EQ(node_.queued(), 3U);
+}
+
+TEST_F(V4l2Lending, ADriverThatExportsNothingHasItsFramesCopied) {
+  start(3);
+  for (const auto& frame : frames_) EXPECT_FALSE(frame->memory);
+  EXPECT_EQ(node_.queued(), 4U);
+}
+
+TEST_F(V4l2Lending, AFrameOutlivesItsCameraAndClosesTheDescriptors) {
+  node_.exports = true, node_.most_buffers = 12;
+  start(3);
+  const int fd = frames_[1]->memory.fd;
+  camera_->stop();
+  camera_.reset();
+  EXPECT_TRUE(is_open(fd));
+  EXPECT_EQ(Bytes(frames_[1]->bytes.begin(), frames_[1]->bytes.end()), Bytes(8, 1));
+  frames_.clear();
+  EXPECT_FALSE(is_open(fd));
+}
+
+TEST_F(V4l2Lending, ACameraThatCameBackHasAnotherSetOfBuffers) {
+  node_.exports = true, node_.most_buffers = 12;
+  node_.unplug_after = 1, node_.absent_for = 2;
+  start(3);
+  EXPECT_NE(frames_[0]->memory.set, frames_[1]->memory.set);
+  EXPECT_EQ(frames_[1]->memory.set, frames_[2]->memory.set);
+  EXPECT_EQ(frames_[1]->bytes[0], 1);
+}
+
+TEST_F(V4l2Camera, FramesAreCopiesWhereNobodyAskedForMore) {
+  node_.exports = true;
+  node_.code = V4L2_PIX_FMT_GREY, node_.size = {4, 2}, node_.planes = {{4, 8}};
+  node_.pictures = {{Bytes(8, 3)}};
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(take(*camera, 1)[0].memory_fd, -1);
 }
 
 }  // namespace
