@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "hal/base/order_statistics.h"
+#include "host/render/light_surface.h"
+#include "host/render/wrapped_areas.h"
 
 namespace mixrig::render {
 namespace {
@@ -112,7 +115,60 @@ void make_normals(const BackgroundModel& model, int radius_px, Image<PackedNorma
   }
 }
 
+bool takes_light(const CompositorSetup& setup) {
+  return !setup.objects.empty() && (!setup.light.lamps.empty() || setup.light.contact);
+}
+
+/// The number of a pixel's plane, as ModelTables::normal keeps it.
+std::int8_t plane_number(std::size_t number, float model_m, float room_m) {
+  const auto counted = static_cast<std::int8_t>(1 + number);
+  return room_m == model_m ? counted : static_cast<std::int8_t>(-counted);
+}
+
+/// As make_normals, of the surfaces that light falls on, with their planes.
+void make_light(const CompositorSetup& setup, const BackgroundModel& model, int radius_px,
+                ModelTables& t) {
+  static_assert(kMostLightPlanes == kMostPlanes * std::size_t{kMostFaces});
+  static_assert(kMostLightPlanes <= std::numeric_limits<std::int8_t>::max());
+  t.normal.reset(model.depth_m.size);
+  const Size size = model.camera.size_px;
+  const geometry::Pose first_from_world = geometry::inverse(model.world_from_face.front());
+  for (std::size_t face = 0; face < model.world_from_face.size(); ++face) {
+    const geometry::Pose& world_from_face = model.world_from_face[face];
+    const ImageView<const float> model_m = face_of(model.depth_m, size, face);
+    const Image<float> room_m = without_wrapped(
+        model_m, model.depth_sigma_m.empty() ? model.depth_sigma_m
+                                             : face_of(model.depth_sigma_m, size, face));
+    LightSurface made = light_surface(room_m, model.camera, noise_params(setup.noise), radius_px,
+                                      feet_of(setup.objects, geometry::inverse(world_from_face)));
+    const glm::mat3 first_from_face(to_glm((first_from_world * world_from_face).matrix()));
+    const ImageView<PackedNormal> to = face_of(t.normal.view(), size, face);
+    for (int y = 0; y < size.height; ++y) {
+      const std::span<PackedNormal> row(made.normal.row(y), static_cast<std::size_t>(size.width));
+      if (face > 0) rotate(first_from_face, row);
+      for (int x = 0; x < size.width; ++x)
+        if (const std::uint8_t plane = made.plane.row(y)[x]; plane != kNoPlane)
+          row[static_cast<std::size_t>(x)].w =
+              plane_number(t.planes.size() + plane, model_m.row(y)[x], room_m.row(y)[x]);
+      std::copy(row.begin(), row.end(), to.row(y));
+    }
+    for (const WPlane& plane : made.planes) t.planes.push_back({face, plane});
+  }
+}
+
 }  // namespace
+
+void planes_in_camera(const ModelTables& tables, std::span<const FacePose> of_faces,
+                      std::span<glm::vec3> out) {
+  out[0] = glm::vec3(0);
+  for (std::size_t k = 0; k < tables.planes.size(); ++k) {
+    const ModelPlane& plane = tables.planes[k];
+    const glm::mat4& m = of_faces[plane.face].face_from_camera;
+    const glm::vec3 n(plane.plane.abc.x(), plane.plane.abc.y(), plane.plane.abc.z());
+    const float ahead = 1 - glm::dot(n, glm::vec3(m[3]));  // of the camera; 0: it is on the plane
+    out[k + 1] = ahead > 0 ? glm::transpose(glm::mat3(m)) * n / ahead : glm::vec3(0);
+  }
+}
 
 void rotate(const glm::mat3& r, std::span<PackedNormal> normals) {
   const auto pack = [](float value) {
@@ -155,7 +211,11 @@ ModelTables make_model_tables(const CompositorSetup& setup, const BackgroundMode
       const float z = model.depth_m.row(y)[x];
       t.w.row(y)[x] = z > 0 && std::isfinite(z) ? 1 / z : 0;
     }
-  if (with_normals) make_normals(model, 2 * static_cast<int>(std::ceil(cell_px)), t.normal);
+  const int radius_px = static_cast<int>(std::ceil(cell_px));
+  if (with_normals && takes_light(setup))
+    make_light(setup, model, radius_px, t);
+  else if (with_normals)
+    make_normals(model, 2 * radius_px, t.normal);
   return t;
 }
 

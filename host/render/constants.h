@@ -80,6 +80,11 @@ inline constexpr int kCellIndices = 24;
 // --- background, where it is drawn for each pose
 /// A learned colour is not of the drawn surface if their depths differ by more than this part.
 inline constexpr float kHiddenPart = 0.05F;
+/// What is drawn lies on a plane for light if it is off it by no more than this part of the depth:
+/// planes go through the feet of objects, up to 5 % off what was measured.
+inline constexpr float kLightPlanePart = 0.08F;
+/// Planes for light of a background model, at most: 16 a face.
+inline constexpr int kMostLightPlanes = 96;
 
 // --- virtual
 /// Samples along each axis of a pixel, 2 x 2: coverage in quarters. They are turned (rotated grid):

@@ -106,17 +106,20 @@ std::uint8_t plane_around(const Image<std::uint8_t>& plane_of, int u, int v) {
 /// Depths are off by a part of them, and planes bent, where light comes on more than one way. But
 /// an object stands on what is there: the plane goes through its foot, and what is bent belongs to
 /// it.
+/// So are planes that lie beside it as deep, which are one floor that is bent more.
 void stand_on_plane(const ObjectFoot& foot, ImageView<const float> depth_m,
                     const geometry::Pinhole& view, Image<std::uint8_t>& plane_of,
                     std::vector<WPlane>& planes) {
   const Eigen::Vector3d floor_m = foot.at_m + kOverFootM * foot.up;
+  const auto lies_across = [&](const WPlane& plane) {
+    return -plane.abc.normalized().dot(foot.up) >= kLeastUpright;
+  };
+  const auto over = [&](const WPlane& plane) { return plane.abc.dot(floor_m) - 1; };
   WPlane* nearest = nullptr;
   double least = kMostSunk;
-  for (WPlane& plane : planes) {
-    if (-plane.abc.normalized().dot(foot.up) < kLeastUpright) continue;
-    const double sunk = std::abs(plane.abc.dot(floor_m) - 1);
-    if (sunk < least) nearest = &plane, least = sunk;
-  }
+  for (WPlane& plane : planes)
+    if (lies_across(plane) && std::abs(over(plane)) < least)
+      nearest = &plane, least = std::abs(over(plane));
   if (nearest == nullptr) return;
   const auto number = static_cast<std::uint8_t>(nearest - planes.data());
   for (int v = 0; v < plane_of.height(); ++v)
@@ -127,7 +130,11 @@ void stand_on_plane(const ObjectFoot& foot, ImageView<const float> depth_m,
       if (std::abs(there * static_cast<double>(depth_m.row(v)[u]) - 1) < kBentPart)
         plane_of.row(v)[u] = number;
     }
-  if (least > kLeastSunk) nearest->abc /= nearest->abc.dot(floor_m);
+  if (least <= kLeastSunk) return;
+  const double off = over(*nearest);
+  for (WPlane& plane : planes)
+    if (lies_across(plane) && std::abs(over(plane) - off) < kBentPart)
+      plane.abc /= plane.abc.dot(floor_m);
 }
 
 PackedNormal normal_of(const WPlane& plane) {
@@ -166,7 +173,8 @@ LightSurface light_surface(ImageView<const float> depth_m, const geometry::Pinho
   for (const ObjectFoot& foot : feet) stand_on_plane(foot, depth_m, view, plane_of, planes);
   std::array<PackedNormal, kMostPlanes> normals{};
   std::transform(planes.begin(), planes.end(), normals.begin(), normal_of);
-  LightSurface out{Image<float>(depth_m.size), Image<PackedNormal>(depth_m.size)};
+  LightSurface out{Image<float>(depth_m.size), Image<PackedNormal>(depth_m.size),
+                   Image<std::uint8_t>(depth_m.size, kNoPlane), planes};
   for (int v = 0; v < plane_of.height(); ++v)
     for (int u = 0; u < plane_of.width(); ++u) {
       std::uint8_t plane = plane_of.row(v)[u];
@@ -182,6 +190,7 @@ LightSurface light_surface(ImageView<const float> depth_m, const geometry::Pinho
       if (!(w > 1 / kFarthestM) || !(w < 1 / kNearestM)) continue;
       out.depth_m.row(v)[u] = static_cast<float>(1 / w);
       out.normal.row(v)[u] = normals[plane];
+      out.plane.row(v)[u] = plane;
     }
   return out;
 }

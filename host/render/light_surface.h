@@ -2,6 +2,7 @@
 // The learned room as light falls on it: smooth where the room is smooth.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "hal/base/image.h"
 #include "host/geometry/camera_model.h"
+#include "host/render/depth_planes.h"
 #include "host/render/passes.h"
 #include "host/render/prepare.h"
 
@@ -18,7 +20,10 @@ namespace mixrig::render {
 struct LightSurface {
   Image<float> depth_m;        ///< z; 0 unknown
   Image<PackedNormal> normal;  ///< axes of the camera, towards it; 0 unknown
+  Image<std::uint8_t> plane;   ///< which of `planes`; kNoPlane: the depth as it is, or unknown
+  std::vector<WPlane> planes;  ///< axes of the camera, at most kMostPlanes
 };
+inline constexpr std::uint8_t kNoPlane = 255;
 
 /// Where an object stands, if it does: the middle of its foot and the way up from there, camera
 /// axes.

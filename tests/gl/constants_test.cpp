@@ -46,6 +46,8 @@ const std::map<std::string, double> kOurs = {
     {"border_back", kBorderBack},
     {"cell_indices", kCellIndices},
     {"hidden_part", kHiddenPart},
+    {"light_plane_part", kLightPlanePart},
+    {"most_light_planes", kMostLightPlanes},
     {"virtual_samples", kVirtualSamples},
     {"sample_turn_px", kSampleTurnPx},
     {"one_surface_cosine", kOneSurfaceCosine},

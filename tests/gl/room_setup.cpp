@@ -81,6 +81,15 @@ void RoomSetup::put_board(const Eigen::Vector3d& at_m, double half_m) {
     }
 }
 
+void RoomSetup::put_mirror() {
+  const Size size = background_m_.size();
+  for (int y = size.height / 4; y < size.height / 2; ++y)
+    for (int x = size.width / 2; x < size.width * 3 / 4; ++x) {
+      background_m_.at(x, y) = 2.5F;
+      background_sigma_m_.at(x, y) = 0.05F;
+    }
+}
+
 void RoomSetup::draw_background_for_each_pose() {
   render::BackgroundModel model{
       setup.view, {geometry::Pose()}, background_m_, background_sigma_m_, {}};

@@ -35,6 +35,9 @@ struct RoomSetup {
   /// A horizontal square board of the learned room, `half_m` to each side of `at_m`, as far as it
   /// is seen. Precondition: a still background.
   void put_board(const Eigen::Vector3d& at_m, double half_m);
+  /// A part of the learned back wall is a mirror whose depth has wrapped around. Precondition: a
+  /// still background.
+  void put_mirror();
   /// Has the still background drawn for each pose. Precondition: Options::background.
   void draw_background_for_each_pose();
 

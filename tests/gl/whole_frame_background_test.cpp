@@ -23,6 +23,20 @@ TEST(WholeFrame, agrees_with_a_background_model_at_every_pose) {
   expect_agreement(pair, frame);
 }
 
+/// The box stands before a mirror whose depth has wrapped around, and on a floor that was learned
+/// too far.
+TEST(WholeFrame, agrees_where_light_falls_on_planes_of_the_model) {
+  RoomSetup room({.box_m = {0.5, 0.2, 3.2}});
+  room.put_mirror();
+  room.draw_background_for_each_pose();
+  Pair pair = make_pair(room);
+  render::FrameInput frame = room.frame();
+  frame.world_from_target.translation_m = {0.02, 0.01, 0};
+  expect_agreement(pair, frame);
+  EXPECT_GT(share_within(pair.gles_frame.mixed_depth_m, pair.cpu_frame.mixed_depth_m, 0.05), 0.99);
+  EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
+}
+
 /// A lens that zooms, shifts its pupil and distorts otherwise from frame to frame, and comes back.
 TEST(WholeFrame, agrees_through_a_lens_that_moves) {
   RoomSetup room({.view = {327, 245}, .lens_k1 = -0.08});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -24,6 +25,12 @@ Size spread_size(Size view) {
 template <std::size_t... i>
 FloatLanes twice_each(FloatLanes f, std::index_sequence<i...>) {
   return __builtin_shufflevector(f, f, static_cast<int>(i / kSpreadStep)...);
+}
+
+/// Of the plane of each lane; mostly it is one for all.
+FloatLanes plane_term(const std::vector<float>& terms, IntLanes number) {
+  if (!any(number != number[0])) return FloatLanes{} + terms[static_cast<std::size_t>(number[0])];
+  return gather(terms.data(), number);
 }
 
 /// Largest of `from` within `radius` along a row. `to` is padded to whole registers.
@@ -82,7 +89,7 @@ MovingBackground::Part MovingBackground::make_part(Crew& crew, const CompositorS
   const bool composites = drawn_for == DrawnFor::kComposites;
   ModelTables tables = make_model_tables(setup, from, composites);
   const Size grid = tables.grid.tof_size;
-  Part part{std::move(tables), {}, WarpScratch(grid), {}, from.color_factor, {}, {}, {}};
+  Part part{std::move(tables), {}, WarpScratch(grid), {}, from.color_factor, {}, {}, {}, 0};
   ModelTables& t = part.tables;
   part.faces.reserve(from.world_from_face.size());
   for (std::size_t i = 0; i < from.world_from_face.size(); ++i) {
@@ -114,11 +121,18 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Dra
       depth_m_(setup.view.size_px) {
   for (const BackgroundModel& model : setup.background_models) {
     parts_.push_back(make_part(crew, setup, model, drawn_for));
+    parts_.back().first_plane = static_cast<std::int32_t>(plane_w_[0].size());
+    const std::size_t planes = parts_.back().tables.planes.size();
+    for (std::vector<float>& w : plane_w_) w.resize(w.size() + planes + 1);
     limit_radius_px_ = std::max(limit_radius_px_, parts_.back().tables.limit_radius_px);
   }
   if (drawn_for == DrawnFor::kPictures) return;
   row_most_w_.reset(setup.view.size_px);
   depth_sigma_m_.reset(spread_size(setup.view.size_px));
+  if (plane_w_[0].size() > parts_.size()) {
+    plane_.reset(spread_size(setup.view.size_px));
+    light_depth_m_.reset(setup.view.size_px);
+  }
   if (!has_color_) return;
   color_.reset(setup.view.size_px, {-1, -1, -1});
   color_sigma_.reset(setup.view.size_px);
@@ -138,6 +152,7 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera)
     for (std::size_t i = 0; i < part.faces.size(); ++i) {
       Face& face = part.faces[i];
       const FacePose pose = face_pose(face.world_from_face, world_from_camera);
+      face.pose = pose;
       face.from_camera = glm::mat3(pose.face_from_camera);
       face.camera_m = glm::vec3(pose.face_from_camera[3]);
       if (!may_show(part.tables, i, pose)) continue;
@@ -153,10 +168,12 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera)
 
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
   draw(crew, world_from_camera);
+  if (!light_depth_m_.empty()) place_planes();
   const int height = depth_m_.height(), width = depth_m_.width();
   crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
       if (y % kSpreadStep == 0) find_spread(y);
+      if (!light_depth_m_.empty()) light_row(y);
       most_within(w_.row(y), width, limit_radius_px_, row_most_w_.row(y));
     }
   });
@@ -185,6 +202,7 @@ void MovingBackground::find_spread(int y) {
   for (int x0 = 0; x0 < width; x0 += kColumns, sigma_m += kMostColumns) {
     const int pixels = std::min(kColumns, width - x0);
     find({x0, y, (pixels + kSpreadStep - 1) / kSpreadStep, kSpreadStep}, run);
+    if (!plane_.empty()) find_planes(run, plane_.row(y / kSpreadStep) + x0 / kSpreadStep);
     if (parts_.size() == 1) {
       const float* model_sigma_m = parts_[0].sigma_m.row(0);
       for (std::size_t i = 0; i < run.count; i += kLanes)
@@ -193,6 +211,54 @@ void MovingBackground::find_spread(int y) {
     }
     for (std::size_t i = 0; i < run.count; ++i)
       sigma_m[i] = parts_[static_cast<std::size_t>(run.part[i])].sigma_m.row(0)[run.at[i]];
+  }
+}
+
+void MovingBackground::place_planes() {
+  std::array<glm::vec3, kMostLightPlanes + 1> planes;
+  std::array<FacePose, kMostFaces> poses;
+  for (const Part& part : parts_) {
+    for (std::size_t f = 0; f < part.faces.size(); ++f) poses[f] = part.faces[f].pose;
+    planes_in_camera(part.tables, std::span(poses).first(part.faces.size()), planes);
+    const auto first = static_cast<std::size_t>(part.first_plane);
+    for (std::size_t k = 0; k <= part.tables.planes.size(); ++k)
+      for (int i = 0; i < 3; ++i) plane_w_[static_cast<std::size_t>(i)][first + k] = planes[k][i];
+  }
+}
+
+void MovingBackground::find_planes(const Run& run, std::int32_t* plane) const {
+  for (std::size_t i = 0; i < run.count; ++i) {
+    const Part& part = parts_[parts_.size() == 1 ? 0 : static_cast<std::size_t>(run.part[i])];
+    const std::int32_t number = part.normal.row(0)[run.at[i]].w;
+    plane[i] = number < 0 ? number - part.first_plane : number + part.first_plane;
+  }
+}
+
+/// What light falls on, and what has wrapped around, of a row whose depth is drawn.
+void MovingBackground::light_row(int y) {
+  constexpr auto kNearestW = static_cast<float>(1 / kNearestM);
+  constexpr float kFarthestW = 1 / kFarthestM;
+  const int width = depth_m_.width();
+  const PinholeParams view = parts_.front().tables.grid.warp.view;
+  const float ray_y = (static_cast<float>(y) - view.center_px.y) / view.focal_px.y;
+  const float* w = w_.row(y);
+  const std::int32_t* of_squares = plane_.row(y / kSpreadStep);
+  float *light_m = light_depth_m_.row(y), *depth_m = depth_m_.row(y);
+  for (int x = 0; x < width; x += kLanes) {
+    const FloatLanes drawn = load<FloatLanes>(w + x);
+    const IntLanes plane = std::bit_cast<IntLanes>(twice_each(
+        load<FloatLanes>(of_squares + x / kSpreadStep), std::make_index_sequence<kLanes>{}));
+    const IntLanes wrapped = plane < 0, number = wrapped ? -plane : plane;
+    const FloatLanes ray_x =
+        (lane_numbers() + (static_cast<float>(x) - view.center_px.x)) / view.focal_px.x;
+    const auto term = [&](std::size_t i) { return plane_term(plane_w_[i], number); };
+    const FloatLanes on = term(0) * ray_x + (term(1) * ray_y + term(2));
+    const IntLanes near = abs(on - drawn) <= kLightPlanePart * drawn;
+    const IntLanes known = (drawn > 0) & (on > kFarthestW) & (on < kNearestW);
+    const IntLanes behind = known & wrapped & (on < drawn);
+    const FloatLanes lit = (known & near) | behind ? on : drawn;
+    store(light_m + x, drawn > 0 ? 1 / lit : FloatLanes{});
+    store(depth_m + x, behind ? 1 / on : load<FloatLanes>(depth_m + x));
   }
 }
 

@@ -37,6 +37,10 @@ class MovingBackground {
   /// Takes the view of `setup`, of the same size, for the next draws. Allocates nothing.
   void see_through(const CompositorSetup& setup);
   bool has_color() const { return has_color_; }
+  /// As of the view, but on planes where light falls on such (light_surface.h).
+  ImageView<const float> light_depth_m() const {
+    return light_depth_m_.empty() ? depth_m_.view() : light_depth_m_.view();
+  }
   /// Draws the colour of `count` <= kMostColumns pixels of a row, of every `step`-th from x0 on.
   /// Few pixels need it: those that depth cannot decide. Any thread, different pixels.
   /// Precondition: has_color(), made for composites.
@@ -62,7 +66,8 @@ class MovingBackground {
   struct Face {
     geometry::Pose world_from_face;
     TofGrid grid;
-    glm::mat3 from_camera{1};  ///< of the last draw
+    FacePose pose{};           ///< of the last draw
+    glm::mat3 from_camera{1};  ///< the same
     glm::vec3 camera_m{0};     ///< in axes of the face
   };
   /// One of the models.
@@ -78,6 +83,7 @@ class MovingBackground {
     /// Of composites.
     Image<float> sigma_m;        ///< spread of the depth
     Image<PackedNormal> normal;  ///< axes of the first face
+    std::int32_t first_plane = 0;  ///< of the planes of all parts, where number 0 of it lies
   };
   static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,
                         DrawnFor drawn_for);
@@ -90,6 +96,9 @@ class MovingBackground {
   void find_depth(int y);
   void find_spread(int y);
   void limit_row(int y, float* limit_w) const;
+  void place_planes();
+  void find_planes(const Run& run, std::int32_t* plane) const;
+  void light_row(int y);
 
   KeyParams key_;
   NoiseParams noise_;
@@ -101,6 +110,10 @@ class MovingBackground {
   /// Of composites.
   Image<float> row_most_w_;     ///< largest w_ within the radius, along the row
   Image<float> depth_sigma_m_;  ///< of squares of pixels
+  /// Where light falls on planes; else empty.
+  Image<std::int32_t> plane_;  ///< of squares of pixels: number in the next one, negative: wrapped
+  std::array<std::vector<float>, 3> plane_w_;  ///< planes_in_camera() of all parts
+  Image<float> light_depth_m_;
   Image<Rgbf> color_;
   Image<float> color_sigma_;
 };

@@ -20,8 +20,9 @@ constexpr int kTilesTogether = 8;
 
 /// Depths that light falls on.
 ImageView<const float> lit_depth_m(const LightInput& input) {
-  return input.moving || input.tables.light_depth_m.empty() ? input.background.depth_m
-                                                            : input.tables.light_depth_m.view();
+  if (input.moving) return input.moving->light_depth_m();
+  return input.tables.light_depth_m.empty() ? input.background.depth_m
+                                            : input.tables.light_depth_m.view();
 }
 
 /// As ray_of.

@@ -48,6 +48,7 @@ Result<BackgroundPass> BackgroundPass::create(const Tables& tables, const Compos
   pass.depth_m_ = make_texture(view, GL_R32F);
   pass.spread_m_ = make_texture(view, GL_R32F);
   pass.normal_ = make_texture(view, GL_RGBA16F);
+  pass.light_m_ = make_texture(view, GL_R32F);
   pass.row_w_ = make_texture(view, GL_R32F);
   pass.limit_w_ = make_texture(view, GL_R32F);
   if (pass.several_) pass.choice_ = make_texture(view, GL_DEPTH_COMPONENT32F);
@@ -108,10 +109,11 @@ Result<void> BackgroundPass::create_faces(const BackgroundModel& from, const Mod
 Result<void> BackgroundPass::create_look_ups(const Tables& tables, const BackgroundModel& from,
                                              const ModelTables& model, Part& part) {
   const std::size_t faces = part.faces.size();
-  MIXRIG_ASSIGN(part.look_up,
-                make_step("background.frag", {&depth_m_, &spread_m_, &normal_}, choice()));
+  MIXRIG_ASSIGN(part.look_up, make_step("background.frag",
+                                        {&depth_m_, &spread_m_, &normal_, &light_m_}, choice()));
   set_model(part.look_up, tables, model, faces, several_);
   part.look_up_at = part.look_up.program.location("face_from_camera");
+  part.planes_at = part.look_up.program.location("planes");
   if (!part.has_color) return {};
   part.color = make_texture(from.color, GL_SRGB8_ALPHA8, Sampling::kLinear);
   MIXRIG_ASSIGN(part.find_color,
@@ -177,7 +179,7 @@ void BackgroundPass::draw_surfaces(const geometry::Pose& world_from_camera) {
   for (Part& part : parts_)
     for (std::size_t i = 0; i < part.faces.size(); ++i) {
       const FacePose pose = face_pose(part.faces[i].world_from_face, world_from_camera);
-      part.face_from_camera[i] = pose.face_from_camera;
+      part.pose[i] = pose, part.face_from_camera[i] = pose.face_from_camera;
       if (!may_show(part.tables, i, pose)) continue;
       part.warp.set_pose(pose.camera_from_face);
       part.warp.add(part.faces[i].vertices, part.correct.tof_ray(), part.correct.raw_z_m(),
@@ -200,6 +202,10 @@ void BackgroundPass::look_up() {
     if (several_) keep_best(&part == &parts_.front());
     part.look_up.program.use();
     set_uniform(part.look_up_at, std::span(part.face_from_camera).first(part.faces.size()));
+    std::array<glm::vec3, kMostLightPlanes + 1> planes;
+    planes_in_camera(part.tables, std::span(part.pose).first(part.faces.size()), planes);
+    set_uniform(part.planes_at,
+                std::span<const glm::vec3>(planes).first(part.tables.planes.size() + 1));
     run(part.look_up, {&w(), &part.sigma_m, &part.normal, &part.w});
   }
   glDisable(GL_DEPTH_TEST);

@@ -26,6 +26,8 @@ class BackgroundPass {
   std::span<const glm::vec4> colors_of_places();
 
   const Texture& depth_m() const { return depth_m_; }  ///< GL_R32F, 0 unknown
+  /// The surface that light falls on, GL_R32F, 0 unknown.
+  const Texture& light_m() const { return light_m_; }
   const Texture& limit_w() const { return limit_w_; }  ///< GL_R32F, kNoLimitW where unknown
   const Texture& normal() const { return normal_; }    ///< GL_RGBA16F, camera axes, 0 unknown
   /// GL_RGBA16F, red negative where unknown, and GL_R16F; no textures without colour.
@@ -41,13 +43,15 @@ class BackgroundPass {
   /// One of the models.
   struct Part {
     std::vector<Face> faces;
-    std::array<glm::mat4, kMostFaces> face_from_camera{};  ///< of the last draw
+    std::array<FacePose, kMostFaces> pose{};               ///< of the last draw
+    std::array<glm::mat4, kMostFaces> face_from_camera{};  ///< the same
     ModelTables tables;  ///< without the images: these are on the GPU
     CorrectPass correct;
     WarpPass warp;
     Texture w, sigma_m, normal, color;
     Step look_up, find_color;
     GLint look_up_at = -1, find_color_at = -1;  ///< face_from_camera of common/model.glsl
+    GLint planes_at = -1;
     bool has_color = false;
   };
   Result<void> add_part(const Tables& tables, const BackgroundModel& from,
@@ -66,7 +70,7 @@ class BackgroundPass {
 
   std::vector<Part> parts_;
   bool several_ = false;
-  Texture depth_m_, spread_m_, normal_, learned_, learned_sigma_, row_w_, limit_w_;
+  Texture depth_m_, light_m_, spread_m_, normal_, learned_, learned_sigma_, row_w_, limit_w_;
   Texture choice_;  ///< of several models: how well the one that a pixel shows saw it
   Texture places_, place_color_;
   Step rows_, limit_, at_places_;

@@ -29,7 +29,7 @@ class Room {
   const Texture& depth_m() const { return drawn_ ? drawn_->depth_m() : depth_m_; }
   /// The surface that light falls on; null where there is none.
   const Texture* light_m() const {
-    return drawn_ ? &drawn_->depth_m() : has_depth_ ? &light_m_ : nullptr;
+    return drawn_ ? &drawn_->light_m() : has_depth_ ? &light_m_ : nullptr;
   }
   const Texture& color() const { return drawn_ ? drawn_->learned() : color_; }
   const Texture& color_sigma() const { return drawn_ ? drawn_->learned_sigma() : color_sigma_; }

@@ -423,6 +423,82 @@ TEST(Background, DrawingAllocatesNothing) {
   EXPECT_EQ(allocations, before);
 }
 
+/// A post of no more than its foot and its way up, on the floor of the scene, and a lamp.
+struct LitPost {
+  explicit LitPost(Modelled& m) {
+    render::VirtualObject post;
+    post.meshes.push_back({positions, normals, {}, triangle, glm::vec3(1), {}, true});
+    post.world_from_object.translation_m = {0.4, m.scene.floor_y_m, 3};
+    // Its z is the way up, and y of the world points down.
+    post.world_from_object.rotation = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
+    m.setup.objects = {post};
+    m.setup.light.lamps = {{{0, -1.3, 3}, std::nullopt, {0.2, 0.2}, glm::vec3(1)}};
+  }
+  const std::vector<glm::vec3> positions{{0, 0, 0}, {0.1F, 0, 0}, {0, 0, 0.5F}};
+  const std::vector<glm::vec3> normals{{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
+  const std::vector<std::uint32_t> triangle{0, 1, 2};
+};
+
+/// Light on more than one way: the floor is learned 3 % too far.
+TEST(Background, LightFallsOnAFloorThatGoesThroughTheFeetOfObjects) {
+  Modelled m;
+  for (int y = 0; y < kPannedView.height; ++y)
+    for (int x = 0; x < kPannedView.width; ++x)
+      m.depth_m.at(x, y) *= y > kPannedView.height / 2 ? 1.03F : 1.0F;
+  const LitPost post(m);
+  const Eigen::Vector3d at(0.1, -0.05, 0.1);
+  const DrawnBackground drawn(m, moved(at));
+  Image<float> truth_m;
+  Image<std::uint8_t> person;
+  render_truth(m.scene, camera_at(at), truth_m, person);
+  for (const auto& [x, y] : {std::pair(150, 240), {200, 230}, {90, 250}, {180, 250}}) {
+    const float truth = truth_m.at(x, y);
+    EXPECT_NEAR(drawn.background.light_depth_m().row(y)[x] / truth, 1, 0.006) << x << ", " << y;
+    EXPECT_NEAR(drawn.background.view().depth_m.row(y)[x] / truth, 1.03, 0.01) << "as learned";
+  }
+  // What does not lie on a plane that was found, or is unknown, is as it was drawn.
+  const auto pole_x = static_cast<int>(159.5 + kView_f_px * (m.scene.pole_x_m - at.x()) /
+                                                   (m.scene.pole_z_m - at.z()));
+  EXPECT_EQ(drawn.background.light_depth_m().row(128)[pole_x],
+            drawn.background.view().depth_m.row(128)[pole_x]);
+}
+
+/// What a mirror shows has wrapped around and hangs before its wall.
+TEST(Background, AMirrorIsTheWallAroundItForMixAndLightAndNotForTheKey) {
+  Modelled m;
+  m.scene.pole = false;
+  Image<std::uint8_t> person;
+  render_truth(m.scene, camera_at({0, 0, 0}), m.depth_m, person);
+  Image<float> sigma_m(kPannedView);
+  constexpr int kLeft = 180, kTop = 90, kRight = 230, kBottom = 130;
+  for (int y = 0; y < kPannedView.height; ++y)
+    for (int x = 0; x < kPannedView.width; ++x) {
+      const bool mirror = x >= kLeft && x < kRight && y >= kTop && y < kBottom;
+      float& z = m.depth_m.at(x, y);
+      if (mirror) z = 3;
+      sigma_m.at(x, y) = 0.001F * z * z * (mirror ? 10 : 1);
+    }
+  m.setup.background_models[0].depth_sigma_m = sigma_m;
+  const DrawnBackground before(m, {});
+  const LitPost post(m);
+  const DrawnBackground drawn(m, moved({0.02, 0, 0}));
+  const int x = 205, y = 110;
+  EXPECT_NEAR(before.background.view().depth_m.row(y)[x], 3, 0.02) << "nothing takes light";
+  EXPECT_NEAR(drawn.background.view().depth_m.row(y)[x], m.scene.back_z_m, 0.03);
+  EXPECT_NEAR(drawn.background.light_depth_m().row(y)[x], m.scene.back_z_m, 0.03);
+  EXPECT_LT(1 / drawn.tables.key_limit_w.at(x, y), 3);
+  EXPECT_NEAR(drawn.background.view().depth_m.row(y)[250], m.scene.back_z_m, 0.03);
+}
+
+TEST(Background, DrawingPlanesForLightAllocatesNothing) {
+  Modelled m;
+  const LitPost post(m);
+  DrawnBackground drawn(m, {});
+  const long before = allocations;
+  drawn.background.draw(drawn.crew, moved({0.05, 0, 0}), drawn.tables);
+  EXPECT_EQ(allocations, before);
+}
+
 TEST(Background, ASetupWithTwoBackgroundsIsRefused) {
   Modelled m;
   m.setup.background = {m.depth_m, {}, m.color, m.color_sigma};

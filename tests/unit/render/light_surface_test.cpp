@@ -150,6 +150,21 @@ TEST(LightSurface, a_bend_in_the_floor_under_an_object_belongs_to_it) {
   EXPECT_NEAR(without.depth_m.at(80, 200), 1.01 * floor_m(200), 0.004);
 }
 
+/// A floor that is bent so much that it is found as two planes.
+TEST(LightSurface, both_parts_of_a_bent_floor_go_through_the_foot) {
+  Image<float> bent_m(kNoisyView);
+  for (int v = 0; v < kNoisyView.height; ++v)
+    for (int u = 0; u < kNoisyView.width; ++u)
+      bent_m.row(v)[u] =
+          static_cast<float>(noisy_truth_m(u, v) * (u < kNoisyView.width / 2 ? 1.031 : 1.04));
+  const render::ObjectFoot foot{{0.3, kFloorDown_m, 3}, kFloorUp};
+  const auto surface =
+      render::light_surface(bent_m, kNoisyEye, {0.001F, 0, 0}, 1, std::span(&foot, 1));
+  const double over_foot = (kFloorDown_m - 0.005) / kFloorDown_m;
+  for (const int u : {40, 120, 180, 280})
+    EXPECT_NEAR(surface.depth_m.at(u, 225), over_foot * floor_m(225), 0.004) << u;
+}
+
 TEST(LightSurface, feet_are_below_the_middle_of_objects) {
   const std::vector<glm::vec3> positions{{-1, -1, 0.5F}, {3, -1, 0.5F}, {1, 1, 2}};
   const std::vector<std::uint32_t> triangle{0, 1, 2};
