@@ -94,6 +94,11 @@ struct VirtualScratch {
   };
   std::vector<std::vector<glm::vec3>> positions_m;  ///< of each draw, camera axes
   std::vector<Item> items;
+  /// Rows of samples of each item's box: every band looks at all of them.
+  struct Rows {
+    int begin = 0, end = 0;
+  };
+  std::vector<Rows> item_rows;
   /// What a triangle shows over its samples, all times inverse depth.
   struct Surface {
     std::array<Affine, 3> normal;  ///< camera axes, of any length
