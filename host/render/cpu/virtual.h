@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "hal/base/give_back.h"
 #include "hal/base/parallel.h"
 #include "host/render/cpu/raster.h"
 #include "host/render/cpu/srgb.h"
@@ -73,7 +74,8 @@ struct ShadedAlone {
   bool any_in_shadow = false;
 };
 
-/// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.
+/// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects. Rows that
+/// no rectangle has reached yet take no memory (make_layer_image).
 struct VirtualLayer {
   Rect rect;
   Image<std::uint8_t> coverage;  ///< of 255
@@ -84,6 +86,13 @@ struct VirtualLayer {
   Image<Rgbx16> emission;        ///< premultiplied; empty where no object emits
   ShadedAlone alone;             ///< where people cast shadows
 };
+
+/// An image of a layer: zeros.
+template <typename T>
+void make_layer_image(Size view_size, Image<T>& image) {
+  image.reset(view_size);
+  give_back_as_zeros(image);
+}
 
 /// Memory of the pass, kept between frames.
 struct VirtualScratch {

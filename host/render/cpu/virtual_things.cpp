@@ -15,16 +15,16 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
       light_(tables.view_size),
       look_(setup) {
   const Size size = tables.view_size;
-  objects_.coverage.reset(size);
-  objects_.w.reset(size);
-  objects_.normal.reset(size);
-  objects_.color.reset(size);
-  if (frame.glossy) objects_.gloss.reset(size);
-  if (frame.emits) objects_.emission.reset(size);
+  make_layer_image(size, objects_.coverage);
+  make_layer_image(size, objects_.w);
+  make_layer_image(size, objects_.normal);
+  make_layer_image(size, objects_.color);
+  if (frame.glossy) make_layer_image(size, objects_.gloss);
+  if (frame.emits) make_layer_image(size, objects_.emission);
   if (setup.look.motion) {
-    moved_.coverage.reset(size);
-    moved_.w.reset(size);
-    moved_.color.reset(size);
+    make_layer_image(size, moved_.coverage);
+    make_layer_image(size, moved_.w);
+    make_layer_image(size, moved_.color);
   }
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(size);
