@@ -33,13 +33,25 @@ FloatLanes plane_term(const std::vector<float>& terms, IntLanes number) {
   return gather(terms.data(), number);
 }
 
-/// Largest of `from` within `radius` along a row. `to` is padded to whole registers.
-void most_within(const float* from, int width, int radius, float* to) {
+/// Largest of each column over the rows [first, last]. Rows are padded to whole registers.
+void most_of_columns(const Image<float>& from, int width, int first, int last, float* to) {
   for (int x = 0; x < width; x += kLanes) {
-    FloatLanes most = float_lanes(from, x - radius, width);
-    for (int d = 1 - radius; d <= radius; ++d) most = max(most, float_lanes(from, x + d, width));
+    FloatLanes most = load<FloatLanes>(from.row(first) + x);
+    for (int y = first + 1; y <= last; ++y) most = max(most, load<FloatLanes>(from.row(y) + x));
     store(to + x, most);
   }
+}
+
+/// Largest of `from` within `radius` of the pixels from x on, along the row.
+FloatLanes most_within(const float* from, int x, int width, int radius) {
+  if (x >= radius && x + kLanes + radius <= width) {
+    FloatLanes most = load<FloatLanes>(from + x - radius);
+    for (int d = 1 - radius; d <= radius; ++d) most = max(most, load<FloatLanes>(from + x + d));
+    return most;
+  }
+  FloatLanes most = float_lanes(from, x - radius, width);
+  for (int d = 1 - radius; d <= radius; ++d) most = max(most, float_lanes(from, x + d, width));
+  return most;
 }
 
 /// Faces of the model below one another, each with a border of one: its pixel (x, y) lies at
@@ -127,7 +139,7 @@ MovingBackground::MovingBackground(Crew& crew, const CompositorSetup& setup, Dra
     limit_radius_px_ = std::max(limit_radius_px_, parts_.back().tables.limit_radius_px);
   }
   if (drawn_for == DrawnFor::kPictures) return;
-  row_most_w_.reset(setup.view.size_px);
+  column_most_w_.reset({setup.view.size_px.width, crew.threads()});
   depth_sigma_m_.reset(spread_size(setup.view.size_px));
   if (plane_w_[0].size() > parts_.size()) {
     plane_.reset(spread_size(setup.view.size_px));
@@ -146,7 +158,7 @@ void MovingBackground::see_through(const CompositorSetup& setup) {
   }
 }
 
-void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera) {
+void MovingBackground::draw_surfaces(Crew& crew, const geometry::Pose& world_from_camera) {
   Before before = Before::kNothing;
   for (Part& part : parts_)
     for (std::size_t i = 0; i < part.faces.size(); ++i) {
@@ -161,24 +173,26 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera)
       before = Before::kSurfaces;
     }
   if (before == Before::kNothing) w_.fill(0);
+}
+
+void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera) {
+  draw_surfaces(crew, world_from_camera);
   crew.rows(depth_m_.height(), kBackgroundGrain, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) find_depth(y);
   });
 }
 
 void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
-  draw(crew, world_from_camera);
+  static_assert(kBackgroundGrain % kSpreadStep == 0);
+  draw_surfaces(crew, world_from_camera);
   if (!light_depth_m_.empty()) place_planes();
-  const int height = depth_m_.height(), width = depth_m_.width();
-  crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
+  crew.rows_by_worker(depth_m_.height(), kBackgroundGrain, [&](int worker, int begin, int end) {
     for (int y = begin; y < end; ++y) {
+      find_depth(y);
       if (y % kSpreadStep == 0) find_spread(y);
       if (!light_depth_m_.empty()) light_row(y);
-      most_within(w_.row(y), width, limit_radius_px_, row_most_w_.row(y));
+      limit_row(y, column_most_w_.row(worker), tables.key_limit_w.row(y));
     }
-  });
-  crew.rows(height, kBackgroundGrain, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) limit_row(y, tables.key_limit_w.row(y));
   });
 }
 
@@ -262,23 +276,21 @@ void MovingBackground::light_row(int y) {
   }
 }
 
-/// As key_limit(), with the largest w of the rows around.
-void MovingBackground::limit_row(int y, float* limit_w) const {
+/// As key_limit(), with the largest w around. `column_most_w`: room for a row.
+void MovingBackground::limit_row(int y, float* column_most_w, float* limit_w) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
   // What is stored cannot change these, which g++ does not know of members.
   const NoiseParams noise = noise_;
   const float least_m = key_.threshold_m, noise_factor = key_.noise_factor;
   const int width = depth_m_.width(), height = depth_m_.height();
-  const int first = std::max(0, y - limit_radius_px_);
-  const int last = std::min(height - 1, y + limit_radius_px_);
+  const int radius = limit_radius_px_;
+  most_of_columns(w_, width, std::max(0, y - radius), std::min(height - 1, y + radius),
+                  column_most_w);
   const float* w = w_.row(y);
   const float* spread_m = depth_sigma_m_.row(y / kSpreadStep);
   // Rows are padded to whole registers.
   for (int x = 0; x < width; x += kLanes) {
-    FloatLanes most_w{};
-    for (int j = first; j <= last; ++j)
-      most_w = max(most_w, load<FloatLanes>(row_most_w_.row(j) + x));
-    const FloatLanes z = 1 / most_w;
+    const FloatLanes z = 1 / most_within(column_most_w, x, width, radius);
     const FloatLanes sigma = noise.floor_m + z * (noise.linear + z * noise.quadratic_per_m);
     const FloatLanes spread = twice_each(load<FloatLanes>(spread_m + x / kSpreadStep),
                                          std::make_index_sequence<kLanes>{});

@@ -93,9 +93,10 @@ class MovingBackground {
   bool shows(const Run& run, std::size_t i) const;
   void find_colors(const Pixels& pixels, Rgbf* color, float* sigma) const;
   static void colors_of(const Part& part, const Run& run, std::array<Rgbx16, kMostColumns>& out);
+  void draw_surfaces(Crew& crew, const geometry::Pose& world_from_camera);
   void find_depth(int y);
   void find_spread(int y);
-  void limit_row(int y, float* limit_w) const;
+  void limit_row(int y, float* column_most_w, float* limit_w) const;
   void place_planes();
   void find_planes(const Run& run, std::int32_t* plane) const;
   void light_row(int y);
@@ -108,7 +109,7 @@ class MovingBackground {
   Image<float> w_;  ///< with kViewMargin
   Image<float> depth_m_;
   /// Of composites.
-  Image<float> row_most_w_;     ///< largest w_ within the radius, along the row
+  Image<float> column_most_w_;  ///< of each worker a row: the largest w_ within the radius, down
   Image<float> depth_sigma_m_;  ///< of squares of pixels
   /// Where light falls on planes; else empty.
   Image<std::int32_t> plane_;  ///< of squares of pixels: number in the next one, negative: wrapped

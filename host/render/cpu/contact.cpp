@@ -139,15 +139,19 @@ ContactLanes contact_at(const FrameParams& frame, const VectorLanes& position_m,
   return sum;
 }
 
-bool may_be_near(const FrameParams& frame, const Corners& corners_m) {
+bool may_be_near(const FrameParams& frame, const Corners& corners) {
+  const auto& [near_face, far_face] = corners.faces;
   return std::any_of(frame.contacts.begin(), frame.contacts.end(), [&](const ContactParams& p) {
-    glm::vec3 low(1e30F), high(-1e30F);
-    for (const glm::vec3& corner : corners_m) {
-      const glm::vec3 at = transform(p.object_from_camera, corner);
-      low = glm::min(low, at), high = glm::max(high, at);
+    const glm::mat4& m = p.object_from_camera;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto along = [&](const Corners::Face& f) {
+        return f.x_m * m[0][axis] + f.y_m * m[1][axis] + f.z_m * m[2][axis] + m[3][axis];
+      };
+      const F4 a = along(near_face), b = along(far_face);
+      const float low = least_of4(min4(a, b)), high = -least_of4(min4(-a, -b));
+      if (!(low < p.high_m[axis] + p.reach_m && high > p.low_m[axis] - p.reach_m)) return false;
     }
-    return glm::all(glm::lessThan(low, p.high_m + p.reach_m)) &&
-           glm::all(glm::greaterThan(high, p.low_m - p.reach_m));
+    return true;
   });
 }
 

@@ -19,6 +19,6 @@ ContactLanes contact_at(const FrameParams& frame, const VectorLanes& position_m,
                         const VectorLanes& normal, Receiver receiver);
 
 /// Whether an object may hide ambient light from any point within; false is sure.
-bool may_be_near(const FrameParams& frame, const Corners& corners_m);
+bool may_be_near(const FrameParams& frame, const Corners& corners);
 
 }  // namespace mixrig::render::cpu

@@ -196,7 +196,7 @@ ShadingLanes shading(const FrameParams& frame, const std::vector<ShadowMap>& map
     if (k < share.size()) of_lamp *= share[k];
     if (!any(of_lamp > 0)) continue;
     if (holds(maybe, k))
-      of_lamp *= visibility(lamp, maps[k], at.position_m, at.normal, of_lamp > 0);
+      of_lamp *= visibility_of_caster(lamp, maps[k], at.position_m, at.normal, of_lamp > 0);
     const bool in_share = past_room == PastRoom::kInShare && k < share.size();
     if (lamp.room_layer >= 0 && !in_share) of_lamp *= room.of(lamp);
     const glm::vec3 intensity = frame.light.exposure * lamp.intensity;

@@ -59,23 +59,26 @@ void light_row(const LightInput& input, const Doubt& doubt, int y, int x0, int x
 /// Least and largest depth of a rectangle, 0 where none is known.
 using DepthRange = std::pair<float, float>;
 
-/// What objects may hide from the background in a rectangle.
-Doubt doubt_of(const LightInput& input, const Rect& rect, const DepthRange& depth_m) {
+/// What objects may hide from the background in a rectangle. `among`: the same of a larger one that
+/// holds it.
+Doubt doubt_of(const LightInput& input, const Rect& rect, const DepthRange& depth_m,
+               const Doubt& among = {}) {
   if (!(depth_m.second > 0)) return {0, false};
   const PinholeParams& view = input.tables.warp.view;
   const auto [near_m, far_m] = depth_m;
-  return {lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m),
-          may_be_near(input.frame, corners_of(view, rect, near_m, far_m))};
+  return {lamps_in_doubt(view, input.frame.lamps, input.maps, rect, near_m, far_m, among.lamps),
+          among.near && may_be_near(input.frame, corners_of(view, rect, near_m, far_m))};
 }
 
 bool is_sure(const LightInput& input, const Doubt& doubt) {
   return doubt.lamps == 0 && !doubt.near && input.maps.size() <= kLampBits;
 }
 
-void light_tile(const LightInput& input, const Rect& rect, const DepthRange& depth_m,
-                Image<std::uint16_t>& light) {
+/// `among`: what is in doubt around it.
+void light_tile(const LightInput& input, const Doubt& among, const Rect& rect,
+                const DepthRange& depth_m, Image<std::uint16_t>& light) {
   if (!(depth_m.second > 0)) return;
-  const Doubt doubt = doubt_of(input, rect, depth_m);
+  const Doubt doubt = doubt_of(input, rect, depth_m, among);
   if (is_sure(input, doubt)) return;
   if (rect.x1 - rect.x0 == kLitTileWidth && rect.y1 - rect.y0 == kLitTileHeight) {
     const bool wide = input.maps.size() <= kMostLamps &&
@@ -105,9 +108,10 @@ void light_tiles(const LightInput& input, const Rect& rect, Image<std::uint16_t>
     all.first = all.second > 0 ? std::min(all.first, range.first) : range.first;
     all.second = std::max(all.second, range.second);
   }
-  if (is_sure(input, doubt_of(input, rect, all))) return;
+  const Doubt doubt = doubt_of(input, rect, all);
+  if (is_sure(input, doubt)) return;
   for (int i = 0; i < count; ++i)
-    light_tile(input, tile(i), depth_m[static_cast<std::size_t>(i)], light);
+    light_tile(input, doubt, tile(i), depth_m[static_cast<std::size_t>(i)], light);
 }
 
 /// What of a tile does not depend on people.
@@ -167,20 +171,20 @@ std::pair<float, float> positive_range(ImageView<const float> image, const Rect&
 }
 
 Corners corners_of(const PinholeParams& view, const Rect& rect, float near_m, float far_m) {
-  Corners corners_m;
-  for (std::size_t i = 0; i < 8; ++i)
-    corners_m[i] = ray_of(view, i & 1 ? rect.x1 - 1 : rect.x0, i & 2 ? rect.y1 - 1 : rect.y0) *
-                   (i & 4 ? far_m : near_m);
-  return corners_m;
+  const glm::vec3 first = ray_of(view, rect.x0, rect.y0),
+                  last = ray_of(view, rect.x1 - 1, rect.y1 - 1);
+  const F4 x{first.x, last.x, first.x, last.x}, y{first.y, first.y, last.y, last.y};
+  const auto face = [&](float z_m) { return Corners::Face{x * z_m, y * z_m, F4{} + z_m}; };
+  return {{face(near_m), face(far_m)}};
 }
 
 LampSet lamps_in_doubt(const PinholeParams& view, const std::vector<LampParams>& lamps,
                        const std::vector<ShadowMap>& maps, const Rect& rect, float near_m,
                        float far_m, LampSet among) {
-  const Corners corners_m = corners_of(view, rect, near_m, far_m);
+  const Corners corners = corners_of(view, rect, near_m, far_m);
   LampSet set = 0;
   for (std::size_t k = 0; k < std::min(maps.size(), kLampBits); ++k)
-    if (holds(among, k)) set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners_m)} << k;
+    if (holds(among, k)) set |= LampSet{may_be_shadowed(lamps[k], maps[k], corners)} << k;
   return set;
 }
 

@@ -99,7 +99,8 @@ void blur_layer(Crew& crew, const LookFilter& filter, const VirtualLayer& from,
     scratch.across.resize(static_cast<std::size_t>(crew.threads()));
     for (Image<glm::vec4>& band : scratch.across)
       band.reset({size.width, kBlurGrain + 2 * kBlurReach});
-    to.coverage.reset(size), to.w.reset(size), to.color.reset(size);
+    make_layer_image(size, to.coverage), make_layer_image(size, to.w);
+    make_layer_image(size, to.color);
   }
   for (int y = to.rect.y0; y < to.rect.y1; ++y)
     std::fill(to.coverage.row(y) + to.rect.x0, to.coverage.row(y) + to.rect.x1, 0);

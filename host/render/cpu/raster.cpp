@@ -37,13 +37,13 @@ Rect box_of(const std::array<glm::dvec3, 3>& points, const SampleGrid& grid) {
 std::optional<Triangle> set_up(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
                                const SampleGrid& grid, Facing facing) {
   const std::array<glm::dvec3, 3> p = {glm::dvec3(a), glm::dvec3(b), glm::dvec3(c)};
-  Triangle out;
-  out.box = box_of(p, grid);
-  if (out.box.empty()) return std::nullopt;
   // The side is taken from the plane's normal, not from the box product, which suffers from
   // cancellation.
   const double volume = glm::dot(p[0], glm::cross(p[1] - p[0], p[2] - p[0]));
   if (!(std::abs(volume) > 0) || (facing == Facing::kFront && volume > 0)) return std::nullopt;
+  Triangle out;
+  out.box = box_of(p, grid);
+  if (out.box.empty()) return std::nullopt;
   for (std::size_t i = 0; i < 3; ++i) {
     // Vertex i's share along the ray (x, y, 1) of a sample is ray . (next x last) / volume.
     const glm::dvec3 n = glm::cross(p[(i + 1) % 3], p[(i + 2) % 3]) / volume;

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "hal/base/give_back.h"
+
 namespace mixrig::render::cpu {
 namespace {
 
@@ -58,7 +60,9 @@ void draw_shadow_maps(Crew& crew, const FrameParams& params, std::vector<ShadowM
   for (std::size_t i = 0; i < params.lamps.size(); ++i) {
     const LampParams& lamp = params.lamps[i];
     const int size = lamp.map_size_texel;
+    const bool grows = maps[i].w.size() != Size{size, size};
     maps[i].w.reset({size, size});
+    if (grows) give_back_as_zeros(maps[i].w);
     maps[i].drawn = {0, 0, size, size};
     if (size == 0) continue;
     const SampleGrid grid{

@@ -88,6 +88,13 @@ inline float least_of(FloatLanes f) {
   return least;
 #endif
 }
+/// Of four numbers.
+inline F4 min4(F4 a, F4 b) { return b < a ? b : a; }
+inline F4 max4(F4 a, F4 b) { return a < b ? b : a; }
+inline float least_of4(F4 f) {
+  const F4 halves = min4(f, __builtin_shufflevector(f, f, 2, 3, 0, 1));
+  return halves[1] < halves[0] ? halves[1] : halves[0];
+}
 inline float sum(FloatLanes f) {
   float total = 0;
   for (int i = 0; i < kLanes; ++i) total += f[i];

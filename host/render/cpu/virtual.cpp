@@ -44,6 +44,7 @@ void set_up_items(Crew& crew, const FrameParams& params, VirtualScratch& scratch
                                    sample_grid(draw.params.view, params.virtual_rect),
                                    draw.mesh->double_sided ? Facing::kBoth : Facing::kFront);
       item.triangle = triangle.value_or(Triangle{});
+      scratch.item_rows[static_cast<std::size_t>(i)] = {item.triangle.box.y0, item.triangle.box.y1};
       if (triangle && scratch.fits[item.draw])
         scratch.surfaces[static_cast<std::size_t>(i)] =
             surface_of(draw, item.triangle, item.first_index);
@@ -70,12 +71,17 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
                VirtualLayer& layer) {
   const int first = worker * kBandRows * kVirtualSamples;
   const auto row_of = [&](int sample_y) { return first + sample_y - y0 * kVirtualSamples; };
-  for (int y = y0 * kVirtualSamples; y < y1 * kVirtualSamples; ++y)
-    std::fill_n(scratch.sample_w.row(row_of(y)), scratch.sample_w.width(), 0.0F);
-  for (std::size_t i = 0; i < scratch.items.size(); ++i)
-    for_each_run(scratch.items[i].triangle, y0 * kVirtualSamples, y1 * kVirtualSamples,
-                 scratch.sample_w.width() - kLanes, kSampleTurn,
-                 [&](int x, int y, FloatLanes w, IntLanes inside) {
+  const int begin = y0 * kVirtualSamples, end = y1 * kVirtualSamples;
+  // Registers of pixels are resolved that begin before the rectangle, or end after it.
+  const int width = scratch.sample_w.width();
+  const int x0 = kVirtualSamples * std::max(std::min(layer.rect.x0, layer.w.width() - kLanes), 0);
+  const int x1 = std::min(kVirtualSamples * (layer.rect.x1 + kLanes), width);
+  for (int y = begin; y < end; ++y)
+    std::fill(scratch.sample_w.row(row_of(y)) + x0, scratch.sample_w.row(row_of(y)) + x1, 0.0F);
+  for (std::size_t i = 0; i < scratch.items.size(); ++i) {
+    if (scratch.item_rows[i].begin >= end || scratch.item_rows[i].end <= begin) continue;
+    for_each_run(scratch.items[i].triangle, begin, end, scratch.sample_w.width() - kLanes,
+                 kSampleTurn, [&](int x, int y, FloatLanes w, IntLanes inside) {
                    float* const nearest = scratch.sample_w.row(row_of(y)) + x;
                    std::uint32_t* const item = scratch.sample_item.row(row_of(y)) + x;
                    const FloatLanes old = load<FloatLanes>(nearest);
@@ -84,15 +90,17 @@ void draw_band(const FrameParams& params, VirtualScratch& scratch, int worker, i
                    const IntLanes number = IntLanes{} + static_cast<std::int32_t>(i);
                    store(item, nearer ? number : load<IntLanes>(item));
                  });
+  }
   for (int y = y0; y < y1; ++y) resolve_row(params, scratch, y, row_of(kVirtualSamples * y), layer);
 }
 
 }  // namespace
 
 void VirtualLayer::reset(Size size, bool glossy, bool emits) {
-  coverage.reset(size), w.reset(size), normal.reset(size), color.reset(size);
-  if (glossy) gloss.reset(size);
-  if (emits) emission.reset(size);
+  make_layer_image(size, coverage), make_layer_image(size, w);
+  make_layer_image(size, normal), make_layer_image(size, color);
+  if (glossy) make_layer_image(size, gloss);
+  if (emits) make_layer_image(size, emission);
   others.make(size);
 }
 
@@ -106,6 +114,7 @@ VirtualScratch::VirtualScratch(const FrameParams& params, Size view_size, int th
   }
   if (items.empty()) return;
   surfaces.resize(items.size());
+  item_rows.resize(items.size());
   const Size samples{std::max(kVirtualSamples * view_size.width, kLanes),
                      kVirtualSamples * kBandRows * threads};
   sample_w.reset(samples);

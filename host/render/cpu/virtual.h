@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "hal/base/give_back.h"
 #include "hal/base/parallel.h"
 #include "host/render/cpu/raster.h"
 #include "host/render/cpu/srgb.h"
@@ -115,7 +116,8 @@ struct ShadedAlone {
   bool any_in_shadow = false;
 };
 
-/// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects.
+/// View-sized; what lies outside `rect` is not covered. Empty in a scene without objects. Rows that
+/// no rectangle has reached yet take no memory (make_layer_image).
 struct VirtualLayer {
   Rect rect;
   Image<std::uint8_t> coverage;  ///< of 255
@@ -131,6 +133,13 @@ struct VirtualLayer {
   void reset(Size size, bool glossy, bool emits);
 };
 
+/// An image of a layer: zeros.
+template <typename T>
+void make_layer_image(Size view_size, Image<T>& image) {
+  image.reset(view_size);
+  give_back_as_zeros(image);
+}
+
 /// Memory of the pass, kept between frames.
 struct VirtualScratch {
   VirtualScratch(const FrameParams& params, Size view_size, int threads);
@@ -140,6 +149,11 @@ struct VirtualScratch {
   };
   std::vector<std::vector<glm::vec3>> positions_m;  ///< of each draw, camera axes
   std::vector<Item> items;
+  /// Rows of samples of each item's box: every band looks at all of them.
+  struct Rows {
+    int begin = 0, end = 0;
+  };
+  std::vector<Rows> item_rows;
   /// What a triangle shows over its samples, all times inverse depth.
   struct Surface {
     std::array<Affine, 3> normal;  ///< camera axes, of any length

@@ -71,9 +71,9 @@ void VirtualCells::find_shares(const LightInput& input, LampSet maybe) {
       const bool lit = any(light[k] > 0);
       const VectorLanes& n = surface.normal;
       const IntLanes covered = (n.x != 0) | (n.y != 0) | (n.z != 0);
-      store(
-          &seen_[k][at],
-          lit ? room * visibility(lamps[k], input.maps[k], surface.position_m, n, covered) : room);
+      store(&seen_[k][at], lit ? room * visibility_of_caster(lamps[k], input.maps[k],
+                                                             surface.position_m, n, covered)
+                               : room);
     }
   }
 }

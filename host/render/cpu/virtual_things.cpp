@@ -17,9 +17,9 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
   const Size size = tables.view_size;
   objects_.reset(size, frame.glossy, frame.emits);
   if (setup.look.motion) {
-    moved_.coverage.reset(size);
-    moved_.w.reset(size);
-    moved_.color.reset(size);
+    make_layer_image(size, moved_.coverage);
+    make_layer_image(size, moved_.w);
+    make_layer_image(size, moved_.color);
   }
   if (!people_cast()) return;
   people_shadow_ = PeopleShadow(size);

@@ -136,18 +136,21 @@ bool may_find(const ShadowMap& map, const FilterLanes& f, FloatLanes radius_texe
   return most_w > least_of(f.w);
 }
 
+/// Whether any of the lamp may be hidden: casters are searched as far as the nearest one could hide
+/// a point; the filter is no wider than the nearest that is found allows.
+bool may_be_hidden(const LampParams& lamp, const ShadowMap& map, const FilterLanes& filter) {
+  float most_w = 0;
+  if (!may_find(map, filter, filter.radius_texel, most_w)) return false;
+  const FloatLanes widest = max((most_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m),
+                                FloatLanes{} + kLeastRadiusTexel);
+  return may_find(map, filter, min(widest, filter.radius_texel), most_w);
+}
+
 /// Share of the lamp that is seen through the filters of place().
 template <int kBlockers, int kCount>
 FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
   static const auto kTaps = panel_taps<kCount>();
   const TapReader reader(map.w);
-  // Casters are searched as far as the nearest one could hide a point; the filter is no wider than
-  // the nearest that is found allows.
-  float most_w = 0;
-  if (!may_find(map, filter, filter.radius_texel, most_w)) return FloatLanes{} + 1.0F;
-  const FloatLanes widest = max((most_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m),
-                                FloatLanes{} + kLeastRadiusTexel);
-  if (!may_find(map, filter, min(widest, filter.radius_texel), most_w)) return FloatLanes{} + 1.0F;
   find_blockers<kBlockers>(lamp, reader, filter);
   if (!any(filter.w < kLitAll_w)) return FloatLanes{} + 1.0F;
   FloatLanes lit{};
@@ -155,32 +158,45 @@ FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& fi
     lit -= to_float(reader.read(filter, tap) <= filter.least_w(tap));
   return lit / static_cast<float>(kCount);
 }
-
-}  // namespace
-
-FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
-                      const VectorLanes& normal, IntLanes wanted) {
-  const FloatLanes all = FloatLanes{} + 1.0F;
-  if (map.empty()) return all;
-  FilterLanes filter = place(lamp, position_m, normal, wanted);
-  if (!any(filter.w < kLitAll_w)) return all;
+FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
   return lamp.is_part ? seen_by<kPartBlockerTapCount, kPartShadowTapCount>(lamp, map, filter)
                       : seen_by<kBlockerTapCount, kShadowTapCount>(lamp, map, filter);
 }
 
-bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners_m) {
+}  // namespace
+
+FloatLanes visibility_of_caster(const LampParams& lamp, const ShadowMap& map,
+                                const VectorLanes& position_m, const VectorLanes& normal,
+                                IntLanes wanted) {
+  if (map.empty()) return FloatLanes{} + 1.0F;
+  FilterLanes filter = place(lamp, position_m, normal, wanted);
+  return any(filter.w < kLitAll_w) ? seen_by(lamp, map, filter) : FloatLanes{} + 1.0F;
+}
+
+FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
+                      const VectorLanes& normal, IntLanes wanted) {
+  if (map.empty()) return FloatLanes{} + 1.0F;
+  FilterLanes filter = place(lamp, position_m, normal, wanted);
+  const bool some = any(filter.w < kLitAll_w) && may_be_hidden(lamp, map, filter);
+  return some ? seen_by(lamp, map, filter) : FloatLanes{} + 1.0F;
+}
+
+bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners) {
   if (map.empty()) return false;
-  float x0 = kLitAll_w, y0 = kLitAll_w, x1 = -kLitAll_w, y1 = -kLitAll_w, z0 = kLitAll_w,
-        z1 = -kLitAll_w;
-  for (const glm::vec3& corner_m : corners_m) {
-    const glm::vec3 p = transform(lamp.lamp_from_camera, corner_m);
-    z0 = std::min(z0, p.z), z1 = std::max(z1, p.z);
-    const float x = p.x / p.z, y = p.y / p.z;
-    x0 = std::min(x0, x), x1 = std::max(x1, x);
-    y0 = std::min(y0, y), y1 = std::max(y1, y);
-  }
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const auto along = [&](int axis, const Corners::Face& f) {
+    return f.x_m * m[0][axis] + f.y_m * m[1][axis] + f.z_m * m[2][axis] + m[3][axis];
+  };
+  const auto& [near_face, far_face] = corners.faces;
+  const F4 near_z = along(2, near_face), far_z = along(2, far_face);
+  const float z1 = -least_of4(min4(-near_z, -far_z));
   if (!(z1 > lamp.casters_near_m)) return false;
-  if (!(z0 > static_cast<float>(kNearestM))) return true;  // reaches behind the lamp
+  if (!(least_of4(min4(near_z, far_z)) > static_cast<float>(kNearestM)))
+    return true;  // reaches behind the lamp
+  const F4 near_x = along(0, near_face) / near_z, far_x = along(0, far_face) / far_z;
+  const F4 near_y = along(1, near_face) / near_z, far_y = along(1, far_face) / far_z;
+  const float x0 = least_of4(min4(near_x, far_x)), x1 = -least_of4(min4(-near_x, -far_x));
+  const float y0 = least_of4(min4(near_y, far_y)), y1 = -least_of4(min4(-near_y, -far_y));
   // Lifting moves a point by `lift` of its depth in any direction.
   const float focal = lamp.map_focal_texel, lift = kLiftTexels / focal;
   if (!(lift < 0.5F)) return true;

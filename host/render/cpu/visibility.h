@@ -15,12 +15,22 @@ namespace mixrig::render::cpu {
 /// `wanted` it may be 1.
 FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
                       const VectorLanes& normal, IntLanes wanted = IntLanes{} - 1);
+/// The same of surfaces that are in the map, which are found there themselves: it is not asked
+/// first whether anything lies under the filters.
+FloatLanes visibility_of_caster(const LampParams& lamp, const ShadowMap& map,
+                                const VectorLanes& position_m, const VectorLanes& normal,
+                                IntLanes wanted = IntLanes{} - 1);
 
-/// A convex part of the space before the camera, by its corners in camera axes.
-using Corners = std::array<glm::vec3, 8>;
+/// A convex part of the space before the camera, by its eight corners in camera axes: of two faces.
+struct Corners {
+  struct Face {
+    F4 x_m, y_m, z_m;
+  };
+  std::array<Face, 2> faces;
+};
 
 /// Whether any point within may see less than all of the lamp. false is sure: `visibility` is 1
 /// for every point inside, with any normal.
-bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners_m);
+bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners);
 
 }  // namespace mixrig::render::cpu

@@ -206,12 +206,41 @@ TEST(Shadow, points_that_are_not_wanted_change_no_other) {
   EXPECT_GT(early, 100);
 }
 
+TEST(Shadow, what_is_not_looked_up_would_be_lit) {
+  render::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.size_m = {0.4, 0.4};
+  const Lit lit(lamp);
+  const render::LampParams& params = lit.preparer.params().lamps[0];
+  std::minstd_rand random(5);
+  std::uniform_real_distribution<float> within(-0.2F, 0.2F), away(-1.5F, 1.5F), down(1.2F, 2);
+  int shadowed = 0, seen = 0;
+  for (int trial = 0; trial < 6400 / kLanes; ++trial) {
+    const glm::vec3 middle(away(random), down(random), 2 + away(random));
+    render::cpu::VectorLanes at_m{}, normal{};
+    for (int i = 0; i < kLanes; ++i)
+      at_m.x[i] = middle.x + within(random), at_m.y[i] = middle.y,
+      at_m.z[i] = middle.z + within(random), normal.y[i] = -1;
+    const auto tested = visibility(params, lit.maps[0], at_m, normal);
+    const auto all = visibility_of_caster(params, lit.maps[0], at_m, normal);
+    for (int i = 0; i < kLanes; ++i) {
+      EXPECT_EQ(tested[i], all[i]) << trial << ", " << i;
+      shadowed += all[i] < 1, seen += all[i] == 1;
+    }
+  }
+  EXPECT_GT(shadowed, 100);
+  EXPECT_GT(seen, 100);
+}
+
 /// A box of view space: pixels [u, u + width] of a camera with f = 1, depths [near_m, far_m].
 render::cpu::Corners corners(glm::vec2 ray, float width, float near_m, float far_m) {
   render::cpu::Corners out;
-  for (std::size_t i = 0; i < 8; ++i)
-    out[i] = glm::vec3(ray.x + (i & 1 ? width : 0), ray.y + (i & 2 ? width : 0), 1) *
-             (i & 4 ? far_m : near_m);
+  for (int i = 0; i < 8; ++i) {
+    render::cpu::Corners::Face& face = out.faces[i & 4 ? 1 : 0];
+    const float z_m = i & 4 ? far_m : near_m;
+    face.x_m[i % 4] = (ray.x + (i & 1 ? width : 0)) * z_m;
+    face.y_m[i % 4] = (ray.y + (i & 2 ? width : 0)) * z_m;
+    face.z_m[i % 4] = z_m;
+  }
   return out;
 }
 

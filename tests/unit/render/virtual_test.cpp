@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "tests/support/resident_memory.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
@@ -351,6 +352,16 @@ TEST(Virtual, two_surfaces_of_a_pixel_are_kept_apart) {
   EXPECT_NEAR(others[0].albedo.g, 16384, 1);
   EXPECT_EQ(others[0].normal.w, 2);
   EXPECT_EQ(others[1].x, 24);
+}
+
+TEST(Virtual, a_layer_takes_no_memory_where_nothing_was_drawn) {
+  constexpr Size kLarge{4096, 4096};
+  const double before_mb = resident_mb();
+  render::cpu::VirtualLayer layer;
+  render::cpu::make_layer_image(kLarge, layer.color);  // 128 MB
+  EXPECT_LT(resident_mb() - before_mb, 16);
+  const render::cpu::Rgbx16 none = layer.color.at(4095, 4095);
+  EXPECT_EQ(none.r + none.g + none.b + none.x, 0);
 }
 
 TEST(Virtual, mesh_without_triangles_is_no_error) { EXPECT_EQ(DrawnObjects({}, {}).area(), 0); }
