@@ -2,6 +2,7 @@
 // From file names to decoders.
 #include "host/image_io/image_io.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -38,11 +39,18 @@ Result<void> read_gray(const std::filesystem::path& path, Image<T>& image) {
   return decode_png(bytes, path.string(), image);
 }
 
+/// What a library says may have bytes of the file in it: a line of a terminal stays one.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return text;
+}
+
 }  // namespace
 
 Error bad_picture(const std::string& name, const std::string& why, const std::string& what_to_do) {
   return Error{ErrorCode::kFormat,
-               "cannot read picture '" + name + "': " + why + ": " + what_to_do};
+               "cannot read picture '" + name + "': " + printable(why) + ": " + what_to_do};
 }
 
 Result<void> decode_rgb8(const std::uint8_t* data, std::size_t size, const std::string& name,

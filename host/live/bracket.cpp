@@ -14,7 +14,10 @@ namespace mixrig::live {
 namespace {
 
 constexpr Duration kBracketWait = std::chrono::milliseconds(100);
-constexpr Duration kFollows = std::chrono::seconds(3);       ///< a picture, else it has no effect
+/// So long, and for so many pictures, it is waited for a picture to follow, else a control has no
+/// effect; at most so long where fewer come.
+constexpr Duration kFollows = std::chrono::seconds(3), kFollowsAtMost = std::chrono::seconds(60);
+constexpr int kLeastLooks = 20;
 constexpr Duration kBlind = std::chrono::milliseconds(500);  ///< where pictures do not tell
 constexpr double kReached = 1.3, kStill = 1.03, kReadBack = 1.1;
 constexpr std::size_t kLeastSeen = 100;
@@ -91,12 +94,14 @@ Result<ExposureBracket::Step> ExposureBracket::collect(SweepRig& rig, double rat
   std::vector<float> scratch;
   capture::Capture frame;
   plates.clear();
-  while (plates.size() < count) {
+  for (int looks = 0; plates.size() < count;) {
     if (stop) return Step::kStopped;
-    if (clock.now() - begin > kFollows) return Step::kNoEffect;
+    const Duration passed = clock.now() - begin;
+    if (passed > (looks < kLeastLooks ? kFollowsAtMost : kFollows)) return Step::kNoEffect;
     HostTime exposed_from{};
     MIXRIG_ASSIGN(const bool there, rig.next(kBracketWait, frame, exposed_from));
     if (!there || exposed_from < begin || frame.plate.size() != before.size()) continue;
+    ++looks;
     const auto now = brighter(before, frame.plate, scratch);
     const bool reached = now ? is_near(*now, ratio, kReached) : clock.now() - begin > kBlind;
     const auto since = plates.empty() ? std::nullopt : brighter(plates[0], frame.plate, scratch);

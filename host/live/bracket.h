@@ -15,8 +15,9 @@ namespace mixrig::live {
 /// Takes them and puts the exposure back, also when it is destroyed. A control has taken effect
 /// when the camera says so (get()), when a frame was exposed after it was set, and when its picture
 /// is as much darker or brighter than the last one as it should be (within a factor of 1.3, by the
-/// pixels that both show well) and the next picture is as bright. Where too few pixels are shown
-/// well by both, half a second of frames is waited for instead. Not thread-safe.
+/// pixels that both show well) and the next picture is as bright: within three seconds and twenty
+/// pictures, within a minute where fewer come. Where too few pixels are shown well by both, half a
+/// second of frames is waited for instead. Not thread-safe.
 class ExposureBracket {
  public:
   static constexpr int kPlates = 3;  ///< of each exposure

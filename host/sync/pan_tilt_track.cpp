@@ -40,6 +40,8 @@ std::optional<double> PanTiltTrack::Axis::at(HostTime time) const {
   std::size_t i = count_ - 1;
   while (kept(i - 1).at > time) --i;
   const Point &before = kept(i - 1), &after = kept(i);
+  if (after.rad != before.rad && time > before.at && after.at - before.at > kHold)
+    return std::nullopt;
   const double share = seconds(time - before.at) / seconds(after.at - before.at);
   return before.rad + share * (after.rad - before.rad);
 }

@@ -14,9 +14,9 @@ namespace mixrig::sync {
 class PanTiltTrack {
  public:
   void add(const device::PanTiltSample& sample);
-  /// Linear between the neighbouring samples of each axis. After the newest sample the head is
-  /// assumed to stand still if its last two positions are equal and at most `kHold` old; empty in
-  /// every other case outside the samples.
+  /// Linear between neighbouring samples of each axis, different ones at most `kHold` apart. After
+  /// the newest one the head is assumed to stand still if its last two positions are equal and at
+  /// most `kHold` old; empty in every other case: nobody knows how the head moved.
   std::optional<device::PanTiltAngles> at(HostTime time) const;
   static constexpr Duration kHold = std::chrono::milliseconds(500);
 

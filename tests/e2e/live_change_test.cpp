@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "tests/e2e/command.h"
+#include "tests/e2e/slow_take.h"
 #include "tests/support/child_process.h"
 #include "tests/support/progress.h"
 
@@ -21,24 +22,14 @@ class LiveChange : public CommandTest {
     ASSERT_EQ(mixrig("studio " + path("was") + kTake + "--frames 3"), 0);
     ASSERT_EQ(mixrig("scan --static " + path("was") + " --frames 1-3 " + path("room")), 0);
     ASSERT_EQ(mixrig("studio " + path("take") + kTake + "--moved-chair --frames 90"), 0);
-    slow_down();
+    // 5 frames a second: a loaded machine can follow, and has a new compositor before the take
+    // ends.
+    slow_down(path("take"), 5);
     std::ofstream(path("rig.toml"))
         << "format = 1\nname = \"played\"\n[[camera]]\nname = \"color\"\nuri = \"take:"
         << path("take/color") << "\"\n[depth]\nuri = \"take:" << path("take/depth") << "\"\n";
     write_scene("before.toml", "room");
     write_scene("after.toml", "accepted");
-  }
-  /// 5 frames a second: a loaded machine can follow, and has a new compositor before the take ends.
-  void slow_down() const {
-    std::istringstream in(text_of("take/poses.txt"));
-    std::ofstream out(path("take/poses.txt"));
-    for (std::string line; std::getline(in, line);) {
-      const std::size_t end = line.find(' ');
-      if (line.starts_with('#'))
-        out << line << '\n';
-      else
-        out << 5 * std::stod(line.substr(0, end)) << line.substr(end) << '\n';
-    }
   }
   void write_scene(const std::string& name, const std::string& room) const {
     std::ifstream in(path("take/scene.toml"));
@@ -59,7 +50,7 @@ TEST_F(LiveChange, AnOrderWhileDevicesPlayIsFollowed) {
                               path("take/before.toml") + " --source rig:" + path("rig.toml") +
                               " --change-after 1 --backend cpu --save-room " + path("accepted") +
                               " --json " + path("run.json");
-  ChildProcess child({"sh", "-c", command}, 120, path("log"));
+  ChildProcess child({"sh", "-c", command}, 240, path("log"));
   ASSERT_TRUE(comes_true([&] { return text_of("log").find("has changed") != std::string::npos; }))
       << text_of("log");
   kill(static_cast<pid_t>(std::stol(text_of("pid"))), SIGUSR1);

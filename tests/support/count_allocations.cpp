@@ -7,12 +7,14 @@
 namespace mixrig::test {
 
 std::atomic<long> allocations{0};
+thread_local long own_allocations = 0;
 
 }  // namespace mixrig::test
 
 // In a separate file: inlined, the compiler would warn of mismatched allocation functions.
 void* operator new(std::size_t size) {
   ++mixrig::test::allocations;
+  ++mixrig::test::own_allocations;
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
   throw std::bad_alloc();
 }

@@ -54,6 +54,19 @@ TEST(Exr, EveryTruncationIsRefused) {
   }
 }
 
+TEST(Exr, AChannelNameThatSpansLinesLeavesTheErrorOneLine) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_exr(folder / "a.exr", {{"depth", Image<float>({4, 3}, 1.0F)}}));
+  std::string bytes = test::read_bytes(folder / "a.exr");
+  const std::size_t at = bytes.find("depth");
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, 5, "de\n\x1b["), bytes[at + 6] = 9;  // a channel of a type that there is not
+  const auto read = read_exr(folder.write("b.exr", bytes));
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().context.find("de??["), std::string::npos) << read.error().context;
+  for (const char c : read.error().context) EXPECT_GE(c, ' ') << read.error().context;
+}
+
 TEST(Exr, ChangedBytesNeverCrash) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_exr(folder / "a.exr", depth_and_sigma()));

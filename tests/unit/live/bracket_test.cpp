@@ -44,7 +44,7 @@ class ControlledCamera final : public device::Camera {
   bool lies = false;     ///< says another value
 };
 
-/// Frames of 25 Hz that show what was set `latency` frames before.
+/// Frames that show what was set `latency` frames before.
 class ExposedRig final : public SweepRig {
  public:
   ExposedRig(ManualClock& clock, ControlledCamera& camera) : clock_(clock), camera_(camera) {}
@@ -52,7 +52,7 @@ class ExposedRig final : public SweepRig {
   Result<void> move_to(device::PanTiltAngles) override { return {}; }
   Result<void> halt() override { return {}; }
   Result<bool> next(Duration, capture::Capture& frame, HostTime& exposed_from) override {
-    clock_.advance(40ms);
+    clock_.advance(period);
     if (++frames == fails_at) return Error{ErrorCode::kDevice, "the cameras have ended"};
     if (frames == stops_at) stop = true;
     pending_.push_back(camera_.exposure_s);
@@ -77,6 +77,7 @@ class ExposedRig final : public SweepRig {
     return at_rest;
   }
 
+  Duration period = 40ms;
   std::size_t latency = 3;
   double lamp = 12, surface = 0.01;
   int frames = 0, fails_at = std::numeric_limits<int>::max(),
@@ -120,6 +121,15 @@ TEST_F(Bracket, GoesDownUntilNothingSaturatesAndIsPutBack) {
   HostTime from{};
   ASSERT_TRUE(rig_.next({}, frame, from));
   EXPECT_EQ(frame.plate.at(60, 30), rig_.plate().at(60, 30)) << "also by the picture";
+}
+
+/// As a loaded machine gets them.
+TEST_F(Bracket, PicturesThatComeSeldomAreWaitedFor) {
+  rig_.period = 1200ms;
+  const auto taken = take();
+  ASSERT_TRUE(taken) << taken.error().context;
+  EXPECT_EQ(taken->size(), 2U * ExposureBracket::kPlates);
+  expect_at_rest();
 }
 
 TEST_F(Bracket, ADarkViewIsExposedLonger) {

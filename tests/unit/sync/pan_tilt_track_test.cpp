@@ -30,6 +30,16 @@ TEST(PanTiltTrack, DoesNotGuessWhereAMovingHeadIs) {
   EXPECT_FALSE(track.at(at(201ms)));
 }
 
+TEST(PanTiltTrack, AUnitThatDidNotAnswerForLongLeavesTheTimeBetweenUnknown) {
+  PanTiltTrack track;
+  for (const auto& [t, rad] : {std::pair(0ms, 0.0), {50ms, 0.01}, {1050ms, 0.4}, {1100ms, 0.41}})
+    track.add({{rad, rad}, at(t), at(t)});
+  EXPECT_FALSE(track.at(at(51ms)));
+  EXPECT_FALSE(track.at(at(1049ms)));
+  EXPECT_NEAR(track.at(at(50ms))->pan_rad, 0.01, 1e-12);
+  EXPECT_NEAR(track.at(at(1075ms))->pan_rad, 0.405, 1e-12);
+}
+
 TEST(PanTiltTrack, AHeadThatStandsStillStaysThereForAWhile) {
   PanTiltTrack track;
   for (int i = 0; i < 200; ++i) track.add({{0.2, 0.1}, at(i * 50ms), at(i * 50ms)});
