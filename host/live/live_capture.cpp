@@ -214,7 +214,7 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
   const bool goes_without = without_depth_ == WithoutDepth::kHold && last_depth_;
   if (!plate.frame || !(has_depth || goes_without))
     return Error{ErrorCode::kData, "a frame set without colour or depth: skipped"};
-  MIXRIG_TRY(plate_.decode(*plate.frame, capture.plate));
+  MIXRIG_TRY(decode_plate(plate.frame, capture));
   capture.tick = devices_.trigger || devices_.edges ? set.frames.tick : 0;
   capture.mid_exposure = plate.mid_exposure;
   capture.pan_tilt = set.pan_tilt;
@@ -226,6 +226,19 @@ Result<void> SetDecoder::decode(const LiveSet& set, capture::Capture& capture) {
                        set.pan_tilt ? StreamStatus::kFresh : StreamStatus::kMissing);
   if (devices_.depth2) decode_second_depth(set, capture);
   if (fisheye_ > 0) decode_fisheye(set, capture);
+  return {};
+}
+
+/// In the forms that are wanted.
+Result<void> SetDecoder::decode_plate(const device::FramePtr& frame, capture::Capture& capture) {
+  const capture::PlateForms forms = forms_;
+  capture.picture.reset();
+  if (forms.shared && frame->memory) {
+    std::shared_ptr<capture::CameraPicture> picture = pictures_.take();
+    if (picture->hold(frame, plate_)) capture.picture = std::move(picture);
+  }
+  if (forms.decoded || !capture.picture) return plate_.decode(*frame, capture.plate);
+  capture.plate.reset({});
   return {};
 }
 

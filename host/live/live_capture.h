@@ -2,10 +2,13 @@
 // Decodes a frame set of the live rig into a Capture.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 
+#include "hal/base/pool.h"
 #include "host/capture/capture.h"
+#include "host/capture/capture_source.h"
 #include "host/capture/decode.h"
 #include "host/live/devices.h"
 #include "host/live/live_session.h"
@@ -51,8 +54,11 @@ class SetDecoder {
   /// buffers of `capture`, and does not change its number, time, cameras and pose. Errors: kData
   /// where the set lacks colour or depth, but for kHold, or one of them cannot be decoded: skip it.
   Result<void> decode(const LiveSet& set, capture::Capture& capture);
+  /// Forms of the plates of the next sets. Any thread.
+  void share_plates(capture::PlateForms forms) { forms_ = forms; }
 
  private:
+  Result<void> decode_plate(const device::FramePtr& frame, capture::Capture& capture);
   Result<void> decode_depth(const LiveSet& set, capture::Capture& capture);
   void decode_fisheye(const LiveSet& set, capture::Capture& capture);
   void decode_second_depth(const LiveSet& set, capture::Capture& capture);
@@ -60,6 +66,8 @@ class SetDecoder {
   const Devices& devices_;
   const device::DepthInfo depth_, depth2_;  ///< default where the rig has no such camera
   capture::ColorDecoder plate_, fisheye_decoder_;
+  std::atomic<capture::PlateForms> forms_{};
+  Pool<capture::CameraPicture> pictures_;
   const std::size_t fisheye_;  ///< index of its stream; 0 where the rig has none
   const Duration fisheye_hold_;
   const WithoutDepth without_depth_;

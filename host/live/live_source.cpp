@@ -49,6 +49,7 @@ class LiveSource final : public capture::CaptureSource {
   Result<void> read_truth(int, capture::Truth&) override {
     return Error{ErrorCode::kData, "live devices have no truth"};
   }
+  void share_plates(capture::PlateForms forms) override { decoder_.share_plates(forms); }
   std::optional<capture::SourceReport> report() const override {
     capture::SourceReport report = session_.report();
     report.left_out = left_out_;

@@ -41,6 +41,8 @@ void RunningRig::give(const LiveSet& set, const capture::Capture& capture) {
   const HostTime begin = begin_->of(set);
   const std::lock_guard lock(frame_mutex_);
   newest_ = capture;
+  if (capture.picture) newest_.plate = plate_of(capture);  // without its camera's buffer
+  newest_.picture.reset();
   exposed_from_ = begin, there_ = true;
   came_.notify_all();
 }

@@ -19,7 +19,8 @@ render::OutputMask SheetSink::wanted(int number) const {
 Result<void> SheetSink::write(const CompositePtr& composite) {
   ImageView<const Rgb8> truth;
   if (composite->truth) truth = composite->truth->composite;
-  sheet_.add_row(composite->capture->number, composite->capture->plate, composite->images, truth);
+  sheet_.add_row(composite->capture->number, plate_of(*composite->capture), composite->images,
+                 truth);
   return {};
 }
 

@@ -50,7 +50,8 @@ Result<void> PictureSink::write(const output::CompositePtr& composite) {
   };
   if (has(View::kComposite, render::kColor))
     MIXRIG_TRY(put(View::kComposite, *composite, images.color));
-  if (has(View::kPlate, 0)) MIXRIG_TRY(put(View::kPlate, *composite, composite->capture->plate));
+  if (has(View::kPlate, 0))
+    MIXRIG_TRY(put(View::kPlate, *composite, plate_of(*composite->capture)));
   if (has(View::kKey, render::kState))
     MIXRIG_TRY(put(View::kKey, *composite, report::key_picture(images.state)));
   if (has(View::kDepth, render::kMixedDepth))

@@ -33,6 +33,11 @@ bool takes_gles(BackendChoice choice) {
          (choice.backend == render::Backend::kAuto && has_gpu());
 }
 
+bool may_take_gles(BackendChoice choice) {
+  return choice.backend == render::Backend::kGles ||
+         (choice.backend == render::Backend::kAuto && render::gles::may_have_gpu());
+}
+
 Result<std::unique_ptr<render::Compositor>> make_compositor(const render::CompositorSetup& setup,
                                                             BackendChoice choice) {
   if (takes_gles(choice)) return render::make_gles_compositor(setup, choice.share);

@@ -18,6 +18,9 @@ struct BackendChoice {
 /// Whether make_compositor() takes the gles back end. Opens a context for the test and closes it.
 bool takes_gles(BackendChoice choice);
 
+/// Whether it may; opens nothing.
+bool may_take_gles(BackendChoice choice);
+
 /// A compositor for `setup`, which must outlive it. kAuto uses gles on a real GPU, and cpu where
 /// there is none, where GL is software, or where gles is not built in.
 /// Errors: kUnsupported for gles where it is not built in; those of the back end.

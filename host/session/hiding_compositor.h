@@ -29,6 +29,7 @@ class HidingCompositor {
                        render::FrameOutput& output);
   /// Of the frame composited last. Precondition: there is one.
   const render::StageTimes& stage_times() const { return used_->stage_times(); }
+  bool imported_plate() const { return used_->imported_plate(); }
   /// The one with objects. Precondition: open.
   const render::Compositor& whole() const { return *whole_; }
 

@@ -202,12 +202,13 @@ bool LightSink::may_be_hidden(const Known& known, const lights::BodyColumns& peo
 
 /// Places that neither people nor their shadows cover.
 void LightSink::gather(const output::Composite& composite) {
+  const Image<Rgb8>& plate = plate_of(*composite.capture);
   const lights::BodyColumns bodies = people(composite);
   places_.clear();
   for (const Known& known : known_) {
     const render::ExposureMeter::Place& at = known.place;
     if (composite.images.matte.row(at.view_y)[at.view_x] > 0) continue;
-    const float seen = luminance_of(composite.capture->plate.row(at.plate_y)[at.plate_x]);
+    const float seen = luminance_of(plate.row(at.plate_y)[at.plate_x]);
     if (!(seen < kBrightest) || may_be_hidden(known, bodies)) continue;
     places_.push_back({known.share, at.gain * seen / known.learned, known.surface});
   }
@@ -242,7 +243,7 @@ Result<void> LightSink::write(const output::CompositePtr& composite) {
     return {};
   }
   // The compositor multiplies its light by the gain that its meter reads.
-  const glm::vec3 gain = meter_.gain(composite->capture->plate);
+  const glm::vec3 gain = meter_.gain(plate_of(*composite->capture));
   const double read = render::luminance(gain);
   const std::vector<double> now = repeated(factors_of(*change, told_));
   std::vector<float> factors;

@@ -21,7 +21,7 @@ class LookSink final : public output::CompositeSink {
   render::OutputMask wanted(int /*number*/) const override { return 0; }
   Result<void> write(const output::CompositePtr& composite) override {
     const HostTime begin = clock_.now();
-    const render::PictureLook look = measure(composite->capture->plate);
+    const render::PictureLook look = measure(plate_of(*composite->capture));
     report_.watch_ms.add(milliseconds(clock_.now() - begin));
     ++report_.looks;
     const std::lock_guard lock(mutex_);
@@ -125,7 +125,7 @@ Result<void> LookKeeper::push(const output::CompositePtr& composite) {
 const render::PictureLook* LookKeeper::look_of(const output::Composite& composite) {
   if (sink_ == nullptr) return nullptr;
   if (follower_.empty()) {
-    first_ = sink_->measure(composite.capture->plate);
+    first_ = sink_->measure(plate_of(*composite.capture));
     log_info("session", render::to_text(first_));
     follower_.add(first_);
   } else if (const auto found = sink_->take()) {

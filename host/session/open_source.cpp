@@ -84,9 +84,10 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
     Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings,
-    std::shared_ptr<live::RunningRig> running) {
+    std::shared_ptr<live::RunningRig> running, bool lends) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
+  if (lends && !rig.cameras.empty()) rig.cameras.front().request.lends = true;
   if (needs_head(scene) && rig.pan_tilt_uri.empty())
     return Error{ErrorCode::kFormat,
                  scene.path.string() + ": camera.pose: \"" + scene::name(scene.pose_source) +

@@ -46,12 +46,13 @@ live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
 live::RigConfig without_idle_trigger(live::RigConfig rig);
 
 /// Opens the devices of rig.toml that the scene uses; a camera that is lost does not end it
-/// (live::WhenLost::kGoOn). `settings` and `running` as in live::make_live_source. `stop` and
+/// (live::WhenLost::kGoOn). `lends`: the first camera may lend its buffers, as
+/// device::StreamRequest says. `settings` and `running` as in live::make_live_source. `stop` and
 /// `clock` must outlive the source. Errors: those of rig.toml and of the devices; kUsage without a
 /// camera or a depth camera, kFormat without the head or the fisheye that the scene's pose needs.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
     Clock& clock, PlayOptions play = {}, std::shared_ptr<live::CameraSettings> settings = nullptr,
-    std::shared_ptr<live::RunningRig> running = nullptr);
+    std::shared_ptr<live::RunningRig> running = nullptr, bool lends = false);
 
 }  // namespace mixrig::session

@@ -279,6 +279,7 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   const HostTime begin = clock_.now();
   MIXRIG_TRY(compositor_.compose(composite, wanted, composite.images));
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
+  compositor_.count_plate(*composite.capture);
   report_.frame_ms.add(composite.frame_ms);
   if (live()) report_.latency_ms.add(milliseconds(clock_.now() - composite.capture->mid_exposure));
   const render::StageTimes& times = compositor_.stage_times();

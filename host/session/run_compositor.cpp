@@ -16,6 +16,19 @@ bool same_focus(const std::optional<scene::FocusSettings>& a,
   return a->distance_m == b->distance_m && a->pixel == b->pixel && a->f_number == b->f_number;
 }
 
+/// The picture of a capture in its camera's memory.
+class CapturedPlate final : public render::SharedPlate {
+ public:
+  explicit CapturedPlate(const capture::Capture& capture) : picture_(capture.picture) {}
+  const RawPicture& raw() const override { return picture_->raw(); }
+  ImageView<const Rgb8> decoded() const override { return picture_->decoded(); }
+  std::shared_ptr<const void> hold() const override { return picture_; }
+  explicit operator bool() const { return picture_ != nullptr; }
+
+ private:
+  const std::shared_ptr<const capture::CameraPicture>& picture_;  // of a capture that outlives it
+};
+
 /// Of depth after the plate; 0 where it is not known.
 double depth_delay_s(const capture::Capture& capture) {
   if (capture.depth_mid_exposure == HostTime{}) return 0;
@@ -108,13 +121,35 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
                                     render::FrameOutput& images) {
   images.wanted = wanted;
   last_pose_ = composite.world_from_target;
+  share_plates();
   const Image<float>& depth_m = composite.capture->depth_m;
+  const CapturedPlate shared(*composite.capture);
+  const bool in_place = shared && asked_ == render::PlateNeed::kShared;
+  const ImageView<const Rgb8> plate =
+      in_place ? composite.capture->plate : plate_of(*composite.capture);
   return compositor_->compose(
-      {composite.capture->plate, depth_m.empty() ? no_depth_m_ : depth_m,
-       composite.world_from_target, frame_lens(*composite.capture), composite.world_from_object,
+      {plate, depth_m.empty() ? no_depth_m_ : depth_m, composite.world_from_target,
+       frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
-       depth_delay_s(*composite.capture), composite.motion, look_keeper_.look_of(composite)},
+       depth_delay_s(*composite.capture), composite.motion, look_keeper_.look_of(composite),
+       shared ? &shared : nullptr},
       composite.objects_shown, images);
+}
+
+void RunCompositor::count_plate(const capture::Capture& capture) {
+  if (!live()) return;
+  PlateReport& plates = report_.plates ? *report_.plates : report_.plates.emplace();
+  const bool imported = compositor_->imported_plate();
+  ++(imported ? plates.imported : plates.copied);
+  if (imported) plates.layout = capture.picture->raw().layout;
+}
+
+/// Has the source give plates as the compositor in use reads them.
+void RunCompositor::share_plates() {
+  const render::PlateNeed need = compositor_->whole().plate_need();
+  if (need == std::exchange(asked_, need)) return;
+  session_.source->share_plates({.shared = need != render::PlateNeed::kDecoded,
+                                 .decoded = need != render::PlateNeed::kShared});
 }
 
 /// As the scene has it, times what was seen to change.
@@ -143,6 +178,7 @@ Result<void> RunCompositor::finish() {
   MIXRIG_TRY(look_keeper_.finish());
   report_.look = look_keeper_.report();
   exchange_.finish();
+  if (report_.plates) report_.plates->why_copied = compositor_->whole().why_copied();
   compositor_->close();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();
   if (options_.scene) report_.scene_edits = edits();

@@ -38,6 +38,8 @@ class RunCompositor {
   /// Errors: as Compositor::compose().
   Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
                        render::FrameOutput& images);
+  /// Of the frame composited last: counts how its plate came in.
+  void count_plate(const capture::Capture& capture);
   const render::StageTimes& stage_times() const { return compositor_->stage_times(); }
   /// Frames no longer show the scene that the truth is of.
   bool is_edited() const { return exchange_.is_edited(); }
@@ -50,6 +52,7 @@ class RunCompositor {
   bool live() const;
   void place_moved_objects();
   SceneEdits edits() const;
+  void share_plates();
   void use(EditedScenePtr edited);
   std::optional<glm::ivec2> focus_pixel() const;
   std::optional<render::FrameLight> frame_light();
@@ -71,6 +74,7 @@ class RunCompositor {
   std::optional<geometry::Pose> last_pose_;   ///< of the camera
   FrameTimes times_;                          ///< for the physics
   std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
+  render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< of the source
   Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
 };
 

@@ -259,7 +259,23 @@ nlohmann::json to_json(const output::StreamOutReport& stream) {
   return out;
 }
 
+nlohmann::json to_json(const PlateReport& plates) {
+  return {{"imported", plates.imported}, {"copied", plates.copied}, {"how", text(plates)}};
+}
+
 }  // namespace
+
+std::string text(const PlateReport& plates) {
+  if (plates.imported > 0) {
+    std::string out = fmt::format("imported (DMABUF, {})", name(*plates.layout));
+    const std::uint64_t all = plates.imported + plates.copied;
+    if (plates.copied > 0) out += fmt::format(", {} of {} copied", plates.copied, all);
+    return plates.why_copied.empty() ? out : out + ": " + plates.why_copied;
+  }
+  return "copied: " + (plates.why_copied.empty()
+                           ? "the camera's driver shares no buffers of samples"
+                           : plates.why_copied);
+}
 
 double fps(const RunReport& report) {
   const double mean_ms = report.frame_ms.mean();
@@ -292,6 +308,7 @@ nlohmann::json to_json(const RunReport& report) {
                                  {"p95", quantile(report.latency_ms, 0.95)},
                                  {"p99", quantile(report.latency_ms, 0.99)}};
   }
+  if (report.plates) out["camera_pictures"] = to_json(*report.plates);
   if (report.quality) out["quality"] = to_json(*report.quality);
   out["pose"] = to_json(report.pose);
   if (report.lens) out["lens"] = to_json(*report.lens);
@@ -347,6 +364,7 @@ std::string to_table(const RunReport& report) {
       row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
   row("frame", report.frame_ms);
   out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
+  if (report.plates) out += "  camera pictures: " + text(*report.plates) + "\n";
   if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
   if (report.live) out += live_line(*report.live);
   out += pose_line(report.pose);

@@ -45,6 +45,16 @@ struct PoseReport {
   SlipReport slip;
 };
 
+/// How the camera's pictures came into the compositor.
+struct PlateReport {
+  std::uint64_t imported = 0;       ///< frames; read in the camera's memory
+  std::uint64_t copied = 0;         ///< frames
+  std::optional<RawLayout> layout;  ///< of imported ones
+  std::string why_copied;           ///< as Compositor::why_copied
+};
+/// "imported (DMABUF, yuyv)", "copied: the driver offers no ...".
+std::string text(const PlateReport& plates);
+
 struct RunReport {
   std::string backend;   ///< "cpu" or "gles"
   std::string renderer;  ///< as Compositor::renderer
@@ -56,6 +66,7 @@ struct RunReport {
   std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
   std::optional<capture::SourceReport> live;  ///< of live devices
   measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
+  std::optional<PlateReport> plates;          ///< of live devices
   std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
                                               ///< late when the first frame could be made
   PoseReport pose;

@@ -44,7 +44,8 @@ Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOpt
   session.cameras = std::make_shared<live::CameraSettings>();
   session.rig = std::make_shared<live::RunningRig>();
   return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", session.scene, *options.stop,
-                  *options.clock, options.play, session.cameras, session.rig);
+                  *options.clock, options.play, session.cameras, session.rig,
+                  may_take_gles(session.backend));
 }
 
 calibration_file::CalibrationChoice choose_calibration(const SessionOptions& options,

@@ -86,7 +86,7 @@ render::OutputMask images_of(View view) {
 bool draw_view(const output::Composite& composite, View view, const DepthColors& depth,
                Image<Rgbx8>& picture) {
   const render::FrameOutput& images = composite.images;
-  if (view == View::kPlate) return fill(composite.capture->plate.view(), picture, opaque);
+  if (view == View::kPlate) return fill(plate_of(*composite.capture).view(), picture, opaque);
   if ((images.wanted & images_of(view)) == 0) return false;
   switch (view) {
     case View::kComposite:

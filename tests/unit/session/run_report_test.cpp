@@ -28,6 +28,22 @@ TEST(RunReport, CountsFramesASecondFromTheMeanFrame) {
   EXPECT_DOUBLE_EQ(fps({}), 0.0);
 }
 
+TEST(RunReport, SaysHowTheCamerasPicturesCameIn) {
+  PlateReport plates{.imported = 0, .copied = 30, .layout = {}, .why_copied = "no such thing"};
+  EXPECT_EQ(text(plates), "copied: no such thing");
+  plates.why_copied.clear();
+  EXPECT_EQ(text(plates), "copied: the camera's driver shares no buffers of samples");
+  plates.imported = 30, plates.copied = 0, plates.layout = RawLayout::kYuyv;
+  EXPECT_EQ(text(plates), "imported (DMABUF, yuyv)");
+  plates.copied = 10, plates.why_copied = "refused";
+  EXPECT_EQ(text(plates), "imported (DMABUF, yuyv), 10 of 40 copied: refused");
+  RunReport report = three_frames();
+  EXPECT_FALSE(to_json(report).contains("camera_pictures"));
+  report.plates = plates;
+  EXPECT_EQ(to_json(report)["camera_pictures"]["imported"], 30);
+  EXPECT_NE(to_table(report).find("camera pictures: imported (DMABUF, yuyv)"), std::string::npos);
+}
+
 TEST(RunReport, HasTheKeysOfTheContract) {
   const nlohmann::json json = to_json(three_frames());
   EXPECT_EQ(json["frames"], 3);
