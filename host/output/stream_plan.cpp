@@ -177,10 +177,10 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
       std::string host;
       if (!split_port(where.rest, host, plan.port.emplace()))
         return stream_error(out, "names no host and port: give rtp://HOST:PORT");
+      if (host == "localhost") host = "127.0.0.1";  // of the family that the socket is bound for
       plan.texts.emplace_back("host", host);
       // Else its socket, which GStreamer does not connect, takes what any host sends.
-      if (host == "localhost" || host.starts_with("127."))
-        plan.texts.emplace_back("bind-address", "127.0.0.1");
+      if (host.starts_with("127.")) plan.texts.emplace_back("bind-address", "127.0.0.1");
       return {};
     }
     case Carrier::kShm:

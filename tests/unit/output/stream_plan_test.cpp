@@ -42,6 +42,7 @@ TEST(StreamPlan, EachAddressHasItsCodecAndPlugIns) {
   EXPECT_EQ(texts("rtp://10.0.0.7:5004"), (Texts{{"host", "10.0.0.7"}}));
   EXPECT_EQ(texts("rtp://127.0.0.1:5004"),
             (Texts{{"host", "127.0.0.1"}, {"bind-address", "127.0.0.1"}}));
+  EXPECT_EQ(texts("rtp://localhost:5004"), texts("rtp://127.0.0.1:5004"));
   EXPECT_TRUE(has(plan("a.mov", Picture::kAlpha)->description, "A444_10LE"));
   const std::string node = plan("v4l2:///dev/video7")->description;
   EXPECT_TRUE(has(node, "v4l2sink"));

@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: Apache-2.0
+// In no CMakeLists.txt: what house.listed must find.
