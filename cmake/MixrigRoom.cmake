@@ -58,20 +58,62 @@ function(mixrig_note_room name links private_links)
     "${name}|${folder}|${links}|${private_links}\n")
 endfunction()
 
-# mixrig_test(NAME SOURCES ... LINKS ... [LABELS ...]): a GoogleTest program, each case a ctest.
-function(mixrig_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LINKS;LABELS" ${ARGN})
-  add_executable(${name} ${T_SOURCES})
-  target_link_libraries(${name} PRIVATE mixrig_options ${T_LINKS} GTest::gtest_main)
-  mixrig_precompile(${name} test)
+# mixrig_test(PROGRAM SOURCES ... LINKS ...): a folder's tests in a GoogleTest program, each case a ctest.
+# Folders share the programs that tests/CMakeLists.txt lists by label: a program's precompiled header,
+# batches and link cost as much as several files of tests.
+function(mixrig_test program)
+  cmake_parse_arguments(T "" "" "SOURCES;LINKS" ${ARGN})
+  if(T_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "mixrig_test(${program}): what is ${T_UNPARSED_ARGUMENTS}? use SOURCES and LINKS")
+  endif()
+  if(NOT TARGET ${program})
+    mixrig_test_program(${program})
+  endif()
+  list(TRANSFORM T_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
+  target_sources(${program} PRIVATE ${T_SOURCES})
+  target_link_libraries(${program} PRIVATE ${T_LINKS})
+  mixrig_note_test(${program} ${T_LINKS})
+endfunction()
+
+# mixrig_note_test(NAME MODULES ...): for ./check --changed: tests "NAME.*", whose files lie in this
+# folder, depend on these modules.
+function(mixrig_note_test name)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set_property(GLOBAL APPEND PROPERTY MIXRIG_TESTS ${name})
+  set_property(GLOBAL APPEND PROPERTY MIXRIG_TEST_LINKS_${name} ${ARGN})
+  set_property(GLOBAL APPEND PROPERTY MIXRIG_TEST_FOLDERS_${name} ${folder})
+endfunction()
+
+function(mixrig_test_program program)
+  foreach(candidate IN LISTS MIXRIG_TEST_LABELS)
+    if(program IN_LIST MIXRIG_${candidate}_TESTS)
+      set(label ${candidate})
+    endif()
+  endforeach()
+  if(NOT label)
+    message(FATAL_ERROR "test program ${program} is in no list of tests/CMakeLists.txt")
+  endif()
+  add_executable(${program})
+  target_link_libraries(${program} PRIVATE mixrig_options GTest::gtest_main)
+  mixrig_precompile(${program} test)
+  set_target_properties(${program} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)  # where batches are made at all
   set(timeout_s 300)
-  if("long_take" IN_LIST T_LABELS)
+  if(label STREQUAL "long_take")
     set(timeout_s 900)  # the longest last 4 minutes on two cores
   endif()
   if(MIXRIG_SANITIZE)
     set(timeout_s 1200)  # whole takes last up to twelve times as long
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${T_LABELS}" TIMEOUT ${timeout_s}
-    ENVIRONMENT "MIXRIG_SOURCE=${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${program} DISCOVERY_TIMEOUT 60 TEST_PREFIX "${program}."
+    PROPERTIES LABELS ${label} TIMEOUT ${timeout_s}
+    ENVIRONMENT "MIXRIG_SOURCE=${PROJECT_SOURCE_DIR}"
+    ENVIRONMENT_MODIFICATION "MIXRIG_TAKES=set:${PROJECT_BINARY_DIR}/takes")
+endfunction()
+
+# mixrig_runs_command(PROGRAM): its tests run `mixrig`.
+function(mixrig_runs_command program)
+  target_compile_definitions(${program} PRIVATE MIXRIG_COMMAND="$<TARGET_FILE:mixrig>"
+    MIXRIG_STUDIO_TAKE="${PROJECT_SOURCE_DIR}/tests/support/studio_take")
+  add_dependencies(${program} mixrig)
+  mixrig_note_test(${program} mixrig::tools)
 endfunction()

@@ -23,6 +23,7 @@ except ImportError:
     print("skipped: python3-selenium is not there: scripts/setup browser")
     sys.exit(77)
 
+STUDIO_TAKE = pathlib.Path(__file__).parent.parent / "support/studio_take"
 LIMIT_S = 120  # for what hangs; a loaded machine is slow
 
 
@@ -51,6 +52,11 @@ def play_at(rate_hz, take):
     (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", f"rate_hz = {rate_hz:.1f}", text))
 
 
+def studio(mixrig, folder, options):
+    """A take; what any test of this build has rendered is copied."""
+    subprocess.run([STUDIO_TAKE, mixrig, folder, "--plain", *options.split()], check=True, stdout=subprocess.DEVNULL)
+
+
 class Rig:
     """A studio take, and `mixrig run --page` on it."""
 
@@ -60,8 +66,7 @@ class Rig:
         self.folder = pathlib.Path(folder)
         self.scene_file = self.folder / "take/scene.toml"
         take = self.folder / "take"
-        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "walk", "--rig", "kinect2", "--seed", "7",
-                        "--size", "640x512", "--frames", "24"], check=True, stdout=subprocess.DEVNULL)
+        studio(mixrig, take, "--scenario walk --rig kinect2 --seed 7 --size 640x512 --frames 24")
         play_at(10, take)  # which a loaded machine can follow
         self.log = open(self.folder / "log", "w+")
         self.source = f"take:{take}"
@@ -134,9 +139,7 @@ class HalfLost(LiveRig):
         self.scene_file = self.folder / "scene.toml"
         self.scene_file.write_text('[camera]\npose = "identity"\n')
         for name, frames, rate_hz in (("long", 40, 2), ("short", 10, 30)):
-            subprocess.run([mixrig, "studio", self.folder / name, "--plain", "--scenario", "walk", "--rig", "sr3000",
-                            "--seed", "7", "--size", "64x48", "--frames", str(frames)], check=True,
-                           stdout=subprocess.DEVNULL)
+            studio(mixrig, self.folder / name, f"--scenario walk --rig sr3000 --seed 7 --size 64x48 --frames {frames}")
             play_at(rate_hz, self.folder / name)
         self.rig_file = self.folder / "rig.toml"
         self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
@@ -150,9 +153,7 @@ class HeadRig(LiveRig):
     def __init__(self, mixrig, folder):
         self.folder = pathlib.Path(folder) / "head"
         take = self.folder / "take"
-        subprocess.run([mixrig, "studio", take, "--plain", "--scenario", "sweep", "--rig", "sr3000", "--seed", "31",
-                        "--size", "64x48", "--field", "80x60", "--view-frames", "2"], check=True,
-                       stdout=subprocess.DEVNULL)
+        studio(mixrig, take, "--scenario sweep --rig sr3000 --seed 31 --size 64x48 --field 80x60 --view-frames 2")
         self.scene_file = self.folder / "scene.toml"
         base = re.search(r"\[camera.world_from_base\]\n.*\n.*\n", (take / "scene_pan_tilt.toml").read_text())[0]
         self.scene_file.write_text(f'# ours\n[camera]\npose = "pan_tilt"\n{base}')

@@ -13,8 +13,8 @@ namespace {
 class BaselinesRun : public CommandTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario talk --rig kinect2 --seed " +
-                     std::to_string(seeds::kBaselines) + " --size 320x256 --frames 12"),
+    ASSERT_EQ(studio("take", "--plain --scenario talk --rig kinect2 --seed " +
+                                 std::to_string(seeds::kBaselines) + " --size 320x256 --frames 12"),
               0);
   }
   nlohmann::json run(const std::string& scene, const std::string& words = "") const {

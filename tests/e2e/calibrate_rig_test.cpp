@@ -12,10 +12,11 @@ using nlohmann::json;
 class CalibrateRig : public RefusingCommandTest {};
 
 TEST_F(CalibrateRig, finds_rig_and_bend_and_reports_a_square_of_the_wrong_size) {
-  ASSERT_EQ(mixrig("studio --plain " + path("set") +
-                   " --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"
-                   " --tolerance 1 --depth-error 15"),
-            0);
+  ASSERT_EQ(
+      studio("set",
+             "--plain --scenario board --rig kinect2 --seed 21 --views 9 --size 320x256 --bend 2"
+             " --tolerance 1 --depth-error 15"),
+      0);
   const std::string out = path("calibration.toml");
   ASSERT_EQ(mixrig("calibrate rig " + path("set") + " --out " + out + " --json " + path("r.json")),
             0);

@@ -13,10 +13,11 @@ class CalibrateViewsFault : public RefusingCommandTest {
  protected:
   /// A take of a board in the hands of a person, and a rig.toml that plays it.
   void make_played_board() {
-    ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                     " --scenario board --hand --rig sr3000 --seed 7 --views 2 --size 320x256"
-                     " --fisheye-size 64x64 --rest 1.5 --move 0.2"),
-              0);
+    ASSERT_EQ(
+        studio("take",
+               "--plain --scenario board --hand --rig sr3000 --seed 7 --views 2 --size 320x256"
+               " --fisheye-size 64x64 --rest 1.5 --move 0.2"),
+        0);
     std::ofstream rig(path("rig.toml"));
     rig << "format = 1\n";
     for (const auto& [table, name] : {std::pair("[[camera]]", "color"), {"[depth]", "depth"}})

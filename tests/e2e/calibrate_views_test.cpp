@@ -16,10 +16,11 @@ constexpr const char* kBoard = " --board checkerboard:9x6:70mm";
 class CalibrateViews : public RefusingCommandTest {};
 
 TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario board --hand --rig kinect2 --seed 21 --views 8 --size 320x256"
-                   " --fisheye-size 640x512 --rest 0.4 --tremor 0.05 --tolerance 1"),
-            0);
+  ASSERT_EQ(
+      studio("take",
+             "--plain --scenario board --hand --rig kinect2 --seed 21 --views 8 --size 320x256"
+             " --fisheye-size 640x512 --rest 0.4 --tremor 0.05 --tolerance 1"),
+      0);
   std::string said;
   EXPECT_EQ(refused("calibrate views " + path("none") + " --source take:" + path("take") +
                         " --board checkerboard:11x8:70mm",
@@ -38,8 +39,8 @@ TEST_F(CalibrateViews, OfABoardHeldByHandAreKeptOnceAndAnotherBoardIsRefused) {
 
 /// The views of a hand, as they are, calibrate the rig.
 TEST_F(CalibrateViews, OfABoardHeldByHandCalibrateTheRig) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario board --hand --rig sr3000 --seed 7 --views 9 --size 320x256"
+  ASSERT_EQ(studio("take",
+                   "--plain --scenario board --hand --rig sr3000 --seed 7 --views 9 --size 320x256"
                    " --fisheye-size 64x64 --rest 0.4 --move 0.2 --tremor 0.05 --tolerance 1"
                    " --depth-error 15"),
             0);

@@ -48,9 +48,9 @@ class CalibratedRun : public CommandTest {
 };
 
 TEST_F(CalibratedRun, ReturnsToTheFiguresOfTheRightOne) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig kinect2 --seed 7 --frames 12 --size 320x256"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --rig kinect2 --seed 7 --frames 12 --size 320x256"),
+      0);
   const auto right = errors("");
   const calibration_file::Calibration known = truth();
   ASSERT_TRUE(calibration_file::write_calibration(path("take/right.toml"), known));

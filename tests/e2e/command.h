@@ -38,16 +38,10 @@ class CommandTest : public ::testing::Test {
   ~CommandTest() override { std::filesystem::remove_all(folder_); }
 
   /// Exit status of `mixrig WORDS`, its output kept out of the log unless it fails.
-  int mixrig(const std::string& words) const {
-    const std::string line =
-        std::string(MIXRIG_COMMAND) + " " + words + " >" + (folder_ / "log").string() + " 2>&1";
-    const int status = std::system(line.c_str());
-    if (status != 0) {
-      std::ifstream log(folder_ / "log");
-      ADD_FAILURE() << "mixrig " << words << "\n"
-                    << std::string(std::istreambuf_iterator<char>(log), {});
-    }
-    return status;
+  int mixrig(const std::string& words) const { return shell(MIXRIG_COMMAND " " + words); }
+  /// A take of the studio in folder `name`; what any test of this build has rendered is copied.
+  int studio(const std::string& name, const std::string& options) const {
+    return shell(std::string(MIXRIG_STUDIO_TAKE " " MIXRIG_COMMAND " ") + path(name) + " " + options);
   }
   /// What the command says where it must fail.
   std::string refusal(const std::string& words) const {
@@ -64,6 +58,16 @@ class CommandTest : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   std::filesystem::path folder_;
+
+ private:
+  int shell(const std::string& line) const {
+    const int status = std::system((line + " >" + path("log") + " 2>&1").c_str());
+    if (status != 0) {
+      std::ifstream log(path("log"));
+      ADD_FAILURE() << line << "\n" << std::string(std::istreambuf_iterator<char>(log), {});
+    }
+    return status;
+  }
 };
 
 }  // namespace mixrig::test

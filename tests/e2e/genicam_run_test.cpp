@@ -93,11 +93,12 @@ void expect_what_was_sent(const fs::path& take, const GenicamTake& cameras) {
 
 TEST_F(GenicamRun, ACameraLikeHelios2IsRecordedCalibratedAndComposited) {
   const std::string rig = " --plain --rig helios2 --seed 21 --size 320x256 ";
-  ASSERT_EQ(mixrig("studio " + path("board") + rig + "--scenario board --hand --views 8" +
-                   " --fisheye-size 64x64 --rest 0.4 --move 0.2 --tremor 0.05 --tolerance 0"),
+  ASSERT_EQ(studio("board",
+                   rig + "--scenario board --hand --views 8" +
+                       " --fisheye-size 64x64 --rest 0.4 --move 0.2 --tremor 0.05 --tolerance 0"),
             0);
   leave_out_fisheye(path("board/take.toml"));  // too small to show the board
-  ASSERT_EQ(mixrig("studio " + path("walk") + rig + "--scenario walk --frames 20"), 0);
+  ASSERT_EQ(studio("walk", rig + "--scenario walk --frames 20"), 0);
   {
     const auto cameras = record("board", "board2", GenicamDepthLayout::kAbcy);
     ASSERT_NE(cameras, nullptr);

@@ -13,9 +13,9 @@ namespace {
 class Golden : public CommandTest {};
 
 TEST_F(Golden, TheCompositeIsUnchanged) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig kinect2 --seed 5 --frames 12 --size 320x256"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --rig kinect2 --seed 5 --frames 12 --size 320x256"),
+      0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu"),
             0);

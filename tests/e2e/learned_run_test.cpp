@@ -13,7 +13,7 @@ class LearnedRun : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    ASSERT_EQ(mixrig("studio " + path("take") + kRig + " --frames 120 --size 320x256"), 0);
+    ASSERT_EQ(studio("take", std::string(kRig) + " --frames 120 --size 320x256"), 0);
   }
 
   int learn(const std::string& camera) const {
@@ -65,8 +65,8 @@ void mirror(int, Image<Rgb8>& picture) {
 
 /// Other light, another person more, the chair elsewhere; then the lens is covered for a while.
 void LearnedRun::check_another_day() const {
-  ASSERT_EQ(mixrig("studio " + path("day") + kRig +
-                   " --frames 60 --size 160x128 --moved-chair --lamps 0.5 --crowd 1"),
+  ASSERT_EQ(studio("day", std::string(kRig) +
+                              " --frames 60 --size 160x128 --moved-chair --lamps 0.5 --crowd 1"),
             0);
   ASSERT_EQ(mixrig(track_words("day", "day.json")), 0);
   EXPECT_LT(report("day.json").at("lost_pct").get<double>(), 10);
@@ -101,8 +101,8 @@ void LearnedRun::check_room() const {
   const std::string truth = path("take/truth/calibration.toml");
   const std::string words = "align " + path("fisheye_map") + " " + path("room") + " --room " +
                             path("placed") + " --json " + path("placed.json");
-  ASSERT_EQ(mixrig("studio " + path("sweep") +
-                   " --scenario sweep --field 150x100 --view-frames 1 --rig sr3000 --seed 34 "
+  ASSERT_EQ(studio("sweep",
+                   "--scenario sweep --field 150x100 --view-frames 1 --rig sr3000 --seed 34 "
                    "--plain --size 160x128"),
             0);
   ASSERT_EQ(mixrig("scan --take " + path("sweep") + kCalibrated +
@@ -136,8 +136,8 @@ class CarriedRun : public CommandTest {
 };
 
 TEST_F(CarriedRun, TheMapsOfItsTwoCamerasAreJoined) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
-                   " --scenario carried --rig sr3000 --seed 34 --plain --frames 150 --size 320x256 "
+  ASSERT_EQ(studio("take",
+                   "--scenario carried --rig sr3000 --seed 34 --plain --frames 150 --size 320x256 "
                    "--fisheye --fisheye-size 320x256"),
             0);
   ASSERT_NO_FATAL_FAILURE(learn("target"));

@@ -19,9 +19,9 @@ class LiveChange : public CommandTest {
 
   /// A take of an empty room, and one in which the chair was moved before.
   void make_takes() const {
-    ASSERT_EQ(mixrig("studio " + path("was") + kTake + "--frames 3"), 0);
+    ASSERT_EQ(studio("was", std::string(kTake) + "--frames 3"), 0);
     ASSERT_EQ(mixrig("scan --static " + path("was") + " --frames 1-3 " + path("room")), 0);
-    ASSERT_EQ(mixrig("studio " + path("take") + kTake + "--moved-chair --frames 90"), 0);
+    ASSERT_EQ(studio("take", std::string(kTake) + "--moved-chair --frames 90"), 0);
     // 5 frames a second: a loaded machine can follow, and has a new compositor before the take
     // ends.
     slow_down(path("take"), 5);

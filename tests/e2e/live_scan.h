@@ -32,8 +32,8 @@ class LiveScan : public CommandTest {
     return {status, text_of("tried")};
   }
   void make_take() const {
-    ASSERT_EQ(mixrig("studio " + path("take") +
-                     " --scenario sweep --plain --size 64x48 --rig sr3000 --seed 31 --field 80x60 "
+    ASSERT_EQ(studio("take",
+                     "--scenario sweep --plain --size 64x48 --rig sr3000 --seed 31 --field 80x60 "
                      "--view-frames 2"),
               0);
   }

@@ -125,9 +125,10 @@ class MocapRun : public CommandTest {
     const std::string command = std::string(MIXRIG_COMMAND) + " ", quiet = " >/dev/null 2>&1";
     const fs::path take = take_ / "take";
     ASSERT_EQ(
-        std::system((command + "studio --plain " + take.string() +
-                     " --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
-                        .c_str()),
+        std::system(
+            (MIXRIG_STUDIO_TAKE " " + command + take.string() +
+             " --plain --scenario handheld --rig sr3000 --seed 31 --frames 40 --size 64x48" + quiet)
+                .c_str()),
         0);
     ASSERT_EQ(std::system((command + "scan --static " + take.string() + " --frames 1-6 " +
                            (take / "room").string() + quiet)
@@ -197,15 +198,15 @@ void MocapRun::follows_the_hand() {
   EXPECT_EQ(report->pose.frames.lost(), 0U);
   EXPECT_LT(value(*report, "shift_mm", "rms"), kNoise_mm);
   EXPECT_LT(value(*report, "turn_deg", "rms"), kNoise_deg);
-  const auto json = session::to_json(*report)["pose"];
-  EXPECT_EQ(json["source"], "mocap");
-  EXPECT_EQ(json["stream"]["packets"], sent_);
-  EXPECT_EQ(json["stream"]["delay_ms"], 30.0);
+  const auto pose = session::to_json(*report)["pose"];
+  EXPECT_EQ(pose["source"], "mocap");
+  EXPECT_EQ(pose["stream"]["packets"], sent_);
+  EXPECT_EQ(pose["stream"]["delay_ms"], 30.0);
   // The studio loses 2 % of about 310 samples.
-  EXPECT_GT(json["stream"]["lost_pct"], 0.5);
-  EXPECT_LT(json["stream"]["lost_pct"], 5.5);
-  EXPECT_EQ(json["stream"]["clock_steps"], 0);
-  EXPECT_LE(json["age_ms"]["p95"], 1.5e3 / 120);
+  EXPECT_GT(pose["stream"]["lost_pct"], 0.5);
+  EXPECT_LT(pose["stream"]["lost_pct"], 5.5);
+  EXPECT_EQ(pose["stream"]["clock_steps"], 0);
+  EXPECT_LE(pose["age_ms"]["p95"], 1.5e3 / 120);
   std::printf("interpolated: %s\n", report->pose.error->to_line().c_str());
 }
 

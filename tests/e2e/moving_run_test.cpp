@@ -22,9 +22,9 @@ void PrintTo(const Moving& moving, std::ostream* out) { *out << moving.scenario;
 class MovingRun : public CommandTest, public ::testing::WithParamInterface<Moving> {};
 
 TEST_P(MovingRun, KeysAgainstTheBackgroundOfEachPose) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario " + GetParam().scenario +
-                   " --rig kinect2 --seed " + std::to_string(seeds::kMoving) +
-                   " --size 320x256 --frames " + std::to_string(GetParam().frames)),
+  ASSERT_EQ(studio("take", std::string("--plain --scenario ") + GetParam().scenario +
+                               " --rig kinect2 --seed " + std::to_string(seeds::kMoving) +
+                               " --size 320x256 --frames " + std::to_string(GetParam().frames)),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),

@@ -62,9 +62,9 @@ bool is_loopback(const OpenPort& port) {
 class OpenPorts : public CommandTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                     " --scenario walk --rig sr3000 --seed 7 --size 160x128 --frames 20"),
-              0);
+    ASSERT_EQ(
+        studio("take", "--plain --scenario walk --rig sr3000 --seed 7 --size 160x128 --frames 20"),
+        0);
   }
   std::vector<std::string> run_words(std::vector<std::string> more) const {
     std::vector<std::string> words{

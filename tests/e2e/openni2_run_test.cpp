@@ -59,10 +59,10 @@ class OpenNi2Run : public CommandTest {
 };
 
 TEST_F(OpenNi2Run, AStudioTakeRecordedByTheLibraryIsRecordedAgainAndComposited) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig kinect2 --seed 31 --size 160x128 --frames " +
-                   std::to_string(kFrames)),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --rig kinect2 --seed 31 --size 160x128 --frames " +
+                         std::to_string(kFrames)),
+      0);
   make_recording();
   std::ifstream file(path("take/take.toml"));
   const std::string take(std::istreambuf_iterator<char>(file), {});

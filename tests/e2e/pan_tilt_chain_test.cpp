@@ -16,7 +16,7 @@ namespace mixrig::test {
 namespace {
 
 constexpr double kDeg = M_PI / 180;
-constexpr int kFrames = 126;          // two periods of the sweep
+constexpr int kSweepFrames = 126;     // two periods of the sweep
 constexpr double kArrival_s = 0.030;  // of a frame after its mid-exposure
 constexpr double kFast_rad_s = 25 * kDeg;
 constexpr int kWidth_px = 64;         // of the panning take
@@ -139,21 +139,18 @@ void PanTiltChain::judge_slip(const std::vector<Moment>& take,
 TEST_F(PanTiltChain, AnEstimatedChainGivesThePoseAtMidExposureOfATurningHead) {
   const std::string rig = " --rig sr3000 --seed 33 --tolerance 1 ", out = path("c.toml");
   const std::string size = "--size 320x256";
-  ASSERT_EQ(mixrig("studio --plain " + path("views") + " --scenario board --views 12" + rig + size),
-            0);
+  ASSERT_EQ(studio("views", "--plain --scenario board --views 12" + rig + size), 0);
   ASSERT_EQ(mixrig("calibrate rig " + path("views") + " --out " + out), 0);
-  ASSERT_EQ(
-      mixrig("studio --plain " + path("turn") + " --scenario board --ptu --views 12" + rig + size),
-      0);
+  ASSERT_EQ(studio("turn", "--plain --scenario board --ptu --views 12" + rig + size), 0);
   ASSERT_EQ(mixrig("calibrate ptu " + path("turn") + " --calibration " + out + " --out " + out), 0);
-  ASSERT_EQ(mixrig("studio --plain " + path("pan") + " --scenario pan" + rig +
-                   "--size 64x48 --frames " + std::to_string(kFrames)),
+  ASSERT_EQ(studio("pan", "--plain --scenario pan" + rig + "--size 64x48 --frames " +
+                              std::to_string(kSweepFrames)),
             0);
   const auto estimated = calibration_file::read_calibration(out);
   const auto known = calibration_file::read_calibration(path("pan/truth/calibration.toml"));
   ASSERT_TRUE(estimated && estimated->pan_tilt && known && known->pan_tilt);
   const std::vector<Moment> take = read_take("pan");
-  ASSERT_EQ(take.size(), static_cast<std::size_t>(kFrames));
+  ASSERT_EQ(take.size(), static_cast<std::size_t>(kSweepFrames));
   // The world is known by the target camera's pose at angles zero, as it is on a set.
   const auto anchored = [&](const calibration_file::PanTilt& unit) {
     return truth("pan", "world_from_rest") * base_from_target(unit, 0, 0).inverse();

@@ -8,8 +8,8 @@ namespace {
 class PlanRun : public CommandTest {};
 
 TEST_F(PlanRun, PeopleOfATakeAreFollowedOnTheFloor) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
-                   " --scenario walk --rig kinect2 --seed 5 --people 2 --frames 75 --plain "
+  ASSERT_EQ(studio("take",
+                   "--scenario walk --rig kinect2 --seed 5 --people 2 --frames 75 --plain "
                    "--size 160x128"),
             0);
   ASSERT_EQ(mixrig("plan " + path("take/scene.toml") + " --source take:" + path("take") + " " +

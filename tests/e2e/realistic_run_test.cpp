@@ -20,8 +20,8 @@ class RealisticRun : public CommandTest, public ::testing::WithParamInterface<Re
 
 TEST_P(RealisticRun, MeetsItsBounds) {
   const Realistic& row = GetParam();
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario walk --rig " + row.rig + " --seed " +
-                   std::to_string(row.seed) + " --frames 10 --size 320x256"),
+  ASSERT_EQ(studio("take", std::string("--scenario walk --rig ") + row.rig + " --seed " +
+                               std::to_string(row.seed) + " --frames 10 --size 320x256"),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),

@@ -35,10 +35,10 @@ class RigRun : public CommandTest {
   }
   /// At a rate that a loaded machine can follow; the first three frames give the background.
   void make_take(int frames) const {
-    ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                     " --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
-                     std::to_string(frames)),
-              0);
+    ASSERT_EQ(
+        studio("take", "--plain --scenario walk --rig sr3000 --seed 31 --size 160x120 --frames " +
+                           std::to_string(frames)),
+        0);
     replace("take/take.toml", "rate_hz = [0-9.]+", "rate_hz = 8.0");
     replace("take/scene.toml", "learn = .*", "learn = [1, 3]");
     write_rig("take:" + path("take") + "/color", "take:" + path("take") + "/depth");
@@ -183,9 +183,8 @@ TEST_F(RigRun, ARecordingOfAPlayedTakeHoldsItsPixels) {
 }
 
 TEST_F(RigRun, AHeadThatTurnsIsFollowedFromDevicesAsFromTheTake) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario pan --rig sr3000 --seed 31 --size 64x48 --frames 40"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario pan --rig sr3000 --seed 31 --size 64x48 --frames 40"), 0);
   // 3 frames a second: a loaded machine can follow, and the head turns little between two answers.
   slow_down(path("take"), 8);
   ASSERT_EQ(mixrig("scan --static " + path("take") + " --frames 1-6 " + path("take/room")), 0);

@@ -46,14 +46,11 @@ double off_m(const nlohmann::json& place, const double (&truth)[2]) {
 TEST_F(RoomChange, AMovedChairIsFoundAndBecomesBackground) {
   const std::string rig =
       " --rig kinect2 --seed 5 --plain --size 160x128 --eye 0.9,2.1,1.5 --look-at 3.9,3.2,0.7 ";
-  ASSERT_EQ(
-      mixrig("studio " + path("sweep") + " --scenario sweep --field 100x90 --view-frames 2" + rig),
-      0);
+  ASSERT_EQ(studio("sweep", "--scenario sweep --field 100x90 --view-frames 2" + rig), 0);
   ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
                    path("sweep/truth/calibration.toml") + " " + path("room")),
             0);
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario walk --moved-chair --frames 150" + rig),
-            0);
+  ASSERT_EQ(studio("take", "--scenario walk --moved-chair --frames 150" + rig), 0);
   write_scene("before.toml", "room");
   const auto found =
       run("before.toml",

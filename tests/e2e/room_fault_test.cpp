@@ -35,8 +35,8 @@ class RoomFault : public CommandTest {
 /// The encoders of one view are half a degree off: it is named, turned back, and the room is as
 /// good as without the error.
 TEST_F(RoomFault, AViewWithAWrongAngleIsNamedAndMended) {
-  ASSERT_EQ(mixrig("studio " + path("take") +
-                   " --scenario sweep --plain --size 64x48 --rig kinect2 --seed 31 --field 120x50 "
+  ASSERT_EQ(studio("take",
+                   "--scenario sweep --plain --size 64x48 --rig kinect2 --seed 31 --field 120x50 "
                    "--overlap 0.2 --view-frames 2"),
             0);
   const auto scan = [&](const std::string& options) {
@@ -71,9 +71,8 @@ TEST_F(RoomFault, AViewWithAWrongAngleIsNamedAndMended) {
 /// themselves (overlaps 11.2 % apart before, 1.3 % after).
 TEST_F(RoomFault, DarkCornersAreFoundAndTakenOut) {
   const std::string camera = " --only vignetting --size 160x128 --rig kinect2 --seed 31";
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario sweep --field 120x50 --overlap 0.2" +
-                   " --view-frames 1" + camera),
-            0);
+  ASSERT_EQ(
+      studio("take", "--scenario sweep --field 120x50 --overlap 0.2 --view-frames 1" + camera), 0);
   const std::string calibration = path("take/truth/calibration.toml");
   ASSERT_EQ(mixrig("scan --take " + path("take") + " --calibration " + calibration + " " +
                    path("room") + " --json " + path("room.json")),
@@ -83,7 +82,7 @@ TEST_F(RoomFault, DarkCornersAreFoundAndTakenOut) {
   EXPECT_NEAR(gains.at("largest_factor").get<double>(), 1, 0.02);
   // Light falls by cos^1.6 of the angle to the axis; the corner is some 36 degrees from it.
   EXPECT_NEAR(gains.at("corners_pct").get<double>(), 100 * (1 - std::pow(std::cos(0.62), 1.6)), 3);
-  ASSERT_EQ(mixrig("studio " + path("walk") + " --scenario handheld --frames 8" + camera), 0);
+  ASSERT_EQ(studio("walk", "--scenario handheld --frames 8" + camera), 0);
   const auto psnr_db = [&](const std::string& file) {
     EXPECT_EQ(mixrig("run " + path("walk/scene.toml") + " --source take:" + path("walk") +
                      " --calibration " + file + " --format none --out " + path("out") + " --json " +

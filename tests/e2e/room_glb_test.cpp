@@ -21,8 +21,8 @@ namespace {
 class RoomGlb : public CommandTest {
  protected:
   nlohmann::json scanned() {
-    EXPECT_EQ(mixrig("studio " + path("take") +
-                     " --scenario sweep --plain --size 64x48 --rig sr3000 --seed 31 --field 60x40"
+    EXPECT_EQ(studio("take",
+                     "--scenario sweep --plain --size 64x48 --rig sr3000 --seed 31 --field 60x40"
                      " --view-frames 1"),
               0);
     EXPECT_EQ(mixrig("scan --take " + path("take") + " --calibration " +

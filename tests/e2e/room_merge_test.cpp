@@ -14,10 +14,10 @@ using Numbers = std::array<double, 3>;
 class RoomMerge : public CommandTest {
  protected:
   void scan(const std::string& name, const std::string& eye, const std::string& look_at) {
-    ASSERT_EQ(mixrig("studio " + path("sweep_" + name) +
-                     " --scenario sweep --field 200x100 --view-frames 1" + kRig + "--eye " + eye +
-                     " --look-at " + look_at),
-              0);
+    ASSERT_EQ(
+        studio("sweep_" + name, std::string("--scenario sweep --field 200x100 --view-frames 1") +
+                                    kRig + "--eye " + eye + " --look-at " + look_at),
+        0);
     ASSERT_EQ(mixrig("scan --take " + path("sweep_" + name) + " --calibration " +
                      path("sweep_" + name + "/truth/calibration.toml") + " " + path(name)),
               0);
@@ -63,8 +63,8 @@ TEST_F(RoomMerge, TwoPositionsBecomeOneRoomThatRunTakes) {
   EXPECT_EQ(report("info.json").at("kind").get<std::string>(), "joined room");
 
   // The joined room stands where the first did.
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario pan --pan 30 --frames 12" + kRig +
-                   "--eye 0.9,2.1,1.5 --look-at 3.36,0.38,1.2"),
+  ASSERT_EQ(studio("take", std::string("--scenario pan --pan 30 --frames 12") + kRig +
+                               "--eye 0.9,2.1,1.5 --look-at 3.36,0.38,1.2"),
             0);
   std::ifstream in(path("take/scene_pan_tilt.toml"));
   std::ofstream out(path("take/scene_room.toml"));

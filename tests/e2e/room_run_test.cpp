@@ -28,13 +28,11 @@ class RoomRun : public CommandTest {
 TEST_F(RoomRun, PeopleAreKeyedAgainstTheScannedRoomWhileTheHeadTurns) {
   const std::string rig =
       " --rig sr3000 --seed 32 --plain --size 160x128 --eye 0.9,2.1,1.5 --look-at 3.36,0.38,1.2 ";
-  ASSERT_EQ(
-      mixrig("studio " + path("sweep") + " --scenario sweep --field 170x110 --view-frames 2" + rig),
-      0);
+  ASSERT_EQ(studio("sweep", "--scenario sweep --field 170x110 --view-frames 2" + rig), 0);
   ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
                    path("sweep/truth/calibration.toml") + " " + path("room")),
             0);
-  ASSERT_EQ(mixrig("studio " + path("take") + " --scenario pan --pan 90 --frames 60" + rig), 0);
+  ASSERT_EQ(studio("take", "--scenario pan --pan 90 --frames 60" + rig), 0);
   // The foot stands where it stood in the sweep.
   replace_line("take/scene_pan_tilt.toml", "take/scene_room.toml", "learn", "model = \"../room\"");
   ASSERT_EQ(mixrig("run " + path("take/scene_room.toml") + " --source take:" + path("take") +

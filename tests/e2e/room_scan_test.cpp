@@ -9,8 +9,7 @@ namespace {
 class RoomScan : public CommandTest {
  protected:
   nlohmann::json scanned(const std::string& sweep, const std::string& options) {
-    EXPECT_EQ(mixrig("studio " + path("take") + " --scenario sweep --plain --size 64x48 " + sweep),
-              0);
+    EXPECT_EQ(studio("take", "--scenario sweep --plain --size 64x48 " + sweep), 0);
     EXPECT_EQ(mixrig("scan --take " + path("take") + " --calibration " +
                      path("take/truth/calibration.toml") + " " + path("room") + " --evaluate " +
                      options + " --json " + path("room.json")),

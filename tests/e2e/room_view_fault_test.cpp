@@ -16,9 +16,12 @@ class RoomViewFault : public CommandTest {
 
   void sweep(const std::string& options) const {
     std::filesystem::remove_all(path("take"));
-    ASSERT_EQ(mixrig("studio " + path("take") + " --scenario sweep --size 64x48 --rig sr3000" +
-                     " --seed 31 --overlap 0.2 --view-frames 2 " + options),
-              0);
+    ASSERT_EQ(
+        studio(
+            "take",
+            "--scenario sweep --size 64x48 --rig sr3000 --seed 31 --overlap 0.2 --view-frames 2 " +
+                options),
+        0);
   }
   nlohmann::json scanned(const std::string& options = "") const {
     EXPECT_EQ(mixrig("scan --take " + path("take") + " --calibration " +

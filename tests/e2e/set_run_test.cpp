@@ -19,10 +19,10 @@ void PrintTo(const SetCase& set, std::ostream* out) { *out << set.rig; }
 class SetRun : public CommandTest, public ::testing::WithParamInterface<SetCase> {};
 
 TEST_P(SetRun, KeysByTheCaptureVolumeAlone) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario walk --clear-floor --rig " +
-                   GetParam().rig + " --seed " + std::to_string(seeds::kSet) +
-                   " --size 640x512 --frames 10"),
-            0);
+  ASSERT_EQ(
+      studio("take", std::string("--plain --scenario walk --clear-floor --rig ") + GetParam().rig +
+                         " --seed " + std::to_string(seeds::kSet) + " --size 640x512 --frames 10"),
+      0);
   ASSERT_EQ(mixrig("run " + path("take/scene_set.toml") + " --source take:" + path("take") +
                    " --frames 6-10 --out " + path("out") + " --backend cpu --format none --json " +
                    path("report.json")),

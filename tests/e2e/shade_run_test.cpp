@@ -31,8 +31,8 @@ class ShadeRun : public CommandTest {
 
 TEST_F(ShadeRun, AnObjectInTheShadeOfATableIsNotShadedTwice) {
   // The table of 1.28 m hides the lamp at (3.75, 3.2) from there.
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario edges --seed 5 --object 1.5,3.0 --eye 0.5,1.0,1.6 --look-at "
+  ASSERT_EQ(studio("take",
+                   "--plain --scenario edges --seed 5 --object 1.5,3.0 --eye 0.5,1.0,1.6 --look-at "
                    "1.4,3.0,0.5 --frames 8 --size 320x256"),
             0);
   EXPECT_LE(shadow_rmse(path("take/scene.toml")), 0.05);
@@ -42,9 +42,9 @@ TEST_F(ShadeRun, AnObjectInTheShadeOfATableIsNotShadedTwice) {
 
 TEST_F(ShadeRun, ALampThatIsDimmedIsFollowed) {
   // The third lamp, the brightest one, falls to a fifth in the middle of the frames.
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --seed 7 --frames 62 --size 160x128 --dim 3,1.5,0.2"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --seed 7 --frames 62 --size 160x128 --dim 3,1.5,0.2"),
+      0);
   const double without = shadow_rmse(path("take/scene.toml"));
   EXPECT_LE(shadow_rmse(scene_with("[light]", "follow = true")), 0.6 * without);
   const nlohmann::json changed = report("report.json").at("light").at("changed");
@@ -56,8 +56,8 @@ TEST_F(ShadeRun, ALampThatIsDimmedIsFollowed) {
 
 TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensItAndItsShadow) {
   // From frame 40 on a person walks between the lamp at (3.75, 1.1) and the object.
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --seed 7 --frames 46 --size 160x128 --object 4.1,2.6"),
+  ASSERT_EQ(studio("take",
+                   "--plain --scenario walk --seed 7 --frames 46 --size 160x128 --object 4.1,2.6"),
             0);
   const std::string cast = path("take/scene.toml");
   const std::string none = scene_with("[light]", "people_cast = false");

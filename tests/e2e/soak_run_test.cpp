@@ -11,9 +11,9 @@ namespace {
 class SoakRun : public CommandTest {};
 
 TEST_F(SoakRun, AccountsForEveryFrameAndDoesNotGrow) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig sr3000 --seed 7 --size 160x128 --frames 20"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --rig sr3000 --seed 7 --size 160x128 --frames 20"),
+      0);
   ASSERT_EQ(mixrig("bench --suite soak --take " + path("take") + " --out " + path("soak") +
                    " --minutes 2 --speed 8 --json " + path("soak.json")),
             0);

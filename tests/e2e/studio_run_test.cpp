@@ -30,8 +30,8 @@ class StudioRun : public CommandTest, public ::testing::WithParamInterface<Row> 
 
 TEST_P(StudioRun, MeetsTheBoundsOfTheMainJob) {
   const Row& row = GetParam();
-  ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario " + row.scenario + " --rig " +
-                   row.rig + " --seed " + std::to_string(row.seed) + row.take),
+  ASSERT_EQ(studio("take", std::string("--plain --scenario ") + row.scenario + " --rig " + row.rig +
+                               " --seed " + std::to_string(row.seed) + row.take),
             0);
   ASSERT_EQ(mixrig("run " + path("take/scene.toml") + " --source take:" + path("take") + " --out " +
                    path("out") + " --backend cpu --format none --json " + path("report.json")),

@@ -56,10 +56,9 @@ geometry::Pose box_at(const Eigen::Vector2d& at_m) {
 class TouchRun : public CommandTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(
-        mixrig("studio " + path("take") + " --scenario walk --rig kinect2 --seed 5 --frames " +
-               std::to_string(kFrames) + " --plain --size 160x128"),
-        0);
+    ASSERT_EQ(studio("take", "--scenario walk --rig kinect2 --seed 5 --frames " +
+                                 std::to_string(kFrames) + " --plain --size 160x128"),
+              0);
   }
   /// The take's scene with other objects.
   void write_scene(const std::string& objects) const {

@@ -45,16 +45,14 @@ class TrackedTake : public CommandTest {
  protected:
   void make_room_and_take(int frames) {
     const std::string rig = " --rig sr3000 --seed 33 --plain --size 160x128";
-    ASSERT_EQ(mixrig("studio " + path("sweep") +
-                     " --scenario sweep --field 150x100 --view-frames 1" + rig),
-              0);
+    ASSERT_EQ(studio("sweep", "--scenario sweep --field 150x100 --view-frames 1" + rig), 0);
     ASSERT_EQ(mixrig("scan --take " + path("sweep") + " --calibration " +
                      path("sweep/truth/calibration.toml") + " " + path("room")),
               0);
-    ASSERT_EQ(mixrig("studio " + path("take") +
-                     " --scenario handheld --eye 1.2,2.1,1.4 --look-at 3.2,2.1,0.5 --frames " +
-                     std::to_string(frames) + " --fisheye --fisheye-size 320x256" + rig),
-              0);
+    ASSERT_EQ(
+        studio("take", "--scenario handheld --eye 1.2,2.1,1.4 --look-at 3.2,2.1,0.5 --frames " +
+                           std::to_string(frames) + " --fisheye --fisheye-size 320x256" + rig),
+        0);
   }
 };
 

@@ -33,7 +33,7 @@ using namespace std::chrono_literals;
 constexpr Size kSize{160, 90};
 constexpr double kFocal_px = 140, kCentre_px = 79.5,
                  kStep_rad = 185.1428 / 3600 * std::numbers::pi / 180;
-constexpr int kFrames = 60, kFarthest_steps = 430;  // 22 degrees to either side
+constexpr int kTurnFrames = 60, kFarthest_steps = 430;  // 22 degrees to either side
 
 /// The unit, for two threads.
 class Unit {
@@ -85,10 +85,10 @@ class Line final : public device::ByteStream {
 };
 
 /// A camera that delivers what a test draws.
-class DrawnCamera final : public device::Camera {
+class BarCamera final : public device::Camera {
  public:
   using Draw = std::function<void(std::span<std::uint8_t>)>;
-  DrawnCamera(Clock& clock, device::PixelFormat format)
+  BarCamera(Clock& clock, device::PixelFormat format)
       : clock_(clock),
         info_{.uri = "drawn:",
               .model = "drawn",
@@ -211,8 +211,8 @@ class TurningHead : public ::testing::Test {
     config.target->pinhole = {kSize, kFocal_px, kFocal_px, kCentre_px, 44.5};
     config.tof = config.target;
     live::Devices devices;
-    auto color = std::make_unique<DrawnCamera>(clock_, device::PixelFormat::kRgb8);
-    auto depth = std::make_unique<DrawnCamera>(clock_, device::PixelFormat::kDepth16);
+    auto color = std::make_unique<BarCamera>(clock_, device::PixelFormat::kRgb8);
+    auto depth = std::make_unique<BarCamera>(clock_, device::PixelFormat::kDepth16);
     color_ = color.get();
     depth_ = depth.get();
     devices.cameras.push_back(std::move(color));
@@ -244,12 +244,12 @@ class TurningHead : public ::testing::Test {
       for (std::size_t i = 0; i < steps.size(); i += 2) steps[i] = 0xd0, steps[i + 1] = 0x07;
     });
   }
-  /// The unit swings to and fro at 0.36 rad/s while kFrames pictures are taken.
+  /// The unit swings to and fro at 0.36 rad/s while kTurnFrames pictures are taken.
   void swing() {
     ASSERT_TRUE(comes_true([&] { return done_ || (color_->streams() && depth_->streams()); }));
     unit_.order("PS400 ", clock_.now());
     int exposed = 0, target = kFarthest_steps;
-    for (int number = 0; exposed < kFrames && !done_; ++number) {
+    for (int number = 0; exposed < kTurnFrames && !done_; ++number) {
       if (number == 0 || number % 120 == 60) {
         unit_.order("PP" + std::to_string(target) + " ", clock_.now());
         target = -target;
@@ -274,7 +274,7 @@ class TurningHead : public ::testing::Test {
   Unit unit_;
   std::atomic<bool> stop_ = false, done_ = false;
   std::atomic<int> composited_ = 0;
-  DrawnCamera *color_ = nullptr, *depth_ = nullptr;
+  BarCamera *color_ = nullptr, *depth_ = nullptr;
   session::Session session_;
   std::vector<Columns> frames_;
 };
@@ -288,7 +288,7 @@ TEST_F(TurningHead, TheObjectStaysInTheRoom) {
   world.join();
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->pose.source, "pan_tilt");
-  EXPECT_GE(frames_.size(), kFrames - 5U);
+  EXPECT_GE(frames_.size(), kTurnFrames - 5U);
   double worst_px = 0, low_px = 1e9, high_px = 0;
   int known = 0;
   for (const Columns& seen : frames_) {
@@ -298,7 +298,7 @@ TEST_F(TurningHead, TheObjectStaysInTheRoom) {
     low_px = std::min(low_px, seen.object_px);
     high_px = std::max(high_px, seen.object_px);
   }
-  EXPECT_GE(known, kFrames - 10);
+  EXPECT_GE(known, kTurnFrames - 10);
   // The head moves: 0.4 rad in all. The object stays: half a pixel is what whole
   // pixels of the mask leave open, a quarter is two of the unit's steps.
   EXPECT_GT(high_px - low_px, 0.4 * kFocal_px);

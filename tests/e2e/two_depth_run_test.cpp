@@ -42,10 +42,11 @@ TEST_F(TwoDepthRun, IsCompositedLiveAsFromTheTake) {
   // seconds at a load of 6: they are many, and a second apart, so that two are left.
   constexpr double kFrame_s = 1;
   constexpr int kFrames = 18;
-  ASSERT_EQ(mixrig("studio --plain " + path("take") +
-                   " --scenario walk --rig kinect2+kinect2 --seed 7 --size 160x120 --frames " +
-                   std::to_string(kFrames)),
-            0);
+  ASSERT_EQ(
+      studio("take",
+             "--plain --scenario walk --rig kinect2+kinect2 --seed 7 --size 160x120 --frames " +
+                 std::to_string(kFrames)),
+      0);
   learn_five();
   std::ifstream in(path("take/poses.txt"));
   std::string line, slow;

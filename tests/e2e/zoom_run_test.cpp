@@ -22,9 +22,10 @@ class ZoomRun : public CommandTest {
 };
 
 TEST_F(ZoomRun, FollowsTheLensByItsTable) {
-  ASSERT_EQ(mixrig("studio --plain " + path("take") + " --scenario walk --rig kinect2 --seed " +
-                   std::to_string(seeds::kWalk) + " --size 320x256 --frames 16 --zoom 2"),
-            0);
+  ASSERT_EQ(
+      studio("take", "--plain --scenario walk --rig kinect2 --seed " +
+                         std::to_string(seeds::kWalk) + " --size 320x256 --frames 16 --zoom 2"),
+      0);
   const auto zoomed = run("scene_zoom.toml");
   EXPECT_GE(zoomed.at("error").at("key_iou").get<double>(), 0.90);
   EXPECT_LE(zoomed.at("error").at("order_wrong_pct").get<double>(), 5.0);

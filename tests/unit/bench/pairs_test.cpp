@@ -11,13 +11,13 @@
 namespace mixrig::bench {
 namespace {
 
-constexpr Size kSize{96, 64};
+constexpr Size kPairSize{96, 64};
 
 /// Disparity 40 left of a slanted line, 20 right of it; colours by the same line.
 Pair slanted() {
-  Pair pair{"slanted", Image<Rgb8>(kSize), Image<float>(kSize)};
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x) {
+  Pair pair{"slanted", Image<Rgb8>(kPairSize), Image<float>(kPairSize)};
+  for (int y = 0; y < kPairSize.height; ++y)
+    for (int x = 0; x < kPairSize.width; ++x) {
       const bool left = x < 37 + y / 3;
       pair.disparity.row(y)[x] = left ? 40.0F : 20.0F;
       pair.color.row(y)[x] = left ? Rgb8{200, 60, 40} : Rgb8{50, 90, 180};
@@ -45,7 +45,7 @@ TEST(Decimated, TakesTheMiddlesOfBlocks) {
 TEST(SidesByColor, FindsTheSideOfAStep) {
   const Pair pair = slanted();
   const Image<float> low = decimated(pair.disparity, 8);
-  EXPECT_LE(wrong(sides_by_color(low, pair.color), pair.disparity), kSize.height / 4);
+  EXPECT_LE(wrong(sides_by_color(low, pair.color), pair.disparity), kPairSize.height / 4);
 }
 
 TEST(SidesByColor, UnknownStaysUnknown) {

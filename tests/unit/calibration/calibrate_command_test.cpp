@@ -44,11 +44,11 @@ const TinyTake& folder() {
   return take;
 }
 
-const std::string kBoard = " --board checkerboard:9x6:25mm ";
+const std::string kBoardOption = " --board checkerboard:9x6:25mm ";
 
 TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   const TinyTake& take = folder();
-  const Outcome done = take.mixrig("calibrate intrinsics view?.png empty.png" + kBoard +
+  const Outcome done = take.mixrig("calibrate intrinsics view?.png empty.png" + kBoardOption +
                                    "--out c.toml --json r.json --picture p.png --opencv o.yml "
                                    "--kalibr k.yaml --mrcal m.cameramodel --lens 2");
   ASSERT_EQ(done.status, 0) << done.err;
@@ -77,7 +77,8 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
   EXPECT_TRUE(fs::exists(take.path("p.png")));
   // The same name for another camera is asked about.
   take.edit("c.toml", "fx = 5", "fx = 7");
-  const Outcome again = take.mixrig("calibrate intrinsics view?.png" + kBoard + "--out c.toml");
+  const Outcome again =
+      take.mixrig("calibrate intrinsics view?.png" + kBoardOption + "--out c.toml");
   EXPECT_EQ(again.status, 0);
   EXPECT_NE(again.err.find("swapped"), std::string::npos) << again.err;
   for (const char* name : {"c.toml", "r.json", "p.png", "o.yml", "k.yaml", "m.cameramodel"})
@@ -86,8 +87,8 @@ TEST(CalibrateIntrinsics, WritesTheCameraReportAndPicture) {
 
 TEST(CalibrateIntrinsics, TellsWhichViewsItDoesNotUse) {
   const TinyTake& take = folder();
-  const Outcome done = take.mixrig("calibrate intrinsics view?.png blurred.png half.png" + kBoard +
-                                   "--lens 2 --json r.json");
+  const Outcome done = take.mixrig("calibrate intrinsics view?.png blurred.png half.png" +
+                                   kBoardOption + "--lens 2 --json r.json");
   ASSERT_EQ(done.status, 0) << done.err;
   const auto report = nlohmann::json::parse(take.text_of("r.json"));
   fs::remove(take.path("r.json"));
@@ -102,7 +103,7 @@ TEST(CalibrateIntrinsics, TellsWhichViewsItDoesNotUse) {
   }
   // The verdict needs more views than these.
   const Outcome few = take.mixrig("calibrate intrinsics view1.png view2.png view3.png view4.png" +
-                                  kBoard + "--lens 2");
+                                  kBoardOption + "--lens 2");
   EXPECT_NE(few.out.find("no-go"), std::string::npos) << few.out;
   EXPECT_NE(few.out.find("only 4 views"), std::string::npos) << few.out;
 }

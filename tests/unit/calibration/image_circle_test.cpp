@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 constexpr Size kPicture{320, 240};
 
 /// Light of a scene, 0..1, at a pixel of one of several pictures.
-using Scene = std::function<double(double x, double y, int picture)>;
+using BoardScene = std::function<double(double x, double y, int picture)>;
 
 /// A room whose furniture lies elsewhere in every picture; a third of each picture is dark.
 double furnished(double x, double y, int picture) {
@@ -37,7 +37,7 @@ std::uint8_t grey(double value) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
 }
 
-BrightestPicture draw(const Look& look, const Scene& scene, int pictures = 6) {
+BrightestPicture draw(const Look& look, const BoardScene& scene, int pictures = 6) {
   std::mt19937 random(11);
   std::normal_distribution<double> noise(0, look.noise);
   BrightestPicture brightest;
@@ -88,7 +88,7 @@ TEST(ImageCircle, IsFoundWherePartOfTheRimIsDark) {
 }
 
 TEST(ImageCircle, ThereIsNoneWithoutARim) {
-  const auto none = [](const char* name, const Scene& scene, const Look& look = {}) {
+  const auto none = [](const char* name, const BoardScene& scene, const Look& look = {}) {
     const auto found = find_image_circle(draw(look, scene).image());
     EXPECT_FALSE(found) << name << ": radius " << (found ? found->radius_px : 0);
   };

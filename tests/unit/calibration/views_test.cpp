@@ -24,12 +24,12 @@ using capture::Capture;
 
 constexpr double kDegree = M_PI / 180;
 constexpr int kWindow = 5;
-const BoardSpec& kBoard = kDrawnBoard;
+const BoardSpec& kViewBoard = kDrawnBoard;
 
 class Views : public ::testing::Test {
  protected:
   ViewCollector& start(CollectSettings settings = {}) {
-    settings.board = kBoard;
+    settings.board = kViewBoard;
     settings.frames = kWindow, settings.still_time = std::chrono::milliseconds(150);
     auto made = ViewCollector::create(folder_.path() / "out", source_info(),
                                       frame(0, facing(0, 0, 0.7)), settings);
@@ -72,10 +72,10 @@ TEST_F(Views, ABoardAtRestIsKeptOnceAndItsMeanIsWritten) {
   // The mean of five frames has less noise than one.
   const auto view = load_view(*set, set->cameras[0], 1);
   ASSERT_TRUE(view);
-  const auto mean = detect_board(view->gray, kBoard);
-  const auto one = detect_board(gray_of(frame(99, pose).plate), kBoard);
+  const auto mean = detect_board(view->gray, kViewBoard);
+  const auto one = detect_board(gray_of(frame(99, pose).plate), kViewBoard);
   ASSERT_TRUE(mean && *mean && one && *one);
-  const auto truth = true_px(kBoard, kColor, pose);
+  const auto truth = true_px(kViewBoard, kColor, pose);
   const auto rms = [&](const BoardView& seen) {
     double sum = 0;
     for (std::size_t i = 0; i < seen.px.size(); ++i)
@@ -197,20 +197,20 @@ TEST(Coverage, TiltIsTheSideThatIsNearerAndSetsNeedItAll) {
   const geometry::CameraModel lens = source_info().target;
   const auto seen = [&](const geometry::Pose& pose) {
     BoardView view;
-    const auto px = true_px(kBoard, kColor, pose);
+    const auto px = true_px(kViewBoard, kColor, pose);
     for (int i = 0; i < 54; ++i) view.ids.push_back(i);
     view.px = px;
     return view;
   };
   // Turned about the picture's down axis by a positive angle the right side goes away.
-  const auto tilt = board_tilt(seen(facing(0, 0, 0.7, {0, 30 * kDegree, 0})), kBoard, lens);
+  const auto tilt = board_tilt(seen(facing(0, 0, 0.7, {0, 30 * kDegree, 0})), kViewBoard, lens);
   ASSERT_TRUE(tilt);
-  const auto points = board_points_m(kBoard);
+  const auto points = board_points_m(kViewBoard);
   const geometry::Pose pose = facing(0, 0, 0.7, {0, 30 * kDegree, 0});
   const bool right_is_nearer = (pose * points[8]).z() < (pose * points[0]).z();
   EXPECT_EQ(tilt->x() < 0, right_is_nearer);
   EXPECT_NEAR(std::abs(tilt->x()), 0.5, 0.05);
-  Coverage coverage(kBoard, {{ViewRole::kTarget, "target", kColor.size_px}}, lens, 2);
+  Coverage coverage(kViewBoard, {{ViewRole::kTarget, "target", kColor.size_px}}, lens, 2);
   const SeenBoards middle{seen(facing(0, 0, 0.7))};
   EXPECT_GT(coverage.gain(middle), 0);
   coverage.add(middle);
@@ -262,7 +262,7 @@ TEST(TurnPlan, StaysWithinReachAndLimitsAndCoversBothSides) {
 }
 
 TEST(ViewBoard, ThatLooksTheSameFromBothSidesOrThatViewsCannotHoldIsRefused) {
-  EXPECT_TRUE(check_view_board(kBoard));
+  EXPECT_TRUE(check_view_board(kViewBoard));
   EXPECT_FALSE(check_view_board({BoardKind::kCheckerboard, 9, 7, 0.04, 0, 0, {}}));
   EXPECT_FALSE(check_view_board({BoardKind::kAprilgrid, 6, 6, 0.088, 0, 0.026, {}}));
   EXPECT_TRUE(check_view_board({BoardKind::kCharuco, 14, 9, 0.04, 0.03, 0, "5X5_250"}));

@@ -9,7 +9,7 @@ namespace {
 constexpr Size kSize{101, 51};
 const Eigen::Vector2d kMiddle(50, 25);
 
-TEST(DepthError, IsTheNaturalCubicSpline) {
+TEST(DepthErrorModel, IsTheNaturalCubicSpline) {
   DepthError error;
   error.knots_m = {0, 1, 2};
   error.error_m = {0, 1, 0};
@@ -19,7 +19,7 @@ TEST(DepthError, IsTheNaturalCubicSpline) {
   EXPECT_NEAR(error.at(1.75, 0, kMiddle, kSize), error.at(0.25, 0, kMiddle, kSize), 1e-14);
 }
 
-TEST(DepthError, BeyondTheKnotsItIsWhatItIsAtTheEnd) {
+TEST(DepthErrorModel, BeyondTheKnotsItIsWhatItIsAtTheEnd) {
   DepthError error;
   error.knots_m = {0, 1, 2};
   error.error_m = {0.5, 1, 0};
@@ -27,7 +27,7 @@ TEST(DepthError, BeyondTheKnotsItIsWhatItIsAtTheEnd) {
   EXPECT_EQ(error.at(3, 0, kMiddle, kSize), 0);
 }
 
-TEST(DepthError, AddsTermsOfAmplitudeAndPlace) {
+TEST(DepthErrorModel, AddsTermsOfAmplitudeAndPlace) {
   DepthError error;
   error.knots_m = {1, 2};
   error.error_m = {0, 0};
@@ -38,7 +38,7 @@ TEST(DepthError, AddsTermsOfAmplitudeAndPlace) {
   EXPECT_NEAR(error.at(1.5, 0, {100, 0}, kSize), 1 - 10 + 100 - 1000 + 10000, 1e-9);
 }
 
-TEST(DepthError, ItsSigmaIsThatOfTheSpline) {
+TEST(DepthErrorModel, ItsSigmaIsThatOfTheSpline) {
   DepthError error;
   error.knots_m = {0, 1, 2};
   error.error_m = {0, 1, 0};

@@ -47,7 +47,7 @@ struct Rig {
   }
 };
 
-DepthCameraUnderTest make_usb() {
+DepthCameraUnderTest make_usb_camera() {
   auto rig = std::make_shared<Rig>();
   DepthCameraUnderTest out;
   out.camera = rig->open();
@@ -63,7 +63,7 @@ DepthCameraUnderTest make_usb() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Usb, DepthCameraContract,
-                         ::testing::Values(DepthCameraMaker{"usb", make_usb}),
+                         ::testing::Values(DepthCameraMaker{"usb", make_usb_camera}),
                          [](const auto& maker) { return maker.param.name; });
 
 class TofUsbFaults : public ::testing::Test {

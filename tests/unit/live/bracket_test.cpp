@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Size kPlate{96, 64};
+constexpr Size kShotSize{96, 64};
 constexpr double kRest_s = 8e-3;
 
 /// Its exposure as it was set, with every fault.
@@ -62,9 +62,9 @@ class ExposedRig final : public SweepRig {
     return true;
   }
   void draw(double exposure_s, Image<Rgb8>& plate) const {
-    plate.reset(kPlate);
-    for (int y = 0; y < kPlate.height; ++y)
-      for (int x = 0; x < kPlate.width; ++x) {
+    plate.reset(kShotSize);
+    for (int y = 0; y < kShotSize.height; ++y)
+      for (int x = 0; x < kShotSize.width; ++x) {
         const double light = x < 20 && y < 12 ? lamp : surface * std::pow(90, x / 95.0);
         const std::uint8_t v =
             srgb_byte_from_linear(static_cast<float>(light * exposure_s / kRest_s));

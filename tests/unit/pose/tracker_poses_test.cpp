@@ -17,15 +17,15 @@ using test::TexturedBox;
 
 const Pose kWorldFromBase{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())),
                           {1, 2, 1.5}};
-const Pose kFisheyeFromTarget{Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX())),
-                              {0.07, -0.08, 0.01}};
+const Pose kTrackerFisheyeFromTarget{
+    Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX())), {0.07, -0.08, 0.01}};
 constexpr double kPictureStep_s = 0.1;
 
 Pose room_from_fisheye_at(double t_s) {
   return test::in_the_box({0.4 * t_s - 0.2, 0.1, 0.1 * t_s}, {0, 0.03, 0.3 * t_s});
 }
 Pose world_from_target_at(double t_s) {
-  return kWorldFromBase * room_from_fisheye_at(t_s) * kFisheyeFromTarget;
+  return kWorldFromBase * room_from_fisheye_at(t_s) * kTrackerFisheyeFromTarget;
 }
 
 HostTime at(double t_s) {
@@ -38,7 +38,8 @@ class TrackerPosesTest : public ::testing::Test {
   void make(double smooth_s) {
     TrackerPoseOptions options;
     options.fisheye = TexturedBox::camera();
-    options.fisheye_from_target = kFisheyeFromTarget, options.world_from_base = kWorldFromBase;
+    options.fisheye_from_target = kTrackerFisheyeFromTarget,
+    options.world_from_base = kWorldFromBase;
     options.tracker.start_radius_m = 0.4, options.tracker.start_radius_rad = 0.4;
     options.threads = 2, options.smooth_s = smooth_s;
     poses_ = make_tracker_poses(box_.panorama(), options);

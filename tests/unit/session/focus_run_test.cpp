@@ -18,11 +18,11 @@ namespace {
 constexpr int kEmpty = 3, kFrames = 8;
 constexpr int kBoxPixel = 32 + 65536 * 24, kWallPixel = 5 + 65536 * 5;
 
-using Pictures = std::vector<std::vector<Rgb8>>;
+using FramePictures = std::vector<std::vector<Rgb8>>;
 
 class KeptPictures final : public output::CompositeSink {
  public:
-  KeptPictures(Pictures& kept, std::function<void()> between)
+  KeptPictures(FramePictures& kept, std::function<void()> between)
       : kept_(kept), between_(std::move(between)) {}
   std::string_view name() const override { return "kept"; }
   render::OutputMask wanted(int number) const override {
@@ -39,7 +39,7 @@ class KeptPictures final : public output::CompositeSink {
   Result<void> finish() override { return {}; }
 
  private:
-  Pictures& kept_;
+  FramePictures& kept_;
   mutable std::function<void()> between_;
 };
 
@@ -63,7 +63,7 @@ class FocusRun : public ::testing::Test {
     RunOptions options;
     options.judge = false, options.controls = &controls_;
     options.scene = std::make_shared<SceneFollower>(session, false);
-    Pictures kept;
+    FramePictures kept;
     options.sinks.push_back(std::make_unique<KeptPictures>(kept, std::move(between)));
     const SystemClock clock;
     const auto report = run(session, std::move(options), clock, {});

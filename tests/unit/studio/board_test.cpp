@@ -13,7 +13,7 @@
 namespace mixrig::studio {
 namespace {
 
-BoardOptions small() {
+BoardOptions small_board() {
   BoardOptions o;
   o.rig = RigPreset::kSr3000;
   o.seed = 5;
@@ -39,8 +39,8 @@ bool same(const Image<T>& a, const Image<T>& b) {
 }
 
 TEST(Board, gives_the_same_bytes_in_any_order_and_on_two_threads) {
-  BoardStudio one = make(small());
-  BoardOptions options = small();
+  BoardStudio one = make(small_board());
+  BoardOptions options = small_board();
   options.threads = 2;
   BoardStudio two = make(options);
   BoardView a, b;
@@ -59,7 +59,7 @@ TEST(Board, gives_the_same_bytes_in_any_order_and_on_two_threads) {
 
 /// The true projections of the square centres have the colour of the pattern.
 TEST(Board, true_pose_projects_every_square_into_the_target_picture) {
-  BoardOptions options = small();
+  BoardOptions options = small_board();
   options.noise = 0;
   BoardStudio studio = make(options);
   const BoardPlan& plan = options.board;
@@ -84,7 +84,7 @@ TEST(Board, true_pose_projects_every_square_into_the_target_picture) {
 
 TEST(Board, tof_distance_is_the_truth_plus_the_stated_error) {
   for (const double error_m : {0.0, 0.015}) {
-    BoardOptions options = small();
+    BoardOptions options = small_board();
     options.noise = 0;
     options.depth_error_m = error_m;
     BoardStudio studio = make(options);
@@ -107,7 +107,7 @@ TEST(Board, tof_distance_is_the_truth_plus_the_stated_error) {
 }
 
 TEST(Board, pan_tilt_stops_at_whole_steps_and_keeps_the_board_in_the_room) {
-  BoardOptions options = small();
+  BoardOptions options = small_board();
   options.pan_tilt = true;
   options.views = 12;
   BoardStudio studio = make(options);
@@ -138,7 +138,7 @@ TEST(Board, bends_by_the_requested_amount) {
 
 TEST(Board, refuses_options_out_of_range) {
   const auto refused = [](auto change) {
-    BoardOptions options = small();
+    BoardOptions options = small_board();
     change(options);
     const auto studio = BoardStudio::create(options);
     return !studio && studio.error().code == ErrorCode::kUsage;

@@ -136,25 +136,26 @@ TEST(MocapCommands, ReportTheFileAndTheReasonInOneLine) {
             "[[marker]]\nposition_m = [0, 0, 0]\n[[marker]]\nposition_m = [1, 0, 0]\n"
             "[[marker]]\nposition_m = [1, 1, 0]\n[[marker]]\nposition_m = [0, 1, 0]\n");
   const auto before = take.contents();
-  struct Row {
+  struct Mistake {
     const char* words;
     int status;
     const char* says;
   };
-  for (const Row& row :
-       {Row{"track", 2, "--mocap"}, Row{"track --mocap no.csv", 2, "no.csv"},
-        Row{"track --mocap broken.csv", 2, "broken.csv:2"},
-        Row{"track --mocap walk.csv", 1, "--constellation"},
-        Row{"track --mocap packets.bin", 2, "packet 1"},
-        Row{"track --mocap packets.bin --natnet 2.9", 2, "--natnet"},
-        Row{"track --mocap natnet:127.0.0.1:99999", 2, "natnet:HOST"},
-        Row{"track --mocap natnet:no.such.host.invalid", 2, "no.such.host.invalid"},
-        Row{"track --mocap walk.csv --constellation body.toml --calibration bodyless.toml", 1,
-            "holds no pose of the body"},
-        Row{"track --mocap walk.csv --constellation square.toml", 1, "turned"},
-        Row{"track --mocap walk.csv --constellation body.toml --calibration no.toml", 2, "no.toml"},
-        Row{"calibrate external no.toml", 2, "no.toml"},
-        Row{"calibrate external body.toml", 2, "body.toml:3"}}) {
+  for (const Mistake& row :
+       {Mistake{"track", 2, "--mocap"}, Mistake{"track --mocap no.csv", 2, "no.csv"},
+        Mistake{"track --mocap broken.csv", 2, "broken.csv:2"},
+        Mistake{"track --mocap walk.csv", 1, "--constellation"},
+        Mistake{"track --mocap packets.bin", 2, "packet 1"},
+        Mistake{"track --mocap packets.bin --natnet 2.9", 2, "--natnet"},
+        Mistake{"track --mocap natnet:127.0.0.1:99999", 2, "natnet:HOST"},
+        Mistake{"track --mocap natnet:no.such.host.invalid", 2, "no.such.host.invalid"},
+        Mistake{"track --mocap walk.csv --constellation body.toml --calibration bodyless.toml", 1,
+                "holds no pose of the body"},
+        Mistake{"track --mocap walk.csv --constellation square.toml", 1, "turned"},
+        Mistake{"track --mocap walk.csv --constellation body.toml --calibration no.toml", 2,
+                "no.toml"},
+        Mistake{"calibrate external no.toml", 2, "no.toml"},
+        Mistake{"calibrate external body.toml", 2, "body.toml:3"}}) {
     const Outcome outcome =
         take.mixrig(std::string(row.words) + (row.words[0] == 't' ? " --out bad.tum" : ""));
     EXPECT_EQ(outcome.status, row.status) << row.words << ": " << outcome.err;
