@@ -52,7 +52,7 @@ def play_at(rate_hz, take):
     (take / "take.toml").write_text(re.sub(r"rate_hz = [0-9.]+", f"rate_hz = {rate_hz:.1f}", text))
 
 
-def studio(mixrig, folder, options):
+def render_take(mixrig, folder, options):
     """A take; what any test of this build has rendered is copied."""
     subprocess.run([STUDIO_TAKE, mixrig, folder, "--plain", *options.split()], check=True, stdout=subprocess.DEVNULL)
 
@@ -66,7 +66,7 @@ class Rig:
         self.folder = pathlib.Path(folder)
         self.scene_file = self.folder / "take/scene.toml"
         take = self.folder / "take"
-        studio(mixrig, take, "--scenario walk --rig kinect2 --seed 7 --size 640x512 --frames 24")
+        render_take(mixrig, take, "--scenario walk --rig kinect2 --seed 7 --size 640x512 --frames 24")
         play_at(10, take)  # which a loaded machine can follow
         self.log = open(self.folder / "log", "w+")
         self.source = f"take:{take}"
@@ -139,7 +139,7 @@ class HalfLost(LiveRig):
         self.scene_file = self.folder / "scene.toml"
         self.scene_file.write_text('[camera]\npose = "identity"\n')
         for name, frames, rate_hz in (("long", 40, 2), ("short", 10, 30)):
-            studio(mixrig, self.folder / name, f"--scenario walk --rig sr3000 --seed 7 --size 64x48 --frames {frames}")
+            render_take(mixrig, self.folder / name, f"--scenario walk --rig sr3000 --seed 7 --size 64x48 --frames {frames}")
             play_at(rate_hz, self.folder / name)
         self.rig_file = self.folder / "rig.toml"
         self.rig_file.write_text(f'format = 1\n[[camera]]\nname = "color"\nuri = "take:{self.folder}/long/color"\n'
@@ -153,7 +153,7 @@ class HeadRig(LiveRig):
     def __init__(self, mixrig, folder):
         self.folder = pathlib.Path(folder) / "head"
         take = self.folder / "take"
-        studio(mixrig, take, "--scenario sweep --rig sr3000 --seed 31 --size 64x48 --field 80x60 --view-frames 2")
+        render_take(mixrig, take, "--scenario sweep --rig sr3000 --seed 31 --size 64x48 --field 80x60 --view-frames 2")
         self.scene_file = self.folder / "scene.toml"
         base = re.search(r"\[camera.world_from_base\]\n.*\n.*\n", (take / "scene_pan_tilt.toml").read_text())[0]
         self.scene_file.write_text(f'# ours\n[camera]\npose = "pan_tilt"\n{base}')
