@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # For builds from nothing (./check, ./demo): most files spend their time on the same headers and
-# templates. These are precompiled, and the files of a room are compiled eight at a time (a unity
+# templates. These are precompiled, and the files of a room are compiled many at a time (a unity
 # build), so that names in anonymous namespaces are unique in a room. Off by default: an edit in the
 # tree is then compiled alone and with its own includes only, and ccache is of more use.
 option(MIXRIG_BATCH "Precompiled headers, and several files of a room in one compilation" OFF)
@@ -11,7 +11,14 @@ if(NOT MIXRIG_BATCH OR MIXRIG_FUZZ)
 endif()
 
 set(CMAKE_UNITY_BUILD ON)
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)  # of tests
+# Files of a room in one compilation at most; fewer where it would take over a minute or 2.5 GB.
+set(MIXRIG_BATCH_FILES 32)
+set(MIXRIG_BATCH_FILES_mixrig_estimation 8)
+set(MIXRIG_BATCH_FILES_mixrig_reconstruction 11)
+set(MIXRIG_BATCH_FILES_mixrig_model 21)
+set(MIXRIG_BATCH_FILES_mixrig_session 27)
+set(MIXRIG_BATCH_FILES_mixrig 21)
 add_compile_options(-pthread)  # the same for all, or a header would not be taken
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(-fpch-preprocess)  # for ccache
@@ -27,18 +34,16 @@ set(MIXRIG_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 function(mixrig_pch name)
   cmake_parse_arguments(P "" "" "HEADERS;LINKS" ${ARGN})
   add_library(mixrig_pch_${name} OBJECT ${CMAKE_BINARY_DIR}/batch/empty.cpp)
-  target_link_libraries(mixrig_pch_${name} PRIVATE mixrig_options fmt::fmt Eigen3::Eigen
-    nlohmann_json::nlohmann_json ${P_LINKS})
+  target_link_libraries(mixrig_pch_${name} PRIVATE mixrig_options fmt::fmt Eigen3::Eigen ${P_LINKS})
   target_precompile_headers(mixrig_pch_${name} PRIVATE
     <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <cstdint> <cstdio> <cstring> <filesystem>
     <fstream> <functional> <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <random> <span>
     <sstream> <string> <string_view> <thread> <utility> <variant> <vector>
-    <fmt/format.h> <Eigen/Dense> <nlohmann/json.hpp> ${P_HEADERS})
+    <fmt/format.h> <Eigen/Dense> ${P_HEADERS})
 endfunction()
 
 find_package(fmt REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
-find_package(nlohmann_json REQUIRED)
 mixrig_pch(room)
 if(MIXRIG_TESTS)
   find_package(GTest REQUIRED)
@@ -52,5 +57,11 @@ function(mixrig_precompile target which)
   target_precompile_headers(${target} REUSE_FROM mixrig_pch_${which})
   if(which STREQUAL "test")
     target_compile_options(${target} PRIVATE ${MIXRIG_TEST_OPTIONS})
+    return()
   endif()
+  set(most ${MIXRIG_BATCH_FILES})
+  if(DEFINED MIXRIG_BATCH_FILES_${target})
+    set(most ${MIXRIG_BATCH_FILES_${target}})
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${most})
 endfunction()

@@ -6,9 +6,10 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "hal/base/order_statistics.h"
+#include "host/geometry/linear.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -48,7 +49,8 @@ Poses measure(const RigData& data, RigModel& model, double& sigma_px, Crew& crew
     const Eigen::Matrix<double, 6, 6> information = sums.sum.topLeftCorner<6, 6>();
     const ViewSet::Angles& angles = data.set.angles[view];
     poses.views.push_back(view);
-    poses.chain.push_back({angles.pan_rad, angles.tilt_rad, *refined[view], information.inverse()});
+    poses.chain.push_back(
+        {angles.pan_rad, angles.tilt_rad, *refined[view], geometry::inverse_of(information)});
   }
   return poses;
 }

@@ -15,7 +15,7 @@ using config::Table;
 constexpr std::size_t kMaxCalibrationBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxKnots = 1000;
 constexpr int kMaxPanTiltParameters = 64;
-constexpr Range kDirection{-2, 2}, kPlace_m{-1e6, 1e6}, kDepthError_m{-1e3, 1e3};
+constexpr Range kDirection{-2, 2}, kDistance_m{-1e6, 1e6}, kDepthError_m{-1e3, 1e3};
 
 Eigen::Vector3d parse_vector(const Table& table, const char* key, Range range) {
   const auto v = table.numbers(key, 3, 3, range);
@@ -26,7 +26,7 @@ DepthError parse_depth_error(const Table& table, const char* camera) {
   DepthError error;
   error.camera = camera;
   error.camera = table.text_or("camera", error.camera);
-  error.knots_m = table.numbers("knots_m", 2, kMaxKnots, kPlace_m);
+  error.knots_m = table.numbers("knots_m", 2, kMaxKnots, kDistance_m);
   error.error_m =
       table.numbers("error_m", error.knots_m.size(), error.knots_m.size(), kDepthError_m);
   const bool growing = std::is_sorted(error.knots_m.begin(), error.knots_m.end(),
@@ -50,7 +50,7 @@ PanTilt::Axis parse_axis(const Table& table) {
   axis.direction = parse_vector(table, "direction", kDirection);
   if (table.present() && std::abs(axis.direction.norm() - 1) > 1e-3)
     table.fail("direction", "must have length 1: divide it by its length");
-  axis.point_m = parse_vector(table, "point_m", kPlace_m);
+  axis.point_m = parse_vector(table, "point_m", kDistance_m);
   axis.scale = table.number_or("scale", 1, {-100, 100});
   axis.offset_rad = table.number_or("offset_rad", 0, {-10, 10});
   axis.step_rad = table.number_or("step_rad", 0, {0, 1});

@@ -35,8 +35,23 @@ SymmetricSolver::SymmetricSolver(const Eigen::MatrixXd& symmetric) : ldlt_(symme
 
 Eigen::MatrixXd SymmetricSolver::solve(const Eigen::MatrixXd& b) const { return ldlt_.solve(b); }
 
+Eigen::VectorXd SymmetricSolver::solve_column(const Eigen::VectorXd& b) const {
+  return ldlt_.solve(b);
+}
+
 double SymmetricSolver::least_pivot() const {
   return ldlt_.info() == Eigen::Success ? ldlt_.vectorD().minCoeff() : -1;
+}
+
+Eigen::MatrixXd solve_by_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.partialPivLu().solve(b);
+}
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& a) { return a.inverse(); }
+
+SingularValues singular_values_of(const Matrix3d& a) {
+  const Eigen::JacobiSVD<Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
 }
 
 PointSpread spread_of(std::span<const Vector3d> points_m, std::span<const int> indices) {
@@ -52,11 +67,11 @@ PointSpread spread_of(std::span<const Vector3d> points_m, std::span<const int> i
 }
 
 RotationFit fit_rotation(const Matrix3d& cross) {
-  const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const bool mirrored = svd.matrixU().determinant() * svd.matrixV().determinant() < 0;
+  const SingularValues svd = singular_values_of(cross);
+  const bool mirrored = svd.u.determinant() * svd.v.determinant() < 0;
   const Vector3d sign(1, 1, mirrored ? -1 : 1);
-  const Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  return {Eigen::Quaterniond(rotation).normalized(), svd.singularValues(), mirrored};
+  const Matrix3d rotation = svd.u * sign.asDiagonal() * svd.v.transpose();
+  return {Eigen::Quaterniond(rotation).normalized(), svd.values, mirrored};
 }
 
 }  // namespace mixrig::estimation

@@ -36,12 +36,24 @@ class SymmetricSolver {
  public:
   explicit SymmetricSolver(const Eigen::MatrixXd& symmetric);
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
+  Eigen::VectorXd solve_column(const Eigen::VectorXd& b) const;
   /// Least element of D; -1 where A could not be factorised.
   double least_pivot() const;
 
  private:
   Eigen::LDLT<Eigen::MatrixXd> ldlt_;
 };
+
+/// By LU with partial pivoting.
+Eigen::MatrixXd solve_by_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& a);
+
+/// A = U diag(values) V^T, values in descending order.
+struct SingularValues {
+  Eigen::Matrix3d u, v;
+  Eigen::Vector3d values;
+};
+SingularValues singular_values_of(const Eigen::Matrix3d& a);
 
 /// Mean, root mean square spread along the principal axes (thinnest first), and these as columns.
 struct PointSpread {

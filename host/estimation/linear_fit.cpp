@@ -10,4 +10,8 @@ LinearFit solve_linear(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return {qr.solve(b), qr.rank()};
 }
 
+Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.colPivHouseholderQr().solve(b);
+}
+
 }  // namespace mixrig::estimation

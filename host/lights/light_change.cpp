@@ -5,9 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::lights {
 namespace {
@@ -137,7 +138,7 @@ std::optional<LightChange> fit_light_change(std::span<const WatchedPlace> places
   }
   if (!(sum > 0)) return std::nullopt;
   const Eigen::MatrixXd a = normal_of(places, weight, median).a;
-  change.sigma = (a.inverse().diagonal() * squares / sum).cwiseSqrt();
+  change.sigma = (estimation::inverse_of(a).diagonal() * squares / sum).cwiseSqrt();
   change.places_weight = sum / static_cast<double>(places.size());
   find_gain(change);
   find_agreement(places, most_off, change);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "hal/base/angles.h"
 #include "hal/base/order_statistics.h"
 #include "hal/base/srgb.h"
+#include "host/estimation/decompositions.h"
 #include "host/lights/lamp_plane.h"
 
 namespace mixrig::lights {
@@ -287,13 +287,12 @@ estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
   light_equations(places, brightness, all, a, b);
   hold_scale(all, a, b);
   Answer answer;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(a);
+  const estimation::DenseSpectrum spectrum = estimation::dense_spectrum_of(a);
   const double relative = all.spread / sum;
-  if (!(spectrum.eigenvalues()[0] > std::pow(relative / kMostSigma, 2)))
+  if (!(spectrum.values[0] > std::pow(relative / kMostSigma, 2)))
     return Answer::degenerate("the lamps light the planes alike, or hardly at all");
-  answer.covariance = relative * relative * spectrum.eigenvectors() *
-                      spectrum.eigenvalues().cwiseInverse().asDiagonal() *
-                      spectrum.eigenvectors().transpose();
+  answer.covariance = relative * relative * spectrum.axes *
+                      spectrum.values.cwiseInverse().asDiagonal() * spectrum.axes.transpose();
   RoomLight& light = answer.value;
   light.samples = static_cast<int>(places.size()), light.planes = planes;
   light.residual = all.spread;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include "host/geometry/linear.h"
 
 namespace mixrig::model {
 namespace {
@@ -86,9 +86,9 @@ std::optional<InversePlane> ClickRegion::fit(const std::vector<ClickPlace>& plac
     information += weight * s.ray * s.ray.transpose();
     right += weight / z_m * s.ray;
   }
-  const Eigen::LDLT<Matrix3d> solver(information);
-  if (solver.info() != Eigen::Success || !solver.isPositive()) return {};
-  InversePlane plane{solver.solve(right), solver.solve(Matrix3d::Identity())};
+  const geometry::SymmetricSolver<3> solver(information);
+  if (!solver.is_solved() || !solver.is_positive()) return {};
+  InversePlane plane{solver.solve(right), solver.inverse()};
   if (!plane.a.allFinite() || !(plane.a.norm() > 0)) return {};
   return plane;
 }

@@ -6,11 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/points/plane_fit.h"
+#include "host/geometry/linear.h"
 #include "host/model/click_region.h"
 #include "host/model/click_step.h"
 
@@ -93,9 +92,9 @@ bool is_curved(const ClickGrid& grid, const ClickRegion& region, const InversePl
     a += row * row.transpose(), b += region.sigmas(plane, at) * here_m * row;
     sigma_m += here_m / static_cast<double>(on.size());
   }
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(a);
+  const geometry::SymmetricSolver<6> solver(a);
   const Vector6d bend_m = solver.solve(b);
-  const Eigen::Matrix<double, 6, 6> inverse = solver.solve(Eigen::Matrix<double, 6, 6>::Identity());
+  const Eigen::Matrix<double, 6, 6> inverse = solver.inverse();
   for (int i = 3; i < 6; ++i)
     if (std::abs(bend_m[i]) >
         std::max(kCurved_m, kCurvedSigmas * sigma_m * std::sqrt(inverse(i, i))))
@@ -162,8 +161,8 @@ void judge_sigmas(const InversePlane& plane, const geometry::Pose& view_from_tof
   const Vector3d n = plane.a / norm;
   const Matrix3d across = (Matrix3d::Identity() - n * n.transpose()) / norm;
   const Matrix3d turn = across * plane.covariance * across.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> spread(turn);
-  out.normal_sigma_rad = std::sqrt(std::max(0.0, spread.eigenvalues()[2]));
+  const estimation::Spectrum spread = estimation::spectrum_of(turn);
+  out.normal_sigma_rad = std::sqrt(std::max(0.0, spread.values[2]));
   const Vector3d p = geometry::inverse(view_from_tof) * out.point_m;
   const double statistical_m = std::sqrt(std::max(0.0, p.dot(plane.covariance * p))) / norm;
   out.offset_sigma_m = std::hypot(statistical_m, kCommonShare * sigma_m);

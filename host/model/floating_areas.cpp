@@ -12,7 +12,7 @@ namespace mixrig::model {
 namespace {
 
 constexpr double kLeastFloating_sr = 9 * kDeg * kDeg;
-constexpr double kBefore_m = 0.15, kOnPlane_m = 0.04, kLeastOnPlane = 0.7;
+constexpr double kBefore_m = 0.15, kNearPlane_m = 0.04, kLeastOnPlane = 0.7;
 constexpr float kJoined_m = 0.3F;  ///< wrapped depth scatters by a tenth of it
 constexpr double kWrappedNoise = 6;
 constexpr int kMixed_px = 2;  ///< width of a border, whose pixels have parts of both
@@ -38,7 +38,8 @@ float noise_of_plane_at(const Panorama& p, const std::array<int, 2>& border,
   for (int dy = -kMixed_px; dy <= kMixed_px; ++dy)
     for (int dx = -kMixed_px; dx <= kMixed_px; ++dx) {
       const int x = (border[0] + dx + size.width) % size.width, y = border[1] + dy;
-      if (y >= 0 && y < size.height && std::abs(off_m(x, y)) < kOnPlane_m) return noise_at(p, x, y);
+      if (y >= 0 && y < size.height && std::abs(off_m(x, y)) < kNearPlane_m)
+        return noise_at(p, x, y);
     }
   return 0;
 }

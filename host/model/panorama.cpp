@@ -20,7 +20,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kMostCandidates = 16;
-constexpr int kSteps = 5;            ///< of the fixed point
+constexpr int kMeetSteps = 5;        ///< of the fixed point
 constexpr double kSettled_m = 1e-3;  ///< change of the last step
 constexpr double kStart_m = 2.5;     ///< first guess of a distance
 constexpr float kStepShare = 0.03F;  ///< of the distance: neighbours further apart are an edge
@@ -42,12 +42,12 @@ struct Candidate {
   float distance_m = 0, sigma_m = 0, weight = 0;
 };
 
-struct Sample {
+struct MetSample {
   double distance_m = 0, sigma_m = 0, weight = 0;
 };
 
 /// Distance, its sigma and the weight of a pixel; weight 0 where nothing is known.
-Sample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_rad) {
+MetSample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_rad) {
   const Size size = view.distance_m.size();
   const int x = static_cast<int>(std::floor(px.x())), y = static_cast<int>(std::floor(px.y()));
   if (x < 0 || y < 0 || x + 1 >= size.width || y + 1 >= size.height) return {};
@@ -72,16 +72,16 @@ Sample sample_at(const ScanView& view, const Vector2d& px, double pixels_per_rad
 }
 
 /// Where a ray from the origin meets the surface that a view measured; weight 0 where it does not.
-Sample meet(const PreparedView& from, const Vector3d& ray, const geometry::CameraModel& tof,
-            double guess_m) {
-  Sample found;
+MetSample meet(const PreparedView& from, const Vector3d& ray, const geometry::CameraModel& tof,
+               double guess_m) {
+  MetSample found;
   double along_m = guess_m;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kMeetSteps; ++step) {
     const Vector3d p = from.tof_from_base * (along_m * ray);
     if (p.z() <= 0) return {};
     const auto px = tof.project(p);
     if (!px) return {};
-    const Sample sample = sample_at(*from.view, *px, tof.pinhole.fx_px);
+    const MetSample sample = sample_at(*from.view, *px, tof.pinhole.fx_px);
     if (sample.weight <= 0) return {};
     const Vector3d met = from.eye_m + sample.distance_m * (along_m * ray - from.eye_m).normalized();
     const double next_m = met.dot(ray), change = std::abs(next_m - along_m);
@@ -162,7 +162,7 @@ class Fusion {
     for (const PreparedView& from : views_) {
       if (from.axis.dot(ray) < from.least_cosine) continue;
       if (out_.field.row(y)[x] == 0 && is_inside(from, ray, guess_m)) out_.field.row(y)[x] = 1;
-      const Sample met = meet(from, ray, tof_, guess_m);
+      const MetSample met = meet(from, ray, tof_, guess_m);
       if (met.weight <= 0 || count == candidates.size()) continue;
       candidates[count++] = {static_cast<float>(met.distance_m), static_cast<float>(met.sigma_m),
                              static_cast<float>(met.weight)};

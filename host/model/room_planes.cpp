@@ -7,9 +7,8 @@
 #include <optional>
 #include <span>
 
-#include <Eigen/Cholesky>
-
 #include "hal/base/order_statistics.h"
+#include "host/geometry/linear.h"
 
 namespace mixrig::model {
 namespace {
@@ -97,8 +96,8 @@ std::optional<Vector3d> refined(const std::vector<PlaneSample>& samples, Vector3
       squares += weight * s.ray * s.ray.transpose();
       right += weight * w * s.ray;
     }
-    const Eigen::LDLT<Eigen::Matrix3d> solver(squares);
-    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return {};
+    const geometry::SymmetricSolver<3> solver(squares);
+    if (!(solver.least_pivot() > 0)) return {};
     inverse_per_m = solver.solve(right);
     if (!inverse_per_m.allFinite()) return {};
     gate_m = std::max(kLeastGate_m, kMadSigmas * upper_median_in_place(std::span(off_m)));

@@ -7,10 +7,9 @@
 #include <optional>
 #include <span>
 
-#include <Eigen/Cholesky>
-
 #include "hal/base/angles.h"
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
 #include "host/estimation/verdict.h"
 #include "host/model/view_detail.h"
 
@@ -42,7 +41,7 @@ struct UnitRay {
 };
 
 /// A point that one view measured and another one may see.
-struct Sample {
+struct AlignSample {
   std::size_t from = 0, to = 0;
   bool held_out = false;
   Vector3d point_m;  ///< in base axes by the angles of `from`
@@ -109,7 +108,7 @@ class Aligner {
   std::vector<HeldOut> held_out() {
     std::vector<HeldOut> out(views_.size());
     for (std::size_t view = 0; view < views_.size(); ++view)
-      for (const Sample& sample : samples_[view]) {
+      for (const AlignSample& sample : samples_[view]) {
         if (!sample.held_out) continue;
         const auto depth = distance(sample);
         if (!depth) continue;
@@ -145,8 +144,8 @@ class Aligner {
   void find_samples();
   void find_samples_of(std::size_t view);
   void improve();
-  std::optional<Difference> distance(const Sample& sample) const;
-  std::optional<Difference> color_difference(const Sample& sample) const;
+  std::optional<Difference> distance(const AlignSample& sample) const;
+  std::optional<Difference> color_difference(const AlignSample& sample) const;
 
   std::span<const ScanView> views_;
   const geometry::CameraModel& tof_;
@@ -155,8 +154,8 @@ class Aligner {
   Image<UnitRay> rays_;  ///< of the ToF pixels
   std::vector<Vector3d> turns_;
   std::vector<Posed> posed_;
-  std::vector<std::vector<Sample>> samples_;  ///< by the view that measured
-  std::vector<Image<float>> details_;         ///< of the plates at level_
+  std::vector<std::vector<AlignSample>> samples_;  ///< by the view that measured
+  std::vector<Image<float>> details_;              ///< of the plates at level_
   int level_ = 1;
 };
 
@@ -194,7 +193,7 @@ bool is_inside(Size size, const Vector2d& px, int reach) {
 }
 
 /// Leaves evenly spaced ones.
-void thin_out(std::vector<Sample>& samples) {
+void thin_out(std::vector<AlignSample>& samples) {
   const std::size_t every = samples.size() / kSamplesOfView + 1;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < samples.size(); i += every) samples[kept++] = samples[i];
@@ -210,7 +209,8 @@ void Aligner::find_samples_of(std::size_t from) {
     for (int x = step / 2; x < size.width; x += step) {
       const float distance_m = view.distance_m.row(y)[x];
       if (distance_m <= 0 || rays_.row(y)[x].z <= 0) continue;
-      Sample sample{.from = from, .point_m = {}, .sigma_m = view.sigma_m.row(y)[x], .plate_px = {}};
+      AlignSample sample{
+          .from = from, .point_m = {}, .sigma_m = view.sigma_m.row(y)[x], .plate_px = {}};
       sample.held_out = (x / kBlock_px + 2 * (y / kBlock_px)) % 3 == 0;
       sample.point_m = view.base_from_tof * rays_.row(y)[x].at(distance_m);
       for (sample.to = 0; sample.to < views_.size(); ++sample.to) {
@@ -228,7 +228,7 @@ void Aligner::find_samples_of(std::size_t from) {
 }
 
 /// Point to plane, with the plane of the other view at the point's own pixel there.
-std::optional<Difference> Aligner::distance(const Sample& sample) const {
+std::optional<Difference> Aligner::distance(const AlignSample& sample) const {
   const Posed& to = posed_[sample.to];
   const ScanView& other = views_[sample.to];
   const Vector3d p_base = posed_[sample.from].turn * sample.point_m;
@@ -257,7 +257,7 @@ std::optional<Difference> Aligner::distance(const Sample& sample) const {
   return d;
 }
 
-std::optional<Difference> Aligner::color_difference(const Sample& sample) const {
+std::optional<Difference> Aligner::color_difference(const AlignSample& sample) const {
   const Posed& to = posed_[sample.to];
   if (!sample.plate_px || views_[sample.to].plate.empty()) return {};
   const Vector3d p_base = posed_[sample.from].turn * sample.point_m;
@@ -284,7 +284,7 @@ void Aligner::improve() {
   std::vector<PairSum> sums(n * n);
   crew_.rows(static_cast<int>(n), 1, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
-      for (const Sample& sample : samples_[static_cast<std::size_t>(i)]) {
+      for (const AlignSample& sample : samples_[static_cast<std::size_t>(i)]) {
         if (sample.held_out) continue;
         const auto depth = distance(sample);
         if (!depth) continue;
@@ -309,7 +309,7 @@ void Aligner::improve() {
       gradient.segment<3>(a) += sum.gradient, gradient.segment<3>(b) -= sum.gradient;
     }
   }
-  const Eigen::VectorXd step = squares.ldlt().solve(gradient);
+  const Eigen::VectorXd step = estimation::SymmetricSolver(squares).solve_column(gradient);
   for (std::size_t i = 0; i < n; ++i)
     turns_[i] -= step.segment<3>(static_cast<Eigen::Index>(3 * i));
   pose_views();

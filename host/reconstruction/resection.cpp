@@ -9,6 +9,7 @@
 #include "hal/base/order_statistics.h"
 #include "host/estimation/consensus.h"
 #include "host/estimation/pose/p3p.h"
+#include "host/geometry/linear.h"
 #include "host/reconstruction/rays.h"
 #include "host/reconstruction/sampler.h"
 
@@ -83,10 +84,9 @@ std::optional<Resection> refine_pose(Places places, Rays rays, const geometry::P
   for (int round = 0; round < kRounds; ++round) {
     const auto sum = equations_of(places, rays, found.camera_from_map,
                                   scale_of(places, rays, found.camera_from_map));
-    const Eigen::LDLT<Matrix6> solver(sum.left);
+    const geometry::SymmetricSolver<6> solver(sum.left);
     const Vector6 step = solver.solve(sum.right);
-    if (solver.info() != Eigen::Success || !step.allFinite() || step.head<3>().norm() > 1)
-      return std::nullopt;
+    if (!solver.is_solved() || !step.allFinite() || step.head<3>().norm() > 1) return std::nullopt;
     found.camera_from_map = moved(found.camera_from_map, step);
     if (step.squaredNorm() < kStill * kStill) break;
   }

@@ -14,7 +14,7 @@ constexpr int kHalf_px = 7, kSide = 2 * kHalf_px + 1, kWide = kSide + 2;
 constexpr double kWindowSigma_px = 4.5;
 constexpr double kLeastAlike = 0.8;  ///< correlation
 constexpr double kFarthest_px = 2;   ///< from where the sighting was
-constexpr double kLeastSigma_px = 0.02;
+constexpr double kFinestSigma_px = 0.02;
 
 using Wide = std::array<float, kWide * kWide>;
 
@@ -98,7 +98,7 @@ class LookTemplate {
       if (shift.norm() > 0.003) continue;
       // 1 - alike is half the sum of squared differences of two windows of sum 1.
       const double noise = (1 - alike) / 40;  // 80 pixels that count, two of them as one
-      look.sigma_px = std::max(kLeastSigma_px, std::sqrt(noise * inverse_.trace()));
+      look.sigma_px = std::max(kFinestSigma_px, std::sqrt(noise * inverse_.trace()));
       return alike > kLeastAlike;
     }
     return false;

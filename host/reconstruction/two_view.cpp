@@ -69,8 +69,8 @@ bool in_front(const geometry::Pose& b_from_a, const RayPair& pair) {
 /// Of the four motions of an essential matrix the one with most places in front.
 geometry::Pose motion_of(const Matrix3d& e, std::span<const RayPair> pairs,
                          std::span<const int> inliers) {
-  const Eigen::JacobiSVD<Matrix3d> svd(e, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d u = svd.matrixU(), v = svd.matrixV(), w;
+  const estimation::SingularValues svd = estimation::singular_values_of(e);
+  Matrix3d u = svd.u, v = svd.v, w;
   if (u.determinant() < 0) u = -u;
   if (v.determinant() < 0) v = -v;
   w << 0, -1, 0, 1, 0, 0, 0, 0, 1;

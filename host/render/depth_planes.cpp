@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
+#include "host/geometry/linear.h"
 #include "host/render/prepare.h"
 
 namespace mixrig::render {
@@ -48,8 +47,8 @@ std::optional<WPlane> fit(const std::vector<const Cell*>& cells, Use&& use) {
     ++count;
   }
   if (count < 6) return std::nullopt;
-  const Eigen::LDLT<Eigen::Matrix3d> solved(a);
-  if (solved.info() != Eigen::Success || !(solved.rcond() > 1e-12)) return std::nullopt;
+  const geometry::SymmetricSolver<3> solved(a);
+  if (!solved.is_solved() || !(solved.reciprocal_condition() > 1e-12)) return std::nullopt;
   return WPlane{solved.solve(b)};
 }
 

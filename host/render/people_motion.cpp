@@ -9,7 +9,7 @@ namespace mixrig::render {
 namespace {
 
 constexpr int kAcross = 160;      ///< samples along a row of the view, about
-constexpr int kLeastSamples = 4;  ///< of a cell's 16 that show people
+constexpr int kLeastShown = 4;    ///< of a cell's 16 that show people
 constexpr float kOneBody = 0.1F;  ///< neighbouring cells within this part of 1/z are one cluster
 constexpr float kStays = 0.85F;  ///< a motion must leave less than this of what standing still does
 constexpr float kBendCost = 1.0F;  ///< of 255, a sample that a cell moves off its cluster
@@ -65,7 +65,7 @@ void ClusterMotion::label(const PeopleSamples& now) {
       for (int j = y * kMotionCell; j < std::min(size_.height, (y + 1) * kMotionCell); ++j)
         for (int i = x * kMotionCell; i < std::min(size_.width, (x + 1) * kMotionCell); ++i)
           if (const float w = now.w.row(j)[i]; w > 0) sum += w, ++count;
-      cell_w_.row(y)[x] = count >= kLeastSamples ? sum / static_cast<float>(count) : 0;
+      cell_w_.row(y)[x] = count >= kLeastShown ? sum / static_cast<float>(count) : 0;
     }
 }
 

@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "hal/base/order_statistics.h"
+#include "host/geometry/linear.h"
 
 namespace mixrig::render {
 namespace {
@@ -54,7 +55,7 @@ Eigen::Vector3d plane_behind(const std::vector<Behind>& all) {
       normal += row(b) * row(b).transpose();
       right += b.w * row(b);
     }
-    plane = normal.ldlt().solve(right);
+    plane = geometry::SymmetricSolver<3>(normal).solve(right);
     std::vector<double> off;
     for (const Behind& b : all) off.push_back(std::abs(row(b).dot(plane) - b.w));
     limit = 2 * upper_median_in_place(std::span(off));

@@ -37,7 +37,7 @@ stream::Uuid random_uuid() {
   return id;
 }
 
-std::string_view text_of(std::span<const std::byte> bytes) {
+std::string_view chars_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -97,7 +97,7 @@ void PoseSink::send_freed(const output::Composite& composite, Receiver& to) {
   packet.position_m = composite.world_from_target.translation_m;
   if (const auto& encoders = composite.capture->encoders)
     packet.zoom = count_of(encoders->zoom), packet.focus = count_of(encoders->focus);
-  to.sender.send(text_of(stream::freed_bytes(packet)));
+  to.sender.send(chars_of(stream::freed_bytes(packet)));
 }
 
 void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) {
@@ -131,7 +131,7 @@ void PoseSink::send_opentrack(const output::Composite& composite, Receiver& to) 
   const auto sequence = static_cast<std::uint16_t>(to.samples++);
   const auto payload = stream::opentrack_payload(sample, encoding);
   for (const auto& datagram : stream::opentrack_datagrams(payload, encoding, sequence))
-    to.sender.send(text_of(datagram));
+    to.sender.send(chars_of(datagram));
 }
 
 Result<void> PoseSink::finish() {

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "host/geometry/linear.h"
 #include "host/image_io/image_io.h"
 #include "host/model/room_file.h"
 #include "host/pose/smooth_poses.h"
@@ -26,7 +27,7 @@ double nees_of(const tracking::TrackedPose& pose, const geometry::Pose& true_roo
   Eigen::Matrix<double, 6, 1> e;
   e << turn.angle() * turn.axis(),
       true_room_from_camera.translation_m - pose.room_from_camera.translation_m;
-  return e.dot(pose.covariance.ldlt().solve(e));
+  return e.dot(geometry::SymmetricSolver<6>(pose.covariance).solve(e));
 }
 
 /// What follows from a picture's pose.

@@ -25,7 +25,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPanel_px = 420, kMargin_px = 40;
+constexpr int kRoomPanel_px = 420, kMargin_px = 40;
 
 /// A pixel of the room.
 struct Surface {
@@ -70,7 +70,7 @@ std::vector<Span> spans_of(const std::vector<model::RoomPlane>& planes) {
 class Drawing {
  public:
   Drawing(const Vector3d& right, const Vector3d& up, const Vector3d& nearest)
-      : axes_{right, up, nearest}, pixels_({kPanel_px, kPanel_px}, Rgb8{255, 255, 255}) {}
+      : axes_{right, up, nearest}, pixels_({kRoomPanel_px, kRoomPanel_px}, Rgb8{255, 255, 255}) {}
 
   void fit(const std::vector<Surface>& surfaces) {
     for (const Surface& s : surfaces)
@@ -78,17 +78,18 @@ class Drawing {
         low_[i] = std::min(low_[i], s.at_m.dot(axes_[i]));
         high_[i] = std::max(high_[i], s.at_m.dot(axes_[i]));
       }
-    px_per_m_ = (kPanel_px - 2) / std::max({high_[0] - low_[0], high_[1] - low_[1], 0.1});
+    px_per_m_ = (kRoomPanel_px - 2) / std::max({high_[0] - low_[0], high_[1] - low_[1], 0.1});
   }
   void add(const Surface& s) {
     if (depth_.empty()) depth_.reset(pixels_.size(), -1e9F);
     const int x = static_cast<int>((s.at_m.dot(axes_[0]) - low_[0]) * px_per_m_);
-    const int y = kPanel_px - 2 - static_cast<int>((s.at_m.dot(axes_[1]) - low_[1]) * px_per_m_);
+    const int y =
+        kRoomPanel_px - 2 - static_cast<int>((s.at_m.dot(axes_[1]) - low_[1]) * px_per_m_);
     const auto depth = static_cast<float>(s.at_m.dot(axes_[2]));
     for (int dy = 0; dy <= 1; ++dy)
       for (int dx = 0; dx <= 1; ++dx) {
-        const int u = std::clamp(x + dx, 0, kPanel_px - 1),
-                  v = std::clamp(y + dy, 0, kPanel_px - 1);
+        const int u = std::clamp(x + dx, 0, kRoomPanel_px - 1),
+                  v = std::clamp(y + dy, 0, kRoomPanel_px - 1);
         if (depth <= depth_.row(v)[u]) continue;
         depth_.row(v)[u] = depth;
         pixels_.row(v)[u] = s.color;
@@ -108,7 +109,7 @@ class Drawing {
 /// Plan without the ceiling, and elevation of what is ahead, each with a metre beside it.
 Image<Rgb8> plan_and_elevation(const std::vector<Surface>& surfaces) {
   constexpr double kBelowCeiling_m = 0.4;
-  constexpr Rgb8 kInk{40, 40, 40};
+  constexpr Rgb8 kMarks{40, 40, 40};
   double top_m = -1e9;
   for (const Surface& s : surfaces) top_m = std::max(top_m, s.at_m.z());
   Drawing plan(Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ());
@@ -118,17 +119,18 @@ Image<Rgb8> plan_and_elevation(const std::vector<Surface>& surfaces) {
     if (s.at_m.z() < top_m - kBelowCeiling_m) plan.add(s);
     if (s.at_m.y() > 0) elevation.add(s);
   }
-  report::Canvas canvas({2 * kPanel_px + 3 * kMargin_px, kPanel_px + 2 * kMargin_px},
+  report::Canvas canvas({2 * kRoomPanel_px + 3 * kMargin_px, kRoomPanel_px + 2 * kMargin_px},
                         {255, 255, 255});
   const auto panel = [&](int left, const char* words, const Drawing& drawing) {
-    canvas.text({static_cast<double>(left), kMargin_px - 12.0}, words, 14, kInk);
+    canvas.text({static_cast<double>(left), kMargin_px - 12.0}, words, 14, kMarks);
     canvas.picture(left, kMargin_px, drawing.pixels());
-    const double y = kMargin_px + kPanel_px + 14, x = left;
-    canvas.line({{x, y}, {x + drawing.px_per_m(), y}}, 2, kInk);
-    canvas.text({x + drawing.px_per_m() + 6, y + 4}, "1 m", 12, kInk);
+    const double y = kMargin_px + kRoomPanel_px + 14, x = left;
+    canvas.line({{x, y}, {x + drawing.px_per_m(), y}}, 2, kMarks);
+    canvas.text({x + drawing.px_per_m() + 6, y + 4}, "1 m", 12, kMarks);
   };
   panel(kMargin_px, "plan, ceiling removed: x to the right, y (ahead) up", plan);
-  panel(2 * kMargin_px + kPanel_px, "elevation, what is ahead: x to the right, z up", elevation);
+  panel(2 * kMargin_px + kRoomPanel_px, "elevation, what is ahead: x to the right, z up",
+        elevation);
   return canvas.finish();
 }
 

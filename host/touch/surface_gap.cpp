@@ -11,7 +11,7 @@ constexpr int kMostSamples = 40000;      ///< pixels of a window that are looked
 constexpr float kEvidence_m2 = 0.0008F;  ///< surface that is no single error
 constexpr float kPatch_m = 0.12F;
 constexpr int kMostPatches = 16;  ///< a side
-constexpr int kLeastPoints = 6;
+constexpr int kLeastOfPatch = 6;
 constexpr float kSameSurface_m = 0.03F, kSameSurfaceSigmas = 4;
 constexpr double kSystematic_m = 0.01;  ///< of key, warp and calibration
 constexpr double kNoiseBias = 1.0;      ///< sigmas by which the nearest of many is too near
@@ -168,7 +168,7 @@ void SurfaceGaps::find_patches(double depth_sigma_m) {
     Patch& patch = patches_[static_cast<std::size_t>(s.who * of_one + s.patch)];
     patch.area_m2 += s.area_m2, patch.facing += s.area_m2 * s.facing;
     patch.sum_m += s.area_m2 * s.at_m;
-    if (++patch.points < kLeastPoints || patch.area_m2 < kEvidence_m2) continue;
+    if (++patch.points < kLeastOfPatch || patch.area_m2 < kEvidence_m2) continue;
     const double noise_m = depth_sigma_m * patch.facing / patch.area_m2;
     gap = Gap{s.distance_m + kNoiseBias * noise_m, std::hypot(kSystematic_m, noise_m),
               (patch.sum_m / patch.area_m2).cast<double>(), Evidence::kSurface};

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "host/geometry/linear.h"
 #include "host/tracking/pose_covariance.h"
 
 namespace mixrig::tracking {
@@ -167,8 +168,8 @@ bool PatchAlign::step(geometry::Pose& pose, double& moved) {
   normal.diagonal().array() += 1e-9;
   normal.diagonal().head<3>().array() += 1 / (0.3 * 0.3);
   normal.diagonal().tail<3>().array() += 1 / (0.5 * 0.5);
-  const Eigen::LLT<Matrix6> solver(normal);
-  if (solver.info() != Eigen::Success) return false;
+  const geometry::Cholesky6 solver(normal);
+  if (!solver.is_positive()) return false;
   const Vector6 x = solver.solve(right);
   if (!x.allFinite() || x.head<3>().norm() > 0.5 || x.tail<3>().norm() > 1) return false;
   const Eigen::Quaterniond turn = turn_by(x.head<3>());

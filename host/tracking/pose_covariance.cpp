@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+
+#include "host/geometry/linear.h"
 
 namespace mixrig::tracking {
 namespace {
@@ -21,6 +24,16 @@ std::size_t part_of_room(const Eigen::Vector3f& direction) {
   const int signs =
       (direction.x() > 0 ? 1 : 0) + (direction.y() > 0 ? 2 : 0) + (direction.z() > 0 ? 4 : 0);
   return static_cast<std::size_t>(8 * axis + signs);
+}
+
+/// s^T A^-1 s.
+double squared_in_sigmas(const Eigen::Vector3d& s, const Eigen::Matrix3d& a) {
+  return s.dot(geometry::SymmetricSolver<3>(a).solve(s));
+}
+
+double squared_in_sigmas(const Eigen::Matrix<double, 1, 1>& s,
+                         const Eigen::Matrix<double, 1, 1>& a) {
+  return a.value() > std::numeric_limits<double>::min() ? s.value() * (s.value() / a.value()) : 0;
 }
 
 /// An error of N numbers that the patches of a part of the room have in common.
@@ -43,7 +56,7 @@ class CommonError {
       const Eigen::Matrix<double, N, N> known =
           part.information +
           1e-9 * part.information.trace() * Eigen::Matrix<double, N, N>::Identity();
-      squares += part.score.dot(known.ldlt().solve(part.score));
+      squares += squared_in_sigmas(part.score, known);
       freedom += N;
       by_variance_ += part.information.trace();
       pulls_ += part.pull * part.pull.transpose();
@@ -93,7 +106,7 @@ Eigen::Matrix<double, 6, 6> pose_covariance(std::span<const PatchAlign::Seen> se
     turns.add(s, by_place * turns_to_shifts(place));
     stretch.add(s, by_place * place);
   }
-  const SixBySix inverse = normal.inverse();
+  const SixBySix inverse = geometry::inverse_of(normal);
   turns.finish(inverse), stretch.finish(inverse);
   const double rest = 2 * weights - turns.freedom;
   const double own = rest > 0 ? std::max(1.0, (squares - turns.squares) / rest) : scale * scale;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/geometry/linear.h"
 #include "host/geometry/motion.h"
 
 namespace mixrig::tracking {
@@ -44,7 +45,7 @@ geometry::Pose looking_at_the_scan(const model::Panorama& room) {
   const geometry::Pose ahead = looking_ahead();
   if (!(sum.norm() > kHalfOfAll * area)) return ahead;
   const Eigen::Vector3d axis = ahead.rotation * Eigen::Vector3d::UnitZ();
-  return {Eigen::Quaterniond::FromTwoVectors(axis, sum) * ahead.rotation, ahead.translation_m};
+  return {geometry::rotation_between(axis, sum) * ahead.rotation, ahead.translation_m};
 }
 
 Tracker::Tracker(const model::Panorama& room, const geometry::AnyCamera& camera,

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
+#include "host/estimation/decompositions.h"
 #include "host/estimation/verdict.h"
 
 namespace mixrig::calibration {
@@ -84,7 +85,7 @@ void spline_basis(const std::vector<double>& knots, double at, Eigen::VectorXd& 
     by_value(k, k - 1) = 6 / before, by_value(k, k + 1) = 6 / after;
     by_value(k, k) = -6 / before - 6 / after;
   }
-  const Eigen::MatrixXd second = left.partialPivLu().solve(by_value);
+  const Eigen::MatrixXd second = estimation::solve_by_lu(left, by_value);
   values += ((a * a * a - a) * second.row(i) + (b * b * b - b) * second.row(i + 1)).transpose() *
             (h * h / 6);
 }

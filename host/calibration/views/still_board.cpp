@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
+
+#include "host/estimation/linear_fit.h"
 
 namespace mixrig::calibration {
 namespace {
@@ -51,7 +53,7 @@ BoardMotion board_motion(const std::vector<BoardView>& views) {
     for (Eigen::Index v = 0; v < count; ++v) px.col(2 * v + axis) -= mean;
     design.col(1 + axis) = mean.array() - mean.mean();
   }
-  const Eigen::MatrixXd affine = design * design.colPivHouseholderQr().solve(px);
+  const Eigen::MatrixXd affine = design * estimation::solve_columns(design, px);
   const auto corners = static_cast<double>(n);
   for (Eigen::Index v = 0; v < count; ++v)
     motion.most_px =

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "host/estimation/consensus.h"
 #include "host/estimation/pose/hand_eye.h"
 #include "host/estimation/pose/pose_residual.h"
 #include "host/estimation/small_solve.h"
+#include "host/geometry/linear.h"
 
 namespace mixrig::estimation {
 namespace {
@@ -136,7 +137,7 @@ std::string input_fault(ChainViews views, double angle_sigma_rad) {
     if (!std::isfinite(v.pan_rad) || !std::isfinite(v.tilt_rad) ||
         !v.camera_from_target.translation_m.allFinite() ||
         !(std::abs(v.camera_from_target.rotation.norm() - 1) < 1e-6) || !v.covariance.allFinite() ||
-        Eigen::LLT<Matrix6d>(v.covariance).info() != Eigen::Success)
+        !geometry::Cholesky6(v.covariance).is_positive())
       return "view " + std::to_string(i) + " is not finite, or its covariance is not positive";
     pan[0] = std::min(pan[0], v.pan_rad), pan[1] = std::max(pan[1], v.pan_rad);
     tilt[0] = std::min(tilt[0], v.tilt_rad), tilt[1] = std::max(tilt[1], v.tilt_rad);
@@ -170,7 +171,7 @@ std::vector<WhiteView> whitened(ChainViews views, const Pose& head_from_camera,
     const auto slope = angle_slope(view, head_from_camera);
     const Matrix6d noise =
         view.covariance + angle_sigma_rad * angle_sigma_rad * slope * slope.transpose();
-    const Matrix6d root = Eigen::LLT<Matrix6d>(noise).matrixL();
+    const Matrix6d root = geometry::Cholesky6(noise).root();
     white.push_back(
         {view, root.triangularView<Eigen::Lower>().solve(Matrix6d(Matrix6d::Identity()))});
   }

@@ -10,7 +10,7 @@ namespace {
 
 /// Two surfaces differ by this many sigmas and this much at least: systematic errors of depth,
 /// which differ between the views of the scan and this one.
-constexpr double kStepSigmas = 5, kLeastStep_m = 0.07;
+constexpr double kChangeSigmas = 5, kLeastStep_m = 0.07;
 /// Of the four pairs of opposite neighbours, those that have to lie on the surface of a pixel.
 constexpr int kFewestPairs = 3;
 /// Of the 9 pixels around one of the model, those on its surface: more than a line has.
@@ -32,7 +32,7 @@ void FrameSight::see(const WatchFrame& frame) {
 
 float FrameSight::step_m(float z_m) const {
   return static_cast<float>(
-      std::max(kLeastStep_m, kStepSigmas * noise_.sigma_m(static_cast<double>(z_m))));
+      std::max(kLeastStep_m, kChangeSigmas * noise_.sigma_m(static_cast<double>(z_m))));
 }
 
 void FrameSight::spread_model() {

@@ -7,10 +7,9 @@
 #include <map>
 #include <span>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "hal/base/order_statistics.h"
+#include "host/estimation/decompositions.h"
+#include "host/geometry/linear.h"
 
 namespace mixrig::model {
 namespace {
@@ -54,7 +53,7 @@ bool fit_step(const std::vector<FitRow>& rows, Vector6d& step) {
     squares += weight * row.slope * row.slope.transpose();
     right -= weight * row.off_m * row.slope;
   }
-  step = squares.ldlt().solve(right);
+  step = geometry::SymmetricSolver<6>(squares).solve(right);
   return step.allFinite() && step.norm() <= 1;
 }
 
@@ -206,7 +205,7 @@ FitCovariance covariance_of(const std::vector<FitRow>& rows, const std::vector<i
     squares += w * row.slope * row.slope.transpose();
     singles += w * w * row.slope * row.slope.transpose();
   }
-  const Matrix6d inverse = squares.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d inverse = geometry::SymmetricSolver<6>(squares).inverse();
   out.common_m =
       std::max(kLeastCommon * median_sigma_m(rows), common_sigma_m(sums, inverse, out.single_m));
   for (const UnitSums& c : sums) common += c.slope * c.slope.transpose();
@@ -224,10 +223,10 @@ Hold hold_of(const std::vector<FitRow>& rows, const std::vector<int>& units, int
   Matrix6d squares = 1e-9 * static_cast<double>(rows.size()) * Matrix6d::Identity();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (units[i] != left_out) squares += rows[i].slope * rows[i].slope.transpose();
-  const Matrix6d inverse = squares.ldlt().solve(Matrix6d::Identity());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shift(inverse.topLeftCorner<3, 3>());
-  const double most = shift.eigenvalues()[2] * static_cast<double>(rows.size());
-  return {shift.eigenvectors().col(2), most > 0 ? 1 / most : 0};
+  const Matrix6d inverse = geometry::SymmetricSolver<6>(squares).inverse();
+  const estimation::Spectrum shift = estimation::spectrum_of(inverse.topLeftCorner<3, 3>());
+  const double most = shift.values[2] * static_cast<double>(rows.size());
+  return {shift.axes.col(2), most > 0 ? 1 / most : 0};
 }
 
 }  // namespace mixrig::model

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "hal/base/angles.h"
+#include "host/estimation/decompositions.h"
 
 namespace mixrig::model {
 namespace {
@@ -53,11 +53,11 @@ std::optional<geometry::Pose> pose_of(const Triple& a, const Triple& b) {
   const Matrix3d angles = a.normals.transpose() * a.normals - b.normals.transpose() * b.normals;
   if (angles.cwiseAbs().maxCoeff() > kSameAngle) return {};
   // Kabsch 1976.
-  const Eigen::JacobiSVD<Matrix3d> svd(a.normals * b.normals.transpose(),
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const estimation::SingularValues svd =
+      estimation::singular_values_of(a.normals * b.normals.transpose());
   Vector3d signs(1, 1, 1);
-  signs[2] = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  signs[2] = (svd.u * svd.v.transpose()).determinant() < 0 ? -1 : 1;
+  const Matrix3d rotation = svd.u * signs.asDiagonal() * svd.v.transpose();
   if (rotation(2, 2) < std::cos(kMostTilt_rad)) return {};
   const Vector3d shift_m = a.normals.transpose().inverse() * (a.away_m - b.away_m);
   if (!(shift_m.norm() < kMostShift_m)) return {};

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
+#include "host/estimation/decompositions.h"
 #include "host/model/registration/answers.h"
 #include "host/model/registration/fit.h"
 #include "host/model/registration/moved.h"
@@ -16,8 +15,7 @@ namespace mixrig::model {
 namespace {
 
 double worst_sigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  return std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  return std::sqrt(std::max(0.0, estimation::spectrum_of(covariance).values[2]));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace mixrig::studio {
 namespace {
 
 constexpr int kStep_px = 4, kRays = 64;
-constexpr float kReach_m = 0.8F;  ///< from a person's box, within which its light is followed
+constexpr float kBounceReach_m = 0.8F;  ///< from a person's box, within which its light is followed
 
 float phase_per_path_m(double frequency_hz) {
   return static_cast<float>(2 * std::numbers::pi * frequency_hz / 299792458.0);
@@ -105,7 +105,7 @@ void Multipath::update(const LitScene& scene, const CameraRays& rays, const Boun
                        Crew& crew) {
   now_ = still_;
   if (scene.person == nullptr || scene.person->empty()) return;
-  const Vec3 reach = Vec3::Constant(kReach_m);
+  const Vec3 reach = Vec3::Constant(kBounceReach_m);
   const Vec3 low = person.low - reach, high = person.high + reach;
   now_.build(crew, [&](float u, float v, CacheNode<Echo>& node) {
     Hit hit;

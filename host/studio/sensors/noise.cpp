@@ -15,7 +15,7 @@ double normal_quantile(double probability) {
   return 0.5 * (low + high);
 }
 
-float ease(float t) { return t * t * (3.0F - 2.0F * t); }
+float ease_noise(float t) { return t * t * (3.0F - 2.0F * t); }
 
 /// Random values of the four corners of a lattice cell: (x, y), (x + 1, y), and the row y + 1.
 /// Each is uniform(hash_key(seed, x, y)); what the corners share is hashed once.
@@ -41,7 +41,7 @@ NormalTable::NormalTable() {
 float value_noise(const Eigen::Vector2f& p, std::uint64_t seed) {
   const float fx = std::floor(p.x()), fy = std::floor(p.y());
   const int x = static_cast<int>(fx), y = static_cast<int>(fy);
-  const float u = ease(p.x() - fx), v = ease(p.y() - fy);
+  const float u = ease_noise(p.x() - fx), v = ease_noise(p.y() - fy);
   const std::array<float, 4> at = lattice_cell(x, y, seed);
   const float top = std::lerp(at[0], at[1], u), bottom = std::lerp(at[2], at[3], u);
   return std::lerp(top, bottom, v);

@@ -9,8 +9,8 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr int kWide = 512, kHigh = 424, kPictures = 10;
-constexpr std::size_t kRowBytes = kWide * 11 / 8, kPictureBytes = kRowBytes * kHigh;
+constexpr int kPictureWide = 512, kPictureHigh = 424, kPictures = 10;
+constexpr std::size_t kRowBytes = kPictureWide * 11 / 8, kPictureBytes = kRowBytes * kPictureHigh;
 constexpr std::size_t kFooterBytes = 38 * 4;
 constexpr float kRawPi = std::numbers::pi_v<float>;
 constexpr std::array<double, 3> kRange_m{1.875, 9.375, 1.25};
@@ -40,9 +40,9 @@ std::uint16_t compressed(float counts) {
 /// Where the sensor sends a pixel: rows from the top and from the bottom to the middle, columns
 /// mirrored and every fourth one together.
 std::size_t bit_of(int x, int y) {
-  const int column = kWide - 1 - x;
-  const int row = y < kHigh / 2 ? y : kHigh / 2 + kHigh - 1 - y;
-  return (static_cast<std::size_t>(row) * kWide + (column >> 2) + ((column & 3) << 7)) * 11;
+  const int column = kPictureWide - 1 - x;
+  const int row = y < kPictureHigh / 2 ? y : kPictureHigh / 2 + kPictureHigh - 1 - y;
+  return (static_cast<std::size_t>(row) * kPictureWide + (column >> 2) + ((column & 3) << 7)) * 11;
 }
 
 void put_u32(std::vector<std::uint8_t>& out, std::uint32_t value) {
@@ -65,15 +65,15 @@ TofSensor raw_sensor(TofSensor s) {
 
 RawPictures::RawPictures(const TofSensor& sensor, unsigned seed) : sensor_(sensor) {
   for (std::size_t f = 0; f < offsets_.size(); ++f) {
-    offsets_[f].resize(std::size_t{kWide} * kHigh);
-    for (int y = 0; y < kHigh; ++y)
-      for (int x = 0; x < kWide; ++x) {
-        const std::size_t pixel = static_cast<std::size_t>(y) * kWide + x;
+    offsets_[f].resize(std::size_t{kPictureWide} * kPictureHigh);
+    for (int y = 0; y < kPictureHigh; ++y)
+      for (int x = 0; x < kPictureWide; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * kPictureWide + x;
         // The way to the pixel's electronics, and its own deviation.
         const float way = 900 * std::cos(0.004F * static_cast<float>(x)) +
-                          2.0F * std::abs(static_cast<float>(y) - 0.5F * kHigh);
+                          2.0F * std::abs(static_cast<float>(y) - 0.5F * kPictureHigh);
         const float own = 60 * normal_(hash_key(seed, 0x0FF5E7 + f, pixel));
-        const bool rim = x == 0 || x == kWide - 1;
+        const bool rim = x == 0 || x == kPictureWide - 1;
         offsets_[f][pixel] = static_cast<std::uint16_t>(
             std::lround(static_cast<float>(kOffset[f]) + (rim ? 0 : way + own)));
       }
@@ -107,9 +107,9 @@ void RawPictures::expose(std::span<const std::array<Echo, 4>> taps, std::uint64_
     const std::size_t begin = out.size();
     out.resize(begin + kPictureBytes);
     const auto tap = static_cast<std::size_t>(picture * 4 / 9);
-    for (int y = 0; y < kHigh && picture < 9; ++y)
-      for (int x = 0; x < kWide; ++x) {
-        const std::size_t pixel = static_cast<std::size_t>(y) * kWide + x;
+    for (int y = 0; y < kPictureHigh && picture < 9; ++y)
+      for (int x = 0; x < kPictureWide; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * kPictureWide + x;
         const std::uint64_t bits = mix_bits(hash_key(key, static_cast<unsigned>(picture), pixel));
         const std::size_t at = bit_of(x, y);
         const std::uint32_t shifted =
@@ -133,9 +133,9 @@ RawTables RawPictures::tables() const {
   for (int i = 0; i < 8; ++i) put_u32(out, 0);
   for (const auto& table : offsets_) {
     put_u16(out, 0);
-    for (int y = 0; y < kHigh; ++y)
-      for (int x = 0; x < kWide; ++x)
-        put_u16(out, table[static_cast<std::size_t>(y) * kWide + (kWide - 1 - x)]);
+    for (int y = 0; y < kPictureHigh; ++y)
+      for (int x = 0; x < kPictureWide; ++x)
+        put_u16(out, table[static_cast<std::size_t>(y) * kPictureWide + (kPictureWide - 1 - x)]);
     put_u16(out, 0);
   }
   const Optics& o = sensor_.optics;
@@ -145,7 +145,7 @@ RawTables RawPictures::tables() const {
   // The device's picture is mirrored, and a pixel's centre is at half a pixel.
   const auto& [k1, k2, p1, p2, k3] = o.distortion;
   for (const double v :
-       {o.fx_px, o.fy_px, 0.0, kWide - 0.5 - o.cx_px, o.cy_px + 0.5, k1, k2, p1, -p2, k3})
+       {o.fx_px, o.fy_px, 0.0, kPictureWide - 0.5 - o.cx_px, o.cy_px + 0.5, k1, k2, p1, -p2, k3})
     put(v);
   for (int i = 0; i < 13; ++i) put(0);
   return tables;

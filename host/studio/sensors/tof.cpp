@@ -9,7 +9,7 @@
 namespace mixrig::studio {
 namespace {
 
-constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+constexpr float kCycle = 2 * std::numbers::pi_v<float>;
 
 float phase_per_m(double frequency_hz) {
   return static_cast<float>(4 * std::numbers::pi * frequency_hz / kLight_m_s);
@@ -33,7 +33,7 @@ bool demodulate(const TofSensor& sensor, const std::array<Echo, 4>& taps, bool f
   const float x = charge[0] - charge[2], y = charge[3] - charge[1];
   amplitude_e = 0.5F * std::hypot(x, y);
   phase = std::atan2(y, x);
-  if (phase < 0) phase += kTurn;
+  if (phase < 0) phase += kCycle;
   return true;
 }
 
