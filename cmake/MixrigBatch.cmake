@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # For builds from nothing (./check, ./demo): most files spend their time on the same headers and
-# templates. These are precompiled, and the files of a room are compiled many at a time (a unity
-# build), so that names in anonymous namespaces are unique in a room. Off by default: an edit in the
+# templates. These are precompiled, and the files of a module are compiled many at a time (a unity
+# build), so that names in anonymous namespaces are unique in a module. Off by default: an edit in the
 # tree is then compiled alone and with its own includes only, and ccache is of more use.
-option(MIXRIG_BATCH "Precompiled headers, and several files of a room in one compilation" OFF)
+option(MIXRIG_BATCH "Precompiled headers, and several files of a module in one compilation" OFF)
 if(NOT MIXRIG_BATCH OR MIXRIG_FUZZ)
   function(mixrig_precompile)
   endfunction()
@@ -12,12 +12,10 @@ endif()
 
 set(CMAKE_UNITY_BUILD ON)
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)  # of tests
-# Files of a room in one compilation at most; fewer where it would take over a minute or 2.5 GB.
+# Files of a module in one compilation at most; fewer where it would take over a minute or 2.5 GB.
 set(MIXRIG_BATCH_FILES 32)
 set(MIXRIG_BATCH_FILES_mixrig_estimation 8)
 set(MIXRIG_BATCH_FILES_mixrig_reconstruction 11)
-set(MIXRIG_BATCH_FILES_mixrig_model 21)
-set(MIXRIG_BATCH_FILES_mixrig_session 27)
 set(MIXRIG_BATCH_FILES_mixrig 21)
 add_compile_options(-pthread)  # the same for all, or a header would not be taken
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -26,7 +24,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 file(WRITE ${CMAKE_BINARY_DIR}/batch/empty.cpp "")
 
-# Tests are compiled in 0.6 to 0.97 of the time with -O1 (0.8 together). Rooms stay at -O3; of an inline
+# Tests are compiled in 0.6 to 0.97 of the time with -O1 (0.8 together). Modules stay at -O3; of an inline
 # function that both hold, a test program keeps its own copy.
 set(MIXRIG_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 
@@ -44,14 +42,14 @@ endfunction()
 
 find_package(fmt REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
-mixrig_pch(room)
+mixrig_pch(module)
 if(MIXRIG_TESTS)
   find_package(GTest REQUIRED)
   mixrig_pch(test HEADERS <gtest/gtest.h> LINKS GTest::gtest)
   target_compile_options(mixrig_pch_test PRIVATE ${MIXRIG_TEST_OPTIONS})
 endif()
 
-# mixrig_precompile(TARGET WHICH): WHICH is room or test.
+# mixrig_precompile(TARGET WHICH): WHICH is module or test.
 function(mixrig_precompile target which)
   target_link_libraries(${target} PRIVATE fmt::fmt)  # its macro is part of the header
   target_precompile_headers(${target} REUSE_FROM mixrig_pch_${which})

@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass focus: depth of field in three layers, as host/render/cpu/focus.h says.
+// Pass focus: depth of field in three layers, as host/render/cpu/mix/focus.h says.
 //   color    linear, the matte in alpha: as it is given on
 //   disc     of focus_disc.frag
 //   near     of focus_near.frag

@@ -6,7 +6,7 @@ usage: changed.py BUILD_FOLDER REVISION
 A file belongs to the module or test program whose folder it lies in. A changed module concerns every
 test program that links it, directly or by other modules; a changed test file concerns the programs of
 its folder; text concerns none; any other file (build rules, support of tests, scripts) concerns all.
-The build folder tells the modules (rooms.txt) and the programs (test_programs.txt).
+The build folder tells the modules (modules.txt) and the programs (test_programs.txt).
 """
 import pathlib
 import subprocess
@@ -42,7 +42,7 @@ def downstream(modules, changed):
 
 
 def concerned(build, files):
-    modules, programs = lines_of(build / "rooms.txt"), lines_of(build / "test_programs.txt")
+    modules, programs = lines_of(build / "modules.txt"), lines_of(build / "test_programs.txt")
     module_of = {folder: name for name, folder, _, _ in modules}
     tests_of = {}
     for program, _, folders in programs:

@@ -17,7 +17,7 @@ namespace mixrig::device {
 enum class StampClock {
   kNone,    ///< no stamp: only `received` is valid
   kHost,    ///< CLOCK_MONOTONIC of this host: device_time is a HostTime
-  kDevice,  ///< the device's own oscillator: host/sync maps it
+  kDevice,  ///< the device's own oscillator: host/capture/sync maps it
 };
 
 /// How YUV becomes R'G'B'. JPEG files are full range BT.601, whatever this says.

@@ -12,7 +12,7 @@
 #include "hal/device/frame_pool.h"
 #include "hal/device/stream_count.h"
 #include "hal/linux/kinect2_link.h"
-#include "hal/wire/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_streams.h"
 
 namespace mixrig::device {
 namespace {

@@ -11,11 +11,11 @@
 #include "hal/base/clock.h"
 #include "hal/device/depth_camera.h"
 #include "hal/device/usb_streams.h"
-#include "hal/wire/kinect2_protocol.h"
+#include "hal/wire/camera/kinect2_protocol.h"
 
 namespace mixrig::device {
 
-/// Turns raw frames into depth steps: what host/depth does, seen from here. For one thread.
+/// Turns raw frames into depth steps: what host/capture/depth does, seen from here. For one thread.
 class RawDepthDecoder {
  public:
   virtual ~RawDepthDecoder() = default;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands of a Kinect v2: what it tells of itself, its streams on and off. Private to this room.
+// Commands of a Kinect v2: what it tells of itself, its streams on and off. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/device/usb_streams.h"
-#include "hal/wire/kinect2_protocol.h"
+#include "hal/wire/camera/kinect2_protocol.h"
 
 namespace mixrig::device {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transfers of libusb that stay in flight. Private to this room.
+// Transfers of libusb that stay in flight. Private to this module.
 #pragma once
 
 #include <chrono>

@@ -11,7 +11,7 @@
 
 #include "hal/base/log.h"
 #include "hal/linux/libusb_bulk.h"
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 
 namespace mixrig::device {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hal/base/angles.h"
-#include "host/calibration_file/tables.h"
+#include "host/capture/calibration_file/tables.h"
 
 namespace mixrig::scene {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table [camera] of scene.toml. Private to this room.
+// The table [camera] of scene.toml. Private to this module.
 #pragma once
 
 #include <filesystem>
 
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of scene.toml that tell what a run sends. Private to this room.
+// Tables of scene.toml that tell what a run sends. Private to this module.
 #pragma once
 
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::scene {

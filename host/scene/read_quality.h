@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table [quality] of scene.toml. Private to this room.
+// The table [quality] of scene.toml. Private to this module.
 #pragma once
 
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 #include "host/scene/quality.h"
 
 namespace mixrig::scene {

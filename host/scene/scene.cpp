@@ -2,7 +2,7 @@
 // Loading of scenes.
 #include "host/scene/scene.h"
 
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 #include "host/scene/scene_manifest.h"
 
 namespace mixrig::scene {

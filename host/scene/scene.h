@@ -11,7 +11,7 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
-#include "host/geometry/pose.h"
+#include "host/math/geometry/pose.h"
 #include "host/scene/quality.h"
 
 namespace mixrig::scene {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "host/config/toml_lines.h"
-#include "host/config/writer.h"
+#include "host/math/config/toml_lines.h"
+#include "host/math/config/writer.h"
 #include "host/scene/scene_manifest.h"
 
 namespace mixrig::scene {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/calibration_file/tables.h"
-#include "host/config/table.h"
-#include "host/image_io/image_io.h"
+#include "host/capture/calibration_file/tables.h"
+#include "host/math/config/table.h"
+#include "host/math/image_io/image_io.h"
 #include "host/scene/read_camera.h"
 #include "host/scene/read_outputs.h"
 #include "host/scene/read_quality.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene.toml without the models that it names. Private to this room.
+// scene.toml without the models that it names. Private to this module.
 #pragma once
 
 #include <filesystem>

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "host/config/toml_lines.h"
+#include "host/math/config/toml_lines.h"
 #include "host/scene/scene_manifest.h"
 
 namespace mixrig::scene {

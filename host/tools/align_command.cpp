@@ -7,13 +7,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "extras/map/learn/map_track.h"
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
-#include "host/image_io/image_io.h"
-#include "host/report/plot.h"
-#include "host/session/map_track.h"
+#include "host/math/image_io/image_io.h"
+#include "host/output/report/plot.h"
+#include "host/pose/trajectory/align.h"
 #include "host/tools/command.h"
-#include "host/trajectory/align.h"
 
 namespace mixrig::tools {
 namespace {

@@ -7,21 +7,21 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/partial_path.h"
-#include "host/bench/copy_rate.h"
-#include "host/bench/pairs.h"
-#include "host/bench/peers.h"
-#include "host/bench/suites.h"
-#include "host/image_io/image_io.h"
+#include "host/judge/bench/bench.h"
+#include "host/judge/bench/copy_rate.h"
+#include "host/judge/bench/pairs.h"
+#include "host/judge/bench/peers.h"
+#include "host/judge/bench/scan_bench.h"
+#include "host/judge/bench/suites.h"
+#include "host/judge/latency/latency_bench.h"
+#include "host/judge/latency/marker_bench.h"
+#include "host/judge/latency/soak_bench.h"
+#include "host/math/image_io/image_io.h"
+#include "host/output/viewfinder/viewfinder.h"
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/session/bench.h"
-#include "host/session/latency_bench.h"
-#include "host/session/marker_bench.h"
-#include "host/session/scan_bench.h"
-#include "host/session/soak_bench.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
-#include "host/viewfinder/viewfinder.h"
 
 namespace mixrig::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/session/explain.h"
+#include "host/run/explain/explain.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 

@@ -9,14 +9,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/measure/percentile.h"
-#include "host/model/room_file.h"
-#include "host/output/contact_sheet.h"
-#include "host/session/run_report.h"
-#include "host/take/take.h"
-#include "host/take/take_source.h"
+#include "hal/base/percentile.h"
+#include "host/capture/take/take.h"
+#include "host/capture/take/take_source.h"
+#include "host/output/sheet/contact_sheet.h"
+#include "host/room/scan/room_file.h"
+#include "host/run/report/run_report.h"
 #include "host/tools/command.h"
-#include "host/tools/info_room.h"
+#include "host/tools/room/info_room.h"
 
 namespace mixrig::tools {
 namespace {

@@ -33,7 +33,7 @@ Result<std::string> source_of(const SessionArguments& arguments) {
 
 }  // namespace
 
-Result<session::FrameRange> parse_range(const std::string& text, const std::string& option) {
+Result<FrameRange> parse_range(const std::string& text, const std::string& option) {
   const bool single = text.find('-') == std::string::npos;
   const auto range = pair_of(single ? text + "-" + text : text, '-');
   if (!range || range->first < 1 || range->second < range->first)
@@ -106,7 +106,7 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
   return options;
 }
 
-session::ProgressFn progress_bar() {
+ProgressFn progress_bar() {
   struct Bar {
     std::string what;
     std::optional<Progress> progress;

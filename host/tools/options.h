@@ -7,13 +7,13 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
-#include "host/session/session.h"
+#include "host/run/session/session.h"
 #include "host/tools/command_line.h"
 
 namespace mixrig::tools {
 
 /// "A-B" or "A", 1-based, A <= B. Errors: kUsage, naming the option.
-Result<session::FrameRange> parse_range(const std::string& text, const std::string& option);
+Result<FrameRange> parse_range(const std::string& text, const std::string& option);
 /// "WxH", 1..16384 a side. Errors: kUsage.
 Result<Size> parse_size(const std::string& text, const std::string& option);
 
@@ -32,6 +32,6 @@ session::BackendChoice backend_choice(const SessionArguments& arguments);
 Result<session::SessionOptions> session_options(const SessionArguments& arguments);
 
 /// A progress bar on stderr for each step in turn (Progress).
-session::ProgressFn progress_bar();
+ProgressFn progress_bar();
 
 }  // namespace mixrig::tools

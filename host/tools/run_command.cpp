@@ -6,15 +6,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/session/place_sink.h"
-#include "host/session/run.h"
+#include "host/operator/desk/place_sink.h"
+#include "host/output/viewfinder/viewfinder.h"
+#include "host/run/loop/run.h"
 #include "host/tools/command.h"
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
 #include "host/tools/run_page.h"
 #include "host/tools/service_sink.h"
 #include "host/tools/stop_on_signal.h"
-#include "host/viewfinder/viewfinder.h"
 
 namespace mixrig::tools {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-#include "host/session/played_source.h"
-#include "host/session/scene_follower.h"
+#include "host/capture/open/played_source.h"
+#include "host/run/controls/scene_follower.h"
 
 namespace mixrig::tools {
 

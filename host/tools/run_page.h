@@ -8,9 +8,9 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
-#include "host/page/server.h"
-#include "host/session/operator_desk.h"
-#include "host/session/run.h"
+#include "host/operator/desk/operator_desk.h"
+#include "host/operator/page/server.h"
+#include "host/run/loop/run.h"
 #include "host/tools/command_line.h"
 
 namespace mixrig::tools {

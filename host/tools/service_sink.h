@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "hal/base/clock.h"
-#include "host/output/composite_sink.h"
+#include "host/output/sink/composite_sink.h"
 
 namespace mixrig::tools {
 

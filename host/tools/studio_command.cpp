@@ -11,14 +11,14 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/base/angles.h"
-#include "host/model/sweep_plan.h"
-#include "host/studio/rig.h"
-#include "host/studio_io/board_set.h"
-#include "host/studio_io/board_source.h"
-#include "host/studio_io/studio_take.h"
+#include "host/room/scan/sweep_plan.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
+#include "studio/io/board_set.h"
+#include "studio/io/board_source.h"
+#include "studio/io/studio_take.h"
+#include "studio/rig.h"
 
 namespace mixrig::tools {
 namespace {

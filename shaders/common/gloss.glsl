@@ -52,7 +52,7 @@ void add_lamp_gloss(int i, vec3 position_m, Lobe lobe, vec3 light, inout Shading
   sum.lost += light * (dielectric + (1.0 - dielectric) * fresnel);
 }
 
-// Sums of host/render/lobe.h.
+// Sums of host/render/contract/lobe.h.
 float lobe_loss(int i, float c) {
   return lobe_losses[i] + c * (lobe_losses[i + 1] + c * lobe_losses[i + 2]);
 }

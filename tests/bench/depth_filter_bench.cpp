@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "host/depth/window_filters.h"
-#include "host/image_io/image_io.h"
-#include "host/measure/band.h"
-#include "host/measure/splat.h"
-#include "host/report/plot.h"
-#include "host/take/take_source.h"
+#include "host/capture/depth/window_filters.h"
+#include "host/capture/take/take_source.h"
+#include "host/judge/measure/band.h"
+#include "host/judge/measure/splat.h"
+#include "host/math/image_io/image_io.h"
+#include "host/output/report/plot.h"
 
 namespace mixrig {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/session/run.h"
+#include "host/run/loop/run.h"
 #include "tests/support/box_source.h"
 #include "tests/support/resident_memory.h"
 

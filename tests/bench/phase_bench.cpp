@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "hal/wire/kinect2_streams.h"
-#include "host/depth/phase_decoder.h"
-#include "host/image_io/image_io.h"
-#include "host/studio/studio.h"
+#include "hal/wire/camera/kinect2_streams.h"
+#include "host/capture/depth/phase_decoder.h"
+#include "host/math/image_io/image_io.h"
+#include "studio/studio.h"
 #ifdef MIXRIG_HAS_LIBFREENECT2
 #include "tests/support/libfreenect2/libfreenect2_decoder.h"
 #endif

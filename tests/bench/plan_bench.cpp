@@ -2,7 +2,7 @@
 // Time of following people in one frame, by picture size and number of people.
 #include <benchmark/benchmark.h>
 
-#include "host/plan/people_tracker.h"
+#include "extras/people/plan/people_tracker.h"
 #include "tests/unit/plan/standing_people.h"
 
 namespace mixrig::plan {

@@ -10,9 +10,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "host/bench/copy_rate.h"
-#include "host/bench/heap.h"
-#include "host/bench/moved_bytes.h"
+#include "host/judge/bench/copy_rate.h"
+#include "host/judge/bench/heap.h"
+#include "host/judge/bench/moved_bytes.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "tests/bench/statue_room.h"
 

@@ -16,7 +16,7 @@
 #include "hal/device/frame_pool.h"
 #include "hal/fake/fake_trigger.h"
 #include "hal/linux/tof_usb_camera.h"
-#include "host/live/live_session.h"
+#include "host/capture/live/session/live_session.h"
 #include "tests/support/fake_bulk.h"
 #include "tests/support/tof_stream.h"
 

@@ -7,8 +7,8 @@
 #include <mutex>
 #include <thread>
 
-#include "host/measure/quantile_sketch.h"
-#include "host/session/run.h"
+#include "hal/base/quantile_sketch.h"
+#include "host/run/loop/run.h"
 
 namespace mixrig {
 namespace {

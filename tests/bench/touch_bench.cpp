@@ -6,9 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "host/plan/people_tracker.h"
-#include "host/touch/physics.h"
-#include "host/touch/touch_watch.h"
+#include "extras/people/plan/people_tracker.h"
+#include "extras/people/touch/physics.h"
+#include "extras/people/touch/touch_watch.h"
 #include "tests/unit/plan/standing_people.h"
 #include "tests/unit/touch/touch_shapes.h"
 

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "host/session/run.h"
-#include "host/session/session.h"
-#include "host/studio/true_bodies.h"
-#include "host/touch/touch_watch.h"
+#include "extras/people/touch/touch_watch.h"
+#include "host/run/loop/run.h"
+#include "host/run/session/session.h"
+#include "studio/true_bodies.h"
 
 namespace mixrig {
 namespace {

@@ -15,13 +15,13 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "host/estimation/pose/pnp.h"
-#include "host/model/room_file.h"
+#include "host/capture/take/take_source.h"
+#include "host/math/estimation/pose/pnp.h"
+#include "host/pose/tracker/rig_camera.h"
+#include "host/pose/tracker/tracker.h"
+#include "host/pose/trajectory/trajectory.h"
+#include "host/room/scan/room_file.h"
 #include "host/scene/scene.h"
-#include "host/session/rig_camera.h"
-#include "host/take/take_source.h"
-#include "host/tracking/tracker.h"
-#include "host/trajectory/trajectory.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include "hal/linux/gpiod/gpiod_lines.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
-#include "host/live/devices.h"
+#include "host/capture/live/rig/devices.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
 #include "tests/board/sim_chip.h"

@@ -12,8 +12,8 @@
 #include <sys/mman.h>
 
 #include "hal/linux/v4l2/v4l2_camera.h"
-#include "host/render/gles/plate_import.h"
-#include "host/render/gles/plate_pass.h"
+#include "host/render/gles/plate/plate_import.h"
+#include "host/render/gles/plate/plate_pass.h"
 #include "tests/board/dumb_buffer.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/progress.h"

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/rig_bench.h"
 #include "tests/support/genicam/recorded_truth.h"
 #include "tests/support/report_pose.h"

@@ -13,9 +13,9 @@
 
 #include "hal/linux/kinect2_camera.h"
 #include "hal/linux/libusb_streams.h"
-#include "hal/wire/kinect2_streams.h"
-#include "host/image_io/image_io.h"
-#include "host/live/kinect2_depth.h"
+#include "hal/wire/camera/kinect2_streams.h"
+#include "host/capture/live/rig/kinect2_depth.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/bench.h"
 #include "tests/board/kinect2_device.h"
 #include "tests/board/nodes.h"

@@ -9,7 +9,7 @@
 #include <signal.h>
 
 #include "hal/linux/v4l2/v4l2_camera.h"
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/bench.h"
 #include "tests/support/child_process.h"
 

@@ -3,7 +3,7 @@
 // composite.
 #include <thread>
 
-#include "host/take/take.h"
+#include "host/capture/take/take.h"
 #include "tests/board/rig_bench.h"
 #include "tests/board/uvc_device.h"
 

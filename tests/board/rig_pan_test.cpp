@@ -9,8 +9,8 @@
 #include <numbers>
 #include <thread>
 
-#include "host/calibration_file/calibration.h"
-#include "host/image_io/image_io.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/rig_bench.h"
 #include "tests/support/hand_gltf.h"
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <numbers>
 
-#include "host/calibration_file/calibration.h"
-#include "host/image_io/image_io.h"
-#include "host/take/take.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/take/take.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/rig_bench.h"
 #include "tests/support/box_head.h"
 #include "tests/support/child_process.h"

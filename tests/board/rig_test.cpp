@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <set>
 
-#include "host/live/rig_config.h"
-#include "host/take/take.h"
+#include "host/capture/live/rig/rig_config.h"
+#include "host/capture/take/take.h"
 #include "tests/board/rig_bench.h"
 
 namespace mixrig::board {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/bench.h"
 
 namespace mixrig::board {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "host/live/devices.h"
+#include "host/capture/live/rig/devices.h"
 #include "tests/board/bench.h"
 #include "tests/board/nodes.h"
 #include "tests/board/trigger_peer.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/board/bench.h"
 #include "tests/board/screen.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ToF camera with the protocol of hal/wire/tof_usb_protocol.md, and faults of its link.
+// A ToF camera with the protocol of hal/wire/camera/tof_usb_protocol.md, and faults of its link.
 #pragma once
 
 #include <mutex>
 #include <optional>
 #include <vector>
 
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 #include "tests/board/usb_device.h"
 
 namespace mixrig::board {

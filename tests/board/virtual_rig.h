@@ -44,7 +44,8 @@ struct VirtualRig {
   bool plug_depth();
   bool plug_head();
   /// Called at the rising edge of a trigger line, before its camera is fired, on the trigger's
-  /// thread, with the angles that the head has: shows the camera what it sees. It delays the camera.
+  /// thread, with the angles that the head has: shows the camera what it sees. It delays the
+  /// camera.
   using Look = std::function<void(int line, device::PanTiltAngles at, HostTime now)>;
   /// For any thread: from now on.
   void set_look(Look look);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/calibration.h"
-#include "host/take/take.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/take/take.h"
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {

@@ -41,7 +41,8 @@ class CommandTest : public ::testing::Test {
   int mixrig(const std::string& words) const { return shell(MIXRIG_COMMAND " " + words); }
   /// A take of the studio in folder `name`; what any test of this build has rendered is copied.
   int studio(const std::string& name, const std::string& options) const {
-    return shell(std::string(MIXRIG_STUDIO_TAKE " " MIXRIG_COMMAND " ") + path(name) + " " + options);
+    return shell(std::string(MIXRIG_STUDIO_TAKE " " MIXRIG_COMMAND " ") + path(name) + " " +
+                 options);
   }
   /// What the command says where it must fail.
   std::string refusal(const std::string& words) const {

@@ -7,7 +7,7 @@
 #include <map>
 #include <mutex>
 
-#include "host/output/composite_sink.h"
+#include "host/output/sink/composite_sink.h"
 
 namespace mixrig::test {
 

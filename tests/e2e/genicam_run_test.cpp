@@ -6,7 +6,7 @@
 #include <map>
 #include <thread>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/rig_error.h"
 #include "tests/support/child_process.h"
 #include "tests/support/genicam/genicam_take.h"

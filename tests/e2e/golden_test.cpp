@@ -3,7 +3,7 @@
 // picture was inspected; after an intended change, make it again with the two commands below.
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 #include "tests/support/psnr.h"
 

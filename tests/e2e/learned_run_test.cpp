@@ -3,7 +3,7 @@
 // take, on another day, after the lens was covered, and not in another room; its map is laid into a
 // scan of the room. Maps that the motion does not let join are refused; those of a carried rig are
 // joined.
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/session/run.h"
-#include "host/session/session.h"
+#include "host/run/loop/run.h"
+#include "host/run/session/session.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/composited.h"
 #include "tests/support/natnet_sender.h"

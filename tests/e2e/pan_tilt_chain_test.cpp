@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "host/calibration_file/calibration.h"
-#include "host/take/take.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/take/take.h"
 #include "tests/e2e/command.h"
 #include "tests/support/axes_chain.h"
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/SVD>
 
-#include "host/trajectory/trajectory.h"
+#include "host/pose/trajectory/trajectory.h"
 #include "tests/e2e/real_take.h"
 
 namespace mixrig::test {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {

@@ -4,8 +4,8 @@
 // their colour; the published poses are good to a centimetre or two.
 #include <numbers>
 
-#include "host/image_io/image_io.h"
-#include "host/trajectory/trajectory.h"
+#include "host/math/image_io/image_io.h"
+#include "host/pose/trajectory/trajectory.h"
 #include "tests/e2e/real_take.h"
 
 namespace mixrig::test {

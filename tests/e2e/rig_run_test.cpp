@@ -7,7 +7,7 @@
 #include <signal.h>
 
 #include "hal/base/image.h"
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/slow_take.h"
 #include "tests/support/child_process.h"

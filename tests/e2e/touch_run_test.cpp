@@ -5,9 +5,9 @@
 // bounce where the room is.
 #include <fstream>
 
-#include "host/image_io/image_io.h"
-#include "host/scene/glb_writer.h"
-#include "host/studio/true_bodies.h"
+#include "host/math/image_io/image_io.h"
+#include "host/scene/gltf/glb_writer.h"
+#include "studio/true_bodies.h"
 #include "tests/e2e/command.h"
 #include "tests/support/udp_listener.h"
 

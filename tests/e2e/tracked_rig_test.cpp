@@ -3,9 +3,9 @@
 // the time is injected.
 #include <thread>
 
-#include "host/session/run.h"
-#include "host/session/session.h"
-#include "host/take/take.h"
+#include "host/capture/take/take.h"
+#include "host/run/loop/run.h"
+#include "host/run/session/session.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/composited.h"
 #include "tests/e2e/tracked_scene.h"

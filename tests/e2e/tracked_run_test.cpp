@@ -3,7 +3,7 @@
 // mixrig run with pose = "tracker". The bounds were chosen on seeds 5 and 6; the test has 33.
 #include <fstream>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/tracked_scene.h"
 

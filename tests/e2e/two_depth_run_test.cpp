@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/e2e/command.h"
 
 namespace mixrig::test {

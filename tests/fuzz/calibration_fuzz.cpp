@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/calibration_file/calibration.h"
-#include "host/calibration_file/exchange.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/calibration_file/exchange.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(calibration) {

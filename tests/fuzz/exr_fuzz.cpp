@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/temporary_folder.h"
 

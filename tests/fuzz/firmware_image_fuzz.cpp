@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/wire/dfuse.h"
-#include "hal/wire/firmware_image.h"
+#include "hal/wire/flash/dfuse.h"
+#include "hal/wire/flash/firmware_image.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(firmware_image) {

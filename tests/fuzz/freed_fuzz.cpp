@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "host/stream/freed.h"
+#include "extras/broadcast/packets/freed.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(freed) {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(genicam_buffer) {

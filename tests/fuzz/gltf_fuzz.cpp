@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "host/scene/gltf_model.h"
+#include "host/scene/gltf/gltf_model.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(gltf) {

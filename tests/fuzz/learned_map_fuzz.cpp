@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "host/reconstruction/map_file.h"
+#include "extras/map/reconstruction/maps/map_file.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(learned_map) {

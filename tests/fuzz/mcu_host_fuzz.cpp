@@ -7,9 +7,9 @@
 #include <memory>
 #include <span>
 
-#include "hal/wire/flash_image.h"
-#include "hal/wire/mcu_trigger.h"
-#include "hal/wire/stm32_rom.h"
+#include "hal/wire/flash/flash_image.h"
+#include "hal/wire/flash/stm32_rom.h"
+#include "hal/wire/trigger/mcu_trigger.h"
 #include "tests/fuzz/target.h"
 
 namespace {

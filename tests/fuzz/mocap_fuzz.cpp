@@ -2,9 +2,9 @@
 // Constellation files, external calibration files and motion-capture CSV of any bytes.
 #include <string_view>
 
-#include "host/mocap/external.h"
-#include "host/mocap/marker_file.h"
-#include "host/mocap/track.h"
+#include "host/pose/mocap/external.h"
+#include "host/pose/mocap/marker_file.h"
+#include "host/pose/mocap/track.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(mocap) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "host/stream/natnet.h"
+#include "host/pose/mocap/natnet.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(natnet) {

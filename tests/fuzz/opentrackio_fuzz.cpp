@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "host/stream/opentrackio_assembler.h"
+#include "extras/broadcast/packets/opentrackio_assembler.h"
 #include "tests/fuzz/target.h"
 
 namespace {

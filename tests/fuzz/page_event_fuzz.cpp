@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/page/events.h"
-#include "host/page/state_json.h"
+#include "host/operator/page/events.h"
+#include "host/operator/page/state_json.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(page_event) {

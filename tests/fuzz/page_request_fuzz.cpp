@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/page/route.h"
+#include "host/operator/page/route.h"
 #include "tests/fuzz/target.h"
 
 namespace {

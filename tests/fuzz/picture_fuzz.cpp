@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "host/image_io/codecs.h"
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/codecs.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(picture) {

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/render/gles/program_file.h"
+#include "host/render/gles/gl/program_file.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(program_file) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "hal/wire/flir_ptu_reply.h"
+#include "hal/wire/pan_tilt/flir_ptu_reply.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(ptu_reply) {

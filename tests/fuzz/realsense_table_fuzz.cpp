@@ -8,7 +8,7 @@
 
 #include <zlib.h>
 
-#include "hal/wire/realsense_table.h"
+#include "hal/wire/camera/realsense_table.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(realsense_table) {

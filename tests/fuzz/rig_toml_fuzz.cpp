@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/live/rig_config.h"
+#include "host/capture/live/rig/rig_config.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(rig_toml) {

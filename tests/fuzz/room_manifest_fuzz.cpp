@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/model/room_file.h"
-#include "host/model/static_background.h"
+#include "host/room/background/static_background.h"
+#include "host/room/scan/room_file.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/temporary_folder.h"
 

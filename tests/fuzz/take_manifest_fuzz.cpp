@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/take/manifest.h"
+#include "host/capture/take/manifest.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(take_manifest) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "host/take/bracket_files.h"
-#include "host/take/fisheye_stream.h"
-#include "host/take/frame_tables.h"
+#include "host/capture/take/bracket_files.h"
+#include "host/capture/take/frame_tables.h"
+#include "host/capture/take/streams/fisheye_stream.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(take_tables) {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 #include "tests/fuzz/target.h"
 
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/take/trajectory.h"
-#include "host/take/tum_folder.h"
+#include "host/capture/take/trajectory.h"
+#include "host/capture/take/tum_folder.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(trajectory) {

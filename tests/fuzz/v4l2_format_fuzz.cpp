@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "hal/wire/v4l2_format.h"
+#include "hal/wire/camera/v4l2_format.h"
 #include "tests/fuzz/target.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/calibration/rig/view_set.h"
+#include "host/calibrate/rig/view_set.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(view_set) {

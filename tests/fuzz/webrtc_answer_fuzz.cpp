@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/page/webrtc_answer.h"
+#include "host/operator/page/webrtc/webrtc_answer.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(webrtc_answer) {

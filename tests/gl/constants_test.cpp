@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers that both back ends share (host/render/constants.h) are the same in the shaders.
+// The numbers that both back ends share (host/render/contract/constants.h) are the same in the
+// shaders.
 #include <cctype>
 #include <cstdlib>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/gles/correct_pass.h"
+#include "host/render/gles/plate/correct_pass.h"
 
 #include <cmath>
 #include <limits>

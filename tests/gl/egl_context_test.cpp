@@ -5,8 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include "host/render/gles/gl_convention.h"
-#include "host/render/gles/gl_program.h"
+#include "host/render/gles/gl/gl_convention.h"
+#include "host/render/gles/gl/gl_program.h"
 #include "shaders/shaders.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/temporary_folder.h"

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/gles/egl_context.h"
-#include "host/render/gles/gl_texture.h"
+#include "host/render/gles/gl/egl_context.h"
+#include "host/render/gles/gl/gl_texture.h"
 
 namespace mixrig::test {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/render/contract/frame_io.h"
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/frame_io.h"
 #include "host/render/gles/compositor_gles.h"
 #include "tests/gl/room_setup.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadow maps and light: a lamp, a square before a wall, and the shadow where geometry puts it.
-#include "host/render/gles/light_pass.h"
+#include "host/render/gles/light/light_pass.h"
 
 #include <cmath>
 
-#include "host/render/gles/key_pass.h"
-#include "host/render/gles/shadow_pass.h"
+#include "host/render/gles/key/key_pass.h"
+#include "host/render/gles/light/shadow_pass.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/quad_mesh.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/gles/mix_pass.h"
+#include "host/render/gles/mix/mix_pass.h"
 
 #include <array>
 #include <cmath>
 
-#include "host/render/gles/read_back.h"
+#include "host/render/gles/gl/read_back.h"
 #include "tests/gl/gl_fixture.h"
 
 namespace mixrig::test {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/render/gles/compositor_gles.h"
-#include "host/render/gles/egl_context.h"
+#include "host/render/gles/gl/egl_context.h"
 
 namespace mixrig::test {
 namespace {

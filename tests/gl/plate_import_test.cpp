@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Camera pictures read in place: samples become what the decoder of the host makes of them, buffers
 // are imported once, and what cannot be imported is copied. Real imports: tests/board.
-#include "host/render/gles/plate_import.h"
+#include "host/render/gles/plate/plate_import.h"
 
 #include <optional>
 #include <random>
 
-#include "host/render/exposure.h"
+#include "host/render/frame/exposure.h"
 #include "host/render/gles/compositor_gles.h"
-#include "host/render/gles/decode_pass.h"
+#include "host/render/gles/plate/decode_pass.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/room_setup.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/gles/plate_pass.h"
+#include "host/render/gles/plate/plate_pass.h"
 
 #include "tests/gl/gl_fixture.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Programs that are kept between runs.
-#include "host/render/gles/program_file.h"
+#include "host/render/gles/gl/program_file.h"
 
 #include <chrono>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/render/gles/gl_program.h"
+#include "host/render/gles/gl/gl_program.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/temporary_folder.h"
 

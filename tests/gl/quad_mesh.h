@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "host/render/prepare.h"
+#include "host/render/tables/prepare.h"
 
 namespace mixrig::test {
 

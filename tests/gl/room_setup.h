@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 #include "tests/support/analytic_scene.h"
 
 namespace mixrig::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/gles/virtual_pass.h"
+#include "host/render/gles/virtual/virtual_pass.h"
 
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/quad_mesh.h"

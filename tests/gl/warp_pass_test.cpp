@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/gles/warp_pass.h"
+#include "host/render/gles/warp/warp_pass.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/render/gles/correct_pass.h"
+#include "host/render/gles/plate/correct_pass.h"
 #include "tests/gl/gl_fixture.h"
 
 namespace mixrig::test {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/render/gles/compositor_gles.h"
-#include "host/render/room_shade.h"
+#include "host/render/tables/room_shade.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/whole_frame_pair.h"
 

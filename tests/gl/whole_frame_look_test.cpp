@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/picture_look.h"
+#include "host/render/frame/picture_look.h"
 #include "tests/gl/whole_frame_pair.h"
 
 namespace mixrig::test {

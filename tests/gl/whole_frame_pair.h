@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 #include "tests/gl/room_setup.h"
 
 namespace mixrig::test {

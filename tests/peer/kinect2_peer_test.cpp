@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/wire/kinect2_streams.h"
-#include "host/depth/phase_decoder.h"
-#include "host/studio/studio.h"
+#include "hal/wire/camera/kinect2_streams.h"
+#include "host/capture/depth/phase_decoder.h"
+#include "studio/studio.h"
 #include "tests/support/libfreenect2/libfreenect2_decoder.h"
 #endif
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "board_server.h"
-#include "hal/wire/firmware_image.h"
+#include "hal/wire/flash/firmware_image.h"
 #include "run_command.h"
 #include "tests/support/make_image.h"
 

@@ -10,7 +10,7 @@
 #include "firmware/port/sim/sim_line.h"
 #include "hal/fake/emulated_dfuse.h"
 #include "hal/fake/emulated_rom.h"
-#include "hal/wire/firmware_image.h"
+#include "hal/wire/flash/firmware_image.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 

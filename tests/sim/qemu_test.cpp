@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "hal/base/order_statistics.h"
-#include "hal/wire/firmware_image.h"
-#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/flash/firmware_image.h"
+#include "hal/wire/trigger/mcu_trigger.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/hal_device/trigger_contract.h"
 

@@ -8,7 +8,7 @@
 #include "board_server.h"
 #include "firmware/port/sim/sim_line.h"
 #include "hal/linux/serial_byte_stream.h"
-#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/trigger/mcu_trigger.h"
 #include "run_command.h"
 #include "tests/unit/hal_device/trigger_contract.h"
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "host/estimation/verdict.h"
+#include "host/math/estimation/verdict.h"
 #include "tests/stability/reference.h"
 
 namespace mixrig::estimation_bench {

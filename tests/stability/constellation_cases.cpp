@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "host/estimation/markers/constellation.h"
+#include "host/math/estimation/markers/constellation.h"
 #include "tests/stability/random_geometry.h"
 #include "tests/stability/suite.h"
 

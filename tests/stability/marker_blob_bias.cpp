@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/estimation/markers/marker_blobs.h"
+#include "host/math/estimation/markers/marker_blobs.h"
 #include "tests/stability/random_geometry.h"
 #include "tests/stability/suite.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/pose/pan_tilt_chain.h"
+#include "host/math/estimation/pose/pan_tilt_chain.h"
 #include "tests/stability/random_geometry.h"
 #include "tests/stability/suite.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "host/geometry/pose.h"
+#include "host/math/geometry/pose.h"
 
 namespace mixrig::estimation_bench {
 

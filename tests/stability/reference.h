@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
-#include "host/geometry/pose.h"
+#include "host/math/geometry/pose.h"
 
 namespace mixrig::estimation_bench {
 

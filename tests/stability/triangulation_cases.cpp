@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/points/triangulation.h"
+#include "host/math/estimation/points/triangulation.h"
 #include "tests/stability/random_geometry.h"
 #include "tests/stability/suite.h"
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "host/calibration_file/calibration.h"
+#include "host/capture/calibration_file/calibration.h"
 
 namespace mixrig::test {
 

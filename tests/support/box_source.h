@@ -2,7 +2,7 @@
 // A tiny source: a grey wall, before which a red box appears after some empty frames.
 #pragma once
 
-#include "host/capture/capture_source.h"
+#include "host/capture/capture/capture_source.h"
 
 namespace mixrig::test {
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "host/model/panorama.h"
+#include "host/room/scan/panorama/panorama.h"
 
 namespace mixrig::test {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "hal/base/learned_color.h"
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 #include "tests/support/analytic_scene.h"
 
 namespace mixrig::test {

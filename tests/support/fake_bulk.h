@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hal/device/usb_bulk.h"
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 
 namespace mixrig::test {
 

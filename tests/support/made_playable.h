@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "host/capture/capture_source.h"
+#include "host/capture/capture/capture_source.h"
 
 namespace mixrig::test {
 

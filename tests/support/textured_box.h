@@ -13,9 +13,9 @@
 #include <Eigen/Geometry>
 
 #include "hal/base/image.h"
-#include "host/geometry/fisheye_model.h"
-#include "host/geometry/pose.h"
-#include "host/model/panorama.h"
+#include "host/math/geometry/fisheye_model.h"
+#include "host/math/geometry/pose.h"
+#include "host/room/scan/panorama/panorama.h"
 
 namespace mixrig::test {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 
 namespace mixrig::test {
 

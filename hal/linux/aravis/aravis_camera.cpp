@@ -16,7 +16,7 @@
 #include "hal/device/stream_count.h"
 #include "hal/linux/aravis/aravis_chunks.h"
 #include "hal/linux/aravis/aravis_setup.h"
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 
 namespace mixrig::device {
 namespace {

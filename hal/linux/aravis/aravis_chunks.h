@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chunks that a GenICam camera appends to its pictures. Private to this room.
+// Chunks that a GenICam camera appends to its pictures. Private to this module.
 #pragma once
 
 #include <cstdint>

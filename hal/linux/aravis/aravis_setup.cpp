@@ -8,7 +8,7 @@
 
 #include <arv.h>
 
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 
 namespace mixrig::device {
 namespace {

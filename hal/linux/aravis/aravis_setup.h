@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Set-up of a GenICam camera through libaravis: format, size, trigger, 3D. Private to this room.
+// Set-up of a GenICam camera through libaravis: format, size, trigger, 3D. Private to this module.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
 #include "hal/device/depth_camera.h"
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 
 typedef struct _ArvCamera ArvCamera;  // NOLINT(modernize-use-using): as libaravis declares it
 typedef struct _GError GError;        // NOLINT(modernize-use-using)

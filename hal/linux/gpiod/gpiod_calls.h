@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What gpiod_lines.cpp needs of libgpiod, by version 1 (gpiod_calls_1.cpp) or 2
-// (gpiod_calls_2.cpp), whichever is installed. Private to this room. Failures leave errno.
+// (gpiod_calls_2.cpp), whichever is installed. Private to this module. Failures leave errno.
 #pragma once
 
 #include <memory>

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hal/linux/gpiod/gpiod_calls.h"
-#include "hal/wire/software_trigger.h"
+#include "hal/wire/trigger/software_trigger.h"
 
 namespace mixrig::device {
 namespace {

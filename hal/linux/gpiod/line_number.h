@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to this room.
+// Private to this module.
 #pragma once
 
 #include <charconv>

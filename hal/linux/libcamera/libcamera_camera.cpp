@@ -22,7 +22,7 @@
 #include "hal/device/frame_pool.h"
 #include "hal/device/stream_count.h"
 #include "hal/linux/libcamera/libcamera_parts.h"
-#include "hal/wire/libcamera_format.h"
+#include "hal/wire/camera/libcamera_format.h"
 
 namespace mixrig::device {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <libcamera/logging.h>
 
-#include "hal/wire/libcamera_format.h"
+#include "hal/wire/camera/libcamera_format.h"
 
 namespace mixrig::device {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parts of the libcamera driver: the library's manager, mapped buffers, formats. Private to this
-// room.
+// module.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
-#include "hal/wire/v4l2_format.h"
+#include "hal/wire/camera/v4l2_format.h"
 
 namespace mixrig::device {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenNI2 device with its streams and its thread. Private to this room.
+// An OpenNI2 device with its streams and its thread. Private to this module.
 #pragma once
 
 #include <array>

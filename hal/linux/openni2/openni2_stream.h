@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One stream of an OpenNI2 device: mode, unit, field of view, copying. Private to this room.
+// One stream of an OpenNI2 device: mode, unit, field of view, copying. Private to this module.
 #pragma once
 
 #include <cstdint>

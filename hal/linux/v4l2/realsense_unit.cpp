@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "hal/linux/v4l2/v4l2_ioctl.h"
-#include "hal/wire/realsense_table.h"
+#include "hal/wire/camera/realsense_table.h"
 
 namespace mixrig::device {
 namespace {

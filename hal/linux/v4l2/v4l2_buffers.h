@@ -12,7 +12,7 @@
 
 #include "hal/base/raw_picture.h"
 #include "hal/device/frame.h"
-#include "hal/wire/v4l2_format.h"
+#include "hal/wire/camera/v4l2_format.h"
 
 namespace mixrig::device {
 

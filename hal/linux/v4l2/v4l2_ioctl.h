@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Helpers shared by the files of the V4L2 node. Private to this room.
+// Helpers shared by the files of the V4L2 node. Private to this module.
 #pragma once
 
 #include <cerrno>

@@ -15,7 +15,7 @@
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
 #include "hal/linux/v4l2/v4l2_buffers.h"
-#include "hal/wire/v4l2_format.h"
+#include "hal/wire/camera/v4l2_format.h"
 
 namespace mixrig::device {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one door between this room's code, compiled for one level of the processor, and all else.
+// The one door between this module's code, compiled for one level of the processor, and all else.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <string>
 
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 
 namespace mixrig::render {
 

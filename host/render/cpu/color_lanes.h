@@ -6,10 +6,10 @@
 #include <array>
 
 #include "hal/base/srgb.h"
+#include "host/render/contract/passes.h"
+#include "host/render/contract/tone_curve.h"
+#include "host/render/cpu/plate/srgb.h"
 #include "host/render/cpu/simd.h"
-#include "host/render/cpu/srgb.h"
-#include "host/render/passes.h"
-#include "host/render/tone_curve.h"
 
 namespace mixrig::render::cpu {
 

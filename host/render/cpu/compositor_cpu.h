@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 
 namespace mixrig::render {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "hal/base/clock.h"
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 
 namespace mixrig::render::cpu {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "host/render/compositor.h"
+#include "host/render/contract/compositor.h"
 
 namespace mixrig::render {
 

@@ -8,7 +8,7 @@
 #include <arv.h>
 #include <unistd.h>
 
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 
 namespace mixrig::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "hal/wire/genicam_buffer.h"
-#include "host/take/take.h"
+#include "hal/wire/camera/genicam_buffer.h"
+#include "host/capture/take/take.h"
 
 namespace mixrig::test {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
-#include "host/geometry/depth_noise.h"
+#include "host/math/geometry/depth_noise.h"
 #include "tests/support/genicam/emulated_genicam.h"
 
 namespace mixrig::test {

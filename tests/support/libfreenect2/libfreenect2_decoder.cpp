@@ -9,8 +9,8 @@
 #include <libfreenect2/depth_packet_processor.h>
 #include <libfreenect2/depth_packet_stream_parser.h>
 
-#include "hal/wire/kinect2_protocol.h"
-#include "host/geometry/camera_model.h"
+#include "hal/wire/camera/kinect2_protocol.h"
+#include "host/math/geometry/camera_model.h"
 
 // Defined in a file of the library that is not compiled here, since it needs the device.
 libfreenect2::Freenect2Device::Config::Config()

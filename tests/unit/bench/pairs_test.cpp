@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bench/pairs.h"
+#include "host/judge/bench/pairs.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::bench {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/bench/moved_bytes.h"
-#include "host/bench/suite.h"
+#include "host/judge/bench/moved_bytes.h"
+#include "host/judge/bench/suite.h"
 
 namespace mixrig::bench {
 namespace {

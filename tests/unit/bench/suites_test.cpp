@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bench/suites.h"
+#include "host/judge/bench/suites.h"
 
 #include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/studio_io/studio_take.h"
+#include "studio/io/studio_take.h"
 
 namespace mixrig::bench {
 namespace {

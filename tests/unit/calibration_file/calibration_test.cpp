@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration_file/calibration.h"
+#include "host/capture/calibration_file/calibration.h"
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/tables.h"
+#include "host/capture/calibration_file/tables.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::calibration_file {

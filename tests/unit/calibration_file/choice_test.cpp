@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/calibration_file/choice.h"
+#include "host/capture/calibration_file/choice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/depth_sigma.h"
+#include "host/capture/calibration_file/depth_sigma.h"
 
 namespace mixrig::calibration_file {
 namespace {

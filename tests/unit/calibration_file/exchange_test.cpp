@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files as the other tools write them, typed by hand from their documentation.
-#include "host/calibration_file/exchange.h"
+#include "host/capture/calibration_file/exchange.h"
 
 #include <array>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/calibration.h"
+#include "host/capture/calibration_file/calibration.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::calibration_file {

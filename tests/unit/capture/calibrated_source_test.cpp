@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/calibrated_source.h"
+#include "host/capture/capture/calibrated_source.h"
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/calibration.h"
+#include "host/capture/calibration_file/calibration.h"
 #include "tests/support/box_source.h"
 
 namespace mixrig::capture {

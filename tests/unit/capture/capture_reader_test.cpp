@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/capture_reader.h"
+#include "host/capture/capture/capture_reader.h"
 
 #include <condition_variable>
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/decode.h"
+#include "host/capture/capture/decode.h"
 
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::capture {

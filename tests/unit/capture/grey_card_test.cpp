@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A grey card through known cameras: the standards' own curves from light to sample, black level,
 // noise, rounding. The verdicts have to find what was put in.
-#include "host/capture/grey_card.h"
+#include "host/capture/capture/grey_card.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/calibration.h"
-#include "host/capture/calibrated_source.h"
-#include "host/capture/lens_track.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/capture/calibrated_source.h"
+#include "host/capture/capture/lens_track.h"
 #include "tests/support/box_source.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/preloaded_source.h"
+#include "host/capture/capture/preloaded_source.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/capture/camera_picture.h"
-#include "host/capture/capture.h"
+#include "host/capture/capture/camera_picture.h"
+#include "host/capture/capture/capture.h"
 
 namespace mixrig::capture {
 namespace {

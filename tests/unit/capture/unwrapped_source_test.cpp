@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/capture/unwrapped_source.h"
+#include "host/capture/capture/unwrapped_source.h"
 
 #include <gtest/gtest.h>
 

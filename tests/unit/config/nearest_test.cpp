@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/config/nearest.h"
+#include "host/math/config/nearest.h"
 
 #include <gtest/gtest.h>
 

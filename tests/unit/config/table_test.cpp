@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Manifests: what a getter returns, and the one line that an operator reads.
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 
 #include <cstdlib>
 #include <random>

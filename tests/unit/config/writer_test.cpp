@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What Writer writes, Document reads back as the same values.
-#include "host/config/writer.h"
+#include "host/math/config/writer.h"
 
 #include <array>
 #include <bit>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/config/table.h"
+#include "host/math/config/table.h"
 
 namespace mixrig::config {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/depth/depth_correction.h"
+#include "host/capture/depth/depth_correction.h"
 
 #include <cmath>
 #include <limits>

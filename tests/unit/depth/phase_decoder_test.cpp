@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Raw pictures by the formula of a phase-shift camera.
-#include "host/depth/phase_decoder.h"
+#include "host/capture/depth/phase_decoder.h"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/depth/window_filters.h"
+#include "host/capture/depth/window_filters.h"
 
 #include <cmath>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A floor and a wall whose amplitudes have a formula.
-#include "host/depth/wrapped_depth.h"
+#include "host/capture/depth/wrapped_depth.h"
 
 #include <cmath>
 #include <limits>

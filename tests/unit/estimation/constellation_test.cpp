@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/markers/constellation.h"
+#include "host/math/estimation/markers/constellation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The closed form for 2x2 matrices against Eigen's iterative solver and against known answers.
-#include "host/estimation/decompositions.h"
+#include "host/math/estimation/decompositions.h"
 
 #include <random>
 

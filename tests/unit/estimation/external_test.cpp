@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/pose/external.h"
+#include "host/math/estimation/pose/external.h"
 
 #include <gtest/gtest.h>
 

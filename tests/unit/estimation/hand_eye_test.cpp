@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/pose/hand_eye.h"
+#include "host/math/estimation/pose/hand_eye.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/markers/marker_blobs.h"
+#include "host/math/estimation/markers/marker_blobs.h"
 
 #include <cmath>
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/markers/constellation.h"
-#include "host/estimation/points/rigid_fit.h"
+#include "host/math/estimation/markers/constellation.h"
+#include "host/math/estimation/points/rigid_fit.h"
 
 namespace mixrig::estimation {
 namespace {

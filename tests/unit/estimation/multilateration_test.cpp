@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/points/multilateration.h"
+#include "host/math/estimation/points/multilateration.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/pose/pan_tilt_chain.h"
+#include "host/math/estimation/pose/pan_tilt_chain.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/points/plane_fit.h"
+#include "host/math/estimation/points/plane_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/pose/pnp.h"
+#include "host/math/estimation/pose/pnp.h"
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/pose/p3p.h"
+#include "host/math/estimation/pose/p3p.h"
 #include "tests/support/random_geometry.h"
 
 namespace mixrig::estimation {

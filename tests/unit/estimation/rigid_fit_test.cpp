@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/points/rigid_fit.h"
+#include "host/math/estimation/points/rigid_fit.h"
 
 #include <limits>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/points/triangulation.h"
+#include "host/math/estimation/points/triangulation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/estimation/verdict.h"
+#include "host/math/estimation/verdict.h"
 
 #include <cmath>
 #include <limits>

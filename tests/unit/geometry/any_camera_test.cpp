@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/any_camera.h"
+#include "host/math/geometry/any_camera.h"
 
 #include <cmath>
 

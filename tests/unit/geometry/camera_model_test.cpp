@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/camera_model.h"
+#include "host/math/geometry/camera_model.h"
 
 #include <cmath>
 #include <limits>

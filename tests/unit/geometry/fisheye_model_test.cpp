@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/fisheye_model.h"
+#include "host/math/geometry/fisheye_model.h"
 
 #include <cmath>
 

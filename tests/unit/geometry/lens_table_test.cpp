@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lenses between calibrated settings, against formulas that the table does not know.
-#include "host/geometry/lens_table.h"
+#include "host/math/geometry/lens_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/linear.h"
+#include "host/math/geometry/linear.h"
 
 #include <gtest/gtest.h>
 

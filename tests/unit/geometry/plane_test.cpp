@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/plane.h"
+#include "host/math/geometry/plane.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/geometry/pose.h"
+#include "host/math/geometry/pose.h"
 
 #include <limits>
 #include <numbers>

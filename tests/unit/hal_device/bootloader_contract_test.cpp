@@ -12,8 +12,8 @@
 
 #include "hal/fake/emulated_board.h"
 #include "hal/fake/emulated_dfuse.h"
-#include "hal/wire/dfuse.h"
-#include "hal/wire/stm32_rom.h"
+#include "hal/wire/flash/dfuse.h"
+#include "hal/wire/flash/stm32_rom.h"
 
 namespace mixrig::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The driver of the ASCII protocol against the emulated unit: special cases and faults.
-#include "hal/wire/flir_ptu.h"
+#include "hal/wire/pan_tilt/flir_ptu.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/flir_ptu_emulator.h"
-#include "hal/wire/flir_ptu_baud.h"
+#include "hal/wire/pan_tilt/flir_ptu_baud.h"
 
 namespace mixrig::device {
 namespace {

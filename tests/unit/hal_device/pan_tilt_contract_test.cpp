@@ -3,7 +3,7 @@
 
 #include "hal/fake/fake_pan_tilt.h"
 #include "hal/fake/flir_ptu_emulator.h"
-#include "hal/wire/flir_ptu.h"
+#include "hal/wire/pan_tilt/flir_ptu.h"
 
 namespace mixrig::test {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "hal/fake/emulated_board.h"
 #include "hal/fake/fake_trigger.h"
-#include "hal/wire/mcu_trigger.h"
-#include "hal/wire/software_trigger.h"
+#include "hal/wire/trigger/mcu_trigger.h"
+#include "hal/wire/trigger/software_trigger.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::test {

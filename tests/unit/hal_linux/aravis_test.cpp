@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/aravis/aravis_camera.h"
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 #include "tests/support/genicam/emulated_genicam.h"
 #include "tests/support/progress.h"
 #include "tests/unit/hal_device/camera_contract.h"

@@ -15,7 +15,7 @@
 
 #include "hal/fake/flir_ptu_emulator.h"
 #include "hal/linux/serial_byte_stream.h"
-#include "hal/wire/flir_ptu.h"
+#include "hal/wire/pan_tilt/flir_ptu.h"
 #include "tests/support/threaded_clock.h"
 
 namespace mixrig::device {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flashing over USB DfuSe, with an emulated device behind UsbControl.
-#include "hal/wire/dfuse.h"
+#include "hal/wire/flash/dfuse.h"
 
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_dfuse.h"
-#include "hal/wire/flash_image.h"
+#include "hal/wire/flash/flash_image.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::device {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which files are accepted as an image.
-#include "hal/wire/firmware_image.h"
+#include "hal/wire/flash/firmware_image.h"
 
 #include <cstring>
 

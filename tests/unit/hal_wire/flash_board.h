@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "hal/fake/emulated_board.h"
-#include "hal/wire/flash_image.h"
-#include "hal/wire/mcu_link.h"
-#include "hal/wire/stm32_rom.h"
+#include "hal/wire/flash/flash_image.h"
+#include "hal/wire/flash/stm32_rom.h"
+#include "hal/wire/trigger/mcu_link.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::device {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flashing over the UART bootloader without faults.
-#include "hal/wire/flash_image.h"
+#include "hal/wire/flash/flash_image.h"
 
 #include <string>
 

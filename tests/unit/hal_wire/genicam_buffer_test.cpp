@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/wire/genicam_buffer.h"
+#include "hal/wire/camera/genicam_buffer.h"
 
 #include <vector>
 

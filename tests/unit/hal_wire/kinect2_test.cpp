@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/wire/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_streams.h"
 #include "tests/support/kinect2_pictures.h"
 
 namespace mixrig::device {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // libcamera's formats against the codes that its formats.yaml and the kernel's headers write.
-#include "hal/wire/libcamera_format.h"
+#include "hal/wire/camera/libcamera_format.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands over a line that loses, damages and delays bytes; the real firmware code answers.
-#include "hal/wire/mcu_link.h"
+#include "hal/wire/trigger/mcu_link.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trigger controller seen from the host: configure, run, read ticks, and every failure of
 // these.
-#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/trigger/mcu_trigger.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes are written by hand from the layouts in Documentation/userspace-api/media/v4l of the kernel
 // (pixfmt-srggb10p, pixfmt-srggb12p, pixfmt-yuv-luma) and of the GenICam PFNC (Mono10p).
-#include "hal/wire/packed_samples.h"
+#include "hal/wire/camera/packed_samples.h"
 
 #include <vector>
 

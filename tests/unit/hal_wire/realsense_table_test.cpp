@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes as librealsense's structures lay them out; CRC-32 by zlib.
-#include "hal/wire/realsense_table.h"
+#include "hal/wire/camera/realsense_table.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/flir_ptu_emulator.h"
-#include "hal/wire/flir_ptu.h"
+#include "hal/wire/pan_tilt/flir_ptu.h"
 
 namespace mixrig::device {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/wire/software_trigger.h"
+#include "hal/wire/trigger/software_trigger.h"
 
 #include <map>
 

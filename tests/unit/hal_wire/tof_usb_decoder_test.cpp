@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/wire/tof_usb_decoder.h"
+#include "hal/wire/camera/tof_usb_decoder.h"
 
 #include <cmath>
 #include <random>

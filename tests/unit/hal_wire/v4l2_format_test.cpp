@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/wire/v4l2_format.h"
+#include "hal/wire/camera/v4l2_format.h"
 
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# Fails when a room includes a header of a room or a package that its link list does not give it.
-# The link lists of the rooms' CMakeLists.txt are the rule; the compiler enforces it for project
-# headers already (each room has its own tree of headers), this test says it in one line and covers
+# Fails when a module includes a header of a module or a package that its link list does not give it.
+# The link lists of the modules' CMakeLists.txt are the rule; the compiler enforces it for project
+# headers already (each module has its own tree of headers), this test says it in one line and covers
 # packages, whose headers lie in /usr/include.
-# ROOT: the tree to look at. ROOMS: rooms.txt of the build, "name|folder|links|private links" a line.
+# ROOT: the tree to look at. MODULES: modules.txt of the build, "name|folder|links|private links" a line.
 cmake_minimum_required(VERSION 3.25)
-include(${CMAKE_CURRENT_LIST_DIR}/rooms.cmake)
-read_rooms(${ROOMS})
+include(${CMAKE_CURRENT_LIST_DIR}/modules.cmake)
+read_modules(${MODULES})
 
 # header of a package : what the link list must hold, as a regular expression
 set(PACKAGES
@@ -23,18 +23,18 @@ set(PACKAGES
   "Bullet|LinearMath/:PkgConfig::BULLET"
   "ceres/|glog/:Ceres"
   "Eigen/:Eigen3|mixrig::"
-  "nlohmann/:nlohmann_json|mixrig::report|mixrig::session"
+  "nlohmann/:nlohmann_json"
   "CLI/:CLI11"
   "libyuv:libyuv"
   "zlib:ZLIB")
-# One file of a room instead of all: the studio shares the type of a pose with what it judges.
-set(ONLY "host/studio:host/geometry:host/geometry/pose.h")
+# One file of a module instead of all: the studio shares the type of a pose with what it judges.
+set(ONLY "studio:host/math/geometry:host/math/geometry/pose.h")
 
 set(breaches "")
-foreach(room IN LISTS MIXRIG_ROOM_NAMES)
-  set(folder ${${room}_folder})
-  set(links ${${room}_links} ${${room}_private_links})
-  reachable_rooms(${room} seen)
+foreach(module IN LISTS MIXRIG_MODULE_NAMES)
+  set(folder ${${module}_folder})
+  set(links ${${module}_links} ${${module}_private_links})
+  reachable_modules(${module} seen)
   file(GLOB files RELATIVE ${ROOT} ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cpp)
   file(GLOB inner RELATIVE ${ROOT} ${ROOT}/${folder}/*/*.h ${ROOT}/${folder}/*/*.cpp)
   foreach(file IN LISTS inner)
@@ -44,11 +44,11 @@ foreach(room IN LISTS MIXRIG_ROOM_NAMES)
     endif()
   endforeach()
   list(FILTER files EXCLUDE REGEX "^firmware/port/stm32f4/")  # a project of its own
-  list(FILTER files EXCLUDE REGEX "^host/bench/opencv_peers.cpp$")  # of MIXRIG_BENCH_PEERS alone
+  list(FILTER files EXCLUDE REGEX "^host/judge/bench/opencv_peers.cpp$")  # of MIXRIG_BENCH_PEERS alone
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "^#include [\"<]")
     foreach(line IN LISTS lines)
-      if(line MATCHES "^#include \"((hal|host|firmware|shaders|tests)/[^\"]+)\"")
+      if(line MATCHES "^#include \"((hal|host|extras|studio|firmware|shaders|tests)/[^\"]+)\"")
         set(header ${CMAKE_MATCH_1})
         folder_of(${header} owner)
         if(NOT owner STREQUAL folder AND NOT owner IN_LIST seen)
@@ -79,5 +79,5 @@ endforeach()
 
 if(breaches)
   list(JOIN breaches "\n  " text)
-  message(FATAL_ERROR "a room includes what it does not link:\n  ${text}")
+  message(FATAL_ERROR "a module includes what it does not link:\n  ${text}")
 endif()

@@ -2,8 +2,9 @@
 # Fails when what runs live reads a clock that people and NTP set. ROOT: the tree to look at.
 cmake_minimum_required(VERSION 3.25)
 set(breaches "")
-foreach(room IN ITEMS firmware hal host/capture host/live host/output host/session host/sync)
-  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${room}/*.h ${ROOT}/${room}/*.cpp)
+foreach(module IN ITEMS firmware hal host/capture/capture host/capture/live host/capture/open host/capture/sync host/operator/desk host/output
+  host/pose host/room host/run extras/people/watch)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${module}/*.h ${ROOT}/${module}/*.cpp)
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "system_clock|CLOCK_REALTIME|gettimeofday|std::time\\(")
     foreach(line IN LISTS lines)

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <jpeglib.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 
 namespace mixrig::image_io {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plates at other exposures of a camera whose control takes effect frames later, in injected time.
-#include "host/live/bracket.h"
+#include "host/capture/live/sweep/bracket.h"
 
 #include <cmath>
 #include <limits>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings of running cameras, and rig.toml that keeps them.
-#include "host/live/camera_settings.h"
+#include "host/capture/live/rig/camera_settings.h"
 
 #include <gtest/gtest.h>
 
 #include "hal/fake/fake_camera.h"
-#include "host/live/rig_config.h"
-#include "host/live/rig_edit.h"
+#include "host/capture/live/rig/rig_config.h"
+#include "host/capture/live/rig/rig_edit.h"
 #include "tests/support/progress.h"
 
 namespace mixrig::live {

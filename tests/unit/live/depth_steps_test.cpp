@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/fake_camera.h"
-#include "host/live/live_capture.h"
-#include "host/take/take_source.h"
+#include "host/capture/live/session/live_capture.h"
+#include "host/capture/take/take_source.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::live {

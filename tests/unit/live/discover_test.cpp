@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is written into rig.toml of emulated lists of devices.
-#include "host/live/discover.h"
+#include "host/capture/live/rig/discover.h"
 
 #include <gtest/gtest.h>
 

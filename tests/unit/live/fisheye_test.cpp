@@ -4,8 +4,8 @@
 #include <functional>
 #include <thread>
 
-#include "host/live/live_capture.h"
-#include "host/live/record.h"
+#include "host/capture/live/session/live_capture.h"
+#include "host/capture/live/session/record.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/live/session_rig.h"
 

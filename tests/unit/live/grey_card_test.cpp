@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The checks of a grey card before a camera whose exposure takes effect frames later, in injected
 // time.
-#include "host/live/grey_card.h"
+#include "host/capture/live/check/grey_card.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/live/rig_config.h"
+#include "host/capture/live/rig/rig_config.h"
 
 namespace mixrig::live {
 namespace {

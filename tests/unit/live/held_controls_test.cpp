@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/live/held_controls.h"
+#include "host/capture/live/rig/held_controls.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/live/diagnose.h"
+#include "host/capture/live/check/diagnose.h"
 
 namespace mixrig::live {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "hal/fake/emulated_kinect2.h"
 #include "hal/linux/kinect2_camera.h"
-#include "host/live/devices.h"
-#include "host/live/kinect2_depth.h"
+#include "host/capture/live/rig/devices.h"
+#include "host/capture/live/rig/kinect2_depth.h"
 #include "tests/support/kinect2_pictures.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the encoders of a lens say over the network, at mid-exposure.
-#include "host/live/lens_stream.h"
+#include "host/capture/live/session/lens_stream.h"
 
 #include <thread>
 

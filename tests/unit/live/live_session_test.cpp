@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "host/live/record.h"
+#include "host/capture/live/session/record.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Live devices as a source of frames: a recording that plays, cameras that send nothing, a stop.
-#include "host/live/live_source.h"
+#include "host/capture/live/session/live_source.h"
 
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "hal/fake/fake_camera.h"
-#include "host/live/live_capture.h"
+#include "host/capture/live/session/live_capture.h"
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"

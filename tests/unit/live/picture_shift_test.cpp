@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shifts of drawn pictures, with noise, without texture, with somebody who moves.
-#include "host/live/picture_shift.h"
+#include "host/capture/live/sweep/picture_shift.h"
 
 #include <cmath>
 #include <random>

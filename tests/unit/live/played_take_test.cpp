@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/live/live_source.h"
-#include "host/take/take_source.h"
+#include "host/capture/live/session/live_source.h"
+#include "host/capture/take/take_source.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/threaded_clock.h"

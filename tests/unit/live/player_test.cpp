@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A recording as devices: the contracts of cameras, and the properties of playing.
-#include "host/live/player.h"
+#include "host/capture/live/play/player.h"
 
 #include <map>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/live/rig_config.h"
+#include "host/capture/live/rig/rig_config.h"
 
 #include <gtest/gtest.h>
 
-#include "host/live/depth_phases.h"
+#include "host/capture/live/rig/depth_phases.h"
 
 namespace mixrig::live {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rig of a run that goes on, as a sweep beside it has it.
-#include "host/live/running_rig.h"
+#include "host/capture/live/session/running_rig.h"
 
 #include "tests/unit/live/session_rig.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rig whose two depth cameras fire half a frame apart.
-#include "host/live/live_capture.h"
+#include "host/capture/live/session/live_capture.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {

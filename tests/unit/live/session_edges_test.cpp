@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions whose host reads a trigger line: a check of the master, ticks while it reports none, and
 // ticks without a master.
-#include "host/live/diagnose.h"
+#include "host/capture/live/check/diagnose.h"
 #include "tests/unit/live/session_rig.h"
 
 namespace mixrig::live {

@@ -13,7 +13,7 @@
 #include "hal/fake/fake_pan_tilt.h"
 #include "hal/fake/fake_trigger.h"
 #include "hal/fake/fake_trigger_input.h"
-#include "host/live/live_session.h"
+#include "host/capture/live/session/live_session.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/fake_camera.h"
-#include "host/live/live_capture.h"
+#include "host/capture/live/session/live_capture.h"
 #include "tests/support/count_allocations.h"
 
 namespace mixrig::live {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A head that is moved by commands, and pictures that are rendered as it stands.
-#include "host/live/steered_head.h"
+#include "host/capture/live/play/steered_head.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/live/player.h"
+#include "host/capture/live/play/player.h"
 #include "tests/support/made_playable.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"

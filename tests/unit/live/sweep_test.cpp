@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sweep of a unit in injected time: late settling, overshoot, lost frames, a lost unit, and an
 // interruption.
-#include "host/live/sweep.h"
+#include "host/capture/live/sweep/sweep.h"
 
 #include <cmath>
 #include <random>

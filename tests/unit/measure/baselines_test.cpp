@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain composites against values made by hand.
-#include "host/measure/baselines.h"
+#include "host/judge/measure/baselines.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/measure/splat.h"
-#include "host/measure/srgb.h"
+#include "host/judge/measure/splat.h"
+#include "host/judge/measure/srgb.h"
 
 namespace mixrig::measure {
 namespace {

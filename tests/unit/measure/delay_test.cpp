@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Delays of motions and of a lamp that are made by formula.
-#include "host/measure/delay.h"
+#include "host/judge/measure/delay.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/measure/motion.h"
+#include "host/judge/measure/motion.h"
 
 namespace mixrig::measure {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/errors.h"
+#include "host/judge/measure/errors.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/flicker.h"
+#include "host/judge/measure/flicker.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/look.h"
+#include "host/judge/measure/look.h"
 
 #include <cmath>
 #include <random>

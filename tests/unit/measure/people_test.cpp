@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/people.h"
+#include "host/judge/measure/people.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/percentile.h"
+#include "hal/base/percentile.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/quantile_sketch.h"
+#include "hal/base/quantile_sketch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/measure/percentile.h"
+#include "hal/base/percentile.h"
 
 namespace mixrig::measure {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/measure/room_light.h"
+#include "host/judge/measure/room_light.h"
 
 #include <gtest/gtest.h>
 

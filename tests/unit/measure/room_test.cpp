@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rooms whose distances have a formula.
-#include "host/measure/room.h"
+#include "host/judge/measure/room.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pixels worked out by hand.
-#include "host/measure/slip.h"
+#include "host/judge/measure/slip.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/mocap/external.h"
+#include "host/pose/mocap/external.h"
 #include "tests/support/random_geometry.h"
 
 namespace mixrig::mocap {

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/verdict.h"
-#include "host/mocap/live.h"
-#include "host/mocap/marker_file.h"
-#include "host/mocap/track.h"
-#include "tests/unit/stream/natnet_server.h"
+#include "host/math/estimation/verdict.h"
+#include "host/pose/mocap/live.h"
+#include "host/pose/mocap/marker_file.h"
+#include "host/pose/mocap/track.h"
+#include "tests/unit/broadcast/natnet_server.h"
 
 namespace mixrig::mocap {
 namespace {

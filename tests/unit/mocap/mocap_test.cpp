@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/verdict.h"
-#include "host/mocap/constellation_file.h"
-#include "host/mocap/marker_file.h"
-#include "host/mocap/track.h"
+#include "host/math/estimation/verdict.h"
+#include "host/pose/mocap/constellation_file.h"
+#include "host/pose/mocap/marker_file.h"
+#include "host/pose/mocap/track.h"
 #include "tests/support/random_geometry.h"
 
 namespace mixrig::mocap {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/output/contact_sheet.h"
+#include "host/output/sheet/contact_sheet.h"
 
 #include <gtest/gtest.h>
 

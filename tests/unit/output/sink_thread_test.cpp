@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/output/sink_thread.h"
+#include "host/output/sink/sink_thread.h"
 
 #include <condition_variable>
 #include <mutex>

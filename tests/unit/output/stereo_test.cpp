@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stereo pairs of a scene of planes, against the same scene seen from both eyes.
-#include "host/output/stereo.h"
+#include "host/output/streams/stereo.h"
 
 #include <cmath>
 

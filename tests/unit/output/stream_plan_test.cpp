@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/output/stream_plan.h"
+#include "host/output/streams/stream_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Streams as ffmpeg and GStreamer's own programs receive them: size, rate, colour, alpha, depth.
 // Without these programs (scripts/setup peers) the tests that need them are skipped.
-#include "host/output/stream_sink.h"
+#include "host/output/streams/stream_sink.h"
 
 #include <cstdlib>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/output/timecode.h"
+#include "host/output/streams/timecode.h"
 
 #include <cstdlib>
 #include <ctime>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/page/json_body.h"
-#include "host/page/route.h"
+#include "host/operator/page/json_body.h"
+#include "host/operator/page/route.h"
 
 namespace mixrig::page {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/events.h"
+#include "host/operator/page/events.h"
 
 #include <gtest/gtest.h>
 
-#include "host/page/state_json.h"
+#include "host/operator/page/state_json.h"
 
 namespace mixrig::page {
 namespace {

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "host/page/operator.h"
+#include "host/operator/page/operator.h"
 
 namespace mixrig::page {
 

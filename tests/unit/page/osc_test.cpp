@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OSC of control surfaces: what each address does, what is told back, who is answered.
-#include "host/stream/osc.h"
+#include "extras/broadcast/packets/osc.h"
 
 #include <atomic>
 
@@ -10,9 +10,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "host/page/osc_commands.h"
-#include "host/page/server.h"
-#include "host/page/state_json.h"
+#include "host/operator/page/osc/osc_commands.h"
+#include "host/operator/page/server.h"
+#include "host/operator/page/state_json.h"
 #include "tests/support/progress.h"
 #include "tests/unit/page/fake_operator.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/page/server.h"
+#include "host/operator/page/server.h"
 #include "tests/unit/page/fake_operator.h"
 #include "tests/unit/page/raw_client.h"
 

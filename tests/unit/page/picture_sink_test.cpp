@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/picture_sink.h"
+#include "host/operator/page/pictures/picture_sink.h"
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 
 namespace mixrig::page {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/request.h"
+#include "host/operator/page/request.h"
 
 #include <set>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/route.h"
+#include "host/operator/page/route.h"
 
 #include <numbers>
 

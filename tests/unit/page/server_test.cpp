@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/server.h"
+#include "host/operator/page/server.h"
 
 #include <deque>
 #include <regex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/webrtc_answer.h"
+#include "host/operator/page/webrtc/webrtc_answer.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

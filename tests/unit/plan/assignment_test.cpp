@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/plan/assignment.h"
+#include "extras/people/plan/assignment.h"
 
 #include <algorithm>
 #include <numeric>

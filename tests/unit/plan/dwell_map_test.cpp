@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/plan/dwell_map.h"
+#include "extras/people/plan/dwell_map.h"
 
 #include <gtest/gtest.h>
 

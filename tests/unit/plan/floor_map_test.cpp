@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/plan/floor_map.h"
+#include "extras/people/plan/floor_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/plan/people_tracker.h"
+#include "extras/people/plan/people_tracker.h"
 
 #include <algorithm>
 #include <limits>

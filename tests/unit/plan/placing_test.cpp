@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/plan/placing.h"
+#include "extras/people/plan/placing.h"
 
 #include <cmath>
 #include <numbers>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hal/base/image.h"
-#include "host/geometry/camera_model.h"
-#include "host/geometry/pose.h"
+#include "host/math/geometry/camera_model.h"
+#include "host/math/geometry/pose.h"
 
 namespace mixrig::plan {
 

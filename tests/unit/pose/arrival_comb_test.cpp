@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arrival times without their jitter, against the times at which packets were sent.
-#include "host/pose/arrival_comb.h"
+#include "extras/broadcast/poses/arrival_comb.h"
 
 #include <cmath>
 #include <random>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A camera tracker over the loopback: the sockets are real, the time is injected.
-#include "host/pose/camera_stream.h"
+#include "extras/broadcast/poses/camera_stream.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/stream/camera_angles.h"
-#include "host/stream/datagram_sender.h"
-#include "host/stream/freed.h"
-#include "host/stream/opentrackio.h"
+#include "extras/broadcast/packets/camera_angles.h"
+#include "extras/broadcast/packets/datagram_sender.h"
+#include "extras/broadcast/packets/freed.h"
+#include "extras/broadcast/packets/opentrackio.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
 #include "tests/support/udp_listener.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pose/frame_poses.h"
+#include "host/pose/source/frame_poses.h"
 
 #include <gtest/gtest.h>
 
-#include "host/pose/fixed_poses.h"
+#include "host/pose/source/fixed_poses.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/pose/swing.h"
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A motion capture as it comes over a network: another clock, delay, jitter, lost frames.
-#include "host/pose/mocap_track.h"
+#include "host/pose/mocap/mocap_track.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/pose/mocap_poses.h"
+#include "host/pose/mocap/mocap_poses.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/progress.h"
+#include "tests/unit/broadcast/natnet_server.h"
 #include "tests/unit/pose/swing.h"
-#include "tests/unit/stream/natnet_server.h"
 
 namespace mixrig::pose {
 namespace {

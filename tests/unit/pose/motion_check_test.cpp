@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pose/motion_check.h"
+#include "host/pose/source/motion_check.h"
 
 #include <gtest/gtest.h>
 

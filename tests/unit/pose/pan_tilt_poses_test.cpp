@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The chain of a pan-tilt head, written here a second time from its definition (PanTilt in
 // calibration.h, PanTiltChain in pan_tilt_chain.h) with matrices.
-#include "host/pose/pan_tilt_poses.h"
+#include "host/pose/source/pan_tilt_poses.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/verdict.h"
+#include "host/math/estimation/verdict.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/pose/swing.h"
 

@@ -9,9 +9,9 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "host/estimation/pose/pan_tilt_chain.h"
-#include "host/pose/pan_tilt_poses.h"
-#include "host/pose/point_covariance.h"
+#include "host/math/estimation/pose/pan_tilt_chain.h"
+#include "host/pose/source/pan_tilt_poses.h"
+#include "host/pose/source/point_covariance.h"
 #include "tests/support/axes_chain.h"
 
 namespace mixrig::pose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plates between the pictures of a fisheye on a head that pans to and fro: the chain of the truth
 // is written with matrices in tests/support.
-#include "host/pose/picture_motion.h"
+#include "host/pose/source/picture_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The covariance of a pixel against sampled poses, projected here with matrices.
-#include "host/pose/point_covariance.h"
+#include "host/pose/source/point_covariance.h"
 
 #include <random>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A trajectory file beside a take of another rate and another clock, against the motion in closed
 // form.
-#include "host/pose/recorded_poses.h"
+#include "host/pose/source/recorded_poses.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Poses of motions that have a formula, with noise.
-#include "host/pose/smooth_poses.h"
+#include "host/pose/source/smooth_poses.h"
 
 #include <cmath>
 #include <functional>

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "host/capture/capture.h"
-#include "host/trajectory/trajectory.h"
+#include "host/capture/capture/capture.h"
+#include "host/pose/trajectory/trajectory.h"
 
 namespace mixrig::pose {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Poses of the target camera of a rig whose fisheye sees a box that has a formula.
-#include "host/pose/tracker_poses.h"
+#include "host/pose/tracker/tracker_poses.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The background model drawn at other poses, against a scene that is ray-cast there.
-#include "host/render/cpu/background.h"
+#include "host/render/cpu/background/background.h"
 
 #include <algorithm>
 #include <array>

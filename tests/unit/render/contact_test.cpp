@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "host/render/contact_shade.h"
 #include "host/render/cpu/compositor_cpu.h"
+#include "host/render/tables/contact_shade.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

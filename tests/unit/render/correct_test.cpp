@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/correct.h"
+#include "host/render/cpu/plate/correct.h"
 
 #include <cmath>
 #include <limits>

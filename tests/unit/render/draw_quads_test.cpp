@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/draw_quads.h"
+#include "host/render/cpu/warp/draw_quads.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/cpu/warp.h"
+#include "host/render/cpu/warp/warp.h"
 
 namespace mixrig::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/exposure.h"
+#include "host/render/frame/exposure.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth of field against rays through points of a lens, for planes that hide one another.
-#include "host/render/cpu/focus.h"
+#include "host/render/cpu/mix/focus.h"
 
 #include <array>
 #include <cmath>

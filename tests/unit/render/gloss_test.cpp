@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What surfaces mirror, against the sums of glTF's formulas over directions (appendix B), and
 // ambient light by direction against rooms whose light is given by formula.
-#include "host/render/cpu/gloss.h"
+#include "host/render/cpu/light/gloss.h"
 
 #include <cmath>
 #include <functional>
 #include <vector>
 
 #include "hal/base/learned_color.h"
-#include "host/render/room_ambient.h"
+#include "host/render/tables/room_ambient.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

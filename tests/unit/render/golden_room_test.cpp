@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/psnr.h"

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/cpu/correct.h"
-#include "host/render/cpu/plate.h"
-#include "host/render/prepare.h"
+#include "host/render/cpu/plate/correct.h"
+#include "host/render/cpu/plate/plate.h"
+#include "host/render/tables/prepare.h"
 
 namespace mixrig::test {
 

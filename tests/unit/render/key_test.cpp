@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/key.h"
+#include "host/render/cpu/key/key.h"
 
 #include <cmath>
 #include <utility>

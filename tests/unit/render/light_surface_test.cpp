@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The learned room as light falls on it, against the planes that it was made of.
-#include "host/render/light_surface.h"
+#include "host/render/tables/light_surface.h"
 
 #include <cmath>
 #include <random>

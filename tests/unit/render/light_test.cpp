@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/light.h"
+#include "host/render/cpu/light/light.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <span>
 
-#include "host/render/cpu/visibility.h"
+#include "host/render/cpu/light/visibility.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

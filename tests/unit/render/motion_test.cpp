@@ -6,7 +6,7 @@
 
 #include "hal/base/srgb.h"
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/frame_motion.h"
+#include "host/render/frame/frame_motion.h"
 #include "tests/gl/room_setup.h"
 
 namespace mixrig::test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "host/geometry/lens_table.h"
+#include "host/math/geometry/lens_table.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/count_allocations.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/cpu/irradiance.h"
-#include "host/render/cpu/people_shadow.h"
+#include "host/render/cpu/light/irradiance.h"
+#include "host/render/cpu/light/people_shadow.h"
 #include "tests/gl/room_setup.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/render/helpers.h"

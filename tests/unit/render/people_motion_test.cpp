@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/people_motion.h"
+#include "host/render/frame/people_motion.h"
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "host/render/cpu/people_shadow.h"
-#include "host/render/cpu/visibility.h"
+#include "host/render/cpu/light/people_shadow.h"
+#include "host/render/cpu/light/visibility.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

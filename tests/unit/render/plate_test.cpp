@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/plate.h"
+#include "host/render/cpu/plate/plate.h"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps of a learned depth, against the shapes that it and the colours were made of.
-#include "host/render/room_edges.h"
+#include "host/render/tables/room_edges.h"
 
 #include <cmath>
 #include <functional>

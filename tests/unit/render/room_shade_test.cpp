@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a real table hides of the lamps, against closed forms.
-#include "host/render/room_shade.h"
+#include "host/render/tables/room_shade.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/prepare.h"
+#include "host/render/tables/prepare.h"
 #include "tests/support/psnr.h"
 #include "tests/unit/render/helpers.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two depth cameras on both sides of the colour camera, against the exact world.
-#include "host/render/cpu/second_depth.h"
+#include "host/render/cpu/warp/second_depth.h"
 
 #include <cmath>
 #include <memory>

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/cpu/move_people.h"
+#include "host/render/cpu/key/move_people.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/render/helpers.h"
 

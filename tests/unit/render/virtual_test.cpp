@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/virtual.h"
+#include "host/render/cpu/virtual/virtual.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "host/render/cpu/compositor_cpu.h"
-#include "host/render/cpu/key.h"
-#include "host/render/cpu/people_shadow.h"
-#include "host/render/cpu/visibility.h"
+#include "host/render/cpu/key/key.h"
+#include "host/render/cpu/light/people_shadow.h"
+#include "host/render/cpu/light/visibility.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/render/cpu/warp.h"
+#include "host/render/cpu/warp/warp.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

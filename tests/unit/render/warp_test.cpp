@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/warp.h"
+#include "host/render/cpu/warp/warp.h"
 
 #include <cmath>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A mirror whose depth has wrapped around, beside things that hang or stand in a room.
-#include "host/render/wrapped_areas.h"
+#include "host/render/tables/wrapped_areas.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "host/render/room_mesh.h"
+#include "host/render/tables/room_mesh.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {

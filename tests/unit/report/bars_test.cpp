@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/bars.h"
+#include "host/output/report/bars.h"
 
 #include <gtest/gtest.h>
 

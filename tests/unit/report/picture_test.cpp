@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/picture.h"
+#include "host/output/report/picture.h"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "host/report/canvas.h"
-#include "host/report/plot.h"
+#include "host/output/report/canvas.h"
+#include "host/output/report/plot.h"
 
 namespace mixrig::report {
 namespace {

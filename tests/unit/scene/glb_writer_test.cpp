@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is written is read again, by the scene's own reader and by assimp.
-#include "host/scene/glb_writer.h"
+#include "host/scene/gltf/glb_writer.h"
 
 #include <gtest/gtest.h>
 
-#include "host/scene/glb_lines.h"
+#include "host/scene/gltf/glb_lines.h"
 #include "tests/support/temporary_folder.h"
 
 #ifdef MIXRIG_HAS_ASSIMP

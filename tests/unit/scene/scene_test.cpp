@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 #include "host/scene/scene_manifest.h"
 #include "tests/support/hand_gltf.h"
 #include "tests/support/temporary_folder.h"

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/board/board_poses.h"
-#include "host/studio/board/board_studio.h"
-#include "host/studio/sensors/lens.h"
-#include "host/studio/srgb.h"
+#include "studio/board/board_poses.h"
+#include "studio/board/board_studio.h"
+#include "studio/sensors/lens.h"
+#include "studio/srgb.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several people, what they wear and carry: sizes, places, and what the pictures show of it.
-#include "host/studio/people/cast.h"
+#include "studio/people/cast.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/people/attire.h"
-#include "host/studio/stage/layout.h"
-#include "host/studio/stage/light.h"
+#include "studio/people/attire.h"
+#include "studio/stage/layout.h"
+#include "studio/stage/light.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The target camera against closed forms: photon transfer, demosaicing, circles of confusion,
 // falloff, rows in time, a turned camera.
-#include "host/studio/sensors/color_camera.h"
+#include "studio/sensors/color_camera.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/sensors/shutter.h"
-#include "host/studio/sensors/warp.h"
-#include "host/studio/studio.h"
+#include "studio/sensors/shutter.h"
+#include "studio/sensors/warp.h"
+#include "studio/studio.h"
 
 namespace mixrig::studio {
 namespace {

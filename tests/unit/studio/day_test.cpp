@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Another day than that of the scan: a crowd, lamps that go off, a door that swings, a moved chair;
 // and the mirror in the fisheye.
-#include "host/studio/day.h"
+#include "studio/day.h"
 
 #include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/stage/layout.h"
-#include "host/studio/studio.h"
+#include "studio/stage/layout.h"
+#include "studio/studio.h"
 
 namespace mixrig::studio {
 namespace {

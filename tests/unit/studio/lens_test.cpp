@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The studio's lenses against OpenCV's documented formula.
-#include "host/studio/sensors/lens.h"
+#include "studio/sensors/lens.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/studio/rig.h"
+#include "studio/rig.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light of the panels against brute-force integration and simple geometry.
-#include "host/studio/stage/light.h"
+#include "studio/stage/light.h"
 
 #include <gtest/gtest.h>
 
-#include "host/studio/stage/room.h"
+#include "studio/stage/room.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motion capture stream against the camera's true motion.
-#include "host/studio/mocap.h"
+#include "studio/mocap.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "hal/base/angles.h"
-#include "host/studio/stage/layout.h"
+#include "studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {

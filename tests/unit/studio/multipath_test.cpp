@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounced modulated light against an integral over the other surface, and the imperfections of the
 // depth camera against closed forms.
-#include "host/studio/sensors/multipath.h"
+#include "studio/sensors/multipath.h"
 
 #include <cmath>
 #include <complex>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/rig_of_seed.h"
-#include "host/studio/sensors/tof_camera.h"
+#include "studio/rig_of_seed.h"
+#include "studio/sensors/tof_camera.h"
 
 namespace mixrig::studio {
 namespace {

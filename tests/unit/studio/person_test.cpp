@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The person: size, feet on the floor, a path around the object.
-#include "host/studio/stage/person.h"
+#include "studio/stage/person.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/base/angles.h"
-#include "host/studio/stage/light.h"
+#include "studio/stage/light.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounced and mirrored light against integrals and the mirror images of points.
-#include "host/studio/light/reflection.h"
+#include "studio/light/reflection.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "host/studio/light/object_gloss.h"
-#include "host/studio/studio.h"
+#include "studio/light/object_gloss.h"
+#include "studio/studio.h"
 
 namespace mixrig::studio {
 namespace {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "hal/base/angles.h"
-#include "host/studio/board/board_studio.h"
-#include "host/studio/rig_of_seed.h"
-#include "host/studio/stage/layout.h"
+#include "studio/board/board_studio.h"
+#include "studio/rig_of_seed.h"
+#include "studio/stage/layout.h"
 
 namespace mixrig::studio {
 namespace {

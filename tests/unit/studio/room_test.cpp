@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The room's dimensions, measured by rays.
-#include "host/studio/stage/room.h"
+#include "studio/stage/room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/stage/object.h"
-#include "host/studio/tracer.h"
+#include "studio/stage/object.h"
+#include "studio/tracer.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole frames: reproducible bytes, options, sensors agree with the truth.
-#include "host/studio/studio.h"
+#include "studio/studio.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/rig.h"
-#include "host/studio/sensors/lens.h"
+#include "studio/rig.h"
+#include "studio/sensors/lens.h"
 
 namespace mixrig::studio {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studio/stage/surfels.h"
+#include "studio/stage/surfels.h"
 
 #include <numbers>
 

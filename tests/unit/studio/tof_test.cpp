@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The phase sensor against known distances and its stated noise.
-#include "host/studio/sensors/tof.h"
+#include "studio/sensors/tof.h"
 
 #include <cmath>
 

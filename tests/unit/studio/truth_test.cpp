@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/sensors/lens.h"
-#include "host/studio/studio.h"
+#include "studio/sensors/lens.h"
+#include "studio/studio.h"
 
 namespace mixrig::studio {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibration_file/calibration.h"
-#include "host/studio_io/studio_take.h"
-#include "host/take/take.h"
-#include "host/trajectory/trajectory.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/take/take.h"
+#include "host/pose/trajectory/trajectory.h"
+#include "studio/io/studio_take.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::studio_io {

@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/calibration_file/calibration.h"
-#include "host/studio_io/studio_source.h"
-#include "host/studio_io/studio_take.h"
-#include "host/take/take.h"
-#include "host/trajectory/trajectory.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/capture/take/take.h"
+#include "host/pose/trajectory/trajectory.h"
+#include "studio/io/studio_source.h"
+#include "studio/io/studio_take.h"
 #include "tests/support/axes_chain.h"
 #include "tests/support/temporary_folder.h"
 

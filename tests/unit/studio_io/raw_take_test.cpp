@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
-#include "host/studio_io/studio_take.h"
-#include "host/take/take_source.h"
+#include "host/capture/take/take_source.h"
+#include "host/math/image_io/image_io.h"
+#include "studio/io/studio_take.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::studio_io {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio_io/board_set.h"
-#include "host/studio_io/board_source.h"
-#include "host/studio_io/studio_take.h"
+#include "studio/io/board_set.h"
+#include "studio/io/board_source.h"
+#include "studio/io/studio_take.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::studio_io {

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/capture/lens_track.h"
-#include "host/geometry/lens_table.h"
-#include "host/studio/rig.h"
-#include "host/studio/sensors/zoom_lens.h"
+#include "host/capture/capture/lens_track.h"
+#include "host/math/geometry/lens_table.h"
+#include "studio/rig.h"
+#include "studio/sensors/zoom_lens.h"
 
 namespace mixrig::studio_io {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock map with known delays, and on the serial line of the emulated board.
-#include "host/sync/clock_map.h"
+#include "host/capture/sync/clock_map.h"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/fake/emulated_board.h"
-#include "hal/wire/mcu_trigger.h"
+#include "hal/wire/trigger/mcu_trigger.h"
 #include "tests/support/make_image.h"
 
 namespace mixrig::sync {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/sync/device_clock.h"
+#include "host/capture/sync/device_clock.h"
 
 #include <cmath>
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/sync/edge_ticks.h"
+#include "host/capture/sync/edge_ticks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/sync/frame_set.h"
+#include "host/capture/sync/frame_set.h"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames are made from known ticks; the result of the pairer is compared with them.
-#include "host/sync/pairing.h"
+#include "host/capture/sync/pairing.h"
 
 #include <algorithm>
 #include <cmath>

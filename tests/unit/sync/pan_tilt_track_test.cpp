@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/sync/pan_tilt_track.h"
+#include "host/capture/sync/pan_tilt_track.h"
 
 #include <gtest/gtest.h>
 

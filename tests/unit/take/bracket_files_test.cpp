@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // bracket.csv: rows that are read as they were written, and rows that are refused.
-#include "host/take/bracket_files.h"
+#include "host/capture/take/bracket_files.h"
 
 #include <array>
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "host/take/growing_take.h"
+#include "host/capture/take/growing_take.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/take/made_take.h"
 

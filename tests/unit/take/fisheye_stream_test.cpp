@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fisheye stream of a take comes back at its own rate, and a broken one is said or named.
-#include "host/take/fisheye_stream.h"
+#include "host/capture/take/streams/fisheye_stream.h"
 
 #include <fstream>
 #include <sstream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A take that grows: whole after each append, continued after an interruption.
-#include "host/take/growing_take.h"
+#include "host/capture/take/growing_take.h"
 
 #include <array>
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/take/frame_tables.h"
+#include "host/capture/take/frame_tables.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/take/made_take.h"
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "host/take/take.h"
+#include "host/capture/take/take.h"
 
 namespace mixrig::take {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // take.toml: the errors that are found, and their messages.
-#include "host/take/manifest.h"
+#include "host/capture/take/manifest.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/take/picture_files.h"
+#include "host/capture/take/streams/picture_files.h"
 #include "tests/unit/take/made_take.h"
 
 namespace mixrig::take {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/take/take.h"
+#include "host/capture/take/take.h"
 
 namespace mixrig::take {
 namespace {

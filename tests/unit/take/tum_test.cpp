@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
-#include "host/take/trajectory.h"
-#include "host/take/tum_folder.h"
+#include "host/capture/take/trajectory.h"
+#include "host/capture/take/tum_folder.h"
+#include "host/math/image_io/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::take {

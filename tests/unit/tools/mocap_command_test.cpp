@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/calibration_file/calibration.h"
-#include "host/estimation/verdict.h"
-#include "tests/unit/stream/natnet_server.h"
+#include "host/capture/calibration_file/calibration.h"
+#include "host/math/estimation/verdict.h"
+#include "tests/unit/broadcast/natnet_server.h"
 #include "tests/unit/tools/tiny_take.h"
 
 namespace mixrig::test {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "host/image_io/image_io.h"
+#include "host/math/image_io/image_io.h"
 
 namespace mixrig::test {
 namespace fs = std::filesystem;

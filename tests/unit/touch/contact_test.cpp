@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/touch/contact.h"
+#include "extras/people/touch/contact.h"
 
 #include <gtest/gtest.h>
 

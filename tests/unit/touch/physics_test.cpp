@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/touch/physics.h"
+#include "extras/people/touch/physics.h"
 
 #include <cstring>
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/touch/room_sides.h"
+#include "extras/people/touch/room_sides.h"
 
 #include <random>
 

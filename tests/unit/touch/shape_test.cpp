@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/touch/shape.h"
+#include "extras/people/touch/shape.h"
 
 #include <array>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/touch/shape_gap.h"
+#include "extras/people/touch/shape_gap.h"
 #include "tests/unit/touch/touch_shapes.h"
 
 namespace mixrig::touch {

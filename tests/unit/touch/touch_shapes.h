@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/touch/shape.h"
+#include "extras/people/touch/shape.h"
 
 namespace mixrig::touch {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // People by formula before a camera, and boxes.
-#include "host/touch/touch_watch.h"
+#include "extras/people/touch/touch_watch.h"
 
 #include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/plan/people_tracker.h"
+#include "extras/people/plan/people_tracker.h"
 #include "tests/unit/plan/standing_people.h"
 
 namespace mixrig::touch {

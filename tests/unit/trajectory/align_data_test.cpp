@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/trajectory/align.h"
+#include "host/pose/trajectory/align.h"
 
 namespace mixrig::trajectory {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/trajectory/align.h"
+#include "host/pose/trajectory/align.h"
 
 #include <cmath>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/studio/stage/layout.h"
+#include "studio/stage/layout.h"
 #include "tests/support/random_geometry.h"
 
 namespace mixrig::trajectory {

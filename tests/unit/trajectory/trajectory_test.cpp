@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/trajectory/trajectory.h"
+#include "host/pose/trajectory/trajectory.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/estimation/verdict.h"
+#include "host/math/estimation/verdict.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::trajectory {

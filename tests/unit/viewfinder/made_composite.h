@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "host/output/composite_sink.h"
+#include "host/output/sink/composite_sink.h"
 
 namespace mixrig::viewfinder {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Letters and marks, pixel by pixel.
-#include "host/viewfinder/marks.h"
+#include "host/output/viewfinder/marks.h"
 
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "host/viewfinder/font.h"
+#include "host/output/viewfinder/font.h"
 
 namespace mixrig::viewfinder {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture of each view, pixel by pixel.
-#include "host/viewfinder/picture.h"
+#include "host/output/viewfinder/picture.h"
 
 #include <limits>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/viewfinder/rate_meter.h"
+#include "host/output/viewfinder/rate_meter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewfinder draws for a state of the run, read back from its pixels.
-#include "host/viewfinder/screen.h"
+#include "host/output/viewfinder/screen.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/image_io/image_io.h"
-#include "host/viewfinder/font.h"
+#include "host/math/image_io/image_io.h"
+#include "host/output/viewfinder/font.h"
 #include "tests/support/count_allocations.h"
 #include "tests/unit/viewfinder/made_composite.h"
 

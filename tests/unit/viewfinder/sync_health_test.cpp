@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/viewfinder/sync_health.h"
+#include "host/output/viewfinder/sync_health.h"
 
 #include <array>
 

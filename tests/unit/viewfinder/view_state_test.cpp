@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/viewfinder/view_state.h"
+#include "host/output/viewfinder/view_state.h"
 
 #include <gtest/gtest.h>
 

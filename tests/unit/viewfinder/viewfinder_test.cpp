@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sink with SDL's driver that shows nothing: keys, the end of a run, frames that come or not.
-#include "host/viewfinder/viewfinder.h"
+#include "host/output/viewfinder/viewfinder.h"
 
 #include <atomic>
 #include <cstdlib>

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/output/viewfinder/viewfinder.h"
 #include "host/render/gles/compositor_gles.h"
-#include "host/viewfinder/viewfinder.h"
 #include "tests/support/progress.h"
 #include "tests/support/threaded_clock.h"
 #include "tests/unit/render/helpers.h"

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// FreeD packets as a head or a lens encoder sends them to a port of this machine.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "extras/broadcast/packets/freed.h"
+#include "extras/broadcast/packets/udp_receiver.h"
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+
+namespace mixrig::stream {
+
+/// "freed:[HOST:]PORT[,CAMERA]", CAMERA 0..255. Without HOST only this machine is listened to.
+/// Pure. Errors: kUsage.
+Result<ListenAddress> parse_freed_address(const std::string& uri);
+
+/// Not thread-safe. Nothing allocates after open().
+class FreeDReceiver {
+ public:
+  /// Port 0 takes a free one. Errors: kUsage for an address that is no IPv4, kDevice where the port
+  /// cannot be opened.
+  static Result<FreeDReceiver> open(const ListenAddress& address);
+
+  /// Waits for one datagram, `timeout` at most; nullopt where none came or it was not of the
+  /// camera. Errors: kDevice where the socket fails.
+  Result<std::optional<FreeDPacket>> next(Duration timeout);
+  const StreamCounts& counts() const { return counts_; }
+  int port() const { return socket_.port(); }
+
+ private:
+  FreeDReceiver(UdpReceiver socket, std::optional<int> camera)
+      : socket_(std::move(socket)), camera_(camera) {}
+
+  UdpReceiver socket_;
+  std::optional<int> camera_;
+  StreamCounts counts_;
+};
+
+}  // namespace mixrig::stream

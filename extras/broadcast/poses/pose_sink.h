@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sends the pose and lens of each composited picture to other programs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "extras/broadcast/packets/datagram_sender.h"
+#include "extras/broadcast/packets/opentrackio.h"
+#include "hal/base/clock_sync.h"
+#include "host/output/sink/composite_sink.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::session {
+
+/// What was sent to one receiver.
+struct PoseOutReport {
+  std::string protocol, udp;
+  std::uint64_t frames = 0, lost_frames = 0;  ///< with a pose, and without
+  std::uint64_t datagrams = 0, dropped = 0;   ///< that the system took, and did not take
+};
+nlohmann::json to_json(const std::vector<PoseOutReport>& reports);
+
+/// Time and lens are those of the plate's mid-exposure and of the composite, whose picture has no
+/// distortion. A frame without a pose is a sample without transforms (OpenTrackIO), or none
+/// (FreeD).
+class PoseSink final : public output::CompositeSink {
+ public:
+  /// `epoch_ns`: of 1970, at host time 0. `begin`: of a recording, whose first frame gets this host
+  /// time. `reports` is complete after finish(), and must outlive the sink. `is_locked`: whether
+  /// the system clock is kept right, asked every two seconds. Errors: kUsage, kDevice.
+  static Result<std::unique_ptr<PoseSink>> create(const std::vector<scene::PoseOut>& outs,
+                                                  std::int64_t epoch_ns,
+                                                  std::optional<HostTime> begin,
+                                                  std::vector<PoseOutReport>& reports,
+                                                  bool (*is_locked)() = host_clock_is_synchronized);
+  std::string_view name() const override { return "poses"; }
+  render::OutputMask wanted(int) const override { return render::kMatte; }
+  Result<void> write(const output::CompositePtr& composite) override;
+  Result<void> finish() override;
+
+ private:
+  struct Receiver {
+    scene::PoseOut out;
+    stream::DatagramSender sender;
+    stream::Uuid source{};
+    std::uint64_t samples = 0;
+    std::int64_t sensor_sent_ns = 0;
+    bool locked = false;  ///< the clock, when the sensor was sent
+  };
+  PoseSink(std::int64_t epoch_ns, std::optional<HostTime> begin,
+           std::vector<PoseOutReport>& reports, bool (*is_locked)())
+      : epoch_ns_(epoch_ns), begin_(begin), reports_(reports), is_locked_(is_locked) {}
+  void send_freed(const output::Composite& composite, Receiver& to);
+  void send_opentrack(const output::Composite& composite, Receiver& to);
+
+  std::int64_t epoch_ns_;          ///< of 1970, at time 0 of the captures
+  std::optional<HostTime> begin_;  ///< of a recording, until its first frame
+  std::vector<Receiver> receivers_;
+  std::vector<PoseOutReport>& reports_;
+  bool (*is_locked_)();
+};
+
+}  // namespace mixrig::session

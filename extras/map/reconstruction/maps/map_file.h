@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// A learned map as a folder: map.toml, points.bin, keys.tum, path.tum, keys/NNNN.png.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "extras/map/reconstruction/maps/learned_map.h"
+#include "hal/base/result.h"
+
+namespace mixrig::reconstruction {
+
+/// The file that says that a folder is a map.
+inline constexpr const char* kMapManifest = "map.toml";
+
+/// Whole or not at all, in place of an older map. Errors: kUsage where the folder holds something
+/// else; kIo.
+Result<void> write_map(const LearnedMap& map, const std::filesystem::path& folder);
+
+/// Errors: kNotFound, kFormat (file:line, or what disagrees), kData for a picture that cannot be
+/// read.
+Result<LearnedMap> load_map(const std::filesystem::path& folder);
+
+/// What map.toml says: counts beside the fields of a map that stand there.
+struct MapManifest {
+  LearnedMap map;
+  int keys = 0, points = 0, descriptors = 0;
+};
+/// Pure: fuzzers call it; `name` stands for the file. Errors: kFormat.
+Result<MapManifest> parse_map_manifest(std::string_view text, const std::string& name);
+
+struct MapPoints {
+  std::vector<MapPoint> points;
+  std::vector<MapDescriptor> descriptors;
+};
+/// points.bin (docs/formats.md) of a map with that many key pictures. Pure. Errors: kFormat for
+/// another length than its header says, values that are not finite, and numbers out of range.
+Result<MapPoints> parse_map_points(std::span<const std::byte> bytes, int keys,
+                                   const std::string& name);
+
+/// TUM lines "t x y z qx qy qz qw".
+std::string tum_text(const std::vector<trajectory::TimedPose>& poses);
+
+}  // namespace mixrig::reconstruction

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// A learned map as patches that the tracker aligns.
+#pragma once
+
+#include "extras/map/reconstruction/maps/learned_map.h"
+#include "host/math/geometry/any_camera.h"
+#include "host/pose/tracker/patch_map.h"
+
+namespace mixrig::reconstruction {
+
+/// One patch for each point and each of `levels` resolutions, the finest that of the point's key
+/// picture. Its pixels lie on a plane through the point: that of the points around it where they
+/// agree on one, else across the view. `camera` took the key pictures. Points whose surroundings
+/// have no contrast give none; nothing hides anything.
+tracking::PatchMap patches_of(const LearnedMap& map, const geometry::AnyCamera& camera,
+                              int levels = 5);
+
+}  // namespace mixrig::reconstruction

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who and what touches virtual objects, frame by frame.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "extras/people/plan/floor_map.h"
+#include "extras/people/touch/contact.h"
+#include "extras/people/touch/moment.h"
+#include "extras/people/touch/shape.h"
+#include "extras/people/touch/surface_gap.h"
+
+namespace mixrig::touch {
+
+/// Of people, by their seen surface, else by a proxy for the side of the body that nothing sees,
+/// which has to be in the object by two standard deviations; of objects among each other, where
+/// they have moved, without kHit, which Physics tells of; of objects in the room, where they first
+/// stand. One thread. Allocates where
+/// somebody new is near an object, and for events.
+class TouchWatch {
+ public:
+  static constexpr double kProxySigmas = 2;
+
+  static constexpr double kYields_m = 0.03;
+
+  /// An object that gives way is pushed off before it is entered: being kYields_m near touches it.
+  /// `gives_way`: as many as shapes, or none.
+  explicit TouchWatch(std::vector<Shape> shapes, const ContactOptions& options = {},
+                      std::vector<bool> gives_way = {});
+  const std::vector<Shape>& shapes() const { return shapes_; }
+  /// The points of the empty room; before the first frame.
+  void set_room(std::vector<plan::RoomPoint> room) { room_ = std::move(room); }
+
+  /// What happened in the frame, valid until the next. Precondition: as many poses as shapes, or
+  /// none, in which all contacts end; time grows.
+  std::span<const Event> add(const Moment& moment);
+  /// All contacts end.
+  std::span<const Event> finish(double time_s);
+
+ private:
+  Contact& contact(Against against, int object, int other);
+  void watch_people(int object, const Moment& moment);
+  void watch_objects(const Moment& moment);
+  void watch_room(const Moment& moment);
+  void end_of_gone(const Moment& moment);
+
+  std::vector<Shape> shapes_;
+  ContactOptions options_, still_, yields_;  ///< still_: of things that are measured once
+  std::vector<bool> gives_way_;
+  std::vector<plan::RoomPoint> room_;
+  SurfaceGaps surface_;
+  std::vector<Contact> contacts_;
+  std::vector<geometry::Pose> last_;  ///< poses of the frame before
+  std::vector<bool> moved_;
+  bool room_done_ = false;
+  std::vector<Event> events_;
+};
+
+}  // namespace mixrig::touch

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects of a scene that move by physics, between the thread that composites and the one that
+// follows people.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "extras/people/touch/physics.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+class ObjectMotion {
+ public:
+  /// Null where no object of the scene has physics. `session` outlives it.
+  static std::unique_ptr<ObjectMotion> create(const Session& session);
+
+  /// For the compositing thread: where the objects are at a time. The first call takes what stands
+  /// in the room, seen from `world_from_camera`. Never waits for more than a copy.
+  std::span<const geometry::Pose> advance(double time_s, const geometry::Pose& world_from_camera);
+  /// For the same thread, before advance(): puts an object elsewhere; one that moves goes on from
+  /// there, at rest.
+  void place(std::size_t object, const geometry::Pose& world_from_object);
+  bool moves(std::size_t object) const { return moves_[object]; }
+  /// For the thread that follows people: hits until that time that were not taken yet.
+  void take_hits(double time_s, std::vector<touch::Event>& out);
+  /// For the same thread: the surface of people near the objects in a frame.
+  void push(std::span<const Eigen::Vector3f> surface_m, const Eigen::Vector3d& eye_m,
+            double time_s);
+
+ private:
+  static constexpr std::size_t kMostHits = 1024;  ///< that nobody took; later ones are lost
+  explicit ObjectMotion(const Session& session);
+
+  void keep_hits();
+
+  const Session& session_;
+  touch::Physics physics_;
+  std::vector<int> number_;  ///< of the objects in physics_; -1: it has no shape
+  std::vector<int> object_;  ///< the number in the scene of each in physics_
+  std::vector<bool> moves_;
+  std::vector<geometry::Pose> poses_;
+  bool has_room_ = false;
+  touch::PusherFinder finder_;
+  std::vector<touch::Pusher> now_;  ///< of the compositing thread
+  std::mutex mutex_;
+  std::vector<touch::Pusher> next_;  ///< guarded by mutex_
+  bool has_next_ = false;            ///< guarded by mutex_
+  std::vector<touch::Event> hits_;   ///< guarded by mutex_
+};
+
+}  // namespace mixrig::session

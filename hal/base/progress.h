@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long work says how far it is.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace mixrig {
+
+/// Called after each of `total` steps of the long work that `what` names.
+using ProgressFn = std::function<void(std::string_view what, int done, int total)>;
+
+}  // namespace mixrig

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finding a calibration board in a picture.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/calibrate/board/board.h"
+
+namespace mixrig::calibration {
+
+/// Points of a board in one picture, by growing id.
+struct BoardView {
+  std::vector<int> ids;             ///< into board_points_m()
+  std::vector<Eigen::Vector2d> px;  ///< (0, 0) is the centre of the top-left pixel
+  double blur_px = 0;               ///< median standard deviation of the corners' blur
+  double contrast = 0;              ///< median, grey levels from black to white
+  double sigma_px = 0;              ///< median sigma of the corner fits
+};
+
+/// How a corner is refined to sub-pixel accuracy.
+enum class Refinement {
+  kModel,  ///< fit_corner(), the default
+  kOpencv  ///< cv::cornerSubPix in a window of 11 x 11, what most programs do
+};
+
+/// How thoroughly a checkerboard is searched for.
+enum class Search {
+  kThorough,  ///< also with equalised contrast, and enlarged: for pictures that should show it
+  kQuick      ///< the picture as it is
+};
+
+/// The board, or nullopt where it is not seen. A checkerboard must be seen completely; ChArUco
+/// boards and AprilGrids may be seen in part. Corners that cannot be refined are left out. The
+/// order of a checkerboard's corners is the same from every side if one of columns and rows is odd
+/// and the other even (the square between corners 0 and 1 is dark); else it depends on the picture.
+/// Thread-safe. Errors: kUsage for a dictionary that is not known.
+Result<std::optional<BoardView>> detect_board(ImageView<const std::uint8_t> image,
+                                              const BoardSpec& board,
+                                              Refinement refinement = Refinement::kModel,
+                                              Search search = Search::kThorough);
+
+/// The corners of `known` in another picture in which the board lies within a quarter of a square
+/// of the same place, refined anew; those that are not found are left out. Thread-safe.
+BoardView find_again(ImageView<const std::uint8_t> image, const BoardSpec& board,
+                     const BoardView& known);
+
+/// Grey of a colour picture (Rec. 709 weights on the encoded values).
+Image<std::uint8_t> gray_of(ImageView<const Rgb8> image);
+/// 8 bits of a picture of 16, stretched so that 0.5 % is black and 0.5 % white.
+Image<std::uint8_t> gray_of(ImageView<const std::uint16_t> image);
+
+}  // namespace mixrig::calibration

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joint calibration of all cameras of a rig, by corners and then by analysis of all pixels.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/calibrate/rig/depth_fit.h"
+#include "host/calibrate/rig/rig_start.h"
+#include "host/capture/calibration_file/calibration.h"
+
+namespace mixrig::calibration {
+
+/// Name of a second depth camera in views.toml and calibration.toml.
+inline constexpr const char* kSecondDepthCamera = "tof2";
+
+/// At most one depth camera takes part: its error is one of the unknowns.
+struct RigOptions {
+  std::vector<std::string> cameras;  ///< that take part, the target camera first; all if empty
+  bool pixels = true;                ///< false: corners alone
+  bool bend = false;                 ///< solve for the board's bend even if it is not significant
+  int threads = 0;                   ///< 0: one per core
+};
+
+/// Error on views that were left out of the fit: the board's pose is taken from the target
+/// camera's corners alone, and the calibration predicts the other cameras' corners.
+struct HeldOut {
+  std::string camera;
+  double corners_px = 0, pixels_px = 0;  ///< root mean square, after each step
+  int views = 0;
+};
+
+struct RigReport {
+  RigModel by_corners, model;
+  std::vector<Misfound> misfound;  ///< a camera
+  std::vector<HeldOut> held_out;
+  double load_s = 0, corners_s = 0, pixels_s = 0;
+  std::vector<double> corner_px;  ///< a camera, all views, after the corner step
+  std::vector<double> grey_rms;   ///< a camera, share of the contrast from ink to paper
+  std::optional<DepthFit> depth;
+  std::vector<std::string> warnings;
+  calibration_file::Calibration calibration;
+};
+
+/// Name of the step, and how far it is: one call at a time, from any thread.
+using RigProgress = std::function<void(const char* what, int done, int total)>;
+
+/// Errors: kUsage, kNotFound, kFormat of the set; kData where it does not determine a
+/// calibration, with the reason and what to do.
+Result<RigReport> calibrate_rig(const ViewSet& set, const RigOptions& options,
+                                const RigProgress& progress);
+
+/// Poses of a camera's board by its own corners with a known lens; unset where it is not seen.
+std::vector<std::optional<geometry::Pose>> refined_poses(const RigData& data, const RigModel& model,
+                                                         std::size_t camera,
+                                                         const std::vector<int>& views,
+                                                         double sigma_px, Crew& crew);
+
+}  // namespace mixrig::calibration

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras in the files of other tools: OpenCV YAML, Kalibr camchain YAML, mrcal .cameramodel. In
+// all of them pixel (0, 0) is the centre of the top-left pixel, as it is here.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "host/math/geometry/any_camera.h"
+#include "host/math/geometry/pose.h"
+
+namespace mixrig::calibration_file {
+
+/// A camera as the file of another tool describes it.
+struct ForeignCamera {
+  std::string name;
+  geometry::AnyCamera model;
+  geometry::Pose camera_from_reference;  ///< of the first camera (Kalibr) or of the file (mrcal)
+};
+
+enum class FileKind { kMixrig, kOpencv, kKalibr, kMrcal };
+
+/// The most likely kind of a file, by its content.
+FileKind sniff(const std::string& text);
+
+/// One camera: camera_matrix (also K, M, cameraMatrix) and distortion_coefficients (also dist, D),
+/// image_width and image_height (also img_size); ROS camera_info files too. Fisheye by
+/// fisheye_model: 1 or distortion_model: equidistant. Errors: kFormat (file:line: key ...).
+Result<ForeignCamera> parse_opencv(const std::string& text, const std::string& name);
+Result<std::string> opencv_text(const ForeignCamera& camera);
+
+/// cam0, cam1, ... with pinhole projection and radtan, equidistant or no distortion.
+Result<std::vector<ForeignCamera>> parse_kalibr(const std::string& text, const std::string& name);
+/// Errors: kUnsupported for a lens with k3 to k6, for which Kalibr has no model.
+Result<std::string> kalibr_text(const std::vector<ForeignCamera>& cameras);
+
+/// LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, 5 and 8. Errors: kFormat; kUnsupported for other models.
+Result<ForeignCamera> parse_mrcal(const std::string& text, const std::string& name);
+/// Errors: kUnsupported for a fisheye: mrcal 2 has no Kannala-Brandt model.
+Result<std::string> mrcal_text(const ForeignCamera& camera);
+
+/// Reads any of them, calibration.toml too. Errors: kNotFound, kFormat, kUnsupported.
+Result<std::vector<ForeignCamera>> read_cameras(const std::filesystem::path& path);
+
+}  // namespace mixrig::calibration_file

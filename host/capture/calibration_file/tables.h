@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras and poses as TOML tables. calibration.toml holds them by name; take.toml and rig.toml may
+// hold the same tables inline ([target], [tof], [target_from_tof]). docs/formats.md shows them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/capture/calibration_file/calibration.h"
+#include "host/math/config/table.h"
+#include "host/math/config/writer.h"
+#include "host/math/geometry/any_camera.h"
+#include "host/math/geometry/pose.h"
+
+namespace mixrig::calibration_file {
+
+/// Reads model, size_px, fx, fy, cx, cy, distortion and the optional max_angle_rad (fisheye),
+/// vignetting, lens, covariance, residual_px, views, points, date, tool_version and input_hash.
+/// What is wrong is noted in the document.
+CalibratedCamera parse_camera(const config::Table& table, const std::string& name);
+/// Reads the optional vignetting, [a, b] of geometry::Vignetting, and writes it where there is any.
+geometry::Vignetting parse_vignetting(const config::Table& table);
+void set_vignetting(config::Writer& table, const geometry::Vignetting& vignetting);
+/// Reads the nodes of the optional [[lens]], and writes them.
+std::optional<geometry::LensTable> parse_lens_table(const config::Table& table, Size size_px);
+void add_lens_table(config::Writer& table, const geometry::LensTable& lens);
+/// parse_camera for a table that must hold a pinhole; an absent table gives defaults.
+geometry::CameraModel parse_pinhole(const config::Table& table);
+/// Reads translation_m and either rotation (three rows) or rotation_xyzw. Identity where the table
+/// is absent or wrong; what is wrong is noted in the document.
+geometry::Pose parse_pose(const config::Table& table);
+/// parse_pose with the optional covariance, residual_px, views, date, tool_version and input_hash.
+CalibratedPose parse_calibrated_pose(const config::Table& table, const std::string& name);
+
+/// The table that parse_camera reads back as the same model. Keys that equal their default are left
+/// out: model = "pinhole", a distortion of zeros.
+config::Writer camera_table(const geometry::AnyCamera& camera);
+config::Writer camera_table(const CalibratedCamera& camera);
+/// With rotation_xyzw.
+config::Writer pose_table(const geometry::Pose& pose);
+config::Writer pose_table(const CalibratedPose& pose);
+
+/// Square of that many rows, or 0 x 0 where the key is absent.
+Eigen::MatrixXd parse_square(const config::Table& table, const char* key, int rows);
+/// The date, tool_version and input_hash of an entry.
+Origin parse_origin(const config::Table& table);
+/// Writes what parse_origin reads, where it is not empty, and `covariance` where it is not 0 x 0.
+void set_origin(config::Writer& table, const Origin& origin, const Eigen::MatrixXd& covariance);
+
+}  // namespace mixrig::calibration_file

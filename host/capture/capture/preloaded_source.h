@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recording in memory: reading costs a copy, so that a measurement in real time is not that of
+// the recording's decoder.
+#pragma once
+
+#include <memory>
+
+#include "host/capture/capture/capture_source.h"
+
+namespace mixrig::capture {
+
+/// Reads all captures once. Truth is not kept: read_truth() reads it of the source. Errors: those
+/// of reading; kUsage for an endless source.
+Result<std::unique_ptr<CaptureSource>> preloaded(std::unique_ptr<CaptureSource> source);
+
+/// `frames` captures of `source`, after its last the first again; their times go on at its rate. It
+/// has no truth. Preconditions: the source has an end, frames and a rate.
+std::unique_ptr<CaptureSource> repeated(std::unique_ptr<CaptureSource> source, int frames);
+
+}  // namespace mixrig::capture

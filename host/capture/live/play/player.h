@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plays recorded or rendered frames as if cameras delivered them now.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/device/depth_camera.h"
+#include "hal/device/frame_pool.h"
+#include "host/capture/capture/capture_source.h"
+#include "host/capture/live/play/played_head.h"
+#include "host/capture/live/play/steered_head.h"
+
+namespace mixrig::live {
+
+/// A colour camera, a depth camera, a fisheye and the head of one recording. Colour and depth come
+/// at the time of their frame, with one counter (the frame's number) and one stamp (when it was
+/// due); the fisheye's pictures at their own times, with the counters of the recording. It plays
+/// from the first frame on as soon as all cameras that were taken from it have started, but not
+/// before the time that play_at() sets; at the end they are kStopped. Thread-safe.
+/// A source with a head of its own (capture::RenderedHead) has a head that can be moved. Each frame
+/// is rendered when it is due, as the head stands and turns then; frames that are due while another
+/// is rendered are lost, as the counter says. Where the source's exposure can be set
+/// (capture::RenderedExposure), the colour camera has that control.
+class Player : public std::enable_shared_from_this<Player> {
+ public:
+  /// Reads the first frame. Errors: those of reading; kData for a recording without frames or rate.
+  static Result<std::shared_ptr<Player>> create(std::unique_ptr<capture::CaptureSource> source,
+                                                const std::string& uri, Clock& clock);
+  ~Player();
+
+  /// At most one of each. They keep the player alive.
+  std::unique_ptr<device::Camera> camera();
+  std::unique_ptr<device::DepthCamera> depth();
+  /// Its pictures come with their frames, stamped with their own mid-exposure. Errors: kData for a
+  /// recording without a second depth camera.
+  Result<std::unique_ptr<device::DepthCamera>> depth2();
+  /// Errors: kData for a recording without such pictures in its first two seconds.
+  Result<std::unique_ptr<device::Camera>> fisheye();
+  /// The head, once where it can be moved. Errors: kData for a recording whose first frame has no
+  /// angles.
+  Result<std::unique_ptr<device::PanTilt>> pan_tilt();
+  /// Time of the first frame, so that other programs can play beside it. A camera that would be the
+  /// last one to start after that time fails with kUsage. Before the first start.
+  void play_at(HostTime begin) { play_at_ = begin; }
+  const capture::SourceInfo& info() const { return source_->info(); }
+  /// Pose of the target camera at a frame, by the frame's counter.
+  struct PlayedPose {
+    std::uint64_t sequence = 0;
+    geometry::Pose world_from_target;
+    capture::PoseOrigin origin = capture::PoseOrigin::kUnknown;
+  };
+  /// Of one of the last 64 frames, else of the first. Any thread.
+  PlayedPose pose_of(std::uint64_t sequence) const;
+
+ private:
+  friend class PlayedCamera;
+  /// One camera of the recording.
+  struct Channel {
+    device::CameraInfo info;
+    std::optional<device::FramePool> pool;
+    bool taken = false;
+    device::FrameSink sink;  ///< empty while the camera is stopped
+    device::StreamHealth health;
+  };
+  Player(std::unique_ptr<capture::CaptureSource> source, Clock& clock);
+  void describe(const std::string& uri);
+  Result<void> start(Channel& channel, device::FrameSink sink);
+  void stop(Channel& channel);
+  device::StreamHealth health(const Channel& channel) const;
+  void work();
+  void work_steered();
+  bool publish_both(int number, HostTime due);
+  bool publish_fisheye(HostTime at);
+  bool publish_in_time(int number, HostTime due);
+  bool has_new_fisheye() const;
+  Result<void> find_fisheye();
+  std::array<Channel*, 4> channels() { return {&color_, &depth_, &depth2_, &fisheye_}; }
+  Result<void> read(int number);
+  Result<void> read_next(int number);
+  void wait_until(HostTime due);
+  void publish(Channel& channel, HostTime at, std::uint64_t counter);
+  void fill(const Channel& channel, device::FramePool::Draft& draft) const;
+  void end(device::DeviceState state);
+
+  std::unique_ptr<capture::CaptureSource> source_;
+  Clock& clock_;
+  device::DepthInfo depth_info_, depth2_info_;
+  capture::Capture capture_;            ///< used only by the thread while it runs
+  std::atomic<double> exposure_s_ = 0;  ///< as the control was set last
+  double first_s_ = 0;                  ///< time of the first frame in the recording
+  HostTime begin_{};                    ///< of the first frame
+  std::optional<HostTime> play_at_;
+  std::string uri_;
+  std::shared_ptr<PlayedAngles> angles_;   ///< null where the recording has none
+  std::shared_ptr<SteeredMotion> motion_;  ///< null where the head cannot be moved
+  std::thread thread_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  Channel color_, depth_, depth2_, fisheye_;
+  bool stop_ = true;
+  PlayedPose first_pose_;
+  std::array<PlayedPose, 64> poses_;  ///< at sequence mod 64
+};
+
+}  // namespace mixrig::live

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the encoders of a rig's lens say, as it comes from the network.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "extras/broadcast/packets/freed_receiver.h"
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/capture/capture/lens_track.h"
+#include "host/capture/live/rig/rig_config.h"
+
+namespace mixrig::live {
+
+/// Listens in a thread of its own from open() on, and keeps the last values. Warns at its end of
+/// packets that could not be read. Nothing allocates between.
+class LensStream {
+ public:
+  /// Null for a rig without [lens]. `clock` must outlive it. Errors: kDevice where the port cannot
+  /// be opened.
+  static Result<std::unique_ptr<LensStream>> open(const RigConfig& config, const Clock& clock);
+  LensStream(stream::FreeDReceiver receiver, Duration delay, const Clock& clock);
+  ~LensStream();
+  LensStream(const LensStream&) = delete;
+  LensStream& operator=(const LensStream&) = delete;
+
+  /// As capture::lens_at() of the values that have come; a packet's time is that of its arrival
+  /// less the delay. Any thread.
+  std::optional<geometry::LensEncoders> at(HostTime mid_exposure) const;
+  int port() const { return receiver_.port(); }
+
+ private:
+  void listen();
+  void keep(const stream::FreeDPacket& packet);
+
+  static constexpr std::size_t kKept = 128;  ///< half a second at 240 Hz
+  stream::FreeDReceiver receiver_;
+  const Duration delay_;
+  const Clock& clock_;
+  mutable std::mutex mutex_;
+  std::array<capture::LensSample, kKept> samples_;  ///< the first count_ ones, by time
+  std::size_t count_ = 0;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mixrig::live

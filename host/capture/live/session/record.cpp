@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/capture/live/session/record.h"
+
+#include <cstdio>
+#include <memory>
+
+#include <fcntl.h>
+
+#include "host/capture/live/session/lens_stream.h"
+#include "host/capture/live/session/live_capture.h"
+#include "host/math/image_io/image_io.h"
+
+namespace mixrig::live {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Duration kRecordWait = std::chrono::milliseconds(200);
+constexpr Duration kFirstFrameTimeout = std::chrono::seconds(5);  // until the first frame
+constexpr int kFramesPerDiskCheck = 10;                           // at the free disk
+constexpr long kReserve_bytes = 4L << 20;                         // index and manifest of a take
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+std::uint64_t free_bytes_at(const fs::path& path) {
+  std::error_code error;
+  const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const auto space = fs::space(folder, error);
+  return error ? 0 : space.available;
+}
+
+/// Writes sets; one object per recording.
+class Recorder {
+ public:
+  Recorder(const RigConfig& config, const Devices& devices, take::TakeWriter writer,
+           std::unique_ptr<LensStream> lens)
+      : config_(config),
+        devices_(devices),
+        lens_(std::move(lens)),
+        decoder_(config, devices),
+        writer_(std::move(writer)),
+        extra_(config.cameras.size()) {
+    for (std::size_t i = 0; i < extra_.size(); ++i)
+      extra_[i].decoder =
+          capture::ColorDecoder(color_settings(config.cameras[i], devices.cameras[i]->info()));
+  }
+
+  /// Reserves disk space that finish() frees: a take on a full disk can still be finished.
+  Result<void> reserve() {
+    reserve_ = writer_.staging() / "reserve";
+    const File file(std::fopen(reserve_.c_str(), "w"));
+    if (file && ::posix_fallocate(::fileno(file.get()), 0, kReserve_bytes) == 0) return {};
+    return Error{ErrorCode::kIo, "no room for a take in '" + writer_.staging().string() + "'"};
+  }
+
+  Result<void> open_tables() {
+    ticks_.reset(std::fopen((writer_.staging() / "ticks.csv").c_str(), "w"));
+    head_.reset(std::fopen((writer_.staging() / "pan_tilt.csv").c_str(), "w"));
+    if (!ticks_ || !head_)
+      return Error{ErrorCode::kIo, "cannot write tables into '" + writer_.staging().string() + "'"};
+    std::fputs("frame,stream,tick,counter,mid_exposure_ns,residual_us\n", ticks_.get());
+    std::fputs("frame,pan_rad,tilt_rad\n", head_.get());
+    return {};
+  }
+
+  /// False for a set without readable colour and depth.
+  Result<bool> write(const LiveSet& set) {
+    if (!decoder_.decode(set, frame_)) return false;
+    const HostTime at = set.frames.frames[0].mid_exposure;
+    if (number_ == 0) first_ = at;
+    frame_.number = number_ + 1;
+    frame_.time_s = seconds(at - first_);
+    frame_.encoders = lens_ ? lens_->at(at) : std::nullopt;
+    MIXRIG_TRY(writer_.write(frame_));
+    ++number_;
+    MIXRIG_TRY(write_others(set));
+    return write_rows(set) ? Result<bool>(true)
+                           : Error{ErrorCode::kIo, "cannot write ticks.csv: is the disk full?"};
+  }
+
+  Result<void> finish() {
+    std::error_code ignored;  // a remaining file does no harm
+    std::filesystem::remove(reserve_, ignored);
+    ticks_.reset();
+    head_.reset();
+    return writer_.finish();
+  }
+  int frames() const { return number_; }
+
+ private:
+  /// Frames of the further cameras but the fisheye, which is in the take, each once.
+  Result<void> write_others(const LiveSet& set) {
+    for (std::size_t i = 1; i < devices_.cameras.size(); ++i) {
+      if (i == fisheye_index(config_)) continue;
+      const auto& timed = set.frames.frames[i];
+      Extra& extra = extra_[i];
+      if (!timed.frame || (extra.count > 0 && timed.frame->sequence == extra.last)) continue;
+      if (!extra.decoder.decode(*timed.frame, extra.picture)) continue;
+      const fs::path folder = writer_.staging() / config_.cameras[i].name;
+      std::error_code ignored;  // write_png reports a missing folder
+      if (extra.count == 0) fs::create_directories(folder, ignored);
+      char name[32];
+      std::snprintf(name, sizeof name, "%06d.png", ++extra.count);
+      extra.last = timed.frame->sequence;
+      MIXRIG_TRY(image_io::write_png(folder / name, extra.picture.view()));
+    }
+    return {};
+  }
+
+  bool write_rows(const LiveSet& set) {
+    bool fine = true;
+    const std::size_t cameras = devices_.cameras.size();
+    for (std::size_t i = 0; i <= cameras + (devices_.depth2 ? 1 : 0); ++i) {
+      const auto& timed = set.frames.frames[i];
+      if (!timed.frame) continue;
+      const std::string& name = i < cameras    ? config_.cameras[i].name
+                                : i == cameras ? config_.depth->name
+                                               : config_.depth2->name;
+      fine &= std::fprintf(ticks_.get(), "%d,%s,%llu,%llu,%lld,%.1f\n", number_, name.c_str(),
+                           static_cast<unsigned long long>(timed.pairing.tick),
+                           static_cast<unsigned long long>(timed.frame->sequence),
+                           static_cast<long long>(timed.mid_exposure.time_since_epoch().count()),
+                           seconds(timed.pairing.residual) * 1e6) > 0;
+    }
+    if (set.pan_tilt)
+      fine &= std::fprintf(head_.get(), "%d,%.6f,%.6f\n", number_, set.pan_tilt->pan_rad,
+                           set.pan_tilt->tilt_rad) > 0;
+    return fine;
+  }
+
+  struct Extra {
+    capture::ColorDecoder decoder;
+    Image<Rgb8> picture;
+    int count = 0;
+    std::uint64_t last = 0;
+  };
+  const RigConfig& config_;
+  const Devices& devices_;
+  std::unique_ptr<LensStream> lens_;  ///< null for a rig without
+  SetDecoder decoder_;
+  take::TakeWriter writer_;
+  capture::Capture frame_;
+  std::vector<Extra> extra_;
+  File ticks_, head_;
+  fs::path reserve_;
+  HostTime first_{};
+  int number_ = 0;
+};
+
+/// Records sets until a condition ends the recording; returns the reason.
+Result<std::string> record_sets(LiveSession& session, Recorder& recorder,
+                                const RecordOptions& options, const std::atomic<bool>& stop,
+                                Clock& clock, std::uint64_t& left_out) {
+  const auto free_bytes = options.free_bytes ? options.free_bytes : free_bytes_at;
+  const HostTime begin = clock.now();
+  HostTime end = begin + kFirstFrameTimeout;  // the time counts from the first frame on
+  while (clock.now() < end) {
+    if (stop) return std::string("stopped");
+    if (recorder.frames() % kFramesPerDiskCheck == 0 &&
+        free_bytes(options.out) < options.least_free_bytes)
+      return std::string("disk almost full");
+    const bool over = session.ended();
+    const auto set = session.next(over ? Duration(0) : kRecordWait);
+    if (!set && over) return std::string("end of the cameras");
+    if (!set) continue;
+    const bool first = recorder.frames() == 0;
+    MIXRIG_ASSIGN(const bool written, recorder.write(*set));
+    if (!written) ++left_out;
+    if (first && written) end = clock.now() + options.duration;
+    if (!first && options.progress)
+      options.progress(1 - seconds(end - clock.now()) / seconds(options.duration));
+  }
+  return std::string(recorder.frames() > 0 ? "duration" : "no frames");
+}
+
+}  // namespace
+
+Result<RecordReport> record(LiveSession& session, const RigConfig& config, const Devices& devices,
+                            const RecordOptions& options, const std::atomic<bool>& stop,
+                            Clock& clock) {
+  MIXRIG_ASSIGN(const take::TakeInfo info, take_info(config, devices));
+  MIXRIG_ASSIGN(auto writer, take::TakeWriter::create(options.out, info, options.format));
+  MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
+  Recorder recorder(config, devices, std::move(writer), std::move(lens));
+  MIXRIG_TRY(recorder.reserve());
+  MIXRIG_TRY(recorder.open_tables());
+  MIXRIG_TRY(session.start());
+  RecordReport report;
+  auto ended = record_sets(session, recorder, options, stop, clock, report.left_out);
+  session.stop();
+  report.session = session.report();
+  report.frames = recorder.frames();
+  if (report.frames == 0)
+    return Error{ErrorCode::kDevice,
+                 "no frames came from the cameras that could be paired: run mixrig diag"};
+  // Frames written before an error are kept as a complete, shorter take.
+  MIXRIG_TRY(recorder.finish());
+  if (!ended) {
+    Error error = std::move(ended).error();
+    error.context += ": the take ends after " + std::to_string(report.frames) + " frames";
+    return error;
+  }
+  report.ended = *std::move(ended);
+  return report;
+}
+
+}  // namespace mixrig::live

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/capture/open/open_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "hal/base/log.h"
+#include "host/capture/capture/preloaded_source.h"
+#include "host/capture/live/session/live_capture.h"
+#include "host/capture/live/session/live_source.h"
+#include "host/capture/open/studio.h"
+#include "host/capture/take/take_source.h"
+
+namespace mixrig::session {
+namespace {
+
+/// The pose is made from the head's angles.
+bool needs_head(const scene::Scene& scene) {
+  return scene.pose_source == scene::PoseSource::kPanTilt ||
+         (scene.pose_source == scene::PoseSource::kTracker &&
+          scene.camera.predict != scene::Predict::kVelocity);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri) {
+  const std::size_t colon = uri.find(':');
+  const std::string kind = uri.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
+  if (kind == "take" && !rest.empty()) return take::open_take_source(rest);
+  if (kind == "studio") return open_studio(rest);
+  return Error{ErrorCode::kUsage,
+               "--source \"" + uri +
+                   "\" is not a source: use take:DIR, studio[:SCENARIO,SEED,RIG] or "
+                   "rig[:RIG.TOML]"};
+}
+
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play) {
+  std::vector<live::Recording> recordings;
+  for (const std::string& uri : live::recordings_of(rig)) {
+    auto source = open_source(uri);
+    if (play.preload && source) source = capture::preloaded(*std::move(source));
+    if (play.frames > 0 && source) source = capture::repeated(*std::move(source), play.frames);
+    recordings.push_back({uri, std::move(source)});
+  }
+  return recordings;
+}
+
+void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye) {
+  std::vector<live::CameraConfig> used;
+  for (live::CameraConfig& camera : rig.cameras) {
+    if (used.empty() || (keep_fisheye && camera.name == live::kFisheye))
+      used.push_back(std::move(camera));
+    else
+      log_info("session", "camera \"" + camera.name + "\" is not used");
+  }
+  rig.cameras = std::move(used);
+}
+
+live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
+  // A pose that does not follow the head watches it: a head that turns then ends the run.
+  const bool head = scene.pose_source != scene::PoseSource::kRecorded &&
+                    scene.pose_source != scene::PoseSource::kMocap &&
+                    scene.pose_source != scene::PoseSource::kFreeD &&
+                    scene.pose_source != scene::PoseSource::kOpenTrack &&
+                    (scene.pose_source != scene::PoseSource::kTracker || needs_head(scene));
+  leave_out_cameras(rig, scene.pose_source == scene::PoseSource::kTracker);
+  if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
+  if (!head) rig.pan_tilt_uri.clear();
+  return without_idle_trigger(std::move(rig));
+}
+
+live::RigConfig without_idle_trigger(live::RigConfig rig) {
+  const auto fired = [&](const live::CameraConfig& camera) { return camera.trigger_line >= 0; };
+  const bool any_fired = std::any_of(rig.cameras.begin(), rig.cameras.end(), fired) ||
+                         (rig.depth && fired(*rig.depth)) || (rig.depth2 && fired(*rig.depth2));
+  if (any_fired) return rig;
+  if (!rig.trigger_uri.empty()) log_info("session", "the trigger fires none of the used cameras");
+  rig.trigger_uri.clear();
+  rig.edges_uri.clear();
+  return rig;
+}
+
+Result<std::unique_ptr<capture::CaptureSource>> open_rig(
+    const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
+    Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings,
+    std::shared_ptr<live::RunningRig> running, bool lends) {
+  MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
+  rig = used_by(scene, std::move(rig));
+  if (lends && !rig.cameras.empty()) rig.cameras.front().request.lends = true;
+  if (needs_head(scene) && rig.pan_tilt_uri.empty())
+    return Error{ErrorCode::kFormat,
+                 scene.path.string() + ": camera.pose: \"" + scene::name(scene.pose_source) +
+                     "\", but " + rig_toml.string() + " has no head: add [pan_tilt] with its uri"};
+  if (scene.pose_source == scene::PoseSource::kTracker && live::fisheye_index(rig) == 0)
+    return Error{ErrorCode::kFormat, scene.path.string() + ": camera.pose: \"tracker\", but " +
+                                         rig_toml.string() +
+                                         " has no fisheye: add a further [[camera]] with name = "
+                                         "\"fisheye\""};
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, play))));
+  return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
+                                live::WhenLost::kGoOn, std::move(settings), std::move(running));
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens sources of captures by URI.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/capture/capture/capture_source.h"
+#include "host/capture/live/rig/camera_settings.h"
+#include "host/capture/live/rig/devices.h"
+#include "host/capture/live/session/running_rig.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::session {
+
+/// Opens "take:DIR" or "studio[:SCENARIO,SEED,RIG,...]".
+/// Errors: kUsage for another URI; kUnsupported for the studio in the board profile; those of the
+/// take.
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri);
+
+/// How recordings are played as devices.
+struct PlayOptions {
+  bool preload = false;  ///< they are read into memory first
+  int frames = 0;        ///< they are repeated until they have so many; 0: once
+};
+
+/// Opens the recordings that a rig's take: and studio: devices play. An entry that cannot be opened
+/// holds the error.
+/// As `play` says.
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play = {});
+
+/// All but the first camera and, where wanted, the one named "fisheye".
+void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
+
+/// The part of a rig that a scene uses: the first camera, the fisheye of pose = "tracker", the
+/// depth camera, the head unless the pose comes from elsewhere (a fixed pose watches it), and the
+/// trigger if it fires one of the cameras. Other cameras are not opened.
+live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig);
+
+/// `rig`, without its trigger where that fires none of its cameras.
+live::RigConfig without_idle_trigger(live::RigConfig rig);
+
+/// Opens the devices of rig.toml that the scene uses; a camera that is lost does not end it
+/// (live::WhenLost::kGoOn). `lends`: the first camera may lend its buffers, as
+/// device::StreamRequest says. `settings` and `running` as in live::make_live_source. `stop` and
+/// `clock` must outlive the source. Errors: those of rig.toml and of the devices; kUsage without a
+/// camera or a depth camera, kFormat without the head or the fisheye that the scene's pose needs.
+Result<std::unique_ptr<capture::CaptureSource>> open_rig(
+    const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
+    Clock& clock, PlayOptions play = {}, std::shared_ptr<live::CameraSettings> settings = nullptr,
+    std::shared_ptr<live::RunningRig> running = nullptr, bool lends = false);
+
+}  // namespace mixrig::session

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A take that grows and is whole after every step.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "host/capture/capture/bracket.h"
+#include "host/capture/take/take.h"
+
+namespace mixrig::take {
+
+/// Numbered PNG pictures, pan_tilt.csv and, where frames have a fisheye's picture, its stream with
+/// fisheye.csv and the frames' times in ticks.csv; times of a take that is continued go on a second
+/// after its last frame. The manifest, which counts the frames, is replaced last: whatever ends the
+/// process, the folder is the take as it was after the last append(). Before the first one it is
+/// not a take. Not thread-safe.
+class GrowingTake {
+ public:
+  /// Continues the take in `folder`, or begins one where there is no take.toml; `info` as for
+  /// TakeWriter. Errors: kIo, kNotFound (calibration); those of TakeReader::open for a take that
+  /// cannot be read.
+  static Result<GrowingTake> open(const std::filesystem::path& folder, const TakeInfo& info);
+  GrowingTake(GrowingTake&&) noexcept;
+  GrowingTake& operator=(GrowingTake&&) noexcept;
+  ~GrowingTake();
+
+  int frames() const;
+  /// All of them or none, all with the angles `at`; a fisheye's picture once, by the first frame
+  /// that has it; `bracket` are plates of the same view (bracket_files.h). Errors: kIo; kData where
+  /// amplitudes are missing that other frames have.
+  Result<void> append(std::span<const capture::Capture> frames, device::PanTiltAngles at,
+                      std::span<const capture::BracketPlate> bracket = {});
+
+ private:
+  struct State;
+  explicit GrowingTake(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mixrig::take

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// GStreamer pipelines as owned handles with one-line errors.
+#include "host/capture/take/streams/gst_pipeline.h"
+
+#include <algorithm>
+
+namespace mixrig::take {
+namespace {
+
+Result<void> start_gstreamer() {
+  GError* error = nullptr;
+  if (gst_init_check(nullptr, nullptr, &error) != 0) return {};
+  const std::string why = error != nullptr ? error->message : "unknown";
+  g_clear_error(&error);
+  return Error{ErrorCode::kUnsupported, "cannot start GStreamer: " + why};
+}
+
+}  // namespace
+
+Result<void> check_elements(const std::vector<GstNeed>& needs, const std::string& what) {
+  MIXRIG_TRY(start_gstreamer());
+  std::vector<std::string> packages;
+  std::string elements;
+  for (const GstNeed& need : needs) {
+    GstElementFactory* const found = gst_element_factory_find(need.element);
+    if (found != nullptr) {
+      gst_object_unref(found);
+      continue;
+    }
+    elements += (elements.empty() ? "" : ", ") + std::string(need.element);
+    if (std::find(packages.begin(), packages.end(), need.package) == packages.end())
+      packages.emplace_back(need.package);
+  }
+  if (packages.empty()) return {};
+  std::string install;
+  for (const std::string& package : packages) install += (install.empty() ? "" : " and ") + package;
+  return Error{ErrorCode::kUnsupported,
+               "cannot write " + what + ": GStreamer has no " + elements + ": install " + install};
+}
+
+Result<Pipeline> Pipeline::launch(const std::string& description, std::string name) {
+  MIXRIG_TRY(start_gstreamer());
+  GError* error = nullptr;
+  GstElementPtr pipeline(
+      gst_parse_launch_full(description.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+  if (pipeline) return Pipeline(std::move(pipeline), std::move(name));
+  const std::string why = error != nullptr ? error->message : "unknown";
+  g_clear_error(&error);
+  return Error{ErrorCode::kUnsupported, why};
+}
+
+Result<Pipeline> Pipeline::create(const std::string& description,
+                                  const std::filesystem::path& file) {
+  auto result = launch(description, file.string());
+  if (!result)
+    return Error{result.error().code,
+                 "cannot use Matroska for '" + file.string() + "': " + result.error().context +
+                     ": install gstreamer1.0-plugins-good and gstreamer1.0-libav"};
+  const GstElementPtr end(result->element("file"));
+  g_object_set(end.get(), "location", file.c_str(), nullptr);
+  return result;
+}
+
+Pipeline& Pipeline::operator=(Pipeline&& other) noexcept {
+  std::swap(pipeline_, other.pipeline_);
+  std::swap(name_, other.name_);
+  return *this;
+}
+
+Pipeline::~Pipeline() {
+  if (pipeline_) gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+}
+
+GstElement* Pipeline::element(const char* name) const {
+  return gst_bin_get_by_name(GST_BIN(pipeline_.get()), name);
+}
+
+Result<void> Pipeline::play() {
+  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
+    return {};
+  return error(ErrorCode::kIo, "cannot open '" + name_ + "'");
+}
+
+Error Pipeline::error(ErrorCode code, const std::string& what) const {
+  GstBus* bus = gst_element_get_bus(pipeline_.get());
+  GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  gst_object_unref(bus);
+  if (message == nullptr) return Error{code, what};
+  GError* error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  const std::string why = error != nullptr ? error->message : "unknown";
+  g_clear_error(&error);
+  gst_message_unref(message);
+  return Error{code, what + ": " + why};
+}
+
+bool Pipeline::has_failed() const {
+  GstBus* bus = gst_element_get_bus(pipeline_.get());
+  GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  // The message stays on the bus, where error() reads it.
+  if (message != nullptr) gst_bus_post(bus, message);
+  gst_object_unref(bus);
+  return message != nullptr;
+}
+
+Result<void> Pipeline::wait_for(GstMessageType wanted, const char* verb) const {
+  GstBus* bus = gst_element_get_bus(pipeline_.get());
+  const auto either = static_cast<GstMessageType>(GST_MESSAGE_ERROR | wanted);
+  GstMessage* message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, either);
+  const bool came = message != nullptr && GST_MESSAGE_TYPE(message) == wanted;
+  if (message != nullptr && !came) gst_bus_post(bus, message);
+  if (came) gst_message_unref(message);
+  gst_object_unref(bus);
+  if (came) return {};
+  return error(ErrorCode::kFormat, std::string("cannot ") + verb + " '" + name_ + "'");
+}
+
+}  // namespace mixrig::take

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes: recordings of a rig with their calibration. docs/formats.md describes take.toml.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/base/image.h"
+#include "hal/base/result.h"
+#include "host/capture/capture/capture_source.h"
+
+namespace mixrig::take {
+
+/// One stream as the manifest describes it. `path` holds one %d conversion (numbered pictures) or
+/// names a Matroska file.
+struct StreamInfo {
+  std::string path;
+  int first = 1;  ///< number in the first file's name
+  int count = 0;
+  double rate_hz = 0;  ///< 0 where unknown
+  double delay_s = 0;  ///< of depth: its mid-exposure after that of colour
+  bool operator==(const StreamInfo&) const = default;
+};
+
+/// Streams of a second depth camera, SourceInfo::tof2.
+struct SecondDepthStream {
+  StreamInfo depth;
+  std::optional<StreamInfo> amplitude;
+};
+
+/// The manifest: what every source has, and the streams of a take.
+struct TakeInfo : capture::SourceInfo {
+  std::filesystem::path path;  ///< folder or manifest that was opened
+  std::filesystem::path root;  ///< folder that stream paths are relative to
+  StreamInfo color, depth;
+  std::optional<StreamInfo> amplitude;
+  std::optional<StreamInfo> fisheye;        ///< at its own rate; its stamps are in fisheye.csv
+  std::optional<SecondDepthStream> depth2;  ///< only with tof2, and tof2 only with it
+  int depth_unknown = 0;
+  std::string raw_depth;  ///< "kinect2": the stream `depth` holds raw frames; empty: pictures
+  double truth_depth_unit_m = 0.00025;
+};
+
+/// Reads a take folder, a take.toml, or a TUM RGB-D folder. Not thread-safe.
+class TakeReader {
+ public:
+  /// Errors: kNotFound, kFormat (file:line: key ...), kData (calibration, sizes, no frames).
+  static Result<TakeReader> open(const std::filesystem::path& path);
+  TakeReader(TakeReader&&) noexcept;
+  TakeReader& operator=(TakeReader&&) noexcept;
+  ~TakeReader();
+
+  const TakeInfo& info() const;
+  /// Reads frame `number` (1..frames), reusing the memory of `frame`. Its fisheye is that of
+  /// capture::fisheye_status().
+  /// Errors: kNotFound, kFormat, kData; the line names the file.
+  Result<void> read(int number, capture::Capture& frame);
+  /// Reads the truth of frame `number`. Errors as read; kNotFound where the take has none.
+  Result<void> read_truth(int number, capture::Truth& truth);
+
+ private:
+  struct State;
+  explicit TakeReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+enum class StreamFormat { kPng, kMatroska };
+
+/// Writes a take folder. All files go into OUT.partial, which finish() renames to OUT; a writer
+/// that is destroyed before finish() leaves nothing. Not thread-safe.
+class TakeWriter {
+ public:
+  /// `info` gives cameras, rig, depth units and rates; counts and paths are set by the writer; the
+  /// file of info.calibration is copied into the take.
+  /// Errors: kUsage where `folder` exists and is not a take, kIo, kNotFound.
+  static Result<TakeWriter> create(const std::filesystem::path& folder, const TakeInfo& info,
+                                   StreamFormat format);
+  TakeWriter(TakeWriter&&) noexcept;
+  TakeWriter& operator=(TakeWriter&&) noexcept;
+  ~TakeWriter();
+
+  /// Of a take with raw_depth neither depth nor amplitude: the caller puts raw/%06d.bin and its
+  /// tables into staging(). The fisheye's picture only where its stamp is later than the last. What
+  /// the lens's encoders say likewise.
+  Result<void> write(const capture::Capture& frame);
+  Result<void> write_truth(const capture::Truth& truth);  ///< after write() of the same frame
+  /// Folder to put further files in (scene.toml, models) before finish().
+  const std::filesystem::path& staging() const;
+  Result<void> finish();
+
+ private:
+  struct State;
+  explicit TakeWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mixrig::take

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// TUM RGB-D folders (Sturm et al. 2012): rgb.txt, depth.txt, groundtruth.txt. Private to this
+// module.
+#pragma once
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "host/capture/take/manifest.h"
+#include "host/capture/take/trajectory.h"
+
+namespace mixrig::take {
+
+bool is_tum_folder(const std::filesystem::path& folder);
+
+/// The manifest of a TUM folder without take.toml: ROS' default intrinsics (525, 319.5, 239.5 at
+/// 640x480, depth registered to colour), 1/5000 m, ground truth where the folder has it.
+Manifest tum_manifest(const std::filesystem::path& folder);
+
+/// Indices of colour and depth stamps that belong together: each at most once, closest pairs
+/// first, at most `max_difference_s` apart; sorted by colour.
+std::vector<std::pair<int, int>> associate(const std::vector<StampedFile>& color,
+                                           const std::vector<StampedFile>& depth,
+                                           double max_difference_s);
+
+}  // namespace mixrig::take

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the cpu back end has to move at least.
+#pragma once
+
+#include "hal/base/image.h"
+#include "host/render/contract/compositor.h"
+
+namespace mixrig::bench {
+
+/// Bytes that a stage of a still frame with all images of kComposite reads and writes at least:
+/// each image once in each pass that needs all of it. 0 for stages that a still frame leaves out.
+double moved_bytes(render::Stage stage, Size view, Size tof);
+/// The same of all stages.
+double moved_bytes(Size view, Size tof);
+
+}  // namespace mixrig::bench

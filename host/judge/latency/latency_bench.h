@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The delay of a live run, measured: a take of the studio is played in real time as the devices of
+// a rig, and the motion in what is shown is held against that of the same pictures, composited
+// before without haste, at the times when they were exposed.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/judge/measure/delay.h"
+#include "host/output/report/bars.h"
+#include "host/output/sink/run_controls.h"
+#include "host/output/sink/shown_log.h"
+#include "host/run/loop/run.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+struct LatencyOptions {
+  std::filesystem::path scene, take;  ///< of the studio, with truth, a camera that stands still and
+                                      ///< somebody who moves
+  std::filesystem::path folder;       ///< rig.toml is written there
+  std::optional<Size> view_size{};
+  BackendChoice backend{};
+};
+
+/// A measurement that is set up. Members point into one another: it stays where it is made.
+struct LatencyBench {
+  std::unique_ptr<Session> session;
+  std::vector<measure::Sample> motion;  ///< at the times of the frames, on the host's clock
+  output::ShownLog log;                 ///< to be filled by the sink that shows
+  Size view_px;
+};
+
+struct LatencyReport {
+  std::size_t frames = 0;                                     ///< shown
+  double period_ms = 0;                                       ///< of the take
+  std::vector<float> total_ms, wait_ms, compose_ms, show_ms;  ///< of each frame
+  std::optional<measure::Delay> correlated;  ///< by the motions alone; nothing: they cannot tell
+  RunReport run;
+};
+
+/// Composites the take once, opens the session and reads the take into memory, and sets the time of
+/// the first frame, some seconds from now. Errors: those of
+/// scene and take; kData for a take without truth or rate.
+Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& options, Clock& clock,
+                                                      const std::atomic<bool>& stop);
+
+/// A sink that fills the log with what is handed over, where no screen is wanted.
+std::unique_ptr<output::CompositeSink> make_log_sink(output::ShownLog& log, const Clock& clock);
+
+/// Plays and composites the take, with `sink` filling bench.log. Errors: those of run(); kData
+/// where nothing was shown.
+Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::CompositeSink> sink,
+                                  output::RunControls& controls, const Clock& clock);
+
+nlohmann::json to_json(const LatencyReport& report);
+std::string to_table(const LatencyReport& report);
+/// Medians and 99th percentiles of the stages.
+report::BarPlot plot_of(const LatencyReport& report);
+
+}  // namespace mixrig::session

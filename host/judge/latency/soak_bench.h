@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// A long live run: a take that is played again and again as the devices of a rig. Says whether the
+// delay drifts, memory grows, or a frame is lost without a reason.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/run/report/run_report.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+struct SoakOptions {
+  std::filesystem::path scene{}, take{};
+  std::filesystem::path folder{};  ///< rig.toml is written there
+  double duration_s = 1200;        ///< of the frames, by their own times
+  double speed = 1;                ///< the clock of devices and pairing runs so many times as fast
+  std::optional<Size> view_size{};
+  BackendChoice backend{};
+};
+
+/// A clock that runs `speed` times as fast as the host's, from its making on. Thread-safe.
+class FastClock final : public Clock {
+ public:
+  explicit FastClock(double speed) : speed_(speed), begin_(host_.now()) {}
+  HostTime now() const override { return begin_ + scaled(host_.now() - begin_, speed_); }
+  void sleep_until(HostTime until) override {
+    host_.sleep_until(begin_ + scaled(until - begin_, 1 / speed_));
+  }
+
+ private:
+  static Duration scaled(Duration time, double factor) {
+    return Duration(static_cast<Duration::rep>(static_cast<double>(time.count()) * factor));
+  }
+  const double speed_;
+  SystemClock host_;
+  const HostTime begin_;
+};
+
+/// A twelfth of the run.
+struct SoakPart {
+  std::uint64_t frames = 0;                    ///< that the sink got
+  double p50_ms = 0, p99_ms = 0, most_ms = 0;  ///< mid-exposure to sink, in the time of the host
+  double resident_mb = 0;                      ///< at its end
+};
+
+struct SoakReport {
+  static constexpr std::size_t kParts = 12;
+  std::vector<SoakPart> parts;
+  double speed = 1, real_s = 0;
+  std::uint64_t exposed = 0;   ///< pictures of the colour camera
+  std::uint64_t before = 0;    ///< before the first composite: the background is learned
+  std::uint64_t shown = 0;     ///< composites that the sink got
+  std::uint64_t overrun = 0;   ///< no buffer was free
+  std::uint64_t unpaired = 0;  ///< without depth in time, or dropped before they were read
+  std::uint64_t dropped_before = 0, dropped_after = 0;  ///< of the queues about the compositor
+  RunReport run;
+
+  /// Exposed since the first composite, and neither shown nor counted by name.
+  std::int64_t unexplained() const;
+  /// Median delay of the last quarter less that of the second: the first one warms up.
+  double drift_ms() const;
+  /// Resident memory likewise.
+  double growth_mb() const;
+};
+
+/// Errors: kUsage for a duration or speed out of range; those of scene, take and run(). `stop` ends
+/// it early; then the report is of what was done.
+Result<SoakReport> soak(const SoakOptions& options, const std::atomic<bool>& stop,
+                        const ProgressFn& progress);
+
+nlohmann::json to_json(const SoakReport& report);
+std::string to_table(const SoakReport& report);
+
+}  // namespace mixrig::session

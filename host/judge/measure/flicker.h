@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// How steady the matte is from one frame to the next, against the true one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "hal/base/image.h"
+#include "host/judge/measure/errors.h"
+
+namespace mixrig::measure {
+
+/// Judges the pixels within kBand_px of the people's border in this frame and the one before. One
+/// thread.
+class MatteFlicker {
+ public:
+  /// True mattes that differ by no more are still, of 255.
+  static constexpr int kStill = 2;
+
+  /// Mattes of one size, people = 255, of the next frame. A frame of another size begins anew.
+  void add(ImageView<const std::uint8_t> matte, ImageView<const std::uint8_t> true_matte);
+  /// Root mean square of the matte's change where the true matte stands still, 0..1; nothing where
+  /// no pixel could be judged.
+  std::optional<double> still() const;
+  /// The same of what the change is off the true one, still or moving: the dtSSD of Erofeev,
+  /// Gitman, Vatolin, Fedorov and Wang 2015.
+  std::optional<double> all() const;
+
+ private:
+  Image<std::uint8_t> matte_, true_matte_, band_;  ///< of the frame before
+  Sum still_square_, square_;
+};
+
+}  // namespace mixrig::measure

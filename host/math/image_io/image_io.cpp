@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// From file names to decoders.
+#include "host/math/image_io/image_io.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+
+#include "host/math/image_io/codecs.h"
+
+namespace mixrig::image_io {
+namespace {
+
+/// No picture of at most kMaxSidePx per side needs a larger file.
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path) {
+  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  const std::string what = "cannot read picture '" + path.string() + "'";
+  if (!file) return system_error(ErrorCode::kNotFound, what, errno);
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  if (error) return system_error(ErrorCode::kFormat, what, error.value());
+  if (size > kMaxFileBytes) return bad_picture(path.string(), "larger than 2 GiB");
+  std::vector<std::uint8_t> bytes(size);
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
+  return bytes;
+}
+
+template <typename T>
+Result<void> read_gray(const std::filesystem::path& path, Image<T>& image) {
+  MIXRIG_ASSIGN(const auto bytes, read_file(path));
+  if (!is_png(bytes)) return bad_picture(path.string(), "not a PNG file", "use a grey PNG");
+  return decode_png(bytes, path.string(), image);
+}
+
+/// What a library says may have bytes of the file in it: a line of a terminal stays one.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return text;
+}
+
+}  // namespace
+
+Error bad_picture(const std::string& name, const std::string& why, const std::string& what_to_do) {
+  return Error{ErrorCode::kFormat,
+               "cannot read picture '" + name + "': " + printable(why) + ": " + what_to_do};
+}
+
+Result<void> decode_rgb8(const std::uint8_t* data, std::size_t size, const std::string& name,
+                         Image<Rgb8>& image) {
+  const Bytes bytes(data, size);
+  if (is_png(bytes)) return decode_png(bytes, name, image);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, name, image);
+  return bad_picture(name, size == 0 ? "empty" : "neither PNG nor JPEG", "use a PNG or JPEG file");
+}
+
+Result<void> read_rgb8(const std::filesystem::path& path, Image<Rgb8>& image) {
+  MIXRIG_ASSIGN(const auto bytes, read_file(path));
+  return decode_rgb8(bytes.data(), bytes.size(), path.string(), image);
+}
+
+Result<void> read_gray16(const std::filesystem::path& path, Image<std::uint16_t>& image) {
+  return read_gray(path, image);
+}
+
+Result<void> read_gray8(const std::filesystem::path& path, Image<std::uint8_t>& image) {
+  return read_gray(path, image);
+}
+
+}  // namespace mixrig::image_io

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a desk looks up for a change, or why it cannot be made.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "host/operator/desk/room_sight.h"
+
+namespace mixrig::session {
+
+/// Errors: kNotFound, with the names that there are.
+template <typename Named>
+Result<const Named*> named(const std::vector<Named>& all, const std::string& name,
+                           const char* kind) {
+  std::string names;
+  for (const Named& one : all) {
+    if (one.name == name) return &one;
+    names += (names.empty() ? "" : ", ") + one.name;
+  }
+  return Error{ErrorCode::kNotFound, "the scene has no " + std::string(kind) + " \"" + name +
+                                         "\": it has " + (names.empty() ? "none" : names)};
+}
+
+/// Errors: kData where there is none.
+inline Result<const SeenFrom*> seen(const SeenFrom* from) {
+  if (from != nullptr) return from;
+  return Error{ErrorCode::kData, "no frame was composited yet: try again"};
+}
+
+}  // namespace mixrig::session

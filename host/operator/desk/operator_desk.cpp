@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/operator/desk/operator_desk.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hal/base/log.h"
+#include "hal/base/partial_path.h"
+#include "hal/base/recent_log.h"
+#include "host/capture/live/rig/rig_edit.h"
+#include "host/math/config/table.h"
+#include "host/operator/desk/desk_state.h"
+
+namespace mixrig::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DeskSink final : public output::CompositeSink {
+ public:
+  explicit DeskSink(OperatorDesk& desk) : desk_(desk) {}
+  std::string_view name() const override { return "operator"; }
+  bool is_quick() const override { return true; }
+  render::OutputMask wanted(int /*number*/) const override { return desk_.wanted(); }
+  Result<void> write(const output::CompositePtr& composite) override {
+    desk_.see(composite);
+    return {};
+  }
+  Result<void> finish() override { return {}; }
+
+ private:
+  OperatorDesk& desk_;
+};
+
+}  // namespace
+
+OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
+                           output::RunControls& controls, Clock& clock, DeskOptions options)
+    : session_(session),
+      controls_(controls),
+      clock_(clock),
+      options_(std::move(options)),
+      scene_(session, std::move(follower)),
+      recorder_(session, options_.takes),
+      sweep_(session, scene_, clock) {
+  controls_.records_takes = true, controls_.recording = false;
+}
+
+std::unique_ptr<output::CompositeSink> OperatorDesk::make_sink() {
+  return std::make_unique<DeskSink>(*this);
+}
+
+render::OutputMask OperatorDesk::wanted() const {
+  return render::kMatte | (recorder_.is_on() ? render::kColor | render::kMixedDepth : 0);
+}
+
+void OperatorDesk::see(const output::CompositePtr& composite) {
+  obey_record_key();
+  recorder_.write(composite);
+  const HostTime now = clock_.now();
+  const std::lock_guard lock(mutex_);
+  Frames& f = frames_;
+  ++f.count, ++f.second_count;
+  f.number = composite->capture->number;
+  f.frame_ms = static_cast<double>(composite->frame_ms);
+  f.delay_ms = milliseconds(now - composite->capture->mid_exposure);
+  f.finished = now;
+  f.pose = composite->pose.ok() ? "ok" : std::string(capture::name(composite->pose.loss));
+  f.objects_shown = composite->objects_shown;
+  f.from = SeenFrom{composite->world_from_target, composite->view};
+  const double elapsed_s = seconds(now - f.second_began);
+  if (f.count > 1 && elapsed_s < 1) return;
+  if (f.count > 1) f.fps = static_cast<double>(f.second_count) / elapsed_s;
+  f.second_began = now, f.second_count = 0;
+}
+
+OperatorDesk::Frames OperatorDesk::frames() const {
+  const std::lock_guard lock(mutex_);
+  return frames_;
+}
+
+page::State OperatorDesk::state() const {
+  const Frames f = frames();
+  const SeenFrom* from = f.from ? &*f.from : nullptr;
+  page::State state;
+  state.scene = session_.scene.path.string();
+  state.source = session_.source->info().name;
+  state.live = options_.live;
+  state.width = session_.setup.view.size_px.width;
+  state.height = session_.setup.view.size_px.height;
+  state.frames = f.count, state.frame = f.number;
+  state.fps = f.fps, state.frame_ms = f.frame_ms, state.delay_ms = f.delay_ms;
+  if (f.count > 0) state.since_frame_s = seconds(clock_.now() - f.finished);
+  state.pose = f.pose, state.objects_shown = f.objects_shown;
+  state.recording = recorder_.state();
+  state.background_possible = controls_.can_learn;
+  state.background = state.background_possible
+                         ? "what changed in the room and stands still can become background"
+                         : "the background of this run is not watched";
+  state.scan = scan_state();
+  state.disk_free_gb = free_gb(recorder_.folder());
+  state.calibration = calibration_of(session_, zoomed_, focused_);
+  state.streams = streams_of(session_), state.cameras = cameras_of(session_);
+  state.sweep = sweep_.state();
+  state.focus = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px);
+  state.objects = scene_.objects(from), state.lamps = scene_.lamps(from);
+  state.log = recent_log_lines();
+  return state;
+}
+
+Result<void> OperatorDesk::learn_background() {
+  if (!controls_.can_learn)
+    return Error{ErrorCode::kUnsupported,
+                 "the background of this run is not watched: its camera or lens moves without a "
+                 "scanned room, or it was started with --no-watch"};
+  ++controls_.learn;
+  return {};
+}
+
+page::ScanState OperatorDesk::scan_state() const {
+  page::ScanState state;
+  const int left = controls_.scan_left;
+  state.possible = controls_.can_scan;
+  state.total = left > 0 ? output::RunControls::kScanLooks : 0;
+  state.done = state.total - std::max(left, 0);
+  if (!state.possible)
+    state.why_not =
+        "the room can be learned here only of one view that is watched: where the camera "
+        "moves, end the run and use mixrig scan";
+  return state;
+}
+
+Result<void> OperatorDesk::scan_room(bool on) {
+  const page::ScanState now = scan_state();
+  if (!now.possible) return Error{ErrorCode::kUnsupported, now.why_not};
+  if (!on && now.total == 0) return Error{ErrorCode::kData, "the room is not being learned"};
+  controls_.scan_left = on ? output::RunControls::kScanLooks : 0;
+  return {};
+}
+
+/// Null: ends the recording.
+Result<void> OperatorDesk::record(const page::StartRecording* start) {
+  const std::lock_guard lock(record_mutex_);
+  auto done = start != nullptr ? recorder_.start(start->name, start->notes) : recorder_.stop();
+  controls_.recording = told_recording_ = recorder_.is_on();
+  return done;
+}
+
+/// A key begins or ends a recording by the controls; a fault that has ended one is told to them.
+void OperatorDesk::obey_record_key() {
+  const std::unique_lock lock(record_mutex_, std::try_to_lock);
+  if (!lock) return;  // one begins or ends now
+  const bool wanted = controls_.recording;
+  if (wanted != told_recording_ && wanted != recorder_.is_on()) {
+    const auto done = wanted ? recorder_.start("", "") : recorder_.stop();
+    if (!done) log_warning("session", "recording: " + to_line(done.error()));
+  }
+  controls_.recording = told_recording_ = recorder_.is_on();
+}
+
+Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
+  if (!session_.cameras)
+    return Error{ErrorCode::kUnsupported,
+                 "this run has no cameras that can be set: a recording is "
+                 "played"};
+  const std::filesystem::path& rig = session_.source->info().file;
+  constexpr std::size_t kMostRigBytes = std::size_t{1} << 20;
+  MIXRIG_ASSIGN(std::string text, config::read_text(rig, kMostRigBytes));
+  for (const auto& [name, value] : set.values)
+    for (int i = 0; i < device::kCameraControls; ++i) {
+      const auto control = static_cast<device::CameraControl>(i);
+      const live::ControlKey key = live::control_key(control);
+      if (key.key != name) continue;
+      MIXRIG_TRY(session_.cameras->set(set.name, control, value / key.unit));
+      zoomed_ = zoomed_ || control == device::CameraControl::kZoom;
+      focused_ = focused_ || control == device::CameraControl::kFocus;
+      if (set.preview) continue;
+      MIXRIG_ASSIGN(text,
+                    live::with_control(text, rig.string(), set.name, control, value / key.unit));
+    }
+  return set.preview ? Result<void>() : write_file(rig, text);
+}
+
+/// With what was clicked in a window of the run.
+Result<void> OperatorDesk::save() {
+  MIXRIG_TRY(scene_.save());
+  if (controls_.focus_at < 0 || !controls_.can_focus) return {};
+  return scene_.apply(page::SetFocus{
+      .at = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px).at});
+}
+
+Result<void> OperatorDesk::apply(const page::Command& command) {
+  const Frames f = frames();
+  const SeenFrom* from = f.from ? &*f.from : nullptr;
+  return std::visit(
+      [&](const auto& c) -> Result<void> {
+        using C = std::decay_t<decltype(c)>;
+        if constexpr (std::is_same_v<C, page::StartRecording>)
+          return record(&c);
+        else if constexpr (std::is_same_v<C, page::StopRecording>)
+          return record(nullptr);
+        else if constexpr (std::is_same_v<C, page::SetCamera>)
+          return set_camera(c);
+        else if constexpr (std::is_same_v<C, page::LearnBackground>)
+          return learn_background();
+        else if constexpr (std::is_same_v<C, page::ScanRoom>)
+          return scan_room(c.on);
+        else if constexpr (std::is_same_v<C, page::StartSweep>)
+          return sweep_.start(c);
+        else if constexpr (std::is_same_v<C, page::CancelSweep>)
+          return sweep_.cancel();
+        else if constexpr (std::is_same_v<C, page::SaveScene>)
+          return save();
+        else if constexpr (requires { scene_.apply(c, from); })
+          return scene_.apply(c, from);
+        else
+          return scene_.apply(c);
+      },
+      command);
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run as the operator's page sees it.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "host/operator/desk/composite_recorder.h"
+#include "host/operator/desk/room_sweep.h"
+#include "host/operator/desk/scene_desk.h"
+#include "host/operator/page/operator.h"
+#include "host/output/sink/composite_sink.h"
+#include "host/output/sink/run_controls.h"
+
+namespace mixrig::session {
+
+struct DeskOptions {
+  std::filesystem::path takes;  ///< folder that recordings go to
+  bool live = false;            ///< devices; else a recording that is played
+};
+
+/// Knows of the run what its sinks are given. `session`, `controls` and `clock` outlive it; it
+/// outlives its sink. The controls' `recording` is that of its recorder, whoever changes it.
+class OperatorDesk final : public page::Operator {
+ public:
+  OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
+               output::RunControls& controls, Clock& clock, DeskOptions options);
+
+  page::State state() const override;
+  Result<void> apply(const page::Command& command) override;
+
+  /// For the run: sees every frame, and records.
+  std::unique_ptr<output::CompositeSink> make_sink();
+  /// For that sink.
+  render::OutputMask wanted() const;
+  void see(const output::CompositePtr& composite);
+
+ private:
+  /// Of the last frame, and of the last second.
+  struct Frames {
+    std::uint64_t count = 0;
+    int number = 0;
+    double frame_ms = 0, delay_ms = 0, fps = 0;
+    HostTime finished{}, second_began{};
+    std::uint64_t second_count = 0;
+    std::string pose = "unknown";
+    bool objects_shown = true;
+    std::optional<SeenFrom> from;
+  };
+  Frames frames() const;
+  page::ScanState scan_state() const;
+  Result<void> learn_background();
+  Result<void> scan_room(bool on);
+  Result<void> record(const page::StartRecording* start);
+  void obey_record_key();
+  Result<void> set_camera(const page::SetCamera& set);
+  Result<void> save();
+
+  const Session& session_;
+  output::RunControls& controls_;
+  const Clock& clock_;
+  const DeskOptions options_;
+  SceneDesk scene_;
+  CompositeRecorder recorder_;
+  std::mutex record_mutex_;      ///< guards what follows; held while a recording begins or ends
+  bool told_recording_ = false;  ///< as the controls were told last
+  std::atomic<bool> zoomed_ = false, focused_ = false;  ///< in this run
+  mutable std::mutex mutex_;                            ///< guards what follows
+  Frames frames_;
+  RoomSweep sweep_;  ///< last: its thread uses the session
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scan of the room by the head of a rig while the run goes on.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "hal/base/clock.h"
+#include "host/operator/desk/scene_desk.h"
+#include "host/operator/page/operator.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+/// Turns the head through the views of a sweep, takes them from the frames of the run, puts the
+/// head back, models the room in a thread of low priority and makes it the background in the
+/// scene's file, which counts at the next start. Rooms lie in rooms/ beside the scene. Any threads.
+class RoomSweep {
+ public:
+  /// All outlive it; `scene` is that of the session.
+  RoomSweep(const Session& session, SceneDesk& scene, Clock& clock)
+      : session_(session), scene_(scene), clock_(clock) {}
+  /// Ends a sweep; a room that is being modelled is waited for.
+  ~RoomSweep();
+  RoomSweep(const RoomSweep&) = delete;
+  RoomSweep& operator=(const RoomSweep&) = delete;
+
+  /// Errors: kUnsupported where this run cannot, with the reason; kData while one is at work;
+  /// kUsage where the room is there already. What the sweep itself meets is told by state().
+  Result<void> start(const page::StartSweep& wanted);
+  /// Ends it, and its views are removed. Errors: kData where no head is being turned.
+  Result<void> cancel();
+  page::SweepState state() const;
+
+ private:
+  std::string why_not() const;
+  void work(const page::StartSweep& wanted, const std::filesystem::path& folder);
+  Result<void> make_room(const page::StartSweep& wanted, const std::filesystem::path& folder);
+  void hold_colors() const;
+  void set_phase(page::SweepState::Phase phase);
+
+  const Session& session_;
+  SceneDesk& scene_;
+  Clock& clock_;
+  std::atomic<bool> stop_ = false, cancelled_ = false;
+  mutable std::mutex mutex_;  ///< guards state_
+  page::SweepState state_;
+  std::mutex thread_mutex_;  ///< guards thread_
+  std::thread thread_;
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// An operator's changes of a scene: shown at once, and written into scene.toml.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/operator/desk/room_sight.h"
+#include "host/operator/page/operator.h"
+#include "host/run/controls/scene_follower.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+/// The scene file is the truth: a change is written into it whole or not at all, its other text
+/// stays, and the run follows the file. Previews are shown without being written, until the file is
+/// read again. Any threads: of several desks on one follower each waits for the others.
+class SceneDesk {
+ public:
+  SceneDesk(const Session& session, std::shared_ptr<SceneFollower> follower);
+
+  /// Errors: those of page::Operator::apply(). `from` is null before the first frame.
+  Result<void> apply(const page::SetObject& set, const SeenFrom* from);
+  Result<void> apply(const page::AddObject& add, const SeenFrom* from);
+  Result<void> apply(const page::RemoveObject& remove);
+  Result<void> apply(const page::SetLamp& set);
+  Result<void> apply(const page::AddLamp& add, const SeenFrom* from);
+  Result<void> apply(const page::RemoveLamp& remove);
+  Result<void> apply(const page::SetFocus& set);
+  /// Of the next start: a path as scene.toml has it, relative to the file.
+  Result<void> use_background(const std::filesystem::path& model);
+  Result<void> save();
+
+  std::vector<page::ObjectState> objects(const SeenFrom* from) const;
+  std::vector<page::LampState> lamps(const SeenFrom* from) const;
+  /// As the newest version of the file has it.
+  std::optional<scene::FocusSettings> focus() const;
+
+ private:
+  /// Previews, of a version of the scene.
+  struct Previews {
+    EditedScenePtr of;
+    std::map<std::string, geometry::Pose> poses;
+    std::map<std::string, Eigen::Vector3f> lamps;
+  };
+  /// The scene as the file has it now, without models.
+  struct Written {
+    std::string text;
+    scene::Scene scene;
+  };
+  Result<Written> written() const;
+  const scene::Scene& shown_scene(const EditedScenePtr& newest) const;
+  Previews previews() const;
+  Previews& previews_of_now();
+  Result<std::string> with_poses(std::string text, const std::string& but_object) const;
+  std::vector<scene::Lamp> lamps_of(const scene::Scene& scene) const;
+  Result<void> write_lamps(std::string text, const std::vector<scene::Lamp>& lamps) const;
+  Result<geometry::Pose> wanted_pose(const scene::Object& object, const page::SetObject& set,
+                                     const SeenFrom* from) const;
+  Result<Eigen::Vector3d> lamp_position(const page::AddLamp& add, const SeenFrom* from) const;
+  Eigen::Vector3f wanted_intensity(const page::SetLamp& set, const Eigen::Vector3f& old);
+
+  const Session& session_;
+  std::shared_ptr<SceneFollower> follower_;
+  mutable std::mutex mutex_;  ///< guards previews_, dark_
+  Previews previews_;
+  std::map<std::string, Eigen::Vector3f> dark_;  ///< what lamps had that were switched off
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/operator/page/hub.h"
+
+#include <exception>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+#include "host/operator/page/event_socket.h"
+#include "host/operator/page/osc/osc_port.h"
+#include "host/operator/page/webrtc/webrtc_peer.h"
+
+namespace mixrig::page {
+namespace {
+
+/// Folders and memory may throw.
+Result<void> applied(Operator& op, const Command& command) {
+  try {
+    return op.apply(command);
+  } catch (const std::exception& fault) {
+    return Error{ErrorCode::kIo, fault.what()};
+  }
+}
+
+}  // namespace
+
+void Outlet::post(std::function<void()> work) {
+  const std::lock_guard lock(mutex_);
+  if (io_ != nullptr) boost::asio::post(*io_, std::move(work));
+}
+
+void Outlet::close() {
+  const std::lock_guard lock(mutex_);
+  io_ = nullptr;
+}
+
+void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
+  boost::asio::post(peer_work, [this, peer = std::move(peer)]() mutable {
+    peer.reset();
+    outlet->post([this] { --peers; });
+  });
+}
+
+nlohmann::json Hub::state() const {
+  return to_json(op.state(), {controls.view, controls.frozen, static_cast<int>(sockets.size())});
+}
+
+void Hub::act(Action action, std::function<void(Result<void>)> done) {
+  if (const auto* select = std::get_if<SelectView>(&action)) controls.view = select->view;
+  if (const auto* freeze = std::get_if<Freeze>(&action)) controls.frozen = freeze->on;
+  auto* command = std::get_if<Command>(&action);
+  if (command == nullptr) {
+    tell();
+    return done({});
+  }
+  constexpr int kMostAtWork = 64;
+  if (at_work >= kMostAtWork)
+    return done(Error{ErrorCode::kData, "64 changes wait to be made: send them more slowly"});
+  ++at_work;
+  boost::asio::post(work, [this, command = std::move(*command), done = std::move(done)]() mutable {
+    auto result = std::make_shared<Result<void>>(applied(op, command));
+    boost::asio::post(io, [this, result, done = std::move(done)] {
+      --at_work;
+      tell();
+      done(std::move(*result));
+    });
+  });
+}
+
+void Hub::tell() {
+  if (sockets.empty() && osc == nullptr) return;
+  const nlohmann::json now = state();
+  for (EventSocket* socket : std::set(sockets)) socket->tell(now);
+  if (osc != nullptr) osc->tell(now);
+}
+
+}  // namespace mixrig::page

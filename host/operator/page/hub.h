@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the connections of the page share. All but the pictures belongs to the server's thread.
+// Private to this module.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/thread_pool.hpp>
+
+#include "hal/base/clock.h"
+#include "host/operator/page/operator.h"
+#include "host/operator/page/pictures/pictures.h"
+#include "host/operator/page/request.h"
+#include "host/operator/page/route.h"
+#include "host/operator/page/state_json.h"
+#include "host/output/sink/run_controls.h"
+
+namespace mixrig::page {
+
+class EventSocket;
+class OscPort;
+class PictureStream;
+class WebrtcPeer;
+class WebrtcSocket;
+
+/// The way to the server's thread for threads that may outlive it.
+class Outlet {
+ public:
+  explicit Outlet(boost::asio::io_context& io) : io_(&io) {}
+  void post(std::function<void()> work);
+  /// Nothing is posted after it.
+  void close();
+
+ private:
+  std::mutex mutex_;
+  boost::asio::io_context* io_;
+};
+
+struct Hub {
+  Hub(Operator& run, output::RunControls& run_controls, const Clock& host_clock)
+      : op(run),
+        controls(run_controls),
+        clock(host_clock),
+        pictures(std::make_shared<Pictures>(run_controls.frozen)) {}
+
+  /// Of the run and the page, now.
+  nlohmann::json state() const;
+  /// Runs an action: those of the run in the work thread, one at a time; of more than 64 that wait
+  /// the last are refused (kData). `done` is called on the
+  /// server's thread.
+  void act(Action action, std::function<void(Result<void>)> done);
+  /// Tells every event socket, and who sends OSC, what changed.
+  void tell();
+  /// Frees it in `peer_work`, and then its place among `peers`; null: the place alone.
+  void end_peer(std::shared_ptr<WebrtcPeer> peer);
+
+  Operator& op;
+  output::RunControls& controls;
+  const Clock& clock;
+  const std::shared_ptr<Pictures> pictures;
+  Guard guard;
+  int connections = 0;
+  std::set<EventSocket*> sockets;
+  std::set<PictureStream*> streams;
+  std::set<WebrtcSocket*> peer_sockets;
+  int peers = 0;           ///< WebRTC's, with those that begin or end
+  OscPort* osc = nullptr;  ///< null: none is taken
+  int at_work = 0;         ///< commands that are not done yet
+  boost::asio::io_context io{1};
+  boost::asio::thread_pool work{1}, peer_work{1};
+  std::shared_ptr<Outlet> outlet = std::make_shared<Outlet>(io);
+};
+
+}  // namespace mixrig::page

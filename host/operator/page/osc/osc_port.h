@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes OSC from control surfaces and tells them the state. Private to this module.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+
+#include <boost/asio/ip/udp.hpp>
+#include <nlohmann/json.hpp>
+
+#include "extras/broadcast/packets/osc_reader.h"
+#include "host/operator/page/server.h"
+
+namespace mixrig::page {
+
+struct Hub;
+
+/// A UDP port. Who sends a message that can be read is told the state, and each change of it, at
+/// the address and port that it sends from; the last eight senders are. Beyond the loop-back
+/// address an address has to begin with "/TOKEN", that of the page where it has one; what does not
+/// is dropped without an answer. On the server's thread.
+class OscPort {
+ public:
+  explicit OscPort(Hub& hub);
+  /// Errors: kIo where the port is taken or the address is not of this machine.
+  Result<void> open(const Listen& listen);
+  void tell(const nlohmann::json& state);
+  std::uint16_t port() const { return port_; }
+  /// What addresses begin with: "" or "/TOKEN".
+  const std::string& prefix() const { return prefix_; }
+
+ private:
+  using Endpoint = boost::asio::ip::udp::endpoint;
+  struct Surface {
+    Endpoint at;
+    std::map<std::string, std::string> told;  ///< datagrams by address
+  };
+  void receive();
+  void take(std::size_t bytes);
+  bool strip_prefix(std::string& address) const;
+  Surface& surface(const Endpoint& at);
+  void act(stream::OscReceived message, const Endpoint& from);
+  void send(const Endpoint& to, const std::string& datagram);
+  void tell(Surface& surface, const std::map<std::string, std::string>& now);
+
+  Hub& hub_;
+  boost::asio::ip::udp::socket socket_;
+  std::uint16_t port_ = 0;
+  std::string prefix_;
+  std::array<std::uint8_t, 4096> buffer_{};
+  Endpoint from_;
+  std::deque<Surface> surfaces_;
+};
+
+}  // namespace mixrig::page

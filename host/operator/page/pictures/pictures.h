@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The newest picture of each view, as JPEG, between the sink that makes them and the clients.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hal/base/clock.h"
+#include "hal/base/image.h"
+#include "host/output/sink/views.h"
+#include "host/render/contract/compositor.h"
+
+namespace mixrig::page {
+
+struct Picture {
+  std::string jpeg;
+  std::uint64_t serial = 0;  ///< 1 for the first of its view
+  int frame = 0;             ///< number of the capture
+  HostTime mid_exposure{};   ///< of the plate
+};
+using PicturePtr = std::shared_ptr<const Picture>;
+
+using output::kViews;
+using output::View;
+
+/// Takes a picture as it is, on the sink's thread; must not wait.
+using TakePicture = std::function<void(ImageView<const Rgb8>, int frame, HostTime mid_exposure)>;
+
+/// Any threads. Holds one picture a view; older ones live while a client is being sent them.
+class Pictures {
+ public:
+  /// While `frozen`, which must outlive it, the pictures stay as they are.
+  explicit Pictures(const std::atomic<bool>& frozen) : frozen_(frozen) {}
+
+  /// While somebody looks at a view, pictures of it are made.
+  void look(View view) { ++lookers_[index(view)]; }
+  void look_away(View view) { --lookers_[index(view)]; }
+  bool is_looked_at(View view) const { return lookers_[index(view)] > 0; }
+  /// Who takes pictures of a view looks at it too. Returns the number by which it is known.
+  int add_taker(View view, TakePicture take);
+  void set_view(int taker, View view);
+  /// After this it is not called any more.
+  void remove_taker(int taker);
+  bool is_wanted(View view) const { return is_looked_at(view) || taken_[index(view)] > 0; }
+  /// Images of the compositor that the views need which somebody looks at; none while frozen.
+  render::OutputMask wanted() const;
+
+  /// Null before the first one.
+  PicturePtr newest(View view) const;
+  void put(View view, std::shared_ptr<Picture> picture);
+  /// To those who take pictures of this view.
+  void give(View view, ImageView<const Rgb8> picture, int frame, HostTime mid_exposure) const;
+  /// Called on the thread of put(). Must neither wait nor call this object. After
+  /// set_on_new({}) it is not called any more.
+  void set_on_new(std::function<void(View)> on_new);
+
+  bool frozen() const { return frozen_; }
+
+ private:
+  static std::size_t index(View view) { return static_cast<std::size_t>(view); }
+
+  struct Taker {
+    View view;
+    TakePicture take;
+  };
+
+  std::array<std::atomic<int>, kViews> lookers_{}, taken_{};
+  const std::atomic<bool>& frozen_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::array<PicturePtr, kViews> newest_;
+  std::function<void(View)> on_new_;
+  mutable std::mutex takers_mutex_;  ///< guards what follows
+  std::map<int, Taker> takers_;
+  int next_taker_ = 0;
+};
+
+}  // namespace mixrig::page

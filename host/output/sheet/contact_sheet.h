@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// A contact sheet: one row per frame of a run, with inputs and outputs of the compositor.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/base/image.h"
+#include "host/render/contract/compositor.h"
+
+namespace mixrig::output {
+
+/// Collects rows of thumbnails: input, depth, key, light map, composite and, where known, truth.
+class ContactSheet {
+ public:
+  /// Images that a row shows.
+  static constexpr render::OutputMask kWanted =
+      render::kColor | render::kWarpedDepth | render::kState | render::kLight;
+  explicit ContactSheet(std::string title) : title_(std::move(title)) {}
+
+  /// `output` with its inspection images; `truth` may be empty.
+  void add_row(int frame, ImageView<const Rgb8> plate, const render::FrameOutput& output,
+               ImageView<const Rgb8> truth);
+  bool empty() const { return rows_.empty(); }
+  Image<Rgb8> draw() const;
+
+ private:
+  struct Row {
+    int frame;
+    std::vector<Image<Rgb8>> pictures;
+  };
+  std::string title_;
+  std::vector<Row> rows_;
+  float near_m_ = 0, far_m_ = 1;  ///< of the first row, so that colours compare
+};
+
+/// `count` frame numbers spread evenly over first..last (all of them where there are fewer).
+std::vector<int> spread(int first, int last, int count);
+
+}  // namespace mixrig::output

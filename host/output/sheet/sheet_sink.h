@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes a contact sheet of a few frames of a run.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/output/sheet/contact_sheet.h"
+#include "host/output/sink/composite_sink.h"
+
+namespace mixrig::output {
+
+/// Draws a row for each frame that it is given, and writes the sheet as a PNG at the end.
+class SheetSink final : public CompositeSink {
+ public:
+  /// `frames`: numbers of the frames to show.
+  SheetSink(std::filesystem::path file, std::string title, std::vector<int> frames);
+  std::string_view name() const override { return "sheet"; }
+  render::OutputMask wanted(int number) const override;
+  Result<void> write(const CompositePtr& composite) override;
+  Result<void> finish() override;
+
+ private:
+  std::filesystem::path file_;
+  std::vector<int> frames_;
+  ContactSheet sheet_;
+};
+
+}  // namespace mixrig::output

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/output/viewfinder/viewfinder.h"
+
+#include <future>
+#include <utility>
+
+#include "host/judge/measure/motion.h"
+#include "host/output/viewfinder/rate_meter.h"
+#include "host/output/viewfinder/screen.h"
+#include "host/output/viewfinder/sync_health.h"
+#include "host/output/viewfinder/window.h"
+
+namespace mixrig::viewfinder {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds(10);     // for keys
+constexpr Duration kRedraw = std::chrono::milliseconds(100);  // while no composite comes
+constexpr Duration kAskDevices = std::chrono::milliseconds(500);
+constexpr Duration kMessage = std::chrono::seconds(3);
+
+}  // namespace
+
+/// What the thread of the window does.
+class Viewfinder::Loop {
+ public:
+  Loop(Viewfinder& owner, Window& window)
+      : owner_(owner),
+        window_(window),
+        live_(owner.source_.info().frames == capture::kEndless),
+        began_(owner.clock_.now()) {
+    state_.view = owner.options_.view;
+    state_.overlays[static_cast<std::size_t>(Overlay::kHelp)] = owner.options_.help;
+    facts_.live = live_, facts_.rate_hz = owner.source_.info().rate_hz;
+    last_arrival_ = last_drawn_ = asked_ = began_;
+  }
+
+  /// Until the sink is over, or the window is. Errors: those of Window::show.
+  Result<void> run() {
+    MIXRIG_TRY(draw());
+    for (;;) {
+      const bool over = owner_.over_;  // read before the queue
+      auto handed = owner_.queue_.pop(over ? Duration(0) : kLook);
+      if (!handed && over) return {};
+      const bool changed = follow_controls();
+      const bool keys = handle_keys() || changed;
+      const HostTime now = owner_.clock_.now();
+      if (handed) take(*handed, now);
+      if (live_ && now - asked_ >= kAskDevices) ask_devices(now);
+      const bool news = handed && !state_.frozen;
+      if (!news && !keys && now - last_drawn_ < kRedraw) continue;
+      MIXRIG_TRY(draw());
+      if (news) count_shown(*handed);
+    }
+  }
+
+ private:
+  bool follow_controls();
+  bool handle_keys();
+  void choose_object();
+  void clicked(Window::Click click);
+  void obey(Request request);
+  void say(std::string_view words);
+  void take(const Handed& handed, HostTime now);
+  void ask_devices(HostTime now);
+  void find_facts(HostTime now);
+  Result<void> draw();
+  void count_shown(const Handed& handed);
+
+  Viewfinder& owner_;
+  Window& window_;
+  const bool live_;
+  const HostTime began_;
+  Screen screen_;
+  ViewState state_;
+  ScreenFacts facts_;
+  RateMeter rate_;
+  Drawn drawn_;                     ///< by screen_
+  int placing_ = -1;                ///< object that the next click sets; below 0: none
+  bool is_new_ = false;             ///< composite_, since the last picture
+  output::CompositePtr composite_;  ///< that is shown
+  HostTime last_arrival_{}, last_drawn_{}, asked_{};
+  HostTime message_until_{};
+  std::optional<HostTime> last_depth_;  ///< mid-exposure of the last capture that had any
+  std::optional<capture::SourceReport> devices_;
+};
+
+void Viewfinder::Loop::say(std::string_view words) {
+  facts_.message.set("{}", words);
+  message_until_ = owner_.clock_.now() + kMessage;
+}
+
+void Viewfinder::Loop::obey(Request request) {
+  output::RunControls& controls = owner_.controls_;
+  switch (request) {
+    case Request::kQuit:
+      controls.stop = true;
+      return say("ending");
+    case Request::kLearn:
+      if (!controls.can_learn) return say("the background of this run is not watched");
+      ++controls.learn;
+      return say("what changed in the room becomes background");
+    case Request::kRecord:
+      if (!controls.can_record) return say("nothing to record to: start with --out DIR or --page");
+      controls.recording = !controls.recording;
+      return say(controls.recording       ? "recording"
+                 : controls.records_takes ? "recording ended"
+                                          : "recording paused");
+    case Request::kPlace:
+      return choose_object();
+    case Request::kFullScreen:
+      return window_.toggle_full_screen();
+    case Request::kNone:
+      break;
+  }
+}
+
+/// The next one with each press, none after the last.
+void Viewfinder::Loop::choose_object() {
+  const int objects = owner_.controls_.objects;
+  if (objects == 0) return say("no object can be placed in this run");
+  placing_ = placing_ + 1 < objects ? placing_ + 1 : -1;
+  if (placing_ < 0) return say("nothing is placed");
+  facts_.message.set("click where object {} of {} is to stand", placing_ + 1, objects);
+  message_until_ = owner_.clock_.now() + kMessage;
+}
+
+/// The view is shown pixel by pixel.
+void Viewfinder::Loop::clicked(Window::Click click) {
+  output::RunControls& controls = owner_.controls_;
+  const Size size = drawn_.picture.size;
+  if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
+  const int px = click.x + 65536 * click.y;
+  if (placing_ >= 0) {
+    controls.place_object = std::exchange(placing_, -1);
+    controls.place_at = px;
+    return say("placing");
+  }
+  if (!controls.can_focus) return say("the scene has no [focus]");
+  controls.focus_at = px;
+  say("what was clicked is sharp");
+}
+
+/// True where somebody else has changed what is shown.
+bool Viewfinder::Loop::follow_controls() {
+  const View view = owner_.controls_.view;
+  const bool frozen = owner_.controls_.frozen;
+  const char* const placed = owner_.controls_.place_said.exchange(nullptr);
+  if (placed != nullptr) say(placed);
+  const bool changed = view != state_.view || frozen != state_.frozen || placed != nullptr;
+  if (view != state_.view) screen_.forget_range();
+  state_.view = view, state_.frozen = frozen;
+  return changed;
+}
+
+bool Viewfinder::Loop::handle_keys() {
+  const Keys& keys = window_.poll();
+  const auto click = window_.click();
+  for (const char key : keys) {
+    obey(press(key, state_));
+    if (key == '1' + static_cast<char>(View::kDepth)) screen_.forget_range();
+  }
+  if (click) clicked(*click);  // the last key chose what it does
+  owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
+  if (keys.empty()) return click.has_value();
+  owner_.controls_.view = state_.view;
+  owner_.controls_.frozen = state_.frozen;
+  return true;
+}
+
+void Viewfinder::Loop::take(const Handed& handed, HostTime now) {
+  last_arrival_ = now;
+  const capture::Capture& capture = *handed.composite->capture;
+  if (capture.status_of(capture::Stream::kDepth) != capture::StreamStatus::kMissing)
+    last_depth_ = capture.mid_exposure;
+  if (state_.frozen) return;
+  composite_ = handed.composite;
+  is_new_ = true;
+}
+
+void Viewfinder::Loop::ask_devices(HostTime now) {
+  auto report = owner_.source_.report();
+  if (report) {
+    describe_fault(*report, facts_.fault);
+    describe(*report, devices_ ? *devices_ : *report, seconds(now - asked_), facts_.sync);
+  }
+  devices_ = std::move(report);
+  asked_ = now;
+}
+
+void Viewfinder::Loop::find_facts(HostTime now) {
+  facts_.since_last = live_ ? now - last_arrival_ : Duration(0);  // a recording has no pace
+  facts_.shown_hz = rate_.rate_hz(now);
+  facts_.recording = owner_.controls_.can_record && owner_.controls_.recording;
+  if (now >= message_until_) facts_.message.clear();
+  facts_.age.reset(), facts_.without_depth.reset();
+  if (composite_ == nullptr) return;
+  const capture::Capture& capture = *composite_->capture;
+  if (live_) facts_.age = now - capture.mid_exposure;
+  if (capture.status_of(capture::Stream::kDepth) == capture::StreamStatus::kMissing)
+    facts_.without_depth = capture.mid_exposure - last_depth_.value_or(capture.mid_exposure);
+}
+
+Result<void> Viewfinder::Loop::draw() {
+  last_drawn_ = owner_.clock_.now();
+  find_facts(last_drawn_);
+  drawn_ = screen_.draw(composite_.get(), state_, facts_);
+  return window_.show(drawn_, std::exchange(is_new_, false));
+}
+
+void Viewfinder::Loop::count_shown(const Handed& handed) {
+  const HostTime now = owner_.clock_.now();
+  rate_.add(now);
+  ViewfinderReport& report = owner_.report_;
+  ++report.shown;
+  report.show_ms.add(milliseconds(now - handed.at));
+  const capture::Capture& capture = *handed.composite->capture;
+  if (output::ShownLog* const log = owner_.options_.log)
+    log->add({capture.number, capture.mid_exposure, handed.at, now, handed.composite->frame_ms,
+              measure::changed_column(drawn_.picture, log->empty, log->left_out)});
+  if (!live_) return;
+  facts_.delay = now - capture.mid_exposure;
+  report.delay_ms.add(milliseconds(*facts_.delay));
+}
+
+Viewfinder::Viewfinder(const ViewfinderOptions& options, const capture::CaptureSource& source,
+                       output::RunControls& controls, const Clock& clock, ViewfinderReport& report)
+    : options_(options), source_(source), controls_(controls), clock_(clock), report_(report) {
+  controls.view = options.view;
+}
+
+Viewfinder::~Viewfinder() { stop(); }
+
+Result<std::unique_ptr<Viewfinder>> Viewfinder::create(const ViewfinderOptions& options,
+                                                       const capture::CaptureSource& source,
+                                                       output::RunControls& controls,
+                                                       const Clock& clock,
+                                                       ViewfinderReport& report) {
+  std::unique_ptr<Viewfinder> made(new Viewfinder(options, source, controls, clock, report));
+  std::promise<std::optional<Error>> opened;
+  auto answer = opened.get_future();
+  // SDL wants one thread for a window's whole life.
+  made->thread_ = std::thread([sink = made.get(), opened = std::move(opened)]() mutable {
+    const ViewfinderOptions& wanted = sink->options_;
+    auto window = Window::open(wanted.title, wanted.picture_px, wanted.shares);
+    if (!window) return opened.set_value(window.error());
+    if (wanted.shares && wanted.log == nullptr) sink->share_ = (*window)->share();
+    sink->report_.driver = (*window)->driver();
+    opened.set_value(std::nullopt);
+    const auto done = Loop(*sink, **window).run();
+    if (done) return;
+    sink->error_ = done.error();
+    sink->failed_ = true;
+  });
+  if (const auto error = answer.get()) return *error;
+  return made;
+}
+
+void Viewfinder::stop() {
+  over_ = true;
+  queue_.close();
+  if (thread_.joinable()) thread_.join();
+  report_.replaced = queue_.dropped();
+}
+
+render::OutputMask Viewfinder::wanted(int) const {
+  const render::OutputMask images = images_of(controls_.view);
+  const bool stays = images == render::kColor && share_.display != nullptr && !reads_pixels_;
+  return stays ? render::kGpuColor : images;
+}
+
+Result<void> Viewfinder::write(const output::CompositePtr& composite) {
+  if (failed_) return *error_;
+  queue_.push({composite, clock_.now()});
+  return {};
+}
+
+Result<void> Viewfinder::finish() {
+  stop();
+  return failed_ ? Result<void>(*error_) : Result<void>();
+}
+
+}  // namespace mixrig::viewfinder

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the target camera is between and after the tracked pictures of a fisheye.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "host/capture/calibration_file/calibration.h"
+#include "host/math/geometry/pose.h"
+#include "host/pose/source/smooth_poses.h"
+
+namespace mixrig::pose {
+
+/// How the plate's time is reached from the newest two pictures.
+enum class Predict {
+  kVelocity,  ///< the fisheye's motion goes on (constant velocity)
+  kHead,      ///< the head turns by its angles, and what carries it stands still
+  kBoth,      ///< the head turns by its angles, and the motion of what carries it goes on
+};
+
+/// Of a body that is fixed to one whose covariance is known, `arm_m` from it; both in axes of the
+/// room.
+capture::PoseCovariance moved_by(const capture::PoseCovariance& covariance,
+                                 const Eigen::Vector3d& arm_m);
+
+/// Where the target camera is, by the pictures before and after.
+struct SmoothedPlace {
+  geometry::Pose room_from_target;
+  capture::PoseCovariance covariance;  ///< in axes of the room
+  double nearest_s = 0;                ///< from the time to the nearest picture
+};
+
+/// Nothing allocates. Not thread-safe.
+class PictureMotion {
+ public:
+  /// Without a chain of the head, kVelocity.
+  PictureMotion(Predict by, const geometry::Pose& fisheye_from_target,
+                std::optional<calibration_file::PanTilt> head);
+
+  /// Angles of the head at a plate's time; times grow.
+  void add_angles(double time_s, const device::PanTiltAngles& angles);
+  /// The fisheye in the room at a picture's time; times grow. `apart`: found anew, nothing is known
+  /// of the motion before it.
+  void add_picture(const MeasuredPose& picture, bool apart);
+  /// The camera is lost in a picture: no pose until the next picture.
+  void lose(double time_s);
+
+  /// room_from_target. Where the angles are not known at the time or at the pictures, by kVelocity.
+  /// Past half a second after the newest picture the motion does not go on.
+  std::optional<geometry::Pose> at(double time_s) const;
+  /// The same by the pictures up to `reach_s` before and after the time, without a lost one
+  /// between (smooth_at). With the head's angles, what carries the head is smoothed; where an angle
+  /// is not known, the fisheye. None where the nearest picture is lost, or half a second away.
+  std::optional<SmoothedPlace> smoothed_at(double time_s, double reach_s) const;
+
+ private:
+  struct Angles {
+    double time_s = 0;
+    device::PanTiltAngles angles;
+  };
+  struct Picture {
+    double time_s = 0;
+    geometry::Pose room_from_fisheye;
+  };
+  struct Kept {
+    MeasuredPose fisheye;  ///< the time alone where it is lost
+    bool known = false, apart = false;
+  };
+  using Around = std::span<MeasuredPose>;
+  std::optional<device::PanTiltAngles> angles_at(double time_s) const;
+  std::optional<geometry::Pose> by_head(double time_s) const;
+  std::optional<geometry::Pose> room_from_base(const Picture& picture) const;
+
+  const Predict by_;
+  const geometry::Pose fisheye_from_target_;
+  const std::optional<calibration_file::PanTilt> head_;
+  const Kept& kept(std::size_t back) const { return kept_[(pictures_ - 1 - back) % kept_.size()]; }
+  void keep(const Kept& picture) { kept_[pictures_++ % kept_.size()] = picture; }
+  std::optional<std::size_t> nearest(double time_s) const;
+  std::size_t around(std::size_t nearest, double time_s, double reach_s, Around out) const;
+  bool to_base(Around poses) const;
+
+  static constexpr std::size_t kMostAngles = 64;
+  std::array<Angles, kMostAngles> angles_{};  ///< the newest is at (count - 1) mod size
+  std::size_t count_ = 0;
+  std::optional<Picture> last_, before_;    ///< the newest two
+  std::array<Kept, kMostSmoothed> kept_{};  ///< the newest is at (pictures - 1) mod size
+  std::size_t pictures_ = 0;
+};
+
+}  // namespace mixrig::pose

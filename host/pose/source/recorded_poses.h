@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses of a recorded trajectory, found by time.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hal/base/result.h"
+#include "host/capture/capture/pose_source.h"
+#include "host/pose/trajectory/trajectory.h"
+
+namespace mixrig::pose {
+
+struct RecordedOptions {
+  std::string file;          ///< name of the trajectory, for texts
+  double time_offset_s = 0;  ///< Capture::time_s = time of the trajectory + this
+};
+
+/// Poses of the target camera at any time of a recording; its rate and its clock's zero need not be
+/// those of the captures. A capture's pose is interpolated (trajectory::Trajectory::at) at
+/// Capture::time_s; outside the recording, in its gaps and between its jumps there is none.
+class RecordedPoses final : public capture::PoseSource {
+ public:
+  /// `samples` in the order of the file. Samples that are not finite, and single ones far away from
+  /// their neighbours, are left out and counted.
+  /// Errors: kData where no sample is left, or where time runs backwards.
+  static Result<std::unique_ptr<RecordedPoses>> make(
+      const std::vector<trajectory::TimedPose>& samples, RecordedOptions options);
+  /// Reads a trajectory file (trajectory::read_samples). Errors: those of the file, and of make().
+  static Result<std::unique_ptr<RecordedPoses>> open(const std::filesystem::path& path,
+                                                     RecordedOptions options);
+
+  std::string_view name() const override { return "recorded"; }
+  std::string describe() const override;
+  bool moves() const override { return true; }
+  capture::CameraPose pose_of(const capture::Capture& capture) override;
+  capture::PoseFaults faults() const override { return faults_; }
+  /// First and last time of the recording, on the clock of Capture::time_s.
+  std::pair<double, double> span_s() const;
+
+ private:
+  RecordedPoses(std::vector<trajectory::Trajectory> parts, capture::PoseFaults faults,
+                RecordedOptions options);
+
+  std::vector<trajectory::Trajectory> parts_;  ///< between jumps, in order of time
+  capture::PoseFaults faults_;
+  RecordedOptions options_;
+};
+
+}  // namespace mixrig::pose

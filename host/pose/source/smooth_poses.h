@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pose at a time from poses before and after it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "host/capture/capture/pose_source.h"
+#include "host/math/geometry/pose.h"
+
+namespace mixrig::pose {
+
+/// A pose that was measured at a time; the covariance in axes of the room.
+struct MeasuredPose {
+  double time_s = 0;
+  geometry::Pose room_from_body;
+  capture::PoseCovariance covariance = capture::PoseCovariance::Zero();
+};
+
+inline constexpr std::size_t kMostSmoothed = 32;
+
+/// The pose at `time_s`: each coordinate of the rotation vector and the place about the nearest
+/// pose is a smoothing spline (Wahba 1990) through those of `around`, weighted by their variances.
+/// The motion's jerk is white noise; results for four strengths of it, from a stand to a jolt, are
+/// averaged by how likely each makes the poses, so that a sudden motion is followed and a steady
+/// one smoothed. From both sides the result has no lag. Precondition: 1 to kMostSmoothed poses,
+/// their times grow. The covariance is that of the nearest pose, and at least the spline's
+/// variances: what the poses have in common does not average out. Does not allocate.
+MeasuredPose smooth_at(std::span<const MeasuredPose> around, double time_s);
+
+}  // namespace mixrig::pose

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/key/key_votes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/render/cpu/color_lanes.h"
+#include "host/render/cpu/key/key_colors.h"
+
+namespace mixrig::render::cpu {
+namespace {
+
+constexpr auto kVotedUnknown = static_cast<std::uint8_t>(PixelState::kUnknown);
+constexpr auto kVotedBackground = static_cast<std::uint8_t>(PixelState::kBackground);
+constexpr auto kVotedForeground = static_cast<std::uint8_t>(PixelState::kForeground);
+constexpr auto kVotedDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
+
+/// Shares of depth taps in fifths, so that they are added as bytes.
+constexpr int kFifths = 5, kDepthTaps = (2 * kDepthTapRadius + 1) * (2 * kDepthTapRadius + 1);
+static_assert(kUnknownShare * kFifths == 2 && kDepthTaps * kFifths < 256);
+
+FloatLanes clamp(FloatLanes v, FloatLanes least, FloatLanes most) {
+  return min(max(v, least), most);
+}
+
+/// Squared distance to the learned background over its variance, and the largest vote.
+struct LearnedDistance {
+  FloatLanes square, variance, most;
+};
+
+LearnedDistance to_learned(const KeyInput& input, const ColorLanes& p, const ColorLanes& learned,
+                           FloatLanes sigma) {
+  constexpr FloatLanes kOne = FloatLanes{} + 1;
+  const ColorLanes b = shown_now(input.tone, learned);
+  const FloatLanes light = luminance(b), floor = kColorNoise + kColorFlicker * light;
+  const FloatLanes spread = input.tone.gain.g * sigma;
+  const FloatLanes variance = spread * spread + floor * floor;
+  const FloatLanes shade = dot(p, b) / max(dot(b, b), FloatLanes{} + 1e-8F);
+  const FloatLanes k = clamp(shade, FloatLanes{} + kDarkestShadow, kOne);
+  const FloatLanes dark = (1 - k) / kShadowSigma;
+  const ColorLanes d{p.r - k * b.r, p.g - k * b.g, p.b - k * b.b};
+  const FloatLanes deep = clamp(shade, FloatLanes{} + kDeepestShadow, kOne);
+  const ColorLanes off{p.r - deep * b.r, p.g - deep * b.g, p.b - deep * b.b};
+  const IntLanes brighter = luminance(p) > kBrighter * light + kBrighterLight;
+  IntLanes no_shadow = brighter;
+  if (!input.moving) no_shadow |= dot(off, off) > kOtherColor * variance;
+  FloatLanes most = no_shadow ? FloatLanes{} + kBrighterVoteCap : FloatLanes{} + kColorVoteCap;
+  most = learned.r < 0 ? FloatLanes{} : most;  // unknown
+  return {dot(d, d) / variance + dark * dark, variance, most};
+}
+
+/// Squared distance to a colour over its variance.
+FloatLanes square_to(const ColorLanes& p, const NearColor& c) {
+  const ColorLanes d{p.r - c.mean.r, p.g - c.mean.g, p.b - c.mean.b};
+  return dot(d, d) / c.variance;
+}
+
+/// Log odds that no colour has.
+constexpr float kNoPerson = 1e9F;
+
+/// Whether the depth taps all around a pixel show people.
+bool is_inside(std::uint8_t sum) {
+  return static_cast<float>(sum) >= kInsideShare * (kDepthTaps * kFifths);
+}
+
+/// Log odds of people by the sum of the depth taps around a pixel.
+float depth_odds(std::uint8_t sum) {
+  constexpr float kScale = 2.0F / (kDepthTaps * kFifths);
+  const float balance = kScale * static_cast<float>(sum) - 1;
+  return (balance > 0 ? kForegroundWeight : kBackgroundWeight) * balance;
+}
+
+}  // namespace
+
+void KeyVotes::set_footprint(float tof_footprint_px) {
+  for (int i = 0; i < static_cast<int>(near_.size()); ++i) {
+    const int step = i - kDepthTapRadius;
+    near_[static_cast<std::size_t>(i)] =
+        static_cast<int>(std::lround(0.5F * tof_footprint_px * static_cast<float>(step)));
+    around_[static_cast<std::size_t>(i)] = inside_tap_px(tof_footprint_px) * step;
+  }
+  const auto columns =
+      static_cast<std::size_t>(kRunPx + 2 * std::max(near_.back(), around_.back()));
+  if (columns_.size() < columns) columns_.resize(columns);
+}
+
+void KeyVotes::load_row(const KeyInput& input, int x0, int width, int y, int j) {
+  const auto at = static_cast<std::size_t>(j);
+  const int view_width = input.tables.view_size.width;
+  const bool has_sigma = !input.background.color_sigma.empty();
+  for (int i = 0; i < width; i += kLanes) {
+    const ColorLanes p = color_lanes(input.plate.row(y), x0 + i, view_width);
+    store(r_[at].data() + i, p.r), store(g_[at].data() + i, p.g), store(b_[at].data() + i, p.b);
+    if (!input.learned()) continue;
+    const ColorLanes learned = color_lanes(input.background.color.row(y), x0 + i, view_width);
+    const FloatLanes sigma =
+        has_sigma ? float_lanes(input.background.color_sigma.row(y), x0 + i, view_width)
+                  : FloatLanes{};
+    const LearnedDistance room = to_learned(input, p, learned, sigma);
+    store(distance_[at].data() + i, room.square);
+    store(log_spread_[at].data() + i, log(room.variance));
+    store(most_[at].data() + i, room.most);
+  }
+}
+
+void KeyVotes::load_colors(const KeyInput& input, int bx0, int bx1, int by) {
+  const int y0 = block_begin(by) - 1, last = input.tables.view_size.height - 1;
+  for (int j = 0; j < kRows; ++j)
+    load_row(input, block_begin(bx0) - 1, (bx1 - bx0) * kBlockPx + 2, std::clamp(y0 + j, 0, last),
+             j);
+}
+
+/// Of the block whose first pixel is i0.
+void KeyVotes::mean_of_colors(const KeyInput& input, const NearColors& near, int i0,
+                              Means& means) const {
+  const NearColor &people = near.people, &room = near.room, &deep = near.deep;
+  const bool by_room = !input.learned(), known = people.known || deep.known;
+  Votes votes, others;
+  const float odds = kSpreadOdds * std::log((by_room ? room.variance : 1.0F) / people.variance);
+  const float deep_odds = -kSpreadOdds * std::log(deep.variance);
+  for (std::size_t j = 0; j < kRows; ++j)
+    for (int i = 0; i < kRows; i += kLanes) {
+      const auto at = [&](const Rows& rows) { return load<FloatLanes>(rows[j].data() + i0 + i); };
+      const ColorLanes p{at(r_), at(g_), at(b_)};
+      FloatLanes vote{}, all{};
+      if (by_room) {
+        if (people.known && room.known)
+          vote = clamp(0.5F * (square_to(p, room) - square_to(p, people)) + odds,
+                       FloatLanes{} - kRoomVoteCap, FloatLanes{} + kRoomVoteCap);
+      } else {
+        const FloatLanes most = at(most_);
+        const FloatLanes least = most > 0 ? FloatLanes{} - kColorVoteCap : FloatLanes{};
+        FloatLanes person = FloatLanes{} - kNoPerson;
+        if (people.known) person = odds - 0.5F * square_to(p, people);
+        if (deep.known) person = max(person, deep_odds - 0.5F * square_to(p, deep));
+        if (known) all = 0.5F * at(distance_) + (kSpreadOdds * at(log_spread_) + person);
+        vote = known ? clamp(all, least, most)
+                     : clamp(0.5F * at(distance_) - kColorVoteCap, least,
+                             min(most, FloatLanes{} + kColorVoteCap));
+      }
+      store(votes[j].data() + i, vote);
+      store(others[j].data() + i,
+            (vote < 0) & (all < kInsideOdds) ? FloatLanes{} + 1 : FloatLanes{});
+    }
+  for (std::size_t j = 0; j < kBlockPx; ++j)
+    for (std::size_t i = 0; i < kBlockPx; ++i) {
+      float sum = 0, other = 0;
+      for (std::size_t dj = 0; dj < 3; ++dj)
+        for (std::size_t di = 0; di < 3; ++di)
+          sum += votes[j + dj][i + di], other += others[j + dj][i + di];
+      means.vote[j][i] = sum / 9;
+      means.other[j][i] = other / 9;
+    }
+}
+
+/// Sums of the depth taps, in fifths, around the pixels x0 .. x1 - 1 of row y. The taps lie on a
+/// grid of columns and rows; beyond the picture they count its border.
+void KeyVotes::sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0,
+                          int x1, int y, std::uint8_t* sums) {
+  const int reach = taps.back(), left = x0 - reach, right = x1 + reach;
+  const int first = std::max(0, left), count = std::min(size.width, right) - first;
+  std::uint8_t* columns = columns_.data() + (first - left);
+  std::fill_n(columns, count, std::uint8_t{0});
+  for (const int tap : taps) {
+    const std::uint8_t* s = state.row(std::clamp(y + tap, 0, size.height - 1)) + first;
+    for (int i = 0; i < count; ++i) {
+      const std::uint8_t measured = s[i] == kVotedForeground ? kFifths : 2;
+      columns[i] =
+          static_cast<std::uint8_t>(columns[i] + (s[i] == kVotedBackground ? 0 : measured));
+    }
+  }
+  std::fill(columns_.data(), columns, columns[0]);
+  std::fill(columns + count, columns_.data() + (right - left), columns[count - 1]);
+  std::fill_n(sums, x1 - x0, std::uint8_t{0});
+  for (const int tap : taps) {
+    const std::uint8_t* from = columns_.data() + reach + tap;
+    for (int i = 0; i < x1 - x0; ++i) sums[i] = static_cast<std::uint8_t>(sums[i] + from[i]);
+  }
+}
+
+void KeyVotes::decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratch& scratch,
+                      Image<std::uint8_t>& matte) {
+  const Size size = input.tables.view_size;
+  const int x0 = block_begin(bx0), x1 = block_end(bx1 - 1, size.width), y0 = block_begin(by);
+  const int rows = block_end(by, size.height) - y0;
+  if (input.params.color) load_colors(input, bx0, bx1, by);
+  for (int j = 0; j < rows; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    sum_depths(scratch.state, size, near_, x0, x1, y0 + j, depths_[at].data());
+    sum_depths(scratch.state, size, around_, x0, x1, y0 + j, around_depths_[at].data());
+  }
+  for (int bx = bx0; bx < bx1; ++bx) {
+    const bool band = scratch.planes.band.row(by)[bx], near = scratch.planes.near.row(by)[bx];
+    const NearColors colors = colors_around(scratch, bx, by, band ? kBandBlocks : kNearBlocks);
+    Block& block = scratch.at(bx, by);
+    block.near_w = colors.w;
+    block.room_color = colors.room.known ? colors.room.mean : glm::vec3(-1);
+    Means means{};
+    if (input.params.color) mean_of_colors(input, colors, block_begin(bx) - x0, means);
+    for (int j = 0; j < rows; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      const std::uint8_t* state = scratch.state.row(y0 + j) + block_begin(bx);
+      const std::uint8_t* depths = depths_[at].data() + block_begin(bx) - x0;
+      const std::uint8_t* around = around_depths_[at].data() + block_begin(bx) - x0;
+      std::array<std::uint8_t, kBlockPx> out;
+      for (std::size_t i = 0; i < kBlockPx; ++i) {
+        const bool open = band | (state[i] == kVotedDoubt) | (near & (state[i] == kVotedUnknown));
+        const bool foreground = state[i] == kVotedForeground;
+        const bool inside = foreground & is_inside(around[i]) & (means.other[at][i] < 0.5F);
+        const float odds = means.vote[at][i] + (inside ? kInsideWeight : depth_odds(depths[i]));
+        const float voted = std::clamp(0.5F + 0.5F * odds, 0.0F, 1.0F);
+        const float measured = foreground ? 1.0F : 0.0F;
+        out[i] = static_cast<std::uint8_t>(255 * (open ? voted : measured) + 0.5F);
+      }
+      std::copy_n(out.data(), block_end(bx, size.width) - block_begin(bx),
+                  matte.row(y0 + j) + block_begin(bx));
+    }
+  }
+}
+
+}  // namespace mixrig::render::cpu

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass key: votes of colour and depth for the pixels of a run of blocks.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "hal/base/image.h"
+#include "host/render/cpu/key/key_blocks.h"
+
+namespace mixrig::render::cpu {
+
+struct KeyInput;
+struct KeyScratch;
+struct NearColors;
+
+/// Whether votes of people or of background are more, for runs of blocks where votes decide.
+/// Memory of one thread.
+class KeyVotes {
+ public:
+  /// Distances of the taps of depth votes, by the ToF footprint. Allocates only where it is larger
+  /// than any before.
+  void set_footprint(float tof_footprint_px);
+  static constexpr int kMostBlocks = 16;
+
+  /// Writes the matte of the blocks bx0 .. bx1 - 1, at most kMostBlocks, of row `by`.
+  /// README.md, "key".
+  void decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratch& scratch,
+              Image<std::uint8_t>& matte);
+
+ private:
+  static constexpr int kRunPx = kMostBlocks * kBlockPx;
+  static constexpr int kRows = kBlockPx + 2;  ///< colour votes look one pixel around
+  static constexpr int kStride = kRunPx + 2 * 16;
+  static constexpr int kVoteStride = 16;  ///< of kRows votes, and what a register holds more
+  using Rows = std::array<std::array<float, kStride>, kRows>;
+  using Votes = std::array<std::array<float, kVoteStride>, kRows>;
+  using Mean = std::array<std::array<float, kBlockPx>, kBlockPx>;
+  /// Over 3x3 pixels: colour votes, and which part of them people's colours cannot explain.
+  struct Means {
+    Mean vote, other;
+  };
+
+  void load_colors(const KeyInput& input, int bx0, int bx1, int by);
+  void load_row(const KeyInput& input, int x0, int width, int y, int j);
+  void mean_of_colors(const KeyInput& input, const NearColors& near, int i0, Means& means) const;
+  using Taps = std::array<int, 2 * kDepthTapRadius + 1>;
+  void sum_depths(const Image<std::uint8_t>& state, Size size, const Taps& taps, int x0, int x1,
+                  int y, std::uint8_t* sums);
+
+  Taps near_{}, around_{};             ///< of depth votes, pixels
+  std::vector<std::uint8_t> columns_;  ///< sums of a row's taps along columns
+  std::array<std::array<std::uint8_t, kRunPx>, kBlockPx> depths_{}, around_depths_{};
+  // From one pixel left of and above the run on.
+  Rows r_{}, g_{}, b_{};  ///< plate, linear
+  Rows distance_{};       ///< of the learned background: squared, over its variance
+  Rows log_spread_{};     ///< logarithm of that variance
+  Rows most_{};           ///< largest vote; 0: colour does not vote
+};
+
+}  // namespace mixrig::render::cpu

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/cpu/light/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixrig::render::cpu {
+namespace {
+
+constexpr float kLitAll_w = std::numeric_limits<float>::max();
+
+/// A filter around a place in a map, for each point: tap (s, t) of the lamp's panel lies
+/// radius_texel * (s panel_u + t panel_v) away.
+struct FilterLanes {
+  FloatLanes x_texel, y_texel, radius_texel;
+  FloatLanes panel_ux, panel_uy, panel_vx, panel_vy;  ///< as the point sees it along its ray
+  FloatLanes w;  ///< of the point in lamp axes, 1/m; kLitAll_w where it sees all of the lamp
+  FloatLanes slope_u, slope_v;  ///< of w along the point's own surface, 1/m a texel of panel_u, _v
+  /// Inverse depth that hides the point at a tap: more than its own, and more than that of the
+  /// plane of its surface there.
+  FloatLanes least_w(glm::vec2 tap) const {
+    return w + max(radius_texel * (tap.x * slope_u + tap.y * slope_v), FloatLanes{});
+  }
+};
+
+/// Reads the taps of filters.
+class TapReader {
+ public:
+  explicit TapReader(const Image<float>& map_w)
+      : texels_(map_w.row(0)),
+        stride_(static_cast<std::int32_t>(map_w.stride())),
+        last_(FloatLanes{} + static_cast<float>(map_w.width() - 1)) {}
+  /// Nearest texel of tap (x, y) of each filter. The border of a map is empty, as is everything
+  /// outside.
+  FloatLanes read(const FilterLanes& f, glm::vec2 tap) const {
+    const FloatLanes x = f.x_texel + f.radius_texel * (tap.x * f.panel_ux + tap.y * f.panel_vx);
+    const FloatLanes y = f.y_texel + f.radius_texel * (tap.x * f.panel_uy + tap.y * f.panel_vy);
+    return gather(texels_, texel(y) * stride_ + texel(x));
+  }
+
+ private:
+  IntLanes texel(FloatLanes at) const { return truncate(min(max(at, FloatLanes{}), last_) + 0.5F); }
+
+  const float* texels_;
+  std::int32_t stride_;
+  FloatLanes last_;
+};
+
+/// Coordinate `axis` of each point in the lamp's axes.
+FloatLanes in_lamp(const glm::mat4& m, int axis, FloatLanes x, FloatLanes y, FloatLanes z) {
+  return x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis];
+}
+
+/// Slopes of the surfaces' own planes: w is affine over a plane in the map.
+void find_slopes(const LampParams& lamp, const VectorLanes& normal, FloatLanes ray_x,
+                 FloatLanes ray_y, FilterLanes& filter) {
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const auto along = [&](int axis) {
+    return normal.x * m[0][axis] + normal.y * m[1][axis] + normal.z * m[2][axis];
+  };
+  const FloatLanes x = along(0), y = along(1), toward = ray_x * x + ray_y * y + along(2);
+  const FloatLanes scale =
+      filter.w / (lamp.map_focal_texel * min(toward, FloatLanes{} + kSteepestCosine));
+  filter.slope_u = (x * filter.panel_ux + y * filter.panel_uy) * scale;
+  filter.slope_v = (x * filter.panel_vx + y * filter.panel_vy) * scale;
+}
+
+/// Points into the lamp's map, with the radius in which casters can be.
+FilterLanes place(const LampParams& lamp, const VectorLanes& p, const VectorLanes& normal,
+                  IntLanes wanted) {
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const float focal = lamp.map_focal_texel, near_m = lamp.casters_near_m;
+  const FloatLanes unmoved_z = in_lamp(m, 2, p.x, p.y, p.z);
+  // A texel spans z / focal metres: kLiftTexels of them lift the point off its own surface.
+  const FloatLanes lift_m = unmoved_z * (kLiftTexels / focal);
+  const FloatLanes x = p.x + lift_m * normal.x, y = p.y + lift_m * normal.y,
+                   z = p.z + lift_m * normal.z;
+  const FloatLanes lamp_z = in_lamp(m, 2, x, y, z);
+  const IntLanes behind = wanted & (unmoved_z > near_m) & (lamp_z > near_m);
+  const FloatLanes w = 1 / (behind ? lamp_z : FloatLanes{} + near_m);
+  const FloatLanes ray_x = in_lamp(m, 0, x, y, z) * w, ray_y = in_lamp(m, 1, x, y, z) * w;
+  const FloatLanes u = ray_x * focal + lamp.map_center_texel;
+  const FloatLanes v = ray_y * focal + lamp.map_center_texel;
+  const FloatLanes radius =
+      max((1 / near_m - w) * (focal * lamp.radius_m), FloatLanes{} + kLeastRadiusTexel);
+  // A point of the panel that is nearer than its middle seems to lie aside of it.
+  FilterLanes filter{};
+  filter.panel_ux = lamp.panel_u.x - lamp.panel_u.z * ray_x;
+  filter.panel_uy = lamp.panel_u.y - lamp.panel_u.z * ray_y;
+  filter.panel_vx = lamp.panel_v.x - lamp.panel_v.z * ray_x;
+  filter.panel_vy = lamp.panel_v.y - lamp.panel_v.z * ray_y;
+  const FloatLanes reach_x = radius * (abs(filter.panel_ux) + abs(filter.panel_vx));
+  const FloatLanes reach_y = radius * (abs(filter.panel_uy) + abs(filter.panel_vy));
+  const float last = static_cast<float>(lamp.map_size_texel - 1);
+  const IntLanes inside =
+      behind & (u > -reach_x) & (v > -reach_y) & (u < last + reach_x) & (v < last + reach_y);
+  filter.x_texel = inside ? u : FloatLanes{};
+  filter.y_texel = inside ? v : FloatLanes{};
+  filter.radius_texel = inside ? radius : FloatLanes{};
+  filter.w = w;
+  find_slopes(lamp, normal, ray_x, ray_y, filter);
+  filter.w = inside ? w : FloatLanes{} + kLitAll_w;
+  return filter;
+}
+
+/// Makes the filters as wide as the penumbra of what lies before each point.
+template <int kCount>
+void find_blockers(const LampParams& lamp, const TapReader& reader, FilterLanes& filter) {
+  static const auto kTaps = panel_taps<kCount>();
+  FloatLanes sum_m{}, count{};
+  for (const glm::vec2 tap : kTaps) {
+    const FloatLanes w = reader.read(filter, tap);
+    const IntLanes before = w > filter.least_w(tap);
+    sum_m += before ? inverse(w) : FloatLanes{};
+    count -= to_float(before);  // true is -1
+  }
+  const IntLanes found = count > 0;
+  const FloatLanes blocker_w = count / (found ? sum_m : FloatLanes{} + 1.0F);
+  const FloatLanes radius = (blocker_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m);
+  filter.radius_texel = max(found ? radius : FloatLanes{}, FloatLanes{} + kLeastRadiusTexel);
+  filter.w = found ? filter.w : FloatLanes{} + kLitAll_w;
+}
+
+/// Whether any texel under the filters, as large as `radius_texel`, may be nearer than a point.
+bool may_find(const ShadowMap& map, const FilterLanes& f, FloatLanes radius_texel, float& most_w) {
+  const IntLanes doubt = f.w < kLitAll_w;
+  const FloatLanes far = FloatLanes{} + kLitAll_w;
+  const FloatLanes reach_x = radius_texel * (abs(f.panel_ux) + abs(f.panel_vx)) + 1.0F;
+  const FloatLanes reach_y = radius_texel * (abs(f.panel_uy) + abs(f.panel_vy)) + 1.0F;
+  const float x0 = least_of(doubt ? f.x_texel - reach_x : far);
+  const float x1 = -least_of(doubt ? -f.x_texel - reach_x : far);
+  const float y0 = least_of(doubt ? f.y_texel - reach_y : far);
+  const float y1 = -least_of(doubt ? -f.y_texel - reach_y : far);
+  most_w = largest_w(map, x0, y0, x1, y1);
+  return most_w > least_of(f.w);
+}
+
+/// Whether any of the lamp may be hidden: casters are searched as far as the nearest one could hide
+/// a point; the filter is no wider than the nearest that is found allows.
+bool may_be_hidden(const LampParams& lamp, const ShadowMap& map, const FilterLanes& filter) {
+  float most_w = 0;
+  if (!may_find(map, filter, filter.radius_texel, most_w)) return false;
+  const FloatLanes widest = max((most_w - filter.w) * (lamp.map_focal_texel * lamp.radius_m),
+                                FloatLanes{} + kLeastRadiusTexel);
+  return may_find(map, filter, min(widest, filter.radius_texel), most_w);
+}
+
+/// Share of the lamp that is seen through the filters of place().
+template <int kBlockers, int kCount>
+FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
+  static const auto kTaps = panel_taps<kCount>();
+  const TapReader reader(map.w);
+  find_blockers<kBlockers>(lamp, reader, filter);
+  if (!any(filter.w < kLitAll_w)) return FloatLanes{} + 1.0F;
+  FloatLanes lit{};
+  for (const glm::vec2 tap : kTaps)
+    lit -= to_float(reader.read(filter, tap) <= filter.least_w(tap));
+  return lit / static_cast<float>(kCount);
+}
+FloatLanes seen_by(const LampParams& lamp, const ShadowMap& map, FilterLanes& filter) {
+  return lamp.is_part ? seen_by<kPartBlockerTapCount, kPartShadowTapCount>(lamp, map, filter)
+                      : seen_by<kBlockerTapCount, kShadowTapCount>(lamp, map, filter);
+}
+
+}  // namespace
+
+FloatLanes visibility_of_caster(const LampParams& lamp, const ShadowMap& map,
+                                const VectorLanes& position_m, const VectorLanes& normal,
+                                IntLanes wanted) {
+  if (map.empty()) return FloatLanes{} + 1.0F;
+  FilterLanes filter = place(lamp, position_m, normal, wanted);
+  return any(filter.w < kLitAll_w) ? seen_by(lamp, map, filter) : FloatLanes{} + 1.0F;
+}
+
+FloatLanes visibility(const LampParams& lamp, const ShadowMap& map, const VectorLanes& position_m,
+                      const VectorLanes& normal, IntLanes wanted) {
+  if (map.empty()) return FloatLanes{} + 1.0F;
+  FilterLanes filter = place(lamp, position_m, normal, wanted);
+  const bool some = any(filter.w < kLitAll_w) && may_be_hidden(lamp, map, filter);
+  return some ? seen_by(lamp, map, filter) : FloatLanes{} + 1.0F;
+}
+
+bool may_be_shadowed(const LampParams& lamp, const ShadowMap& map, const Corners& corners) {
+  if (map.empty()) return false;
+  const glm::mat4& m = lamp.lamp_from_camera;
+  const auto along = [&](int axis, const Corners::Face& f) {
+    return f.x_m * m[0][axis] + f.y_m * m[1][axis] + f.z_m * m[2][axis] + m[3][axis];
+  };
+  const auto& [near_face, far_face] = corners.faces;
+  const F4 near_z = along(2, near_face), far_z = along(2, far_face);
+  const float z1 = -least_of4(min4(-near_z, -far_z));
+  if (!(z1 > lamp.casters_near_m)) return false;
+  if (!(least_of4(min4(near_z, far_z)) > static_cast<float>(kNearestM)))
+    return true;  // reaches behind the lamp
+  const F4 near_x = along(0, near_face) / near_z, far_x = along(0, far_face) / far_z;
+  const F4 near_y = along(1, near_face) / near_z, far_y = along(1, far_face) / far_z;
+  const float x0 = least_of4(min4(near_x, far_x)), x1 = -least_of4(min4(-near_x, -far_x));
+  const float y0 = least_of4(min4(near_y, far_y)), y1 = -least_of4(min4(-near_y, -far_y));
+  // Lifting moves a point by `lift` of its depth in any direction.
+  const float focal = lamp.map_focal_texel, lift = kLiftTexels / focal;
+  if (!(lift < 0.5F)) return true;
+  const float slope = std::max(std::max(-x0, x1), std::max(-y0, y1));
+  const float moved_texel = kLiftTexels * (1 + std::max(slope, 0.0F)) / (1 - lift);
+  const float w = 1 / (z1 * (1 + lift)), reach = focal * lamp.radius_m;
+  // Of the panel along an axis of the map, in radii.
+  const float steep = (slope + lift) / (1 - lift);
+  const glm::vec3 panel = glm::abs(lamp.panel_u) + glm::abs(lamp.panel_v);
+  const float extent = std::max(panel.x, panel.y) + panel.z * steep;
+  // Nothing that is farther than the point hides it; 0.1 % for rounding.
+  const auto largest_within = [&](float blocker_w) {
+    const float margin =
+        moved_texel + std::max(reach * (blocker_w - w), kLeastRadiusTexel) * extent * 1.001F + 1;
+    const float center = lamp.map_center_texel;
+    return 1.001F * largest_w(map, focal * x0 + center - margin, focal * y0 + center - margin,
+                              focal * x1 + center + margin, focal * y1 + center + margin);
+  };
+  // Casters are searched as far as the nearest one could hide the point; the filter is no wider
+  // than the nearest that is found allows.
+  const float nearest_w = largest_within(1 / lamp.casters_near_m);
+  return nearest_w > w && largest_within(nearest_w) > w;
+}
+
+}  // namespace mixrig::render::cpu

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the surface of a ToF sample reaches past it, where the next sample shows another one.
+#pragma once
+
+#include "host/render/cpu/plate/correct.h"
+#include "host/render/cpu/warp/color_border.h"
+#include "host/render/tables/prepare.h"
+
+namespace mixrig::render::cpu {
+
+class SurfaceReach {
+ public:
+  /// `colors` may be null: the plate is not known.
+  SurfaceReach(const WarpParams& params, const Image<glm::vec2>& tof_ray, const TofGrid& grid,
+               const ColorBorders* colors)
+      : params_(params), tof_ray_(tof_ray), grid_(grid), colors_(colors) {}
+
+  /// From known sample (x, y) towards its neighbour at (x + dx, y + dy), which lies in the picture:
+  /// along x or y. In halves of a step; 1 where both are of one surface.
+  float towards(int x, int y, int dx, int dy) const;
+
+ private:
+  float by_sight(int x, int y, int dx, int dy, float w, float other_w) const;
+
+  const WarpParams& params_;
+  const Image<glm::vec2>& tof_ray_;
+  const TofGrid& grid_;
+  const ColorBorders* colors_;
+};
+
+}  // namespace mixrig::render::cpu

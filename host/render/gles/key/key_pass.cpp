@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/key/key_pass.h"
+
+#include <cmath>
+
+#include "host/render/frame/people_motion.h"
+
+namespace mixrig::render::gles {
+Result<KeyPass> KeyPass::create(const Tables& tables, LearnedColor learned,
+                                const KeyPassParams& params) {
+  KeyPass pass;
+  const Size view = tables.view_size;
+  const Size blocks{(view.width + kBlockPx - 1) / kBlockPx,
+                    (view.height + kBlockPx - 1) / kBlockPx};
+  const Size tiles{blocks.width * (kBlockPx + 2), blocks.height * (kBlockPx + 2)};
+  pass.use_color_ = params.color;
+  pass.has_learned_ = learned.there;
+  if (!tables.key_limit_w.empty()) pass.limit_w_ = make_texture(tables.key_limit_w.view(), GL_R32F);
+  pass.state_image_ = make_texture(view, GL_R8);
+  for (Texture* image : {&pass.counts_, &pass.colors_, &pass.kept_counts_, &pass.kept_colors_,
+                         &pass.band_, &pass.person_, &pass.rooms_, &pass.kept_rooms_, &pass.room_,
+                         &pass.deep_, &pass.person_deep_})
+    *image = make_texture(blocks, GL_RGBA32F);
+  pass.refine_ = params.color && params.refine;
+  if (pass.refine_) {
+    const int px = matte_tile_px(tables.tof_footprint_px);
+    const Size matte_tiles{(view.width + px - 1) / px, (view.height + px - 1) / px};
+    for (Texture* image : {&pass.tile_counts_, &pass.tile_with_p_, &pass.tile_squares_,
+                           &pass.tile_products_, &pass.lines_, &pass.people_})
+      *image = make_texture(matte_tiles, GL_RGBA32F);
+  }
+  pass.voted_ = make_texture(view, GL_R8);
+  pass.matte_ = make_texture(view, GL_R8);
+  pass.visible_w_ = make_texture(view, GL_R32F);
+  if (pass.use_color_) pass.votes_ = make_texture(tiles, GL_R32F);
+  MIXRIG_TRY(pass.make_steps());
+  pass.set_constants(params, learned.with_spread);
+  if (pass.use_color_) pass.vote_.program.set("is_still", !tables.key_limit_w.empty());
+  const int matte_tile = matte_tile_px(tables.tof_footprint_px);
+  pass.finish_.program.set("tile_px", matte_tile);
+  if (pass.refine_) pass.sum_tiles_.program.set("tile_px", matte_tile);
+  pass.set_view(tables);
+  return pass;
+}
+
+Result<void> KeyPass::make_steps() {
+  MIXRIG_ASSIGN(state_, make_step("key_state.frag", {&state_image_}));
+  MIXRIG_ASSIGN(blocks_, make_step("key_blocks.frag", {&counts_, &colors_, &rooms_}));
+  MIXRIG_ASSIGN(speckles_,
+                make_step("key_speckles.frag", {&kept_counts_, &kept_colors_, &kept_rooms_}));
+  MIXRIG_ASSIGN(find_deep_, make_step("key_deep.frag", {&deep_}));
+  MIXRIG_ASSIGN(find_band_, make_step("key_band.frag", {&band_, &person_, &room_, &person_deep_}));
+  MIXRIG_ASSIGN(fill_, make_step("key_fill.frag", {&voted_}));
+  if (use_color_) {
+    MIXRIG_ASSIGN(vote_, make_block_step("key_votes.frag", {&votes_}, kVotes, kBlockPx + 2));
+  }
+  MIXRIG_ASSIGN(decide_, make_block_step("key_decide.frag", {&voted_}, kVotes, kBlockPx));
+  if (refine_) {
+    MIXRIG_ASSIGN(sum_tiles_, make_step("key_tiles.frag", {&tile_counts_, &tile_with_p_,
+                                                           &tile_squares_, &tile_products_}));
+    MIXRIG_ASSIGN(fit_, make_step("key_lines.frag", {&lines_, &people_}));
+  }
+  MIXRIG_ASSIGN(finish_, make_step("key_matte.frag", {&matte_, &visible_w_}));
+  return {};
+}
+
+Result<void> KeyPass::follow_people(const Tables& tables, int cell_px, bool steady) {
+  moved_w_ = make_texture(tables.view_size, GL_R32F);
+  MIXRIG_ASSIGN(move_, make_step("move_people.frag", {&moved_w_}));
+  move_.program.set("cell_px", cell_px);
+  if (!steady) return {};
+  plate_before_ = make_texture(tables.view_size, GL_RGBA16F);
+  matte_before_ = make_texture(tables.view_size, GL_R8);
+  MIXRIG_ASSIGN(keep_, make_step("key_keep.frag", {&plate_before_, &matte_before_}));
+  finish_.program.set("cell_px", cell_px);
+  finish_.program.set("reach_px", static_cast<int>(std::lround(tables.tof_footprint_px)));
+  finish_.program.set("before_share", kBeforeShare);
+  finish_.program.set("alike", kAlike);
+  return {};
+}
+
+void KeyPass::remember(const Texture& plate) const { run(keep_, {&plate, &matte_}); }
+
+void KeyPass::set_view(const Tables& tables) const {
+  const float footprint = tables.tof_footprint_px;
+  state_.program.set("focal_px", tables.warp.view.focal_px);
+  state_.program.set("center_px", tables.warp.view.center_px);
+  finish_.program.set("parallax_px_m", parallax_px_m(tables.warp));
+  speckles_.program.set("tof_px", footprint * footprint);
+  decide_.program.set("tap_px", glm::ivec2(std::lround(0.5F * footprint), std::lround(footprint)));
+  decide_.program.set("inside_px", inside_tap_px(footprint));
+}
+
+void KeyPass::set_constants(const KeyPassParams& params, bool has_sigma) {
+  state_.program.set("crop", params.crop);
+  state_.program.set("crop_min_m", params.crop_min_m);
+  state_.program.set("crop_max_m", params.crop_max_m);
+  if (use_color_) {
+    vote_.program.set("has_sigma", has_sigma);
+    vote_.program.set("has_learned", has_learned_);
+    tone_ = ToneUniforms(vote_.program);
+  }
+  decide_.program.set("use_color", use_color_);
+  for (const Step* step : {&blocks_, &speckles_})
+    step->program.set("needs_room", use_color_ && !has_learned_);
+  finish_.program.set("refine", refine_);
+  finish_.program.set("has_learned", has_learned_);
+  matte_tone_ = ToneUniforms(finish_.program);
+  has_before_ = finish_.program.location("has_before");
+  finish_.program.set("cell_px", 1);  // drivers may divide before they know that nothing is before
+  for (const Step* step : {&state_, &blocks_})
+    step->program.set("by_volume", params.by == KeyBy::kVolume);
+  state_.program.set("noise_factor", params.noise_factor);
+  state_.program.set("noise_floor_m", params.noise.floor_m);
+  state_.program.set("noise_linear", params.noise.linear);
+  state_.program.set("noise_quadratic_per_m", params.noise.quadratic_per_m);
+  floor_w_ = state_.program.location("floor_w");
+  world_from_camera_ = state_.program.location("world_from_camera");
+}
+
+void KeyPass::draw(const KeyPassParams& params, const KeyInput& input) const {
+  const Texture& limit_w = input.limit_w ? *input.limit_w : limit_w_;
+  if (input.shift_px) run(move_, {&input.w, &limit_w, input.shift_px});
+  const Texture& w = input.shift_px ? moved_w_ : input.w;
+  state_.program.use();
+  set_uniform(world_from_camera_, params.world_from_camera);
+  set_uniform(floor_w_, params.floor_w);
+  run(state_, {&w, &limit_w});
+  run(blocks_, {&state_image_, &w, &input.plate, &limit_w});
+  run(speckles_, {&counts_, &colors_, &rooms_});
+  run(find_deep_, {&kept_counts_, &kept_colors_});
+  run(find_band_, {&kept_counts_, &kept_colors_, &kept_rooms_, &deep_});
+  run(fill_, {&band_});
+  if (use_color_) {
+    vote_.program.use();
+    tone_.set(input.tone);
+    run_blocks(vote_, band_,
+               {&input.plate, &input.learned, &input.learned_sigma, &band_, &person_, &room_,
+                nullptr, &person_deep_});
+  }
+  run_blocks(decide_, band_, {&state_image_, &kept_counts_, &band_, &votes_});
+  if (refine_) {
+    run(sum_tiles_, {&input.plate, &voted_, &band_});
+    run(fit_, {&tile_counts_, &tile_with_p_, &tile_squares_, &tile_products_});
+  }
+  finish_.program.use();
+  matte_tone_.set(input.tone);
+  const bool before = input.motion_px != nullptr;
+  set_uniform(has_before_, before ? 1 : 0);
+  run(finish_,
+      {&voted_, &band_, &state_image_, &kept_counts_, &input.plate, refine_ ? &lines_ : nullptr, &w,
+       refine_ ? &people_ : nullptr, refine_ ? &input.learned : nullptr,
+       before ? &plate_before_ : nullptr, before ? &matte_before_ : nullptr, input.motion_px});
+}
+
+}  // namespace mixrig::render::gles

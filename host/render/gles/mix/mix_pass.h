@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass mix: colour with matte, mixed depth, segmented depth and layer in one draw.
+#pragma once
+
+#include "host/render/frame/picture_look.h"
+#include "host/render/gles/gl/gl_step.h"
+#include "host/render/gles/gl/tone_uniforms.h"
+
+namespace mixrig::render::gles {
+
+/// Inputs of the pass; null where the scene has none.
+struct MixInput {
+  const Texture* plate = nullptr;
+  const Texture* visible_w = nullptr;
+  const Texture* matte = nullptr;          ///< with background
+  const Texture* background_m = nullptr;   ///< with background
+  const Texture* learned = nullptr;        ///< the background's colour, where learned
+  const Texture* light = nullptr;          ///< with shadows
+  const Texture* virtual_color = nullptr;  ///< with objects
+  const Texture* virtual_w = nullptr;
+  ToneCurve tone{};                ///< ExposureMeter
+  const Texture* room = nullptr;   ///< KeyPass::room
+  const Texture* noise = nullptr;  ///< make_grain(), where virtual things have noise...
+  Grain grain{};                   ///< ...of this strength,
+  glm::ivec2 grain_offset{0};      ///< from there on
+};
+
+/// Attachments of the pass' targets.
+enum MixOutput : int { kMixColor = 0, kMixDepth = 1, kMixSegmented = 2, kMixLayer = 3 };
+
+class MixPass {
+ public:
+  static Result<MixPass> create(const Tables& tables, const CompositorSetup& setup);
+  /// Draws the attachments that hold `wanted` images. Errors: kUnsupported at the first call with
+  /// kLayer.
+  Result<void> draw(const MixInput& input, OutputMask wanted);
+  /// What the last draw() drew into; attachments as MixOutput.
+  const Target& target() const { return has_layer_ ? layer_target_ : step_.target; }
+  /// Of the last draw() with kColor, GL_SRGB8_ALPHA8; alpha is the matte.
+  const Texture& color() const { return color_; }
+  const Texture& mixed_m() const { return mixed_; }  ///< the same with kMixedDepth
+  /// Whether parts of the picture may be transparent; else all of it is covered.
+  bool has_alpha() const { return !alpha_.size.empty(); }
+  const Target& alpha_target() const { return make_alpha_.target; }
+
+ private:
+  Texture color_, mixed_, segmented_, layer_, alpha_, backdrop_;
+  Step step_, make_alpha_;
+  Target layer_target_;
+  bool has_layer_ = false;
+  GLint has_light_ = -1;
+  ToneUniforms tone_;
+  GLint has_grain_ = -1, grain_offset_ = -1, grain_floor_ = -1, grain_slope_ = -1;
+};
+
+}  // namespace mixrig::render::gles

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/render/gles/virtual/virtual_things.h"
+
+#include <algorithm>
+
+namespace mixrig::render::gles {
+
+VirtualThings::VirtualThings(const CompositorSetup& setup, const FrameParams& frame)
+    : setup_(&setup), frame_(&frame), used_look_(setup) {
+  for (const Draw& draw : frame.draws) meshes_.emplace_back(*draw.mesh);
+}
+
+Result<VirtualThings> VirtualThings::create(const CompositorSetup& setup, const Tables& tables,
+                                            const FrameParams& frame) {
+  VirtualThings things(setup, frame);
+  MIXRIG_TRY(things.create_passes(tables));
+  return things;
+}
+
+/// Only those that the scene needs.
+Result<void> VirtualThings::create_passes(const Tables& tables) {
+  MIXRIG_ASSIGN(virtual_, VirtualPass::create(frame_->glossy || frame_->emits));
+  MIXRIG_ASSIGN(light_, LightPass::create(tables, *setup_));
+  light_.set_contacts(*frame_);
+  if (!setup_->light.lamps.empty()) {
+    MIXRIG_ASSIGN(shadow_, ShadowPass::create());
+  }
+  if (!frame_->people_lamps.empty()) {
+    MIXRIG_ASSIGN(people_shadow_, PeopleShadowPass::create(tables));
+  }
+  if (used_look_.measures()) {
+    MIXRIG_ASSIGN(look_, LookPass::create(tables));
+  }
+  if (setup_->look.motion) {
+    MIXRIG_ASSIGN(motion_, MotionPass::create(tables));
+  }
+  return {};
+}
+
+void VirtualThings::set_view(const Tables& tables) {
+  light_.set_view(tables);
+  if (people_shadow_) people_shadow_->set_view(tables);
+}
+
+void VirtualThings::take_look(const FrameInput& input) {
+  ++frames_;
+  const PictureLook* const look = used_look_.take(input);
+  if (look == nullptr) return;
+  look_->set(*look);
+  shaded_ = true;
+}
+
+Result<void> VirtualThings::draw(StageTimer& timer) {
+  if (!frame_->pose_changed) return {};
+  if (!frame_->virtual_rect.empty()) {
+    const StageScope stage(timer, Stage::kVirtual);
+    MIXRIG_TRY(virtual_.draw(*frame_, meshes_));
+  }
+  const bool has_maps = std::any_of(frame_->lamps.begin(), frame_->lamps.end(),
+                                    [](const LampParams& lamp) { return lamp.map_size_texel > 0; });
+  has_shadows_ = has_maps || !frame_->contacts.empty();
+  if (!has_maps || !frame_->maps_changed) return {};
+  const StageScope stage(timer, Stage::kShadow);
+  return shadow_.draw(*frame_, meshes_);
+}
+
+Result<void> VirtualThings::light(const Room& room, const KeyPass* key, bool people,
+                                  StageTimer& timer) {
+  const StageScope stage(timer, Stage::kLight);
+  people = people && key != nullptr;
+  shaded_ |= frame_->pose_changed || (people_shadow_ && people);
+  if (frame_->pose_changed) {
+    if (frame_->room_changed) MIXRIG_TRY(light_.set_room(*frame_));
+    light_.set_lamps(*frame_);
+    if (!people_shadow_ || !people) light_.shade_virtual(*frame_, virtual_, shadow_.maps());
+    if (light_map(key) != nullptr && is_lit(room))
+      light_.draw_background(*room.light_m(), shadow_.maps(), room.normal());
+    else if (light_map(key) != nullptr)
+      light_.skip_background();
+  }
+  if (!people) return {};
+  if (people_shadow_) MIXRIG_TRY(people_shadow_->draw(*frame_, key->matte(), key->visible_w()));
+  if (light_map(key) != nullptr) {
+    LightPass::PastPeople past;
+    if (people_shadow_ && is_lit(room))
+      past = {people_shadow_->maps(), room.light_m(), room.normal()};
+    light_.draw_people({key->blocks(), key->matte(), key->visible_w()}, shadow_.maps(), past);
+  }
+  if (people_shadow_)
+    light_.shade_virtual(*frame_, virtual_, shadow_.maps(), people_shadow_->maps());
+  return {};
+}
+
+void VirtualThings::blur(const std::optional<CameraMotion>& motion) {
+  mixed_color_ = &light_.virtual_color(), mixed_w_ = &light_.virtual_w();
+  if (look_ && look_->blurs()) {
+    if (shaded_) look_->draw(frame_->virtual_rect, light_.virtual_color(), light_.virtual_w());
+    mixed_color_ = &look_->virtual_color(), mixed_w_ = &look_->virtual_w();
+    shaded_ = false;
+  }
+  if (!motion_) return;
+  const MotionParams params = motion_params(motion, setup_->view, *frame_);
+  if (!params.blurs()) return;
+  motion_->draw(params, *mixed_color_, *mixed_w_);
+  mixed_color_ = &motion_->virtual_color(), mixed_w_ = &motion_->virtual_w();
+}
+
+void VirtualThings::add_to(MixInput& input) const {
+  input.virtual_color = mixed_color_ != nullptr ? mixed_color_ : &light_.virtual_color();
+  input.virtual_w = mixed_w_ != nullptr ? mixed_w_ : &light_.virtual_w();
+  if (!look_ || look_->noise() == nullptr) return;
+  input.noise = look_->noise();
+  input.grain = look_->grain();
+  input.grain_offset = grain_offset(frames_ - 1);
+}
+
+}  // namespace mixrig::render::gles

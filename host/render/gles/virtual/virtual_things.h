@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Virtual objects from frame to frame: their pixels, what they and people hide of the lamps, the
+// light that is left, and the camera's look. What depends on the pose alone stays while it does.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/render/frame/used_look.h"
+#include "host/render/gles/background/room.h"
+#include "host/render/gles/gl/gl_mesh.h"
+#include "host/render/gles/gl/stage_timer.h"
+#include "host/render/gles/key/key_pass.h"
+#include "host/render/gles/light/light_pass.h"
+#include "host/render/gles/light/people_shadow_pass.h"
+#include "host/render/gles/light/shadow_pass.h"
+#include "host/render/gles/mix/look_pass.h"
+#include "host/render/gles/mix/mix_pass.h"
+#include "host/render/gles/mix/motion_pass.h"
+#include "host/render/gles/virtual/virtual_pass.h"
+
+namespace mixrig::render::gles {
+
+/// Memory of one compositor whose setup has objects.
+class VirtualThings {
+ public:
+  /// Borrows `setup` and `frame`. Errors: those of the passes.
+  static Result<VirtualThings> create(const CompositorSetup& setup, const Tables& tables,
+                                      const FrameParams& frame);
+  /// Another view of the same size.
+  void set_view(const Tables& tables);
+  /// Takes the look of this frame; grain moves in each.
+  void take_look(const FrameInput& input);
+  /// Samples and shadow maps, where the pose has changed.
+  Result<void> draw(StageTimer& timer);
+  /// Shading and the light of `room` where the pose has changed; people and their shadows, of
+  /// `key`, move in each frame. Null: nothing is keyed. `people`: the light of this frame is
+  /// wanted.
+  Result<void> light(const Room& room, const KeyPass* key, bool people, StageTimer& timer);
+  /// Blurs by the lens, then by the camera's motion.
+  void blur(const std::optional<CameraMotion>& motion);
+
+  /// Null where objects take light from nothing, or nothing is keyed. After draw().
+  const LightPass* light_map(const KeyPass* key) const {
+    return has_shadows_ && key != nullptr ? &light_ : nullptr;
+  }
+  /// What is mixed in this frame.
+  void add_to(MixInput& input) const;
+
+ private:
+  VirtualThings(const CompositorSetup& setup, const FrameParams& frame);
+  Result<void> create_passes(const Tables& tables);
+  bool is_lit(const Room& room) const { return room.light_m() != nullptr && !setup_->backdrop; }
+
+  const CompositorSetup* setup_;
+  const FrameParams* frame_;
+  std::vector<GpuMesh> meshes_;  // as FrameParams::draws
+  VirtualPass virtual_;
+  ShadowPass shadow_;
+  std::optional<PeopleShadowPass> people_shadow_;
+  LightPass light_;
+  UsedLook used_look_;
+  std::optional<LookPass> look_;
+  bool shaded_ = false;  ///< since they were blurred
+  std::optional<MotionPass> motion_;
+  const Texture *mixed_color_ = nullptr, *mixed_w_ = nullptr;  ///< of this frame
+  std::uint32_t frames_ = 0;
+  bool has_shadows_ = false;
+};
+
+}  // namespace mixrig::render::gles

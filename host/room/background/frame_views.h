@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What frames saw of the room: depth and colour in the view of a setup, and the same from
+// elsewhere.
+#pragma once
+
+#include <memory>
+
+#include "hal/base/parallel.h"
+#include "host/capture/capture/capture.h"
+#include "host/render/backend/backend.h"
+#include "host/render/cpu/background/background.h"
+#include "host/room/background/learn.h"
+
+namespace mixrig::session {
+
+/// Frames in the view of `setup`, without objects, key or light. One thread.
+class FrameViews {
+ public:
+  /// Errors: those of make_compositor().
+  static Result<FrameViews> make(const render::CompositorSetup& setup, BackendChoice backend);
+  /// Colour and warped depth, valid until the next call. Errors: as Compositor::compose().
+  Result<const render::FrameOutput*> of(const capture::Capture& capture);
+
+ private:
+  std::unique_ptr<render::Compositor> compositor_;
+  render::FrameOutput output_;
+};
+
+/// One frame at a time as seen from elsewhere. One thread.
+class WideFrame {
+ public:
+  /// `crew` must outlive it.
+  WideFrame(const render::CompositorSetup& setup, const WideView& wide, Crew& crew);
+  /// Draws what the camera saw from a pose: colour and warped depth in `view`.
+  void draw(const geometry::Pinhole& view, const geometry::Pose& world_from_view,
+            const render::FrameOutput& seen);
+  const Image<float>& depth_m() const { return depth_m_; }  ///< 0 where the colour is unknown too
+  const Image<Rgb8>& color() const { return color_; }
+
+ private:
+  void take_over(const render::cpu::MovingBackground& drawn);
+
+  render::CompositorSetup setup_;
+  const WideView wide_;
+  Crew& crew_;
+  Image<float> depth_m_;
+  Image<Rgb8> color_;
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The brightness of surfaces that are where the model has them. Private to this folder.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "host/room/changes/watch_frame.h"
+
+namespace mixrig::model {
+
+/// What the light of the room is, lately, in parts of that of the model.
+struct LightState {
+  Eigen::Array3d factor{1, 1, 1};  ///< median over the room; linear red, green, blue
+  double uneven_share = 0;         ///< of the room, off that factor by kUneven
+  int patches = 0;                 ///< that were seen lately
+};
+
+/// Cubes of the room and the mean of their colour over the model's. Constant memory; nothing
+/// allocates after it was made. Not thread-safe.
+class LightWatch {
+ public:
+  static constexpr double kLeastPatch_m = 0.3;
+  static constexpr double kMostPatches = 65536;
+  static constexpr double kUneven = 1.3;  ///< and its inverse
+  /// A patch whose colour is off the others' by this factor has changed by itself.
+  static constexpr double kOwnColor = 1.5;
+
+  struct Patch {
+    Eigen::Array3d sum_seen{0, 0, 0}, sum_model{0, 0, 0};  ///< of the frame at hand
+    int samples = 0;
+    Eigen::Array3d log_factor{0, 0, 0};
+    double first_s = 0, seen_s = -1;
+    double off_s = 0;  ///< time that its colour was off the others'
+    int change = 0;    ///< as ChangeCell::change
+  };
+
+  explicit LightWatch(const Eigen::AlignedBox3d& room_m);
+  void add(const FrameSight& sight, double dt_s);
+  /// Of patches seen within the last second and a half.
+  const LightState& state() const { return state_; }
+  double patch_m() const { return patch_m_; }
+  Eigen::Vector3d center_m(std::size_t patch) const;
+  std::vector<Patch>& patches() { return patches_; }
+  void forget();
+
+ private:
+  void sum_up(const FrameSight& sight);
+  void take_in(double time_s, double dt_s);
+  void find_state(double time_s);
+
+  Eigen::Vector3d origin_m_;
+  double patch_m_;
+  Eigen::Array3i size_;
+  std::vector<Patch> patches_;
+  std::vector<std::size_t> touched_, recent_;
+  std::vector<double> values_;
+  LightState state_;
+};
+
+}  // namespace mixrig::model

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bright region drawn onto a plane: where a flat lamp's middle is, and how large it is.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "host/math/geometry/pose.h"
+#include "host/room/lamps/bright_regions.h"
+
+namespace mixrig::lights {
+
+/// Axes of a panel that faces along `normal`: u horizontal (world x, where the panel faces up or
+/// down), v across.
+struct PanelAxes {
+  Eigen::Vector3d u, v;
+};
+PanelAxes panel_axes(const Eigen::Vector3d& normal);
+
+struct PanelSpot {
+  Eigen::Vector3d centre_m;  ///< of its area, on the plane
+  Eigen::Vector2d size_m;    ///< of the rectangle along u and v with the same second moments
+};
+
+/// The centre of gravity of a flat lamp is not in the middle of its solid angle, since its near
+/// half looks larger: each ray counts by the area that it covers on the plane. nullopt where the
+/// region has no ray, or rays meet the plane behind or at less than 5 degrees.
+std::optional<PanelSpot> spot_on_plane(const BrightRegion& region,
+                                       const geometry::Pose& world_from_camera,
+                                       const Eigen::Vector3d& point_m,
+                                       const Eigen::Vector3d& normal);
+
+}  // namespace mixrig::lights

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses between two rooms that may be the answer. Private to this module.
+#pragma once
+
+#include <vector>
+
+#include "hal/base/angles.h"
+#include "host/room/registration/room_registration.h"
+#include "host/room/registration/sides.h"
+
+namespace mixrig::model {
+
+struct Answer {
+  geometry::Pose a_from_b;
+  Evidence evidence;
+  double color = 0;  ///< color_agreement()
+};
+
+/// Whether the evidence alone would do: a fifth of the places is seen by both, 70 % of these agree,
+/// and 60 % where those count that the other room hides.
+inline constexpr double kLeastOverlap = 0.2, kLeastAgreeing = 0.7, kLeastOfKnown = 0.6;
+inline bool is_plausible(const Evidence& e) {
+  return e.overlap() >= kLeastOverlap && e.agreeing() >= kLeastAgreeing &&
+         e.of_known() >= kLeastOfKnown;
+}
+
+/// From triples of planes, and from floor and one wall with steps along it, refined; none within
+/// 0.1 m and 3 degrees of another; the one with the most evidence first. Those with far less
+/// evidence are left out, unless what they say agrees about as well.
+std::vector<Answer> find_answers(const Panorama& a, const Panorama& b,
+                                 const std::vector<RoomPlane>& of_a,
+                                 const std::vector<RoomPlane>& of_b, const Sides& fine_sides,
+                                 const RegistrationOptions& options, Crew& crew);
+
+/// Of the fine sides.
+inline constexpr double kFineStep_rad = 2 * kDeg;
+
+/// Sorts the first ones by falling value, ties in their order.
+void sort_by_color(std::vector<Answer>& answers, std::size_t first_ones);
+
+}  // namespace mixrig::model

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The passes, buffers and shadow maps of a scene, each with its reason and measured cost.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/run/session/quality.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+struct PassLine {
+  std::string name, size, why;
+  double p50_ms = 0;  ///< 0 for a pass that does not run
+};
+struct BufferLine {
+  std::string name, size;
+  std::size_t bytes = 0;
+};
+struct ShadowMapLine {
+  std::string lamp;
+  int size_texel = 0;  ///< 0: this lamp casts no shadow
+  std::string why;
+};
+
+struct Explanation {
+  std::string scene, source, backend, renderer;
+  std::string calibration;                 ///< which one is used, and why
+  std::string camera;                      ///< origin of its pose
+  std::string rungs;                       ///< in use: "key refined, light people"
+  std::optional<QualityChoice> quality{};  ///< where they follow from a budget
+  int frames = 0;                          ///< composited to measure
+  double frame_p50_ms = 0, rss_mb = 0;
+  double still_p50_ms = 0;                ///< the first frame again, the camera stands still
+  std::optional<double> moving_p50_ms{};  ///< the same, the pose changes; absent if it cannot
+  std::vector<PassLine> passes;
+  std::vector<ShadowMapLine> shadow_maps;
+  std::vector<BufferLine> buffers;  ///< kept from frame to frame
+};
+
+/// Composites the first `frames` frames after the learned ones and reports what ran.
+/// Errors: those of run().
+Result<Explanation> explain(Session& session, int frames, const Clock& clock,
+                            const ProgressFn& progress);
+
+nlohmann::json to_json(const Explanation& explanation);
+std::string to_text(const Explanation& explanation);
+
+}  // namespace mixrig::session

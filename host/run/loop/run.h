@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main job: every frame of a session composited, timed, judged and given to the sinks.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/result.h"
+#include "host/output/files/files_sink.h"
+#include "host/output/sink/composite_sink.h"
+#include "host/output/sink/run_controls.h"
+#include "host/run/controls/run_options.h"
+#include "host/run/report/run_report.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+/// Prepares the background, composites the frames and writes OUT: composite/, the other layers and
+/// frames.csv (FilesSink), contact_sheet.png, report.json; either all of OUT or nothing.
+/// Captures are read and decoded in a thread of their own, each sink writes in its own; this thread
+/// composites. Only compose() is timed; frames whose inspection images are needed are composited a
+/// second time for them, untimed. A live run never waits for a sink, a run of a recording does.
+/// Objects with physics move before each frame, by what was seen of people up to the frame before;
+/// a recording waits for that, so that the same take gives the same pictures.
+/// Changes of the scene are composited from the next frames on (SceneFollower); a run that is
+/// judged is judged until then. Memory does not grow with the number of frames. The room is watched
+/// in a thread of its own (ChangeSink); the background that changes were accepted into is written
+/// at the end, if there is one.
+/// Errors: kUsage for frames out of range, an OUT that no earlier run made, or baselines of a
+/// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
+/// be read, or where the source ended or was stopped before the first frame; kIo; those of the back
+/// end and of the sinks.
+Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
+                      const ProgressFn& progress);
+
+}  // namespace mixrig::session

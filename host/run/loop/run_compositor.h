@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The compositor of a run, which follows what changes meanwhile: the room, the scene, objects.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "extras/people/watch/object_motion.h"
+#include "hal/base/clock.h"
+#include "host/output/sink/frame_times.h"
+#include "host/run/controls/run_options.h"
+#include "host/run/loop/hiding_compositor.h"
+#include "host/run/loop/setup_exchange.h"
+#include "host/run/report/run_report.h"
+#include "host/run/session/session.h"
+#include "host/run/watchers/light_keeper.h"
+#include "host/run/watchers/look_keeper.h"
+#include "host/run/watchers/room_keeper.h"
+
+namespace mixrig::session {
+
+/// For the compositing thread of one run.
+class RunCompositor {
+ public:
+  /// All of them outlive it.
+  RunCompositor(const Session& session, RunOptions& options, const Clock& clock, RunReport& report);
+
+  /// With `hides`, frames without virtual objects are expected. Objects with physics move by
+  /// `motion`; null: there are none. Errors: those of the back end, of the watch, of a room that
+  /// cannot be saved.
+  Result<void> open(bool hides, ObjectMotion* motion, WorkGate* gate);
+  bool watches_room() const { return keeper_.is_open(); }
+  const render::Compositor& whole() const { return compositor_->whole(); }
+
+  /// Before a frame: what was saved and learned counts from this one on.
+  void follow_changes();
+  /// Poses of the objects of a frame, of which the camera's pose is set.
+  void move_objects(output::Composite& composite);
+  /// Errors: as Compositor::compose().
+  Result<void> compose(const output::Composite& composite, render::OutputMask wanted,
+                       render::FrameOutput& images);
+  /// Of the frame composited last: counts how its plate came in.
+  void count_plate(const capture::Capture& capture);
+  const render::StageTimes& stage_times() const { return compositor_->stage_times(); }
+  /// Frames no longer show the scene that the truth is of.
+  bool is_edited() const { return exchange_.is_edited(); }
+  /// For the watch of the room. Errors: those of an earlier frame of it.
+  Result<void> see(const output::CompositePtr& composite);
+  /// Ends the watch, reports, saves the room where that was asked for, frees the compositor.
+  Result<void> finish();
+
+ private:
+  bool live() const;
+  void place_moved_objects();
+  SceneEdits edits() const;
+  void share_plates();
+  void use(EditedScenePtr edited);
+  std::optional<glm::ivec2> focus_pixel() const;
+  std::optional<render::FrameLight> frame_light();
+
+  const Session& session_;
+  RunOptions& options_;
+  const Clock& clock_;
+  RunReport& report_;
+  bool hides_ = false;
+  std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
+  ObjectMotion* motion_ = nullptr;
+  RoomKeeper keeper_;
+  LightKeeper light_keeper_;
+  LookKeeper look_keeper_;
+  SetupExchange exchange_;  ///< has what compositor_ was made of
+  FrameScene frame_scene_;
+  bool scene_differs_ = false;                ///< of the frame: frame_scene_ from the setup
+  std::vector<geometry::Pose> wanted_poses_;  ///< of objects with physics, that they were put at
+  std::optional<geometry::Pose> last_pose_;   ///< of the camera
+  FrameTimes times_;                          ///< for the physics
+  std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
+  render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< of the source
+  Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
+};
+
+}  // namespace mixrig::session

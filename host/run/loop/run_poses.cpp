@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/run/loop/run_poses.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hal/base/log.h"
+#include "host/run/loop/contact_points.h"
+#include "host/run/session/camera_pose.h"
+
+namespace mixrig::session {
+namespace {
+
+/// Whether the poses of the scene can be held against true ones: both are of one world.
+bool has_true_poses(const Session& session) {
+  using scene::PoseSource;
+  const PoseSource used = session.scene.pose_source;
+  const bool own = session.scene.camera.trajectory.empty();
+  const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
+                              used == PoseSource::kMocap || used == PoseSource::kTracker ||
+                              used == PoseSource::kFreeD || used == PoseSource::kOpenTrack ||
+                              (used == PoseSource::kRecorded && !own);
+  return from_elsewhere && session.source->info().true_poses;
+}
+
+/// For the motion blur of virtual things and to tell which plates are sharp: what the scene or else
+/// the source says; 0: nobody asks, or it is not known.
+double plate_exposure_s(const Session& session) {
+  const scene::LookSettings& look = session.scene.look;
+  const bool asked = look.motion || session.setup.look.measures();
+  if (!asked || !session.poses->moves()) return 0;
+  const double known_s =
+      look.exposure_ms > 0 ? 1e-3 * look.exposure_ms : session.source->info().exposure_s;
+  if (!(known_s > 0) && look.motion)
+    log_warning("session", session.scene.path.string() +
+                               ": look.motion: how long a plate is exposed is not known, so that "
+                               "nothing is blurred: give look.exposure_ms");
+  return known_s;
+}
+
+}  // namespace
+
+void RunPoses::open() {
+  const pose::FramePoseOptions options = frame_pose_options(session_.scene);
+  poses_.emplace(*session_.poses, options);
+  report_.pose.source = session_.poses->name();
+  report_.pose.latency_s = session_.poses->latency_s();
+  report_.pose.when_lost = options.when_lost;
+  slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
+  lens_.emplace(session_.setup,
+                session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
+  if (has_true_poses(session_)) report_.pose.error.emplace();
+  motion_ = PlateMotion(plate_exposure_s(session_));
+}
+
+void RunPoses::set(output::Composite& composite) {
+  const pose::FramePose known = poses_->next(*composite.capture);
+  composite.pose = known.camera;
+  composite.world_from_target = known.camera.world_from_target;
+  composite.objects_shown = known.objects_shown;
+  composite.motion = motion_.next(known.camera, composite.capture->time_s);
+  if (known.camera.ok()) {
+    report_.pose.age_ms.add(1e3 * known.camera.age_s);
+    if (report_.pose.error)
+      report_.pose.error->add(composite.world_from_target, composite.capture->world_from_target);
+    return;
+  }
+  if (report_.pose.error) report_.pose.error->skip();
+  if (std::exchange(warned_lost_, true)) return;
+  log_warning("session", fmt::format("frame {}: the camera's pose is lost ({}): virtual objects "
+                                     "are {}; frames.csv and the report say where",
+                                     composite.capture->number, capture::name(known.camera.loss),
+                                     known.objects_shown ? "frozen" : "hidden"));
+}
+
+void RunPoses::watch(output::Composite& composite, bool judges, const capture::Truth* truth) {
+  watch_slip(composite, judges, truth);
+  lens_->add(*composite.capture, composite.world_from_target);
+  watch_camera(composite.world_from_target);
+}
+
+/// The world of "floor" and "identity" is not that of the truth.
+void RunPoses::watch_slip(output::Composite& composite, bool judges, const capture::Truth* truth) {
+  composite.slip_px = composite.slip_sigma_px = std::nullopt;
+  if (!composite.objects_shown) return;
+  const capture::Capture& capture = *composite.capture;
+  const scene::PoseSource source = session_.scene.pose_source;
+  const bool known = judges && capture.pose_origin == capture::PoseOrigin::kRecorded &&
+                     source != scene::PoseSource::kFloor && source != scene::PoseSource::kIdentity;
+  capture::CameraPose used = composite.pose;
+  used.world_from_target = world_from_pupil(used.world_from_target, capture);
+  std::optional<geometry::Pose> true_pose;
+  if (known) true_pose = capture.world_from_target;
+  geometry::Pinhole true_view = session_.setup.view;
+  if (known && truth != nullptr && truth->lens) {
+    true_pose = geometry::at_pupil(*true_pose, truth->lens->pupil_shift_m);
+    true_view = resized(truth->lens->view, true_view.size_px);
+  }
+  const FrameSlip slip =
+      slip_->add(used, true_pose, frame_view(session_.setup, capture), true_view);
+  composite.slip_px = slip.measured_px;
+  composite.slip_sigma_px = slip.sigma_px;
+}
+
+void RunPoses::watch_camera(const geometry::Pose& world_from_target) {
+  if (!first_pose_) first_pose_ = world_from_target;
+  if (warned_ || !session_.background || !session_.setup.background_models.empty() ||
+      !capture::moved(*first_pose_, world_from_target))
+    return;
+  warned_ = true;
+  log_warning("session",
+              "the camera moves, the background is of a static camera: people are keyed "
+              "wrongly away from the first pose");
+}
+
+void RunPoses::finish() {
+  report_.pose.frames = poses_->counts();
+  report_.pose.faults = session_.poses->faults();
+  report_.pose.slip = slip_->report();
+  report_.lens = lens_->report();
+  report_.pose.stream = session_.poses->stream();
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/run/report/run_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/output/report/rig_json.h"
+#include "host/run/watchers/room_changes_report.h"
+
+namespace mixrig::session {
+namespace {
+
+using NamedError = std::pair<const char*, std::optional<double>>;
+
+std::array<NamedError, 18> named(const measure::Errors& e) {
+  return {{{"depth_mae_mm", e.depth_mae_mm},
+           {"depth_bad_pct", e.depth_bad_pct},
+           {"hidden_pct", e.hidden_pct},
+           {"hidden_bad_pct", e.hidden_bad_pct},
+           {"hidden_wrong_pct", e.hidden_wrong_pct},
+           {"band_bad_pct", e.band_bad_pct},
+           {"mixed_bad_pct", e.mixed_bad_pct},
+           {"mixed_hidden_wrong_pct", e.mixed_hidden_wrong_pct},
+           {"key_iou", e.key_iou},
+           {"matte_mse", e.matte_mse},
+           {"matte_flicker", e.matte_flicker},
+           {"matte_dtssd", e.matte_dtssd},
+           {"order_wrong_pct", e.order_wrong_pct},
+           {"light_rmse", e.light_rmse},
+           {"light_shadow_rmse", e.light_shadow_rmse},
+           {"color_psnr_db", e.color_psnr_db},
+           {"object_rmse", e.object_rmse},
+           {"object_psnr_db", e.object_psnr_db}}};
+}
+
+std::array<NamedError, 5> named(const measure::Errors::Contested& e) {
+  return {{{"pixels_pct", e.pixels_pct},
+           {"key_iou", e.key_iou},
+           {"matte_mse", e.matte_mse},
+           {"light_rmse", e.light_rmse},
+           {"color_psnr_db", e.color_psnr_db}}};
+}
+
+std::array<NamedError, 5> named(const measure::Errors::Look& e) {
+  return {{{"real_noise", e.real_noise},
+           {"virtual_noise", e.virtual_noise},
+           {"real_sharpness", e.real_sharpness},
+           {"virtual_sharpness", e.virtual_sharpness},
+           {"outline_sharpness", e.outline_sharpness}}};
+}
+
+double rounded(double value, int digits = 4) {
+  if (value == 0.0 || !std::isfinite(value)) return value;
+  const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+/// Three digits: the accuracy of the sketch.
+double quantile(const measure::QuantileSketch& sketch, double q) {
+  return rounded(sketch.quantile(q), 3);
+}
+
+bool ran(const measure::QuantileSketch& times_ms) { return times_ms.max() > 0.0; }
+
+std::string live_line(const capture::SourceReport& live) {
+  std::string line = fmt::format("  live: {} frame sets, {} dropped, {} without colour or depth\n",
+                                 live.sets, live.dropped_sets, live.left_out);
+  if (live.without_depth + live.held_depth > 0)
+    line += fmt::format(
+        "  depth was lost: {} frames without, in which nobody is keyed; {} with the "
+        "depth before\n",
+        live.without_depth, live.held_depth);
+  return line;
+}
+
+/// The sinks that were too slow.
+std::string sink_lines(const std::vector<output::SinkReport>& sinks) {
+  std::string lines;
+  for (const output::SinkReport& sink : sinks)
+    if (sink.dropped > 0)
+      lines += fmt::format("  sink {}: {} frames written, {} dropped because it was too slow\n",
+                           sink.name, sink.written, sink.dropped);
+  return lines;
+}
+
+/// The reasons that occurred, by name.
+nlohmann::json lost_by_reason(const pose::FramePoseCounts& counts) {
+  nlohmann::json out = nlohmann::json::object();
+  for (std::size_t i = 1; i < counts.frames.size(); ++i)
+    if (counts.frames[i] > 0)
+      out[std::string(capture::name(static_cast<capture::PoseLoss>(i)))] = counts.frames[i];
+  return out;
+}
+
+/// Of the packets that were sent.
+double lost_pct(const PoseReport& report) {
+  const double lost = static_cast<double>(report.faults.packets_lost);
+  const double sent = lost + static_cast<double>(report.stream->packets);
+  return sent > 0 ? 100 * lost / sent : 0;
+}
+
+nlohmann::json to_json(const capture::PoseFaults& faults) {
+  return {{"not_finite", faults.not_finite},     {"jumps", faults.jumps},
+          {"clock_steps", faults.clock_steps},   {"refused", faults.refused},
+          {"packets_lost", faults.packets_lost}, {"packets_late", faults.packets_late},
+          {"packets_bad", faults.packets_bad}};
+}
+
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::json(rounded(*value)) : nlohmann::json();
+}
+
+nlohmann::json to_json(const SlipReport::Measured& slip) {
+  return {{"rms", rounded(slip.rms_px)},
+          {"p95", rounded(slip.p95_px, 3)},
+          {"max", rounded(slip.max_px)}};
+}
+
+/// Counts, and what is known of a network stream.
+nlohmann::json stream_json(const PoseReport& report) {
+  nlohmann::json out = to_json(report.faults);
+  if (!report.stream) return out;
+  out["packets"] = report.stream->packets;
+  out["lost_pct"] = rounded(lost_pct(report), 3);
+  out["delay_ms"] = rounded(1e3 * report.stream->delay_s);
+  out["jitter_ms"] = rounded(1e3 * report.stream->jitter_s, 3);
+  out["drift_ppm"] = rounded(report.stream->drift_ppm, 3);
+  return out;
+}
+
+nlohmann::json to_json(const PoseReport& report) {
+  nlohmann::json age_ms;  // null where no frame has a pose
+  if (report.age_ms.count() > 0)
+    age_ms = {{"p50", quantile(report.age_ms, 0.5)}, {"p95", quantile(report.age_ms, 0.95)}};
+  nlohmann::json out = {
+      {"source", report.source},
+      {"frames", report.frames.frames[0]},
+      {"lost", report.frames.lost()},
+      {"lost_by", lost_by_reason(report.frames)},
+      {"when_lost", report.when_lost == pose::WhenLost::kHide ? "hide" : "freeze"},
+      {"jumps", report.frames.jumps},
+      {"latency_s", report.latency_s},
+      {"stream", stream_json(report)},
+      {"age_ms", age_ms}};
+  if (report.error && report.error->frames() > 0) out["error"] = report.error->to_json();
+  const SlipReport& slip = report.slip;
+  out["slip_px"] = slip.measured ? to_json(*slip.measured) : nlohmann::json();
+  out["slip_sigma_px"] = or_null(slip.sigma_px);
+  out["within_95_pct"] = or_null(slip.within_95_pct);
+  return out;
+}
+
+nlohmann::json to_json(const LensReport& lens) {
+  nlohmann::json out{{"changed", lens.changed},
+                     {"beyond_background", lens.beyond_background},
+                     {"fx_px", {rounded(lens.least_fx_px, 5), rounded(lens.most_fx_px, 5)}}};
+  for (std::size_t i = 0; i < lens.frames.size(); ++i)
+    out["frames"][std::string(capture::name(static_cast<capture::LensOrigin>(i)))] = lens.frames[i];
+  return out;
+}
+
+std::string lens_line(const LensReport& lens) {
+  const auto frames = [&](capture::LensOrigin origin) {
+    return lens.frames[static_cast<std::size_t>(origin)];
+  };
+  return fmt::format(
+      "  lens: fx {:.1f} to {:.1f} px, moved in {} frames; outside its table in {}, without value "
+      "in {}, beyond what was learned of the room in {}\n",
+      lens.least_fx_px, lens.most_fx_px, lens.changed, frames(capture::LensOrigin::kClamped),
+      frames(capture::LensOrigin::kHeld), lens.beyond_background);
+}
+
+std::string slip_line(const SlipReport& slip) {
+  std::string line;
+  if (slip.measured)
+    line = fmt::format("measured {:.2f} px RMS, at most {:.2f} px", slip.measured->rms_px,
+                       slip.measured->max_px);
+  if (slip.sigma_px)
+    line += fmt::format("{}predicted {:.2f} px RMS", line.empty() ? "" : "; ", *slip.sigma_px);
+  return line.empty() ? line : "  slip of the contact points: " + line + "\n";
+}
+
+/// Nothing where every frame has a sound pose and neither slip nor the true poses are known.
+std::string pose_line(const PoseReport& report) {
+  const capture::PoseFaults& f = report.faults;
+  std::string line;
+  if (report.frames.lost() > 0) {
+    const nlohmann::json reasons = lost_by_reason(report.frames);
+    for (const auto& [why, count] : reasons.items())
+      line += fmt::format("{}{} {}", line.empty() ? "" : ", ", why, count.get<std::uint64_t>());
+    line = fmt::format("  pose lost in {} frames ({}): virtual objects {}\n", report.frames.lost(),
+                       line, report.when_lost == pose::WhenLost::kHide ? "hidden" : "frozen");
+  }
+  if (report.frames.jumps + f.jumps + f.not_finite + f.clock_steps > 0)
+    line += fmt::format(
+        "  poses: jumps: {} between frames, {} in their stream; left out there: {} not finite; "
+        "steps of their clock: {}\n",
+        report.frames.jumps, f.jumps, f.not_finite, f.clock_steps);
+  if (f.packets_lost + f.packets_late + f.packets_bad + f.refused > 0)
+    line += fmt::format(
+        "  motion capture: packets: {} lost, {} late, {} bad; {} frames without the camera's "
+        "body\n",
+        f.packets_lost, f.packets_late, f.packets_bad, f.refused);
+  if (report.error && report.error->frames() > 0)
+    line += "  pose error against truth: " + report.error->to_line() + "\n";
+  return line + slip_line(report.slip);
+}
+
+template <std::size_t N>
+nlohmann::json errors_json(const std::array<NamedError, N>& errors) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [key, value] : errors) out[key] = or_null(value);
+  return out;
+}
+
+/// A row for each measure, a column for each composite: the report's own first.
+template <typename Measures>
+std::string error_rows(const RunReport& report, const char* prefix, const Measures& measures) {
+  std::vector<decltype(named(measures(*report.error)))> columns{named(measures(*report.error))};
+  for (const BaselineErrors& b : report.baselines) columns.push_back(named(measures(b.errors)));
+  std::string out;
+  for (std::size_t i = 0; i < columns.front().size(); ++i) {
+    out += fmt::format("  {:<23}", std::string(prefix) + columns.front()[i].first);
+    for (const auto& column : columns)
+      out += column[i].second ? fmt::format(" {:>10.4g}", *column[i].second)
+                              : fmt::format(" {:>10}", "-");
+    out += "\n";
+  }
+  return out;
+}
+
+std::string error_table(const RunReport& report) {
+  std::string out = "  error against truth";
+  if (!report.baselines.empty()) out += fmt::format("    {:>12}", "mixrig");
+  for (const BaselineErrors& b : report.baselines)
+    out += fmt::format(" {:>10}", measure::name(b.baseline));
+  out += "\n";
+  out += error_rows(report, "", [](const measure::Errors& e) { return e; });
+  out += error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
+  return out + error_rows(report, "look ", [](const measure::Errors& e) { return e.look; });
+}
+
+nlohmann::json to_json(const output::StreamOutReport& stream) {
+  nlohmann::json out{{"uri", stream.uri},
+                     {"picture", stream.picture},
+                     {"size_px", {stream.size.width, stream.size.height}},
+                     {"frames", stream.frames},
+                     {"dropped", stream.dropped}};
+  const auto& pair = stream.stereo;
+  if (const std::uint64_t all = pair.seen + pair.behind + pair.guessed; all > 0)
+    out["stereo"] = {
+        {"behind_pct", 100.0 * static_cast<double>(pair.behind) / static_cast<double>(all)},
+        {"guessed_pct", 100.0 * static_cast<double>(pair.guessed) / static_cast<double>(all)}};
+  return out;
+}
+
+nlohmann::json to_json(const PlateReport& plates) {
+  return {{"imported", plates.imported}, {"copied", plates.copied}, {"how", text(plates)}};
+}
+
+}  // namespace
+
+std::string text(const PlateReport& plates) {
+  if (plates.imported > 0) {
+    std::string out = fmt::format("imported (DMABUF, {})", name(*plates.layout));
+    const std::uint64_t all = plates.imported + plates.copied;
+    if (plates.copied > 0) out += fmt::format(", {} of {} copied", plates.copied, all);
+    return plates.why_copied.empty() ? out : out + ": " + plates.why_copied;
+  }
+  return "copied: " + (plates.why_copied.empty()
+                           ? "the camera's driver shares no buffers of samples"
+                           : plates.why_copied);
+}
+
+double fps(const RunReport& report) {
+  const double mean_ms = report.frame_ms.mean();
+  return mean_ms > 0.0 ? 1e3 / mean_ms : 0.0;
+}
+
+nlohmann::json to_json(const measure::Errors& errors) {
+  nlohmann::json out = errors_json(named(errors));
+  out["contested"] = errors_json(named(errors.contested));
+  out["look"] = errors_json(named(errors.look));
+  return out;
+}
+
+nlohmann::json to_json(const RunReport& report) {
+  nlohmann::json out;
+  out["frames"] = report.frame_ms.count();
+  out["fps"] = rounded(fps(report));
+  out["backend"] = report.backend;
+  out["renderer"] = report.renderer;
+  out["size"] = text(report.size);
+  out["ended"] = report.ended;
+  if (report.live) {
+    out["live"] = report::to_json(*report.live);
+    out["live"]["left_out"] = report.live->left_out;
+    out["live"]["without_depth"] = report.live->without_depth;
+    out["live"]["held_depth"] = report.live->held_depth;
+    out["live"]["longest_gap_s"] = rounded(report.live->longest_gap_s, 3);
+    out["live"]["before_ready"] = report.before_ready;
+    out["live"]["latency_ms"] = {{"p50", quantile(report.latency_ms, 0.5)},
+                                 {"p95", quantile(report.latency_ms, 0.95)},
+                                 {"p99", quantile(report.latency_ms, 0.99)}};
+  }
+  if (report.plates) out["camera_pictures"] = to_json(*report.plates);
+  if (report.quality) out["quality"] = to_json(*report.quality);
+  out["pose"] = to_json(report.pose);
+  if (report.lens) out["lens"] = to_json(*report.lens);
+  if (report.light) out["light"] = to_json(*report.light);
+  if (report.look) out["look"] = to_json(*report.look);
+  if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
+  if (report.scene_edits)
+    out["scene_edits"] = {{"taken", report.scene_edits->taken},
+                          {"refused", report.scene_edits->refused},
+                          {"swap_ms", report.swap_ms.count() == 0
+                                          ? nlohmann::json(nullptr)
+                                          : nlohmann::json{{"p50", quantile(report.swap_ms, 0.5)},
+                                                           {"max", quantile(report.swap_ms, 1)}}}};
+  if (report.people) out["people"] = to_json(*report.people);
+  if (report.events) out["events"] = to_json(*report.events);
+  if (!report.pose_outs.empty()) out["pose_out"] = to_json(report.pose_outs);
+  for (const output::StreamOutReport& stream : report.stream_outs)
+    out["stream_out"].push_back(to_json(stream));
+  if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
+  for (const output::SinkReport& sink : report.sinks)
+    out["sinks"].push_back(
+        {{"name", sink.name}, {"written", sink.written}, {"dropped", sink.dropped}});
+  out["stage_ms"] = nlohmann::json::object();
+  for (std::size_t i = 0; i < report.stage_ms.size(); ++i) {
+    const measure::QuantileSketch& times = report.stage_ms[i];
+    if (!ran(times)) continue;
+    out["stage_ms"][std::string(render::name(static_cast<render::Stage>(i)))] = {
+        {"p50", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
+  }
+  out["frame_ms"] = {{"p50", quantile(report.frame_ms, 0.5)},
+                     {"p95", quantile(report.frame_ms, 0.95)},
+                     {"p99", quantile(report.frame_ms, 0.99)}};
+  out["rss_mb"] = rounded(report.rss_mb);
+  out["foreground_pct"] = {{"mean", rounded(report.foreground_pct.mean())},
+                           {"p50", quantile(report.foreground_pct, 0.5)},
+                           {"max", rounded(report.foreground_pct.max())}};
+  if (report.error) out["error"] = to_json(*report.error);
+  for (const BaselineErrors& b : report.baselines)
+    out["baselines"][measure::name(b.baseline)] = to_json(b.errors);
+  return out;
+}
+
+std::string to_table(const RunReport& report) {
+  std::string out = fmt::format("{} frames, {}, {} ({})\n", report.frame_ms.count(),
+                                text(report.size), report.backend, report.renderer);
+  out += fmt::format("  {:<12} {:>8} {:>8}\n", "stage", "p50 ms", "p95 ms");
+  const auto row = [&](std::string_view what, const measure::QuantileSketch& times) {
+    out += fmt::format("  {:<12} {:>8.2f} {:>8.2f}\n", what, times.quantile(0.5),
+                       times.quantile(0.95));
+  };
+  for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
+    if (ran(report.stage_ms[i]))
+      row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
+  row("frame", report.frame_ms);
+  out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
+  if (report.plates) out += "  camera pictures: " + text(*report.plates) + "\n";
+  if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
+  if (report.live) out += live_line(*report.live);
+  out += pose_line(report.pose);
+  if (report.lens) out += lens_line(*report.lens);
+  if (report.room_changes) out += to_lines(*report.room_changes);
+  if (report.people)
+    out += fmt::format("  people: {}, at most {} at once\n", report.people->people.size(),
+                       report.people->most_at_once);
+  if (report.events)
+    out += fmt::format("  events: {} enter, {} hit, {} leave\n", report.events->counts[0],
+                       report.events->counts[3], report.events->counts[2]);
+  out += sink_lines(report.sinks);
+  return report.error ? out + error_table(report) : out;
+}
+
+double peak_rss_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string text_line; std::getline(status, text_line);)
+    if (long kib = 0; std::sscanf(text_line.c_str(), "VmHWM: %ld kB", &kib) == 1)
+      return static_cast<double>(kib) / 1024.0;
+  return 0.0;
+}
+
+std::string text(Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+}  // namespace mixrig::session

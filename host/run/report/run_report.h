@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of a run: speed, memory, error. CONVENTIONS.md defines the keys.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "extras/broadcast/poses/pose_sink.h"
+#include "extras/people/watch/people_sink.h"
+#include "extras/people/watch/touch_stage.h"
+#include "hal/base/image.h"
+#include "hal/base/quantile_sketch.h"
+#include "host/capture/capture/source_report.h"
+#include "host/judge/baselines/baselines.h"
+#include "host/judge/baselines/pose_errors.h"
+#include "host/judge/baselines/slip.h"
+#include "host/judge/measure/errors.h"
+#include "host/output/sink/sink_thread.h"
+#include "host/output/streams/stream_sink.h"
+#include "host/pose/source/frame_poses.h"
+#include "host/render/contract/compositor.h"
+#include "host/room/background/frame_lens.h"
+#include "host/run/controls/scene_follower.h"
+#include "host/run/session/quality.h"
+#include "host/run/watchers/light_keeper.h"
+#include "host/run/watchers/look_keeper.h"
+#include "host/run/watchers/room_changes_report.h"
+
+namespace mixrig::session {
+
+/// Poses of the frames.
+struct PoseReport {
+  std::string source;  ///< as PoseSource::name
+  pose::WhenLost when_lost = pose::WhenLost::kFreeze;
+  double latency_s = 0;  ///< as PoseSource::latency_s
+  pose::FramePoseCounts frames;
+  capture::PoseFaults faults;  ///< of the source's stream
+  std::optional<capture::PoseStream> stream;
+  std::optional<PoseErrors> error;  ///< where the true poses are known
+  measure::QuantileSketch age_ms;   ///< frames with a pose
+  SlipReport slip;
+};
+
+/// How the camera's pictures came into the compositor.
+struct PlateReport {
+  std::uint64_t imported = 0;       ///< frames; read in the camera's memory
+  std::uint64_t copied = 0;         ///< frames
+  std::optional<RawLayout> layout;  ///< of imported ones
+  std::string why_copied;           ///< as Compositor::why_copied
+};
+/// "imported (DMABUF, yuyv)", "copied: the driver offers no ...".
+std::string text(const PlateReport& plates);
+
+struct RunReport {
+  std::string backend;   ///< "cpu" or "gles"
+  std::string renderer;  ///< as Compositor::renderer
+  Size size;
+  std::optional<QualityChoice> quality;  ///< where the scene has a budget
+  measure::QuantileSketch frame_ms;      ///< decoded frame to finished composite, every frame
+  std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
+  measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
+  std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
+  std::optional<capture::SourceReport> live;  ///< of live devices
+  measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
+  std::optional<PlateReport> plates;          ///< of live devices
+  std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
+                                              ///< late when the first frame could be made
+  PoseReport pose;
+  std::optional<LensReport> lens;  ///< of a lens that zooms
+  std::vector<output::SinkReport> sinks;
+  double rss_mb = 0;                              ///< peak
+  std::optional<LightReport> light;               ///< where the lamps were followed
+  std::optional<LookReport> look;                 ///< where plates were measured again
+  std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
+  std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
+  measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor
+  std::optional<PeopleReport> people;             ///< where they were followed
+  std::optional<TouchReport> events;              ///< where touching was watched
+  measure::QuantileSketch physics_ms;             ///< of a frame, in the compositing thread
+  std::vector<PoseOutReport> pose_outs;           ///< in the order of the scene
+  std::vector<output::StreamOutReport> stream_outs;
+  std::optional<measure::Errors> error;
+  std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
+};
+
+/// One over the mean frame time; 0 without frames.
+double fps(const RunReport& report);
+/// An error measure without a pixel to judge becomes null.
+nlohmann::json to_json(const RunReport& report);
+nlohmann::json to_json(const measure::Errors& errors);
+/// The same as a text table: stages with median and 95th percentile, then the errors.
+std::string to_table(const RunReport& report);
+
+/// Peak resident set of this process, from /proc/self/status; 0 where it is not available.
+double peak_rss_mb();
+/// "1280x1024".
+std::string text(Size size);
+
+}  // namespace mixrig::session

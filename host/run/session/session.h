@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// A session: a scene, the frames it is composited into, and the setup of the compositor.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/base/clock.h"
+#include "hal/base/frame_range.h"
+#include "hal/base/progress.h"
+#include "hal/base/result.h"
+#include "host/capture/calibration_file/choice.h"
+#include "host/capture/capture/pose_source.h"
+#include "host/capture/open/open_source.h"
+#include "host/render/backend/backend.h"
+#include "host/render/contract/compositor.h"
+#include "host/room/background/static_background.h"
+#include "host/room/scan/shape/room_faces.h"
+#include "host/run/session/scene_setup.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::session {
+
+struct SessionOptions {
+  std::filesystem::path scene;
+  std::string source;             ///< as open_source, or "rig[:RIG.TOML]": live devices
+  std::optional<Size> view_size;  ///< size to composite at; the take's view where absent
+  BackendChoice backend;
+  std::filesystem::path calibration{};      ///< calibration.toml; empty: that of scene or source
+  Clock* clock = nullptr;                   ///< of a rig's devices
+  const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
+  PlayOptions play{};                       ///< of the recordings that a rig plays
+};
+
+/// All data that is constant during a run. `setup` points into the other members, so a session
+/// cannot be moved. Not thread-safe.
+struct Session {
+  Session() = default;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  scene::Scene scene;
+  std::unique_ptr<capture::CaptureSource> source;
+  std::shared_ptr<live::CameraSettings> cameras;      ///< of `source`; null: no live devices
+  std::shared_ptr<live::RunningRig> rig;              ///< of `source`; null: no live devices
+  calibration_file::CalibrationChoice calibration;    ///< which one is used, and why
+  std::optional<model::StaticBackground> background;  ///< one view of the room
+  std::vector<model::RoomFaces> rooms;                ///< or all of it, of each scan
+  Image<Rgbx8> wide_color;                     ///< of `background`, where it is drawn for each pose
+  std::unique_ptr<capture::PoseSource> poses;  ///< of the scene; null before prepare_poses()
+  std::vector<MeshArrays> meshes;
+  Image<Rgb8> backdrop;  ///< the set's picture in the view's size; empty without
+  render::CompositorSetup setup;
+  BackendChoice backend;
+
+  /// Pose of the target camera at a frame, by `poses`; the identity where it is lost, and before
+  /// prepare_poses() that of the capture.
+  geometry::Pose world_from_target(const capture::Capture& capture) const;
+  /// Frames to composite if the user gives none: those after the learned ones, or those before
+  /// where the take ends with the learned ones.
+  FrameRange default_frames() const;
+};
+
+/// Opens scene and source and prepares the setup except the background.
+/// Errors: those of scene and take; kFormat where the scene learns from frames that the take lacks.
+Result<std::unique_ptr<Session>> open_session(const SessionOptions& options);
+
+/// Learns or loads the background that the scene requires; then the session is ready to composite.
+/// By session.poses where the camera moves: after prepare_poses(), except for pose = "floor".
+/// Errors: kFormat where the scene requires a floor that is not known; kData where the background
+/// is of another view, or the camera moves and no learned frame has a pose; those of reading and
+/// composing.
+Result<void> prepare_background(Session& session, const ProgressFn& progress);
+
+/// The setup from a take alone: cameras, noise; no objects, lamps or background.
+/// Errors: kUsage for a view size that is not 1..16384.
+Result<render::CompositorSetup> setup_of(const capture::SourceInfo& info,
+                                         std::optional<Size> view_size);
+
+/// The same field of view on another grid of pixels.
+geometry::Pinhole resized(const geometry::Pinhole& view, Size size);
+
+}  // namespace mixrig::session

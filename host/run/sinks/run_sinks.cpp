@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/run/sinks/run_sinks.h"
+
+#include <utility>
+
+#include "extras/broadcast/poses/pose_sink.h"
+#include "extras/people/watch/people_sink.h"
+#include "extras/people/watch/touch_stage.h"
+#include "host/output/sheet/sheet_sink.h"
+#include "host/output/streams/stream_sink.h"
+#include "host/output/streams/timecode.h"
+
+namespace mixrig::session {
+namespace {
+
+constexpr int kSheetStep = 10;  // row k of an endless sheet: frame first + 10 k^2
+
+/// Spread over the range; at growing distances where its end is not known.
+std::vector<int> sheet_frames(FrameRange range, int rows) {
+  if (range.second != capture::kEndless) return output::spread(range.first, range.second, rows);
+  std::vector<int> frames;
+  for (int k = 0; k < rows; ++k) frames.push_back(range.first + kSheetStep * k * k);
+  return frames;
+}
+
+}  // namespace
+
+RunSinks::RunSinks(const Session& session, RunOptions& options, const Clock& clock, WorkGate* gate,
+                   RunReport& report)
+    : session_(session), options_(options), clock_(clock), gate_(gate), report_(report) {}
+
+bool RunSinks::live() const { return session_.source->info().frames == capture::kEndless; }
+
+double RunSinks::rate_hz() const {
+  const double rate_hz = session_.source->info().rate_hz;
+  return rate_hz > 0 ? rate_hz : 25;
+}
+
+/// A set without a picture leaves parts transparent.
+bool RunSinks::is_transparent() const {
+  return session_.setup.backdrop && session_.setup.backdrop->picture.empty();
+}
+
+output::SinkThread* RunSinks::add(std::unique_ptr<output::CompositeSink> sink) {
+  const auto when_full = live() ? output::WhenFull::kDropOldest : output::WhenFull::kWait;
+  sinks_.push_back(std::make_unique<output::SinkThread>(std::move(sink), when_full, gate_));
+  return sinks_.back().get();
+}
+
+Result<void> RunSinks::open(FrameRange range, const std::optional<std::filesystem::path>& folder) {
+  if (folder) MIXRIG_TRY(open_files(range, *folder));
+  for (auto& sink : options_.sinks) add(std::move(sink));
+  if (options_.epoch_ns && !session_.scene.pose_outs.empty()) MIXRIG_TRY(open_poses());
+  MIXRIG_TRY(check_streams());
+  return open_people(folder);
+}
+
+Result<void> RunSinks::open_files(FrameRange range, const std::filesystem::path& folder) {
+  const capture::SourceInfo& info = session_.source->info();
+  options_.output.alpha = is_transparent();
+  MIXRIG_ASSIGN(auto files,
+                output::FilesSink::create(folder, info, session_.setup.view, options_.output));
+  files_ = add(std::move(files));
+  sheet_ = add(std::make_unique<output::SheetSink>(
+      folder / "contact_sheet.png", session_.scene.path.filename().string() + " in " + info.name,
+      sheet_frames(range, options_.sheet_rows)));
+  return {};
+}
+
+Result<void> RunSinks::open_poses() {
+  const auto begin = live() ? std::nullopt : std::optional(clock_.now());
+  auto poses =
+      PoseSink::create(session_.scene.pose_outs, *options_.epoch_ns, begin, report_.pose_outs);
+  if (!poses)
+    return Error{poses.error().code, session_.scene.path.string() + ": " + poses.error().context};
+  add(*std::move(poses));
+  return {};
+}
+
+Result<void> RunSinks::check_streams() {
+  auto& streams = options_.streams;
+  streams.insert(streams.begin(), session_.scene.stream_outs.begin(),
+                 session_.scene.stream_outs.end());
+  for (const scene::StreamOut& out : streams)
+    MIXRIG_TRY(output::StreamSink::check(out, session_.setup.view.size_px, rate_hz()));
+  report_.stream_outs.resize(streams.size());
+  return {};
+}
+
+Result<void> RunSinks::open_streams() {
+  const render::CompositorSetup& setup = session_.setup;
+  std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
+  if (live() && options_.epoch_ns)
+    day = output::local_day_at_zero(*options_.epoch_ns, clock_.now());
+  for (std::size_t i = 0; i < options_.streams.size(); ++i) {
+    const scene::StreamOut& out = options_.streams[i];
+    output::RoomBehind behind;
+    if (out.picture == scene::StreamOut::Picture::kStereo && !setup.backdrop)
+      behind = output::room_behind(setup.background);
+    MIXRIG_ASSIGN(auto sink,
+                  output::StreamSink::create(out, setup.view.size_px, rate_hz(), is_transparent(),
+                                             std::move(behind), report_.stream_outs[i], day));
+    add(std::move(sink));
+  }
+  return {};
+}
+
+Result<void> RunSinks::open_people(const std::optional<std::filesystem::path>& folder) {
+  const scene::Scene& scene = session_.scene;
+  motion_ = ObjectMotion::create(session_);
+  if (!options_.follow_people.value_or(scene.follow_people || scene.events || motion_)) {
+    motion_.reset();
+    return {};
+  }
+  MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder, {}, report_.people.emplace()));
+  if (scene.events || motion_) {
+    MIXRIG_ASSIGN(auto touch,
+                  TouchStage::create(session_, folder, motion_.get(), report_.events.emplace()));
+    sink->watch_touch(std::move(touch));
+  }
+  people_ = add(std::move(sink));
+  return {};
+}
+
+void RunSinks::wait_for_people() {
+  if (people_ != nullptr) people_->wait_until_idle();
+}
+
+/// Files need nothing while the operator does not record.
+render::OutputMask RunSinks::wanted_by(const output::SinkThread& sink, int number) const {
+  return !recording_ && &sink == files_ ? 0 : sink.sink().wanted(number);
+}
+
+/// deliver() waits for the sheet of a recording.
+RunSinks::Wanted RunSinks::wanted(int number) const {
+  Wanted images;
+  for (const auto& sink : sinks_) {
+    const render::OutputMask mask = wanted_by(*sink, number);
+    images.all |= mask;
+    if (live() || sink.get() != sheet_) images.kept |= mask;
+  }
+  return images;
+}
+
+bool RunSinks::on_sheet(int number) const {
+  return sheet_ != nullptr && sheet_->sink().wanted(number) != 0;
+}
+
+Result<void> RunSinks::deliver(const output::CompositePtr& composite) {
+  for (const auto& sink : sinks_) {
+    if (wanted_by(*sink, composite->capture->number) == 0) continue;
+    MIXRIG_TRY(sink->push(composite));
+    // Composites with inspection images are large: of a recording only one exists at a time.
+    if (!live() && sink.get() == sheet_) sink->wait_until_idle();
+    sheet_has_rows_ |= sink.get() == sheet_;
+  }
+  return {};
+}
+
+Result<void> RunSinks::finish() {
+  for (const auto& sink : sinks_) {
+    MIXRIG_TRY(sink->finish());
+    report_.sinks.push_back(sink->report());
+  }
+  return {};
+}
+
+}  // namespace mixrig::session

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the composites of a run go: files, contact sheet, window, page, streams, people.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "extras/people/watch/object_motion.h"
+#include "hal/base/clock.h"
+#include "hal/base/work_gate.h"
+#include "host/output/sink/sink_thread.h"
+#include "host/run/controls/run_options.h"
+#include "host/run/report/run_report.h"
+#include "host/run/session/session.h"
+
+namespace mixrig::session {
+
+/// Sinks of one run, each in a thread of its own. For the compositing thread.
+class RunSinks {
+ public:
+  /// All of them outlive it. `options.streams` becomes those of the scene and of the options.
+  RunSinks(const Session& session, RunOptions& options, const Clock& clock, WorkGate* gate,
+           RunReport& report);
+
+  /// All but the streams; `folder` of the run's files, none where it is absent. Errors: those of
+  /// the sinks, each before the first frame.
+  Result<void> open(FrameRange range, const std::optional<std::filesystem::path>& folder);
+  /// After the background: what a stereo pair shows behind people is of it.
+  Result<void> open_streams();
+  bool has_files() const { return files_ != nullptr; }
+  /// Null: no object has physics.
+  ObjectMotion* motion() { return motion_.get(); }
+  /// Waits until what was delivered of people is known.
+  void wait_for_people();
+
+  /// From this frame on: false, files are not written.
+  void set_recording(bool on) { recording_ = on; }
+  /// Images that the sinks require of a frame.
+  struct Wanted {
+    render::OutputMask all = 0;
+    render::OutputMask kept = 0;  ///< of these what they use after deliver() has returned
+  };
+  Wanted wanted(int number) const;
+  bool on_sheet(int number) const;
+  Result<void> deliver(const output::CompositePtr& composite);
+  /// A sheet to which no frame was delivered; null: there is none.
+  output::SinkThread* empty_sheet() { return sheet_has_rows_ ? nullptr : sheet_; }
+  /// Completes all of them and reports each. Errors: those of the sinks.
+  Result<void> finish();
+
+ private:
+  bool live() const;
+  double rate_hz() const;
+  bool is_transparent() const;
+  render::OutputMask wanted_by(const output::SinkThread& sink, int number) const;
+  output::SinkThread* add(std::unique_ptr<output::CompositeSink> sink);
+  Result<void> open_files(FrameRange range, const std::filesystem::path& folder);
+  Result<void> open_poses();
+  Result<void> check_streams();
+  Result<void> open_people(const std::optional<std::filesystem::path>& folder);
+
+  const Session& session_;
+  RunOptions& options_;
+  const Clock& clock_;
+  WorkGate* const gate_;
+  RunReport& report_;                     ///< sinks write into it
+  std::unique_ptr<ObjectMotion> motion_;  ///< that a sink tells what it sees
+  std::vector<std::unique_ptr<output::SinkThread>> sinks_;
+  output::SinkThread* files_ = nullptr;   ///< one of sinks_; none without an output folder
+  output::SinkThread* sheet_ = nullptr;   ///< one of sinks_; none without an output folder
+  output::SinkThread* people_ = nullptr;  ///< one of sinks_, where people are followed
+  bool sheet_has_rows_ = false;
+  bool recording_ = true;
+};
+
+}  // namespace mixrig::session

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// glTF 2.0, section 3.6: accessors.
+#include "host/scene/gltf/gltf_accessor.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace mixrig::scene {
+namespace {
+
+/// The elements of an accessor, checked to lie inside its buffer.
+struct Elements {
+  const std::uint8_t* data = nullptr;
+  std::size_t count = 0, stride = 0;
+  int component_type = 0;
+  bool normalized = false;
+};
+
+template <typename T>
+T load(const std::uint8_t* from) {
+  T value;
+  std::memcpy(&value, from, sizeof(T));
+  return value;
+}
+
+Result<Elements> elements_of(const tinygltf::Model& gltf, int index, int type) {
+  const std::string name = "accessor " + std::to_string(index);
+  if (index < 0 || static_cast<std::size_t>(index) >= gltf.accessors.size())
+    return bad_gltf(name + " does not exist");
+  const tinygltf::Accessor& accessor = gltf.accessors[static_cast<std::size_t>(index)];
+  if (accessor.sparse.isSparse)
+    return bad_gltf(name + " is sparse: export without sparse accessors");
+  if (accessor.type != type) return bad_gltf(name + " has an unexpected type");
+  MIXRIG_ASSIGN(const auto bytes, view_bytes(gltf, accessor.bufferView));
+  const int component_bytes =
+      tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
+  const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type));
+  if (component_bytes <= 0 || components <= 0) return bad_gltf(name + " has an unknown type");
+  const auto size =
+      static_cast<std::size_t>(component_bytes) * static_cast<std::size_t>(components);
+  const std::size_t view_stride =
+      gltf.bufferViews[static_cast<std::size_t>(accessor.bufferView)].byteStride;
+  const std::size_t stride = view_stride != 0 ? view_stride : size;
+  if (accessor.count == 0 || stride < size || accessor.byteOffset > bytes.size() ||
+      bytes.size() - accessor.byteOffset < size ||
+      (bytes.size() - accessor.byteOffset - size) / stride < accessor.count - 1)
+    return bad_gltf(name + " reaches past its buffer");
+  return Elements{bytes.data() + accessor.byteOffset, accessor.count, stride,
+                  accessor.componentType, accessor.normalized};
+}
+
+}  // namespace
+
+Result<std::span<const std::uint8_t>> view_bytes(const tinygltf::Model& gltf, int index) {
+  const std::string name = "buffer view " + std::to_string(index);
+  if (index < 0 || static_cast<std::size_t>(index) >= gltf.bufferViews.size())
+    return bad_gltf(name + " does not exist");
+  const tinygltf::BufferView& view = gltf.bufferViews[static_cast<std::size_t>(index)];
+  if (view.buffer < 0 || static_cast<std::size_t>(view.buffer) >= gltf.buffers.size())
+    return bad_gltf(name + " names a missing buffer");
+  const std::span<const std::uint8_t> data(
+      gltf.buffers[static_cast<std::size_t>(view.buffer)].data);
+  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+    return bad_gltf(name + " reaches past its buffer");
+  return data.subspan(view.byteOffset, view.byteLength);
+}
+
+Result<std::vector<Eigen::Vector3f>> read_vec3(const tinygltf::Model& gltf, int accessor) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC3));
+  if (in.component_type != TINYGLTF_COMPONENT_TYPE_FLOAT)
+    return bad_gltf("accessor " + std::to_string(accessor) + " does not hold floats");
+  std::vector<Eigen::Vector3f> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      out[i][c] = load<float>(in.data + i * in.stride + 4 * static_cast<std::size_t>(c));
+      if (!std::isfinite(out[i][c]))
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " holds a value that is not finite");
+    }
+  return out;
+}
+
+Result<std::vector<Eigen::Vector2f>> read_vec2(const tinygltf::Model& gltf, int accessor) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_VEC2));
+  std::vector<Eigen::Vector2f> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i)
+    for (std::size_t c = 0; c < 2; ++c) {
+      const std::uint8_t* from = in.data + i * in.stride;
+      float value = 0;
+      if (in.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT)
+        value = load<float>(from + 4 * c);
+      else if (in.normalized && in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE)
+        value = static_cast<float>(from[c]) / 255.0F;
+      else if (in.normalized && in.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        value = static_cast<float>(load<std::uint16_t>(from + 2 * c)) / 65535.0F;
+      else
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " has a type that texture coordinates cannot have");
+      if (!std::isfinite(value))
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " holds a value that is not finite");
+      out[i][static_cast<int>(c)] = value;
+    }
+  return out;
+}
+
+Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor) {
+  MIXRIG_ASSIGN(const Elements in, elements_of(gltf, accessor, TINYGLTF_TYPE_SCALAR));
+  std::vector<std::uint32_t> out(in.count);
+  for (std::size_t i = 0; i < in.count; ++i) {
+    const std::uint8_t* from = in.data + i * in.stride;
+    switch (in.component_type) {
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        out[i] = *from;
+        break;
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        out[i] = load<std::uint16_t>(from);
+        break;
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+        out[i] = load<std::uint32_t>(from);
+        break;
+      default:
+        return bad_gltf("accessor " + std::to_string(accessor) +
+                        " has a type that indices cannot have");
+    }
+  }
+  return out;
+}
+
+}  // namespace mixrig::scene

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// One glTF primitive as a Mesh. Private to this module.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "host/scene/gltf/gltf_file.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::scene {
+
+/// Triangles of a primitive, moved by `world` (glTF axes, 4x4 affine) and turned into object axes.
+/// The caller sets material and texture; `uv_set` is the n of TEXCOORD_n, -1 for none.
+/// Errors: kFormat for points and lines, indices out of range, and invalid accessors.
+Result<Mesh> read_mesh(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive,
+                       const Eigen::Matrix4d& world, int uv_set);
+
+}  // namespace mixrig::scene

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// A glTF file's scene as a Model: nodes, materials, textures.
+#include "host/scene/gltf/gltf_model.h"
+
+#include <algorithm>
+#include <map>
+
+#include <Eigen/Geometry>
+
+#include "host/math/config/table.h"
+#include "host/math/image_io/image_io.h"
+#include "host/scene/gltf/gltf_accessor.h"
+#include "host/scene/gltf/gltf_file.h"
+#include "host/scene/gltf/gltf_mesh.h"
+#include "host/scene/scene.h"
+
+namespace mixrig::scene {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMaxModelBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxVertices = 20'000'000;  ///< of all meshes, each instance counted
+constexpr int kMaxNodeDepth = 64;
+constexpr double kMostStrength = 1e6;  ///< of a light of its own
+constexpr double kMostBend = 100;      ///< factor of a normal map
+
+/// Makes a model of a parsed file. Each node is used at most once, as glTF requires of its trees.
+class ModelBuilder {
+ public:
+  explicit ModelBuilder(const GltfFile& file) : file_(file), visited_(file.gltf.nodes.size()) {}
+
+  Result<Model> build() {
+    for (const std::string& name : file_.gltf.extensionsRequired)
+      if (!name.starts_with("KHR_materials_"))
+        return bad_gltf("needs the extension " + name + ": export without it");
+    for (const int root : roots()) MIXRIG_TRY(add_node(root, Eigen::Matrix4d::Identity(), 0));
+    if (model_.meshes.empty()) return bad_gltf("has no triangles");
+    return std::move(model_);
+  }
+
+ private:
+  std::vector<int> roots() const {
+    const auto& scenes = file_.gltf.scenes;
+    const auto chosen = static_cast<std::size_t>(std::max(file_.gltf.defaultScene, 0));
+    if (chosen < scenes.size()) return scenes[chosen].nodes;
+    std::vector<bool> is_child(file_.gltf.nodes.size());
+    for (const tinygltf::Node& node : file_.gltf.nodes)
+      for (const int child : node.children)
+        if (child >= 0 && static_cast<std::size_t>(child) < is_child.size())
+          is_child[static_cast<std::size_t>(child)] = true;
+    std::vector<int> list;
+    for (std::size_t i = 0; i < is_child.size(); ++i)
+      if (!is_child[i]) list.push_back(static_cast<int>(i));
+    return list;
+  }
+
+  static Eigen::Matrix4d local_matrix(const tinygltf::Node& node) {
+    if (node.matrix.size() == 16) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+    Eigen::Affine3d local = Eigen::Affine3d::Identity();
+    if (const auto& t = node.translation; t.size() == 3)
+      local.translate(Eigen::Vector3d(t[0], t[1], t[2]));
+    if (const auto& q = node.rotation; q.size() == 4)
+      local.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
+    if (const auto& s = node.scale; s.size() == 3) local.scale(Eigen::Vector3d(s[0], s[1], s[2]));
+    return local.matrix();
+  }
+
+  Result<void> add_node(int index, const Eigen::Matrix4d& parent, int depth) {
+    if (index < 0 || static_cast<std::size_t>(index) >= visited_.size())
+      return bad_gltf("node " + std::to_string(index) + " does not exist");
+    if (visited_[static_cast<std::size_t>(index)] || depth > kMaxNodeDepth)
+      return bad_gltf("its nodes are not a tree of at most 64 levels");
+    visited_[static_cast<std::size_t>(index)] = true;
+    const tinygltf::Node& node = file_.gltf.nodes[static_cast<std::size_t>(index)];
+    const Eigen::Matrix4d world = parent * local_matrix(node);
+    if (!world.allFinite())
+      return bad_gltf("node " + std::to_string(index) + " has a transform that is not finite");
+    if (node.mesh >= 0) MIXRIG_TRY(add_mesh(node.mesh, world));
+    for (const int child : node.children) MIXRIG_TRY(add_node(child, world, depth + 1));
+    return {};
+  }
+
+  Result<void> add_mesh(int index, const Eigen::Matrix4d& world) {
+    if (static_cast<std::size_t>(index) >= file_.gltf.meshes.size())
+      return bad_gltf("mesh " + std::to_string(index) + " does not exist");
+    for (const tinygltf::Primitive& primitive :
+         file_.gltf.meshes[static_cast<std::size_t>(index)].primitives) {
+      const tinygltf::Material material = material_of(primitive.material);
+      MIXRIG_ASSIGN(const int uv_set, uv_set_of(material));
+      MIXRIG_ASSIGN(Mesh mesh, read_mesh(file_.gltf, primitive, world, uv_set));
+      if (mesh.indices.empty()) continue;
+      set_factors(material, mesh);
+      MIXRIG_TRY(set_maps(material, mesh));
+      vertices_ += mesh.positions_m.size();
+      if (vertices_ > kMaxVertices)
+        return bad_gltf("has more than 20 million vertices: simplify it");
+      model_.meshes.push_back(std::move(mesh));
+    }
+    return {};
+  }
+
+  /// TEXCOORD_n of a material's maps; -1 without any.
+  static Result<int> uv_set_of(const tinygltf::Material& material) {
+    int set = -1;
+    const auto add = [&](const auto& map) {
+      const bool other = map.index >= 0 && set >= 0 && map.texCoord != set;
+      if (map.index >= 0) set = map.texCoord;
+      return !other;
+    };
+    const auto& pbr = material.pbrMetallicRoughness;
+    if (add(pbr.baseColorTexture) && add(pbr.metallicRoughnessTexture) &&
+        add(material.normalTexture) && add(material.emissiveTexture))
+      return set;
+    return bad_gltf("the maps of material '" + material.name.substr(0, 100) +
+                    "' use different texture coordinates: export them with one UV map");
+  }
+
+  static void set_factors(const tinygltf::Material& material, Mesh& mesh) {
+    const auto& pbr = material.pbrMetallicRoughness;
+    mesh.base_color = color_of(pbr.baseColorFactor, mesh.base_color);
+    mesh.emission = color_of(material.emissiveFactor, mesh.emission);
+    const double strength =
+        factor_of(material, "KHR_materials_emissive_strength", "emissiveStrength");
+    mesh.emission = (static_cast<float>(strength) * mesh.emission).cwiseMin(1.0F);
+    mesh.metallic = share_of(pbr.metallicFactor), mesh.roughness = share_of(pbr.roughnessFactor);
+    mesh.specular = share_of(factor_of(material, "KHR_materials_specular", "specularFactor"));
+    mesh.normal_scale =
+        static_cast<float>(std::clamp(material.normalTexture.scale, -kMostBend, kMostBend));
+    mesh.double_sided = material.doubleSided;
+  }
+  static float share_of(double factor) { return static_cast<float>(std::clamp(factor, 0.0, 1.0)); }
+  static Eigen::Vector3f color_of(const std::vector<double>& factor,
+                                  const Eigen::Vector3f& fallback) {
+    if (factor.size() < 3) return fallback;
+    return {share_of(factor[0]), share_of(factor[1]), share_of(factor[2])};
+  }
+  /// A number of an extension of a material; 1 where it is not there.
+  static double factor_of(const tinygltf::Material& material, const char* extension,
+                          const char* key) {
+    const auto found = material.extensions.find(extension);
+    if (found == material.extensions.end() || !found->second.Has(key)) return 1;
+    const tinygltf::Value& value = found->second.Get(key);
+    return value.IsNumber() ? std::clamp(value.GetNumberAsDouble(), 0.0, kMostStrength) : 1;
+  }
+
+  Result<void> set_maps(const tinygltf::Material& material, Mesh& mesh) {
+    const auto& pbr = material.pbrMetallicRoughness;
+    const auto set = [&](int index, int& map) -> Result<void> {
+      if (index < 0) return {};
+      MIXRIG_ASSIGN(map, texture(index));
+      return {};
+    };
+    MIXRIG_TRY(set(pbr.baseColorTexture.index, mesh.texture));
+    MIXRIG_TRY(set(pbr.metallicRoughnessTexture.index, mesh.gloss_map));
+    MIXRIG_TRY(set(material.normalTexture.index, mesh.normal_map));
+    return set(material.emissiveTexture.index, mesh.emission_map);
+  }
+
+  /// The default material, which has no texture, for -1 and for an index out of range.
+  tinygltf::Material material_of(int index) const {
+    const auto& materials = file_.gltf.materials;
+    return index >= 0 && static_cast<std::size_t>(index) < materials.size()
+               ? materials[static_cast<std::size_t>(index)]
+               : tinygltf::Material();
+  }
+
+  /// Index in Model::textures of a glTF texture; each picture is decoded once.
+  Result<int> texture(int index) {
+    const auto& textures = file_.gltf.textures;
+    const int source = static_cast<std::size_t>(index) < textures.size()
+                           ? textures[static_cast<std::size_t>(index)].source
+                           : -1;
+    if (source < 0 || static_cast<std::size_t>(source) >= file_.gltf.images.size())
+      return bad_gltf("texture " + std::to_string(index) + " has no picture");
+    if (const auto known = texture_of_image_.find(source); known != texture_of_image_.end())
+      return known->second;
+    const tinygltf::Image& image = file_.gltf.images[static_cast<std::size_t>(source)];
+    std::span<const std::uint8_t> bytes = file_.pictures[static_cast<std::size_t>(source)];
+    if (image.bufferView >= 0) {
+      MIXRIG_ASSIGN(bytes, view_bytes(file_.gltf, image.bufferView));
+    }
+    const std::string name =
+        image.uri.empty() ? "picture " + std::to_string(source) : image.uri.substr(0, 200);
+    if (bytes.empty())
+      return bad_gltf("its picture '" + name + "' is missing: put it beside the model");
+    Image<Rgb8> pixels;
+    MIXRIG_TRY(image_io::decode_rgb8(bytes.data(), bytes.size(), name, pixels));
+    model_.textures.push_back(std::move(pixels));
+    return texture_of_image_[source] = static_cast<int>(model_.textures.size()) - 1;
+  }
+
+  const GltfFile& file_;
+  std::vector<bool> visited_;
+  std::map<int, int> texture_of_image_;
+  std::size_t vertices_ = 0;
+  Model model_;
+};
+
+}  // namespace
+
+Result<Model> parse_model(std::span<const std::uint8_t> bytes, const fs::path& folder) {
+  MIXRIG_ASSIGN(const GltfFile file, parse_gltf(bytes, folder));
+  return ModelBuilder(file).build();
+}
+
+Result<Model> load_gltf(const fs::path& path) {
+  MIXRIG_ASSIGN(const std::string text, config::read_text(path, kMaxModelBytes));
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  auto model = parse_model(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."));
+  if (model) return model;
+  return Error{ErrorCode::kFormat,
+               "cannot read model '" + path.string() + "': " + model.error().context};
+}
+
+Bounds bounds(const Model& model) {
+  Bounds box{model.meshes.front().positions_m.front(), model.meshes.front().positions_m.front()};
+  for (const Mesh& mesh : model.meshes)
+    for (const Eigen::Vector3f& p : mesh.positions_m) {
+      box.min_m = box.min_m.cwiseMin(p);
+      box.max_m = box.max_m.cwiseMax(p);
+    }
+  return box;
+}
+
+}  // namespace mixrig::scene

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// glTF bytes to a Model. Private to this module.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "host/scene/scene.h"
+
+namespace mixrig::scene {
+
+/// As load_gltf, from bytes; the files that they name are read only from inside `folder`.
+/// Errors: kFormat, without the model's name.
+Result<Model> parse_model(std::span<const std::uint8_t> bytes, const std::filesystem::path& folder);
+
+}  // namespace mixrig::scene

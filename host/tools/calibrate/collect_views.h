@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What mixrig calibrate views does with a source of captures, and with a pan-tilt unit.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/clock.h"
+#include "host/calibrate/views/view_collector.h"
+#include "host/capture/capture/capture_source.h"
+
+namespace mixrig::tools {
+
+struct CollectArguments {
+  std::filesystem::path out;
+  calibration::CollectSettings settings;
+  int turn_views = 20;
+  Size turn_deg;  ///< pan x tilt from side to side; empty: as far as the board stays in the picture
+};
+
+/// Takes views until they cover all that is wanted, the source ends or `stop` is set, and writes
+/// them. Errors: kData where there is no view; those of the source, after what was taken was
+/// written.
+Result<nlohmann::json> collect_views(capture::CaptureSource& source,
+                                     const CollectArguments& arguments,
+                                     const std::atomic<bool>& stop);
+
+/// Turns the pan-tilt unit of a rig before a board that stands still, from where it stands, and
+/// back. Errors: kUsage for a rig without a unit; kData where the board is not seen; those of the
+/// devices and of the sweep, after what was taken was written.
+Result<nlohmann::json> turn_views(const std::filesystem::path& rig,
+                                  const CollectArguments& arguments, const std::atomic<bool>& stop,
+                                  Clock& clock);
+
+/// Shows how far it is: a line that is rewritten where stderr is a terminal (with its bell when a
+/// view is kept), else a line a kept view.
+class CollectStatus {
+ public:
+  CollectStatus();
+  ~CollectStatus();
+  void show(calibration::CollectState state, const calibration::ViewCollector& collector);
+
+ private:
+  bool terminal_;
+  bool moved_ = true;  ///< since the last bell
+};
+
+/// Writes coverage.png and the views. `error`: what ended it early, or null; it is returned, with
+/// the number of views that are there, once they are written. `ended` says in a word how it ended.
+/// Errors: kData where there is no view; kIo.
+Result<nlohmann::json> finish_views(calibration::ViewCollector& collector,
+                                    const CollectArguments& arguments, const char* ended,
+                                    const Error* error);
+
+}  // namespace mixrig::tools

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of mixrig calibrate intrinsics about a camera.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/calibrate/intrinsics/uncertainty.h"
+#include "host/tools/calibrate/board_views.h"
+
+namespace mixrig::tools {
+
+/// Why not to use this calibration; empty for go.
+std::vector<std::string> objections(const calibration::Intrinsics& in,
+                                    const calibration::UncertaintyMap& map);
+
+nlohmann::json report_of(const std::string& camera, const BoardViews& all,
+                         const calibration::Intrinsics& in, const calibration::UncertaintyMap& map,
+                         const calibration::Advice& advice, const std::vector<std::string>& why);
+
+/// The same as text, to stdout.
+void print(const std::string& camera, const BoardViews& all, const calibration::Intrinsics& in,
+           const calibration::UncertaintyMap& map, const calibration::Advice& advice,
+           const std::vector<std::string>& why);
+
+}  // namespace mixrig::tools

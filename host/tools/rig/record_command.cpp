@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig record: records live devices into a take.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/linux/service_notify.h"
+#include "host/capture/live/rig/rig_config.h"
+#include "host/capture/live/session/record.h"
+#include "host/capture/open/open_source.h"
+#include "host/output/report/rig_json.h"
+#include "host/tools/command.h"
+#include "host/tools/stop_on_signal.h"
+
+namespace mixrig::tools {
+namespace {
+
+constexpr Duration kNotifyEvery = std::chrono::seconds(1);
+
+struct RecordArguments {
+  std::string rig = "rig.toml", out, format = "mkv";
+  double duration_s = 10, keep_free_mb = 512;
+  bool force = false;
+};
+
+/// What was recorded cannot be made again.
+Result<void> check_out(const RecordArguments& arguments) {
+  std::error_code code;
+  const std::filesystem::path take = std::filesystem::path(arguments.out) / "take.toml";
+  if (arguments.force || !std::filesystem::exists(take, code)) return {};
+  return Error{ErrorCode::kUsage, "'" + arguments.out +
+                                      "' holds a take: give another folder, or --force to "
+                                      "replace it"};
+}
+
+Result<nlohmann::json> record(const RecordArguments& arguments) {
+  MIXRIG_TRY(check_out(arguments));
+  MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
+  SystemClock clock;
+  MIXRIG_ASSIGN(
+      live::Devices devices,
+      live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
+  live::RecordOptions options;
+  options.out = arguments.out;
+  options.duration = Duration(static_cast<long>(arguments.duration_s * 1e9));
+  options.least_free_bytes = static_cast<std::uint64_t>(arguments.keep_free_mb * 1048576.0);
+  options.format =
+      arguments.format == "png" ? take::StreamFormat::kPng : take::StreamFormat::kMatroska;
+  Progress progress("recording", 1000);
+  HostTime notified{};
+  options.progress = [&](double share) {
+    progress.step(static_cast<int>(share * 1000));
+    if (clock.now() - notified < kNotifyEvery) return;
+    notified = clock.now();
+    device::notify_service("READY=1\nWATCHDOG=1");  // only while frames come
+  };
+  live::LiveSession session(config, devices, clock);
+  const StopOnSignal signals;
+  MIXRIG_ASSIGN(const live::RecordReport report,
+                live::record(session, config, devices, options, StopOnSignal::flag(), clock));
+  std::printf("%s: %d frames, %llu left out, ended: %s\n", arguments.out.c_str(), report.frames,
+              static_cast<unsigned long long>(report.left_out), report.ended.c_str());
+  nlohmann::json json = report::to_json(report.session);
+  json["frames"] = report.frames;
+  json["left_out"] = report.left_out;
+  json["ended"] = report.ended;
+  return json;
+}
+
+}  // namespace
+
+void add_record_command(Command app, Context& context) {
+  auto arguments = std::make_shared<RecordArguments>();
+  Command command = app.add_subcommand("record", "record a take from the devices of a rig");
+  command.add_option("OUT", arguments->out, "folder of the take").required();
+  command.add_option("--rig", arguments->rig, "rig.toml").show_default();
+  command.add_option("--duration", arguments->duration_s, "seconds; Ctrl-C ends it earlier")
+      .show_default()
+      .range(0.1, 86400.0);
+  command
+      .add_option("--keep-free", arguments->keep_free_mb,
+                  "megabytes of disk to keep free; the take ends, complete, before that")
+      .show_default()
+      .range(0.0, 1e9);
+  command.add_option("--format", arguments->format, "of the streams")
+      .show_default()
+      .one_of({"mkv", "png"});
+  command.add_flag("--force", arguments->force, "replace a take that OUT holds");
+  command.callback(
+      [&context, arguments] { context.action = [arguments] { return record(*arguments); }; });
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// mixrig rig init: a rig.toml of what is plugged in.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/base/partial_path.h"
+#include "host/capture/live/rig/discover.h"
+#include "host/tools/command.h"
+
+namespace mixrig::tools {
+namespace {
+
+struct RigFileArguments {
+  std::string out = "rig.toml";
+  bool force = false, no_network = false;
+};
+
+Result<nlohmann::json> init(const RigFileArguments& arguments) {
+  if (std::filesystem::exists(arguments.out) && !arguments.force)
+    return Error{ErrorCode::kUsage,
+                 "'" + arguments.out + "' exists: name another file, or use --force"};
+  SystemClock clock;
+  const live::RigConfig config = live::discover({.network = !arguments.no_network}, clock);
+  MIXRIG_TRY(write_file(arguments.out, live::rig_text(config)));
+  const int depth = (config.depth ? 1 : 0) + (config.depth2 ? 1 : 0);
+  std::printf("%s: %zu cameras, %d depth cameras, %s trigger, %s pan-tilt unit\n",
+              arguments.out.c_str(), config.cameras.size(), depth,
+              config.trigger_uri.empty() ? "no" : "a", config.pan_tilt_uri.empty() ? "no" : "a");
+  return nlohmann::json{{"cameras", config.cameras.size()},
+                        {"depth", config.depth.has_value()},
+                        {"depth_cameras", depth},
+                        {"trigger", config.trigger_uri},
+                        {"pan_tilt", config.pan_tilt_uri}};
+}
+
+}  // namespace
+
+void add_rig_command(Command app, Context& context) {
+  auto arguments = std::make_shared<RigFileArguments>();
+  Command rig = app.add_subcommand("rig", "describe the devices of a rig");
+  rig.require_subcommand();
+  Command command = rig.add_subcommand("init", "write a rig.toml of what is plugged in");
+  command.add_option("OUT", arguments->out, "file to write").show_default();
+  command.add_flag("--force", arguments->force, "replace the file");
+  command.add_flag("--no-network", arguments->no_network, "do not look for cameras on the network");
+  command.callback(
+      [&context, arguments] { context.action = [arguments] { return init(*arguments); }; });
+}
+
+}  // namespace mixrig::tools

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// A picture as another place of the camera would see it.
+#pragma once
+
+#include "studio/sensors/lens.h"
+
+namespace mixrig::studio {
+
+/// Where the point that `then` sees at a pixel, `z_m` before it, lies in the picture of `mid`.
+Eigen::Vector2f seen_from(const RayGrid& rays, const Optics& optics,
+                          const geometry::Pose& mid_from_then, const Eigen::Vector2f& px,
+                          float z_m);
+/// Bilinear; beyond the border the picture goes on as its last pixel.
+Rgbf sample(const Image<Rgbf>& picture, const Eigen::Vector2f& px);
+
+}  // namespace mixrig::studio

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a virtual studio can be asked for.
+#pragma once
+
+#include "studio/studio.h"
+
+namespace mixrig::studio {
+
+/// Errors: kUsage for a value out of its range, and for two that exclude each other.
+Result<void> check_studio_options(const StudioOptions& options);
+
+}  // namespace mixrig::studio
