@@ -42,7 +42,7 @@ def comes_true(what, condition):
             why = None
         except NOT_YET as error:
             why = error
-        time.sleep(0.02)
+        time.sleep(0.1)
     raise AssertionError(f"never: {what}") from why
 
 

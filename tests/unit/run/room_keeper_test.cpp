@@ -98,6 +98,9 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
   std::vector<double> pct_;
 };
 
+/// What does not depend on who composites.
+class RoomKeeperOnCpu : public RoomKeeperTest {};
+
 TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {
   options_.changes.accept_all = true;
   options_.save_room = root_ / "after";
@@ -121,7 +124,7 @@ TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {
   EXPECT_GT(saved->color.at(32, 24).r, 3 * saved->color.at(32, 24).g);
 }
 
-TEST_P(RoomKeeperTest, WithoutAnOrderItIsOnlyTold) {
+TEST_P(RoomKeeperOnCpu, WithoutAnOrderItIsOnlyTold) {
   options_.save_room = root_ / "after";
   const RunReport report = run_it();
   ASSERT_TRUE(report.room_changes);
@@ -135,7 +138,7 @@ TEST_P(RoomKeeperTest, WithoutAnOrderItIsOnlyTold) {
   EXPECT_NE(to_table(report).find("appeared at"), std::string::npos);
 }
 
-TEST_P(RoomKeeperTest, AnOrderWhileItRunsIsFollowed) {
+TEST_P(RoomKeeperOnCpu, AnOrderWhileItRunsIsFollowed) {
   const RunReport report = run_it(false, 100);
   ASSERT_TRUE(report.room_changes);
   EXPECT_EQ(report.room_changes->accepted, 1);
@@ -143,7 +146,7 @@ TEST_P(RoomKeeperTest, AnOrderWhileItRunsIsFollowed) {
   EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
 }
 
-TEST_P(RoomKeeperTest, AnOrderBeforeAnythingIsFoundIsNone) {
+TEST_P(RoomKeeperOnCpu, AnOrderBeforeAnythingIsFoundIsNone) {
   const RunReport report = run_it(false, 10);
   EXPECT_EQ(report.room_changes->accepted, 0);
 }
@@ -178,7 +181,7 @@ class EndsScan final : public output::CompositeSink {
   std::atomic<int>& left_;
 };
 
-TEST_P(RoomKeeperTest, AScanThatIsEndedChangesNothing) {
+TEST_P(RoomKeeperOnCpu, AScanThatIsEndedChangesNothing) {
   std::atomic<int> left = output::RunControls::kScanLooks;
   options_.changes.scan_left = &left;
   options_.sinks.push_back(std::make_unique<EndsScan>(left));
@@ -187,13 +190,14 @@ TEST_P(RoomKeeperTest, AScanThatIsEndedChangesNothing) {
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 
-TEST_P(RoomKeeperTest, WhatSwaysIsNotAccepted) {
+TEST_P(RoomKeeperOnCpu, WhatSwaysIsNotAccepted) {
   options_.changes.accept_all = true;
   const RunReport report = run_it(true);
   EXPECT_TRUE(report.room_changes->changes.empty()) << to_json(report).at("room_changes").dump();
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 
+INSTANTIATE_TEST_SUITE_P(Cpu, RoomKeeperOnCpu, ::testing::Values(render::Backend::kCpu));
 INSTANTIATE_TEST_SUITE_P(BackEnds, RoomKeeperTest,
                          ::testing::Values(render::Backend::kCpu, render::Backend::kGles),
                          [](const auto& backend) {

@@ -121,6 +121,9 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
   RunReport report_;
 };
 
+/// What does not depend on who composites.
+class SceneFollowerOnCpu : public SceneFollowerTest {};
+
 TEST_P(SceneFollowerTest, WhatIsSavedIsComposited) {
   const std::string from = kHead + kThing;
   expect_followed(from, kHead + object("thing", "position_m = [0.3, 0, 2.5]"));
@@ -133,7 +136,7 @@ TEST_P(SceneFollowerTest, WhatIsSavedIsComposited) {
   expect_followed(from, kHead + "[[light.lamp]]\nposition_m = [0, 0.5, 0.5]\n" + kThing);
 }
 
-TEST_P(SceneFollowerTest, AFileThatCannotBeReadIsLeftAlone) {
+TEST_P(SceneFollowerOnCpu, AFileThatCannotBeReadIsLeftAlone) {
   save(kHead + kThing);
   const auto before = run_it();
   const auto kept = run_it([&] { save(kHead + "[[object]]\nname = 7\n"); });
@@ -157,7 +160,7 @@ TEST_P(SceneFollowerTest, ASceneThatCannotBeDrawnIsLeftAlone) {
   EXPECT_EQ(report_.scene_edits->refused, is_drawn ? 0U : 1U);
 }
 
-TEST_P(SceneFollowerTest, WhatARunTakesOnceStays) {
+TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
   save(kHead + kThing);
   const auto before = run_it();
   std::string other = kHead + kThing;
@@ -197,6 +200,7 @@ TEST_P(SceneFollowerTest, ALampIsDimmedAtOnce) {
   EXPECT_TRUE(kept.at(kLastFrame) == after.at(kLastFrame));
 }
 
+INSTANTIATE_TEST_SUITE_P(Cpu, SceneFollowerOnCpu, ::testing::Values(render::Backend::kCpu));
 INSTANTIATE_TEST_SUITE_P(Backends, SceneFollowerTest,
                          ::testing::Values(render::Backend::kCpu, render::Backend::kGles),
                          [](const auto& param) {
