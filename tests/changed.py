@@ -67,7 +67,7 @@ def main():
     try:
         files = changed_files(revision)
     except subprocess.CalledProcessError as error:
-        sys.exit(f"changed: git does not know '{revision}': give a commit or a branch ({error.stderr.strip()})")
+        sys.exit(f"changed: git does not know '{revision}': give a commit or a branch ({error.stderr.splitlines()[0]})")
     tests = concerned(build, files)
     print(ALL if tests is None else "^(" + "|".join(sorted(tests)) + r")\.")
 
