@@ -15,6 +15,7 @@ constexpr double kJump_s = 0.5;         // longer than any delay of a live strea
 constexpr int kOutliersToRestart = 3;
 constexpr double kLargestDrift = 5e-3;  // 5000 ppm: stamps that drift more are unusable
 constexpr int kRounds = 4;
+constexpr int kFewest = 10;  // points of a line
 
 }  // namespace
 
@@ -66,13 +67,14 @@ void DeviceClock::keep(Point point) {
     // Delays within a span differ by jitter, not by drift: the least one has the least jitter.
     if (point.delay_s >= last.delay_s) return;
     last = point;
-    if (count_ == 1) fit();
+    if (count_ < kFewest) offset_s_ = std::min(offset_s_, point.delay_s);
     return;
   }
-  fit();
+  if (count_ >= kFewest) fit();
   if (count_ == kPoints) thin_out();
   points_[static_cast<std::size_t>(count_++)] = point;
   span_end_s_ = point.stamp_s + span_s_;
+  if (count_ < kFewest) offset_s_ = std::min(offset_s_, point.delay_s);
 }
 
 /// Frees space: merges neighbouring spans until they reach kLongestSpan_s, then drops the oldest.
@@ -95,8 +97,7 @@ void DeviceClock::fit() {
   const auto n = static_cast<std::size_t>(count_);
   std::array<double, kPoints> scratch;
   for (std::size_t i = 0; i < n; ++i) scratch[i] = points_[i].delay_s;
-  double offset = upper_median_in_place(std::span(scratch.data(), n)), slope = n < 5 ? 0 : slope_,
-         scale = 0;
+  double offset = upper_median_in_place(std::span(scratch.data(), n)), slope = slope_, scale = 0;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < n; ++i)
       scratch[i] = std::abs(points_[i].delay_s - offset - slope * points_[i].stamp_s);
@@ -113,7 +114,7 @@ void DeviceClock::fit() {
     }
     const double spread = xx * w - x * x;
     if (w <= 0) break;
-    if (n >= 5 && spread > 1e-9)
+    if (spread > 1e-9)
       slope = std::clamp((xy * w - x * y) / spread, -kLargestDrift, kLargestDrift);
     offset = (y - slope * x) / w;
   }
