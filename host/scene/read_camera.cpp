@@ -135,12 +135,6 @@ void read_own_keys(const Table& table, const std::filesystem::path& folder, Pose
 
 }  // namespace
 
-const char* name(PoseSource source) {
-  for (const Scheme& scheme : kSchemes)
-    if (scheme.source == source) return scheme.name;
-  return kPoses[static_cast<std::size_t>(source)];
-}
-
 void read_camera(const Table& table, const std::filesystem::path& folder, Scene& scene) {
   CameraPoses& camera = scene.camera;
   scene.pose_source = read_source(table, camera);

@@ -8,6 +8,7 @@
 #include "host/run/explain/explain.h"
 #include "host/tools/command.h"
 #include "host/tools/options.h"
+#include "host/tools/run_extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -15,9 +16,10 @@ namespace {
 Result<nlohmann::json> explain(const SessionArguments& arguments, int frames) {
   MIXRIG_ASSIGN(const session::SessionOptions options, session_options(arguments));
   MIXRIG_ASSIGN(const auto session, session::open_session(options));
+  MIXRIG_TRY(check_extras(session->scene));
   const SystemClock clock;
   MIXRIG_ASSIGN(const session::Explanation explanation,
-                session::explain(*session, frames, clock, progress_bar()));
+                session::explain(*session, frames, run_extras(), clock, progress_bar()));
   std::fputs(session::to_text(explanation).c_str(), stdout);
   return session::to_json(explanation);
 }

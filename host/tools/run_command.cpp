@@ -12,6 +12,7 @@
 #include "host/tools/command.h"
 #include "host/tools/count_signals.h"
 #include "host/tools/options.h"
+#include "host/tools/run_extras.h"
 #include "host/tools/run_page.h"
 #include "host/tools/service_sink.h"
 #include "host/tools/stop_on_signal.h"
@@ -63,7 +64,7 @@ Result<void> open_view(const RunArguments& arguments, session::Session& session,
     session.backend.share = sink->share();
   else
     sink->forget_share();
-  if (!options.scene && session.source->info().frames == capture::kEndless)
+  if (!options.scene && session.source->info().is_live())
     options.scene = std::make_shared<session::SceneFollower>(session, true);
   if (options.scene)
     options.sinks.push_back(std::make_unique<session::PlaceSink>(session, options.scene, controls));
@@ -117,6 +118,8 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   session_arguments.clock = &clock;
   session_arguments.stop = options.stop = &StopOnSignal::flag();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
+  MIXRIG_TRY(check_extras(session->scene));
+  options.extras = run_extras();
   output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
   options.controls = &controls;
   options.changes.scan_left = &controls.scan_left;

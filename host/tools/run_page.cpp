@@ -32,7 +32,7 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   if (arguments.takes_osc) {
     MIXRIG_ASSIGN(osc, page::parse_osc_listen(arguments.osc_in));
   }
-  const bool live = session.source->info().frames == capture::kEndless;
+  const bool live = session.source->info().is_live();
   if (!live) session.source = session::played(std::move(session.source), clock);
   options.judge = false;
   options.scene = std::make_shared<session::SceneFollower>(session, true);

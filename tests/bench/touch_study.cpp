@@ -333,7 +333,7 @@ Result<void> study(int argc, char** argv) {
   std::vector<Found> found;
   std::vector<Seen> seen;
   session::RunOptions run_options;
-  run_options.judge = false, run_options.watch_room = false, run_options.follow_people = false;
+  run_options.judge = false, run_options.watch_room = false;
   run_options.sinks.push_back(
       std::make_unique<StudySink>(boxes, session->setup.noise, found, seen));
   MIXRIG_TRY(session::run(*session, std::move(run_options), clock, {}));

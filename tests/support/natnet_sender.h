@@ -14,7 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tests/unit/broadcast/natnet_packets.h"
+#include "tests/unit/mocap/natnet_packets.h"
 
 namespace mixrig::test {
 

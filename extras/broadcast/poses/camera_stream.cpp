@@ -135,8 +135,7 @@ class CameraStream final : public capture::PoseSource {
  public:
   CameraStream(std::string_view protocol, std::string describe, PoseTrackOptions options,
                Input input, const Clock& clock)
-      : name_(protocol),
-        describe_(std::move(describe)),
+      : PoseSource({std::string(protocol), std::move(describe)}),
         track_(options),
         input_(std::move(input)),
         clock_(clock),
@@ -148,9 +147,6 @@ class CameraStream final : public capture::PoseSource {
   CameraStream(const CameraStream&) = delete;
   CameraStream& operator=(const CameraStream&) = delete;
 
-  std::string_view name() const override { return name_; }
-  std::string describe() const override { return describe_; }
-  bool moves() const override { return true; }
   capture::CameraPose pose_of(const capture::Capture& capture) override {
     return track_.at(capture.mid_exposure);
   }
@@ -182,7 +178,6 @@ class CameraStream final : public capture::PoseSource {
     }
   }
 
-  const std::string name_, describe_;
   PoseTrack track_;
   Input input_;  ///< of the thread
   const Clock& clock_;

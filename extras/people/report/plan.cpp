@@ -110,7 +110,7 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
   RunOptions run_options;
   run_options.frames = options.frames, run_options.stop = options.stop;
   run_options.judge = false, run_options.true_people = true;
-  run_options.watch_room = run_options.follow_people = false;
+  run_options.watch_room = false;
   run_options.sinks.push_back(std::move(sink));
   MIXRIG_TRY(run(session, std::move(run_options), clock, progress));
   if (!plan.people.first_pose)

@@ -37,6 +37,13 @@ ObjectMotion::ObjectMotion(const Session& session) : session_(session) {
 
 std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
                                                       const geometry::Pose& world_from_camera) {
+  const HostTime begin = clock_.now();
+  step(time_s, world_from_camera);
+  advance_ms_.add(milliseconds(clock_.now() - begin));
+  return poses_;
+}
+
+void ObjectMotion::step(double time_s, const geometry::Pose& world_from_camera) {
   if (!std::exchange(has_room_, true)) {
     const std::vector<plan::RoomPoint> points = room_points(session_, world_from_camera);
     const plan::FloorMap map = plan::map_floor(points);
@@ -54,7 +61,6 @@ std::span<const geometry::Pose> ObjectMotion::advance(double time_s,
     if (number_[i] >= 0)
       poses_[i] = physics_.world_from_object()[static_cast<std::size_t>(number_[i])];
   keep_hits();
-  return poses_;
 }
 
 void ObjectMotion::place(std::size_t object, const geometry::Pose& world_from_object) {

@@ -9,21 +9,23 @@
 #include <vector>
 
 #include "extras/people/touch/physics.h"
-#include "host/run/session/session.h"
+#include "hal/base/clock.h"
+#include "hal/base/quantile_sketch.h"
+#include "host/run/controls/run_extra.h"
 
 namespace mixrig::session {
 
-class ObjectMotion {
+class ObjectMotion final : public ObjectMover {
  public:
   /// Null where no object of the scene has physics. `session` outlives it.
   static std::unique_ptr<ObjectMotion> create(const Session& session);
 
-  /// For the compositing thread: where the objects are at a time. The first call takes what stands
-  /// in the room, seen from `world_from_camera`. Never waits for more than a copy.
-  std::span<const geometry::Pose> advance(double time_s, const geometry::Pose& world_from_camera);
-  /// For the same thread, before advance(): puts an object elsewhere; one that moves goes on from
-  /// there, at rest.
-  void place(std::size_t object, const geometry::Pose& world_from_object);
+  /// The first call takes what stands in the room.
+  std::span<const geometry::Pose> advance(double time_s,
+                                          const geometry::Pose& world_from_camera) override;
+  void place(std::size_t object, const geometry::Pose& world_from_object) override;
+  /// Of advance(), a frame. For the compositing thread, or after the run.
+  const measure::QuantileSketch& advance_ms() const { return advance_ms_; }
   bool moves(std::size_t object) const { return moves_[object]; }
   /// For the thread that follows people: hits until that time that were not taken yet.
   void take_hits(double time_s, std::vector<touch::Event>& out);
@@ -37,7 +39,11 @@ class ObjectMotion {
 
   void keep_hits();
 
+  void step(double time_s, const geometry::Pose& world_from_camera);
+
   const Session& session_;
+  SystemClock clock_;
+  measure::QuantileSketch advance_ms_;
   touch::Physics physics_;
   std::vector<int> number_;  ///< of the objects in physics_; -1: it has no shape
   std::vector<int> object_;  ///< the number in the scene of each in physics_

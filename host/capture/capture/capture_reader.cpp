@@ -9,10 +9,7 @@ namespace mixrig::capture {
 
 CaptureReader::CaptureReader(CaptureSource& source, int first, int last, bool with_truth,
                              WorkGate* gate)
-    : source_(source),
-      gate_(gate),
-      with_truth_(with_truth),
-      live_(source.info().frames == kEndless) {
+    : source_(source), gate_(gate), with_truth_(with_truth), live_(source.info().is_live()) {
   thread_ = std::thread([this, first, last] { run(first, last); });
 }
 

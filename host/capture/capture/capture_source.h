@@ -23,13 +23,14 @@ inline constexpr int kEndless = std::numeric_limits<int>::max();
 
 struct SourceInfo : RigCameras {
   std::string name;
-  double rate_hz = 0;                 ///< of the plate; 0 where unknown
-  double exposure_s = 0;              ///< of the plate; 0 where unknown
-  double depth_unit_m = 0.001;        ///< one step of 16-bit depth
-  double depth_offset_m = 0;          ///< depth of step 0 of 16-bit depth; captures contain it
-  bool amplitude_is_light = false;    ///< amplitudes fall with the square of the distance: they are
-                                      ///< those of the light that comes back, not a confidence
-  int frames = 0;                     ///< kEndless for live devices
+  double rate_hz = 0;               ///< of the plate; 0 where unknown
+  double exposure_s = 0;            ///< of the plate; 0 where unknown
+  double depth_unit_m = 0.001;      ///< one step of 16-bit depth
+  double depth_offset_m = 0;        ///< depth of step 0 of 16-bit depth; captures contain it
+  bool amplitude_is_light = false;  ///< amplitudes fall with the square of the distance: they are
+                                    ///< those of the light that comes back, not a confidence
+  int frames = 0;                   ///< kEndless for live devices
+  bool is_live() const { return frames == kEndless; }
   Size fisheye_px;                    ///< of its fisheye's pictures; empty where unknown or none
   double fisheye_rate_hz = 0;         ///< of them; 0 where unknown or none
   geometry::Vignetting vignetting;    ///< of the plate; only a calibration file has it

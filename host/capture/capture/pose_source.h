@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -73,21 +74,24 @@ struct PoseStream {
 /// Whether a camera at two poses sees two views: they are more than 10 mm or 0.004 rad apart.
 bool moved(const geometry::Pose& a, const geometry::Pose& b);
 
+/// What does not change of a pose source.
+struct PoseSourceInfo {
+  std::string name;         ///< as in scene.toml: "recorded"
+  std::string description;  ///< what it uses and needs, one line for people
+  bool moves = true;        ///< false: every capture has the same pose
+  /// How long pose_of() must wait after a capture for those that tell its pose: 0 where its own
+  /// and those before do.
+  double latency_s = 0;
+};
+
 /// Calls come from one thread at a time, in the order of the captures.
 class PoseSource {
  public:
+  explicit PoseSource(PoseSourceInfo info) : info_(std::move(info)) {}
   virtual ~PoseSource() = default;
-  /// As in scene.toml: "recorded".
-  virtual std::string_view name() const = 0;
-  /// What it uses and needs, one line for people.
-  virtual std::string describe() const = 0;
-  /// False where every capture has the same pose.
-  virtual bool moves() const = 0;
-  /// How long pose_of() must wait after a capture for those that tell its pose: 0 where its own
-  /// and those before do.
-  virtual double latency_s() const { return 0; }
-  /// A capture whose pose will be asked for, after those that come within latency_s() of it; in
-  /// their order. Not needed where there is no latency.
+  const PoseSourceInfo& info() const { return info_; }
+  /// A capture whose pose will be asked for, after those that come within info().latency_s of it;
+  /// in their order. Not needed where there is no latency.
   virtual void see(const Capture&) {}
   /// Pose at the capture's mid-exposure. Does not allocate, block or fail: CameraPose::loss.
   virtual CameraPose pose_of(const Capture& capture) = 0;
@@ -95,6 +99,9 @@ class PoseSource {
   virtual PoseFaults faults() const { return {}; }
   /// What is known of the network stream that the poses come from, if they do.
   virtual std::optional<PoseStream> stream() const { return std::nullopt; }
+
+ private:
+  const PoseSourceInfo info_;
 };
 
 }  // namespace mixrig::capture

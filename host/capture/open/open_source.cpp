@@ -10,19 +10,9 @@
 #include "host/capture/live/session/live_source.h"
 #include "host/capture/open/studio.h"
 #include "host/capture/take/take_source.h"
+#include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
-namespace {
-
-/// The pose is made from the head's angles.
-bool needs_head(const scene::Scene& scene) {
-  return scene.pose_source == scene::PoseSource::kPanTilt ||
-         (scene.pose_source == scene::PoseSource::kTracker &&
-          scene.camera.predict != scene::Predict::kVelocity);
-}
-
-}  // namespace
-
 Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri) {
   const std::size_t colon = uri.find(':');
   const std::string kind = uri.substr(0, colon);
@@ -58,12 +48,7 @@ void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye) {
 }
 
 live::RigConfig used_by(const scene::Scene& scene, live::RigConfig rig) {
-  // A pose that does not follow the head watches it: a head that turns then ends the run.
-  const bool head = scene.pose_source != scene::PoseSource::kRecorded &&
-                    scene.pose_source != scene::PoseSource::kMocap &&
-                    scene.pose_source != scene::PoseSource::kFreeD &&
-                    scene.pose_source != scene::PoseSource::kOpenTrack &&
-                    (scene.pose_source != scene::PoseSource::kTracker || needs_head(scene));
+  const bool head = scene::head_use(scene) != scene::HeadUse::kNone;
   leave_out_cameras(rig, scene.pose_source == scene::PoseSource::kTracker);
   if (!head && !rig.pan_tilt_uri.empty()) log_info("session", "the head is not used by the scene");
   if (!head) rig.pan_tilt_uri.clear();
@@ -88,7 +73,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (lends && !rig.cameras.empty()) rig.cameras.front().request.lends = true;
-  if (needs_head(scene) && rig.pan_tilt_uri.empty())
+  if (scene::head_use(scene) == scene::HeadUse::kFollowed && rig.pan_tilt_uri.empty())
     return Error{ErrorCode::kFormat,
                  scene.path.string() + ": camera.pose: \"" + scene::name(scene.pose_source) +
                      "\", but " + rig_toml.string() + " has no head: add [pan_tilt] with its uri"};

@@ -168,6 +168,7 @@ Result<SoakReport> soak(const SoakOptions& options, const std::atomic<bool>& sto
   RunOptions run_options;
   run_options.stop = &stop;
   run_options.judge = false;
+  run_options.extras = options.extras;
   run_options.sinks.push_back(std::make_unique<LentSink>(sink));
   SoakReport report;
   report.speed = options.speed;

@@ -27,6 +27,7 @@ struct SoakOptions {
   double speed = 1;                ///< the clock of devices and pairing runs so many times as fast
   std::optional<Size> view_size{};
   BackendChoice backend{};
+  RunExtras extras{};  ///< that run beside
 };
 
 /// A clock that runs `speed` times as fast as the host's, from its making on. Thread-safe.

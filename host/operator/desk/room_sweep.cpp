@@ -9,6 +9,7 @@
 #include "hal/base/thread_priority.h"
 #include "host/room/sweep/live_scan.h"
 #include "host/room/sweep/room_scan.h"
+#include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
 namespace {
@@ -68,12 +69,11 @@ RoomSweep::~RoomSweep() {
 }
 
 std::string RoomSweep::why_not() const {
-  const auto head = session_.scene.pose_source;
   if (!session_.rig) return "a recording is played: a scan turns the head of a live rig";
   if (!session_.rig->runs())
     return "this run has no head: it takes [pan_tilt] in rig.toml and a camera.pose that follows "
            "it, such as \"pan_tilt\"";
-  if (head != scene::PoseSource::kPanTilt && head != scene::PoseSource::kTracker)
+  if (scene::kind_of(session_.scene.pose_source).head != scene::HeadUse::kFollowed)
     return "camera.pose of the scene does not follow the head: use \"pan_tilt\", or end the run "
            "and use mixrig scan --rig";
   if (session_.calibration.file.empty())

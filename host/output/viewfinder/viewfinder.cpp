@@ -26,7 +26,7 @@ class Viewfinder::Loop {
   Loop(Viewfinder& owner, Window& window)
       : owner_(owner),
         window_(window),
-        live_(owner.source_.info().frames == capture::kEndless),
+        live_(owner.source_.info().is_live()),
         began_(owner.clock_.now()) {
     state_.view = owner.options_.view;
     state_.overlays[static_cast<std::size_t>(Overlay::kHelp)] = owner.options_.help;

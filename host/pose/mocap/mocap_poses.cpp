@@ -28,7 +28,7 @@ class MocapPoses final : public capture::PoseSource {
  public:
   MocapPoses(const std::string& server, MocapOptions options, stream::NatNetReceiver receiver,
              const Clock& clock)
-      : describe_(text_of(server, options)),
+      : PoseSource({"mocap", text_of(server, options)}),
         track_(std::move(options)),
         receiver_(std::move(receiver)),
         clock_(clock),
@@ -40,9 +40,6 @@ class MocapPoses final : public capture::PoseSource {
   MocapPoses(const MocapPoses&) = delete;
   MocapPoses& operator=(const MocapPoses&) = delete;
 
-  std::string_view name() const override { return "mocap"; }
-  std::string describe() const override { return describe_; }
-  bool moves() const override { return true; }
   capture::CameraPose pose_of(const capture::Capture& capture) override {
     return track_.at(capture.mid_exposure);
   }
@@ -61,7 +58,6 @@ class MocapPoses final : public capture::PoseSource {
     }
   }
 
-  const std::string describe_;
   MocapTrack track_;
   stream::NatNetReceiver receiver_;
   const Clock& clock_;

@@ -12,13 +12,12 @@ using capture::PoseLoss;
 
 class OwnPoses final : public capture::PoseSource {
  public:
-  OwnPoses(bool only_recorded, bool moves) : only_recorded_(only_recorded), moves_(moves) {}
-  std::string_view name() const override { return only_recorded_ ? "recorded" : "take"; }
-  std::string describe() const override {
-    return only_recorded_ ? "recorded: the poses of the source's own recording, one a frame"
-                          : "given by the source";
-  }
-  bool moves() const override { return moves_; }
+  OwnPoses(bool only_recorded, bool moves)
+      : PoseSource({only_recorded ? "recorded" : "take",
+                    only_recorded ? "recorded: the poses of the source's own recording, one a frame"
+                                  : "given by the source",
+                    moves}),
+        only_recorded_(only_recorded) {}
   CameraPose pose_of(const Capture& capture) override {
     if (only_recorded_ && capture.pose_origin != capture::PoseOrigin::kRecorded)
       return CameraPose::lost(PoseLoss::kAbsent);
@@ -28,23 +27,19 @@ class OwnPoses final : public capture::PoseSource {
   }
 
  private:
-  const bool only_recorded_, moves_;
+  const bool only_recorded_;
 };
 
 class FixedPose final : public capture::PoseSource {
  public:
   FixedPose(const geometry::Pose& world_from_target, std::string name, std::string describe)
-      : name_(std::move(name)), describe_(std::move(describe)) {
+      : PoseSource({std::move(name), std::move(describe), false}) {
     pose_.world_from_target = world_from_target;
   }
-  std::string_view name() const override { return name_; }
-  std::string describe() const override { return describe_; }
-  bool moves() const override { return false; }
   CameraPose pose_of(const Capture&) override { return pose_; }
 
  private:
   CameraPose pose_;
-  const std::string name_, describe_;
 };
 
 }  // namespace

@@ -93,15 +93,12 @@ PoseCovariance turned(const PoseCovariance& covariance, const Eigen::Quaterniond
 class PanTiltPoses final : public capture::PoseSource {
  public:
   PanTiltPoses(const PanTilt& unit, const Pose& world_from_base)
-      : unit_(unit), world_from_base_(world_from_base) {}
-  std::string_view name() const override { return "pan_tilt"; }
-  std::string describe() const override {
-    return fmt::format(
-        "pan_tilt: the calibrated chain at the head's angles at mid-exposure ({} views, "
-        "repeatability {:.4f} deg)",
-        unit_.views, unit_.repeatability_rad * 180 / std::numbers::pi);
-  }
-  bool moves() const override { return true; }
+      : PoseSource(
+            {"pan_tilt", fmt::format("pan_tilt: the calibrated chain at the head's angles at "
+                                     "mid-exposure ({} views, repeatability {:.4f} deg)",
+                                     unit.views, unit.repeatability_rad * 180 / std::numbers::pi)}),
+        unit_(unit),
+        world_from_base_(world_from_base) {}
   CameraPose pose_of(const capture::Capture& capture) override {
     if (!capture.pan_tilt) return CameraPose::lost(PoseLoss::kNoAngle);
     const PanTiltAngles& angles = *capture.pan_tilt;

@@ -65,11 +65,29 @@ std::optional<std::pair<double, double>> backward_step(const std::vector<TimedPo
   return std::nullopt;
 }
 
+std::pair<double, double> span_of(const std::vector<Trajectory>& parts, double time_offset_s) {
+  return {parts.front().start_s() + time_offset_s, parts.back().end_s() + time_offset_s};
+}
+
+std::string text_of(const std::vector<Trajectory>& parts, const RecordedOptions& options) {
+  std::size_t count = 0;
+  for (const Trajectory& part : parts) count += part.samples().size();
+  const double step_s = parts.front().median_step_s();
+  const auto [first_s, last_s] = span_of(parts, options.time_offset_s);
+  return fmt::format(
+      "recorded: {}, {} poses at {:.1f} Hz, from {:.3f} to {:.3f} s of the take; "
+      "interpolated at mid-exposure",
+      options.file, count, step_s > 0 ? 1 / step_s : 0.0, first_s, last_s);
+}
+
 }  // namespace
 
 RecordedPoses::RecordedPoses(std::vector<Trajectory> parts, capture::PoseFaults faults,
-                             RecordedOptions options)
-    : parts_(std::move(parts)), faults_(faults), options_(std::move(options)) {}
+                             const RecordedOptions& options)
+    : PoseSource({"recorded", text_of(parts, options)}),
+      parts_(std::move(parts)),
+      faults_(faults),
+      time_offset_s_(options.time_offset_s) {}
 
 Result<std::unique_ptr<RecordedPoses>> RecordedPoses::make(const std::vector<TimedPose>& samples,
                                                            RecordedOptions options) {
@@ -85,7 +103,7 @@ Result<std::unique_ptr<RecordedPoses>> RecordedPoses::make(const std::vector<Tim
                                        ": holds no pose: record the camera's trajectory "
                                        "again (lines t x y z qx qy qz qw)"};
   return std::unique_ptr<RecordedPoses>(
-      new RecordedPoses(std::move(parts), check.faults(), std::move(options)));
+      new RecordedPoses(std::move(parts), check.faults(), options));
 }
 
 Result<std::unique_ptr<RecordedPoses>> RecordedPoses::open(const std::filesystem::path& path,
@@ -94,24 +112,10 @@ Result<std::unique_ptr<RecordedPoses>> RecordedPoses::open(const std::filesystem
   return make(samples, std::move(options));
 }
 
-std::pair<double, double> RecordedPoses::span_s() const {
-  return {parts_.front().start_s() + options_.time_offset_s,
-          parts_.back().end_s() + options_.time_offset_s};
-}
-
-std::string RecordedPoses::describe() const {
-  std::size_t count = 0;
-  for (const Trajectory& part : parts_) count += part.samples().size();
-  const double step_s = parts_.front().median_step_s();
-  const auto [first_s, last_s] = span_s();
-  return fmt::format(
-      "recorded: {}, {} poses at {:.1f} Hz, from {:.3f} to {:.3f} s of the take; "
-      "interpolated at mid-exposure",
-      options_.file, count, step_s > 0 ? 1 / step_s : 0.0, first_s, last_s);
-}
+std::pair<double, double> RecordedPoses::span_s() const { return span_of(parts_, time_offset_s_); }
 
 CameraPose RecordedPoses::pose_of(const capture::Capture& capture) {
-  double t_s = capture.time_s - options_.time_offset_s;
+  double t_s = capture.time_s - time_offset_s_;
   const auto part = std::find_if(parts_.begin(), parts_.end(), [=](const Trajectory& p) {
     return t_s <= p.end_s() + kRounding_s;
   });

@@ -33,9 +33,6 @@ class RecordedPoses final : public capture::PoseSource {
   static Result<std::unique_ptr<RecordedPoses>> open(const std::filesystem::path& path,
                                                      RecordedOptions options);
 
-  std::string_view name() const override { return "recorded"; }
-  std::string describe() const override;
-  bool moves() const override { return true; }
   capture::CameraPose pose_of(const capture::Capture& capture) override;
   capture::PoseFaults faults() const override { return faults_; }
   /// First and last time of the recording, on the clock of Capture::time_s.
@@ -43,11 +40,11 @@ class RecordedPoses final : public capture::PoseSource {
 
  private:
   RecordedPoses(std::vector<trajectory::Trajectory> parts, capture::PoseFaults faults,
-                RecordedOptions options);
+                const RecordedOptions& options);
 
   std::vector<trajectory::Trajectory> parts_;  ///< between jumps, in order of time
   capture::PoseFaults faults_;
-  RecordedOptions options_;
+  double time_offset_s_;
 };
 
 }  // namespace mixrig::pose

@@ -20,21 +20,16 @@ constexpr double kSpeedUp_m_s2 = 1, kSpeedUp_rad_s2 = 2;  ///< sigma of a hand-h
 class TrackerPoses final : public capture::PoseSource {
  public:
   TrackerPoses(const model::Panorama& room, const TrackerPoseOptions& options)
-      : options_(options),
+      : PoseSource({"tracker",
+                    std::string("tracked: the fisheye's pictures against the scanned room; plates "
+                                "are reached by ") +
+                        kWays[static_cast<std::size_t>(options.predict)],
+                    true, options.smooth_s}),
+        options_(options),
         crew_(options.threads),
         motion_(options.predict, options.fisheye_from_target, options.head),
         tracker_(room, options.fisheye, options.tracker, crew_) {}
 
-  std::string_view name() const override { return "tracker"; }
-  std::string describe() const override {
-    return std::string(
-               "tracked: the fisheye's pictures against the scanned room; plates are "
-               "reached by ") +
-           kWays[static_cast<std::size_t>(options_.predict)];
-  }
-  bool moves() const override { return true; }
-
-  double latency_s() const override { return options_.smooth_s; }
   void see(const capture::Capture& capture) override {
     const double plate_s = seconds(capture.mid_exposure.time_since_epoch());
     if (capture.pan_tilt && (!angles_s_ || plate_s > *angles_s_)) {

@@ -25,8 +25,7 @@ class Frames {
   Frames(capture::CaptureSource& source, FrameRange range)
       : range_(range),
         // A live source may drop captures: it is read until enough were learned.
-        reader_(source, range.first,
-                source.info().frames == capture::kEndless ? capture::kEndless : range.second,
+        reader_(source, range.first, source.info().is_live() ? capture::kEndless : range.second,
                 false),
         number_(range.first) {}
   /// Null after the last.
@@ -186,7 +185,7 @@ Result<model::StaticBackground> learn_background(capture::CaptureSource& source,
       background.world_from_view = known.front().world_from_camera;
     return background;
   }
-  if (source.info().frames == capture::kEndless)
+  if (source.info().is_live())
     return Error{ErrorCode::kData,
                  "the camera or its lens moved while the empty room was learned: keep it still "
                  "until the frames to composite, or use a scanned background"};

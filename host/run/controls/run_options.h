@@ -13,6 +13,7 @@
 #include "host/output/files/files_sink.h"
 #include "host/output/sink/composite_sink.h"
 #include "host/output/sink/run_controls.h"
+#include "host/run/controls/run_extra.h"
 #include "host/run/controls/scene_follower.h"
 #include "host/run/watchers/room_changes_report.h"
 #include "host/scene/scene.h"
@@ -27,8 +28,6 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;  ///< when set, the run ends with the frames done so far
   bool judge = true;                        ///< against truth, where the source has any
   bool true_people = false;                 ///< sinks get their places, where the source has them
-  /// Whether they are followed, and what they touch is told; absent: as the scene says.
-  std::optional<bool> follow_people;
   /// Of 1970, at host time 0: poses are sent to the programs that the scene names.
   std::optional<std::int64_t> epoch_ns;
   std::vector<scene::StreamOut> streams;  ///< in addition to those of the scene
@@ -41,6 +40,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> save_room;  ///< where the background with them is written
   output::RunControls* controls = nullptr;         ///< by an operator; null: nobody
   std::vector<std::unique_ptr<output::CompositeSink>> sinks;  ///< in addition to those of `out`
+  RunExtras extras;  ///< that do what the scene asks of them
 };
 
 }  // namespace mixrig::session

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/run/explain/explain.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/render/frame/people_motion.h"
 #include "host/render/tables/prepare.h"
-#include "host/run/explain/explain_people.h"
 #include "host/run/loop/run.h"
 #include "host/run/session/frame_cost.h"
 
@@ -116,10 +117,10 @@ std::vector<PassLine> passes_of(const render::CompositorSetup& setup, const rend
 /// Which pose source is used, and what happens where it has none.
 std::string pose_text(const Session& session, const capture::Capture& first) {
   const scene::CameraPoses& wanted = session.scene.camera;
-  std::string text = session.poses->describe();
+  std::string text = session.poses->info().description;
   if (session.scene.pose_source == scene::PoseSource::kTake)
     return text + " (" + std::string(capture::name(first.pose_origin)) + ")";
-  if (!session.poses->moves()) return text;
+  if (!session.poses->info().moves) return text;
   return text + fmt::format(
                     "; lost where there is none or it is older than {:.0f} ms: virtual "
                     "objects are {}",
@@ -194,9 +195,10 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
 
 }  // namespace
 
-Result<Explanation> explain(Session& session, int frames, const Clock& clock,
+Result<Explanation> explain(Session& session, int frames, RunExtras extras, const Clock& clock,
                             const ProgressFn& progress) {
   RunOptions options;
+  options.extras = std::move(extras);
   FrameRange range = session.default_frames();
   if (range.first <= range.second) {
     range.second = std::min(range.second, range.first + frames - 1);
@@ -224,13 +226,14 @@ Result<Explanation> explain(Session& session, int frames, const Clock& clock,
   out.rungs = scene::to_text(scene::rungs_of(session.scene), session.setup.focus.has_value());
   out.quality = report.quality;
   MIXRIG_ASSIGN(out.still_p50_ms, frame_cost_ms(session, first, 1, frames, 0, clock));
-  if (session.poses->moves()) {
+  if (session.poses->info().moves) {
     constexpr double kStep_m = 0.001;
     MIXRIG_ASSIGN(out.moving_p50_ms, frame_cost_ms(session, first, 1, frames, kStep_m, clock));
   }
   out.passes = passes_of(session.setup, tables, preparer.params());
   add_times(report, out.passes);
-  for (PassLine& line : people_passes(session, report)) out.passes.push_back(std::move(line));
+  for (const auto& extra : report.extras)
+    for (PassLine& line : extra->passes()) out.passes.push_back(std::move(line));
   out.shadow_maps = maps_of(session, preparer.params());
   out.buffers = buffers_of(session, tables, preparer.params());
   return out;

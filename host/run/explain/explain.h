@@ -11,15 +11,12 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
+#include "host/run/controls/run_extra.h"
 #include "host/run/session/quality.h"
 #include "host/run/session/session.h"
 
 namespace mixrig::session {
 
-struct PassLine {
-  std::string name, size, why;
-  double p50_ms = 0;  ///< 0 for a pass that does not run
-};
 struct BufferLine {
   std::string name, size;
   std::size_t bytes = 0;
@@ -45,9 +42,9 @@ struct Explanation {
   std::vector<BufferLine> buffers;  ///< kept from frame to frame
 };
 
-/// Composites the first `frames` frames after the learned ones and reports what ran.
-/// Errors: those of run().
-Result<Explanation> explain(Session& session, int frames, const Clock& clock,
+/// Composites the first `frames` frames after the learned ones and reports what ran, of the extras
+/// too. Errors: those of run().
+Result<Explanation> explain(Session& session, int frames, RunExtras extras, const Clock& clock,
                             const ProgressFn& progress);
 
 nlohmann::json to_json(const Explanation& explanation);

@@ -6,7 +6,7 @@
 namespace mixrig::session {
 
 Result<std::optional<capture::CaptureItem>> CaptureFeed::next() {
-  const double latency_s = session_.poses->latency_s();
+  const double latency_s = session_.poses->info().latency_s;
   const auto waits = [&] {
     return held_.empty() || seconds(held_.back().capture->mid_exposure -
                                     held_.front().capture->mid_exposure) < latency_s;
@@ -25,7 +25,7 @@ Result<std::optional<capture::CaptureItem>> CaptureFeed::next() {
 }
 
 void CaptureFeed::give_back(capture::CaptureItem item, HostTime now) {
-  if (session_.source->info().frames == capture::kEndless) ready_ = now;
+  if (session_.source->info().is_live()) ready_ = now;
   held_.insert(held_.begin(), std::move(item));
 }
 

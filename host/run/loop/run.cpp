@@ -66,7 +66,7 @@ class Runner {
         options_(std::move(options)),
         clock_(clock),
         sinks_(session_, options_, clock_, gate(), report_),
-        compositor_(session_, options_, clock_, report_),
+        compositor_(session_, options_, report_),
         poses_(session_, report_),
         judge_(!session.setup.backdrop) {}
 
@@ -78,7 +78,7 @@ class Runner {
   const std::string& ended() const { return ended_; }
 
  private:
-  bool live() const { return session_.source->info().frames == capture::kEndless; }
+  bool live() const { return session_.is_live(); }
   /// A recording has no deadline: while a frame is timed nothing is decoded or encoded beside it.
   WorkGate* gate() { return live() ? nullptr : &gate_; }
   bool judges() const { return options_.judge && session_.source->info().has_truth; }
@@ -154,8 +154,9 @@ pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
 }
 
 Result<void> Runner::open_compositor() {
-  const bool hides = session_.poses->moves() && report_.pose.when_lost == pose::WhenLost::kHide;
-  MIXRIG_TRY(compositor_.open(hides, sinks_.motion(), gate()));
+  const bool hides =
+      session_.poses->info().moves && report_.pose.when_lost == pose::WhenLost::kHide;
+  MIXRIG_TRY(compositor_.open(hides, sinks_.mover(), gate()));
   if (options_.controls != nullptr) {
     options_.controls->can_record = sinks_.has_files() || options_.controls->records_takes;
     options_.controls->can_learn = compositor_.watches_room();
@@ -233,7 +234,7 @@ Result<bool> Runner::frame() {
   if (options_.true_people && item->truth) composite.true_people = item->truth->people;
   composite.view = frame_view(session_.setup, *composite.capture);
   poses_.set(composite);
-  if (sinks_.motion() != nullptr && !live()) sinks_.wait_for_people();
+  if (!live()) sinks_.wait_for_mover();
   compositor_.move_objects(composite);
   poses_.watch(composite, judges(), judges() ? item->truth.get() : nullptr);
 
@@ -324,6 +325,7 @@ Result<RunReport> Runner::finish(std::string ended) {
   inspection_ = {};
   composites_ = {};
   MIXRIG_TRY(sinks_.finish());
+  report_.extras = options_.extras;
   report_.rss_mb = peak_rss_mb();
   if (!folder_) return std::move(report_);
   MIXRIG_TRY(write_file(folder_->path() / kReportName, to_json(report_).dump(2) + "\n"));

@@ -37,21 +37,17 @@ double depth_delay_s(const capture::Capture& capture) {
 
 }  // namespace
 
-RunCompositor::RunCompositor(const Session& session, RunOptions& options, const Clock& clock,
-                             RunReport& report)
+RunCompositor::RunCompositor(const Session& session, RunOptions& options, RunReport& report)
     : session_(session),
       options_(options),
-      clock_(clock),
       report_(report),
       keeper_(session, live()),
       light_keeper_(session, live()),
       look_keeper_(session, live()),
       exchange_(session, live()) {}
 
-bool RunCompositor::live() const { return session_.source->info().frames == capture::kEndless; }
-
-Result<void> RunCompositor::open(bool hides, ObjectMotion* motion, WorkGate* gate) {
-  hides_ = hides, motion_ = motion, wanted_focus_ = session_.scene.focus;
+Result<void> RunCompositor::open(bool hides, ObjectMover* mover, WorkGate* gate) {
+  hides_ = hides, mover_ = mover, wanted_focus_ = session_.scene.focus;
   MIXRIG_TRY(compositor_->open(session_.setup, session_.backend, hides));
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
@@ -96,16 +92,14 @@ std::optional<glm::ivec2> RunCompositor::focus_pixel() const {
 
 void RunCompositor::move_objects(output::Composite& composite) {
   composite.world_from_object.clear();
-  if (motion_ == nullptr) {
+  if (mover_ == nullptr) {
     if (scene_differs_ || exchange_.is_edited())
       composite.world_from_object = frame_scene_.world_from_object;
     return;
   }
   place_moved_objects();
-  const HostTime begin = clock_.now();
   const auto poses =
-      motion_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
-  report_.physics_ms.add(milliseconds(clock_.now() - begin));
+      mover_->advance(times_.next(composite.capture->time_s), composite.world_from_target);
   composite.world_from_object.assign(poses.begin(), poses.end());
 }
 
@@ -113,7 +107,7 @@ void RunCompositor::move_objects(output::Composite& composite) {
 void RunCompositor::place_moved_objects() {
   const auto& wanted = frame_scene_.world_from_object;
   for (std::size_t i = 0; i < std::min(wanted.size(), wanted_poses_.size()); ++i)
-    if (!(wanted[i] == wanted_poses_[i])) motion_->place(i, wanted[i]);
+    if (!(wanted[i] == wanted_poses_[i])) mover_->place(i, wanted[i]);
   wanted_poses_ = wanted;
 }
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "extras/people/watch/object_motion.h"
 #include "hal/base/clock.h"
 #include "host/output/sink/frame_times.h"
+#include "host/run/controls/run_extra.h"
 #include "host/run/controls/run_options.h"
 #include "host/run/loop/hiding_compositor.h"
 #include "host/run/loop/setup_exchange.h"
@@ -24,12 +24,12 @@ namespace mixrig::session {
 class RunCompositor {
  public:
   /// All of them outlive it.
-  RunCompositor(const Session& session, RunOptions& options, const Clock& clock, RunReport& report);
+  RunCompositor(const Session& session, RunOptions& options, RunReport& report);
 
-  /// With `hides`, frames without virtual objects are expected. Objects with physics move by
-  /// `motion`; null: there are none. Errors: those of the back end, of the watch, of a room that
+  /// With `hides`, frames without virtual objects are expected. `mover` moves objects; null: none
+  /// does. Errors: those of the back end, of the watch, of a room that
   /// cannot be saved.
-  Result<void> open(bool hides, ObjectMotion* motion, WorkGate* gate);
+  Result<void> open(bool hides, ObjectMover* mover, WorkGate* gate);
   bool watches_room() const { return keeper_.is_open(); }
   const render::Compositor& whole() const { return compositor_->whole(); }
 
@@ -51,7 +51,7 @@ class RunCompositor {
   Result<void> finish();
 
  private:
-  bool live() const;
+  bool live() const { return session_.is_live(); }
   void place_moved_objects();
   SceneEdits edits() const;
   void share_plates();
@@ -61,11 +61,10 @@ class RunCompositor {
 
   const Session& session_;
   RunOptions& options_;
-  const Clock& clock_;
   RunReport& report_;
   bool hides_ = false;
   std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
-  ObjectMotion* motion_ = nullptr;
+  ObjectMover* mover_ = nullptr;
   RoomKeeper keeper_;
   LightKeeper light_keeper_;
   LookKeeper look_keeper_;

@@ -8,19 +8,17 @@
 #include "hal/base/log.h"
 #include "host/run/loop/contact_points.h"
 #include "host/run/session/camera_pose.h"
+#include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
 namespace {
 
 /// Whether the poses of the scene can be held against true ones: both are of one world.
 bool has_true_poses(const Session& session) {
-  using scene::PoseSource;
-  const PoseSource used = session.scene.pose_source;
-  const bool own = session.scene.camera.trajectory.empty();
-  const bool from_elsewhere = used == PoseSource::kFixed || used == PoseSource::kPanTilt ||
-                              used == PoseSource::kMocap || used == PoseSource::kTracker ||
-                              used == PoseSource::kFreeD || used == PoseSource::kOpenTrack ||
-                              (used == PoseSource::kRecorded && !own);
+  const bool from_elsewhere =
+      scene::kind_of(session.scene.pose_source).world == scene::PoseWorld::kOfScene ||
+      (session.scene.pose_source == scene::PoseSource::kRecorded &&
+       !session.scene.camera.trajectory.empty());
   return from_elsewhere && session.source->info().true_poses;
 }
 
@@ -29,7 +27,7 @@ bool has_true_poses(const Session& session) {
 double plate_exposure_s(const Session& session) {
   const scene::LookSettings& look = session.scene.look;
   const bool asked = look.motion || session.setup.look.measures();
-  if (!asked || !session.poses->moves()) return 0;
+  if (!asked || !session.poses->info().moves) return 0;
   const double known_s =
       look.exposure_ms > 0 ? 1e-3 * look.exposure_ms : session.source->info().exposure_s;
   if (!(known_s > 0) && look.motion)
@@ -44,8 +42,8 @@ double plate_exposure_s(const Session& session) {
 void RunPoses::open() {
   const pose::FramePoseOptions options = frame_pose_options(session_.scene);
   poses_.emplace(*session_.poses, options);
-  report_.pose.source = session_.poses->name();
-  report_.pose.latency_s = session_.poses->latency_s();
+  report_.pose.source = session_.poses->info().name;
+  report_.pose.latency_s = session_.poses->info().latency_s;
   report_.pose.when_lost = options.when_lost;
   slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
   lens_.emplace(session_.setup,
@@ -85,9 +83,9 @@ void RunPoses::watch_slip(output::Composite& composite, bool judges, const captu
   composite.slip_px = composite.slip_sigma_px = std::nullopt;
   if (!composite.objects_shown) return;
   const capture::Capture& capture = *composite.capture;
-  const scene::PoseSource source = session_.scene.pose_source;
-  const bool known = judges && capture.pose_origin == capture::PoseOrigin::kRecorded &&
-                     source != scene::PoseSource::kFloor && source != scene::PoseSource::kIdentity;
+  const bool known =
+      judges && capture.pose_origin == capture::PoseOrigin::kRecorded &&
+      scene::kind_of(session_.scene.pose_source).world != scene::PoseWorld::kOfCamera;
   capture::CameraPose used = composite.pose;
   used.world_from_target = world_from_pupil(used.world_from_target, capture);
   std::optional<geometry::Pose> true_pose;

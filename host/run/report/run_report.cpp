@@ -322,9 +322,7 @@ nlohmann::json to_json(const RunReport& report) {
                                           ? nlohmann::json(nullptr)
                                           : nlohmann::json{{"p50", quantile(report.swap_ms, 0.5)},
                                                            {"max", quantile(report.swap_ms, 1)}}}};
-  if (report.people) out["people"] = to_json(*report.people);
-  if (report.events) out["events"] = to_json(*report.events);
-  if (!report.pose_outs.empty()) out["pose_out"] = to_json(report.pose_outs);
+  for (const auto& extra : report.extras) extra->add_to(out);
   for (const output::StreamOutReport& stream : report.stream_outs)
     out["stream_out"].push_back(to_json(stream));
   if (!report.sinks.empty()) out["sinks"] = nlohmann::json::array();
@@ -370,12 +368,7 @@ std::string to_table(const RunReport& report) {
   out += pose_line(report.pose);
   if (report.lens) out += lens_line(*report.lens);
   if (report.room_changes) out += to_lines(*report.room_changes);
-  if (report.people)
-    out += fmt::format("  people: {}, at most {} at once\n", report.people->people.size(),
-                       report.people->most_at_once);
-  if (report.events)
-    out += fmt::format("  events: {} enter, {} hit, {} leave\n", report.events->counts[0],
-                       report.events->counts[3], report.events->counts[2]);
+  for (const auto& extra : report.extras) out += extra->lines();
   out += sink_lines(report.sinks);
   return report.error ? out + error_table(report) : out;
 }

@@ -9,9 +9,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "extras/broadcast/poses/pose_sink.h"
-#include "extras/people/watch/people_sink.h"
-#include "extras/people/watch/touch_stage.h"
 #include "hal/base/image.h"
 #include "hal/base/quantile_sketch.h"
 #include "host/capture/capture/source_report.h"
@@ -24,6 +21,7 @@
 #include "host/pose/source/frame_poses.h"
 #include "host/render/contract/compositor.h"
 #include "host/room/background/frame_lens.h"
+#include "host/run/controls/run_extra.h"
 #include "host/run/controls/scene_follower.h"
 #include "host/run/session/quality.h"
 #include "host/run/watchers/light_keeper.h"
@@ -34,9 +32,9 @@ namespace mixrig::session {
 
 /// Poses of the frames.
 struct PoseReport {
-  std::string source;  ///< as PoseSource::name
+  std::string source;  ///< as PoseSourceInfo::name
   pose::WhenLost when_lost = pose::WhenLost::kFreeze;
-  double latency_s = 0;  ///< as PoseSource::latency_s
+  double latency_s = 0;  ///< as PoseSourceInfo::latency_s
   pose::FramePoseCounts frames;
   capture::PoseFaults faults;  ///< of the source's stream
   std::optional<capture::PoseStream> stream;
@@ -78,10 +76,7 @@ struct RunReport {
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
   measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor
-  std::optional<PeopleReport> people;             ///< where they were followed
-  std::optional<TouchReport> events;              ///< where touching was watched
-  measure::QuantileSketch physics_ms;             ///< of a frame, in the compositing thread
-  std::vector<PoseOutReport> pose_outs;           ///< in the order of the scene
+  RunExtras extras;                               ///< tell their own parts
   std::vector<output::StreamOutReport> stream_outs;
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted

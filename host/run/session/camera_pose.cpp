@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "extras/broadcast/poses/camera_stream.h"
 #include "host/capture/calibration_file/calibration.h"
 #include "host/pose/mocap/mocap_poses.h"
 #include "host/pose/source/fixed_poses.h"
@@ -16,17 +15,17 @@
 #include "host/pose/source/recorded_poses.h"
 #include "host/pose/source/world_frame.h"
 #include "host/run/session/tracker_pose.h"
+#include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
-namespace {
-
-using Poses = Result<std::unique_ptr<capture::PoseSource>>;
 
 Error at_camera(const Session& session, const char* key, ErrorCode code, const std::string& what) {
   return {code, session.scene.path.string() + ": camera." + key + ": " + what};
 }
 
-bool is_live(const Session& session) { return session.source->info().frames == capture::kEndless; }
+namespace {
+
+using Poses = Result<std::unique_ptr<capture::PoseSource>>;
 
 Result<capture::Capture> capture_of(const Session& session, int number) {
   capture::Capture capture;
@@ -36,7 +35,7 @@ Result<capture::Capture> capture_of(const Session& session, int number) {
 }
 
 Poses own_recorded_poses(const Session& session) {
-  if (!is_live(session)) {
+  if (!session.is_live()) {
     MIXRIG_ASSIGN(const capture::Capture first, capture_of(session, 1));
     if (first.pose_origin != capture::PoseOrigin::kRecorded)
       return at_camera(session, "pose", ErrorCode::kFormat,
@@ -48,7 +47,7 @@ Poses own_recorded_poses(const Session& session) {
 
 Poses trajectory_poses(const Session& session) {
   const scene::CameraPoses& wanted = session.scene.camera;
-  if (is_live(session))
+  if (session.is_live())
     return at_camera(session, "trajectory", ErrorCode::kUsage,
                      "a recorded trajectory cannot belong to live devices: use pose = "
                      "\"mocap:HOST\" or \"pan_tilt\"");
@@ -83,7 +82,7 @@ Poses pan_tilt_poses(const Session& session) {
                                  "mixrig calibrate ptu, and name its calibration.toml by "
                                  "`calibration` or --calibration",
                                  session.calibration.where));
-  if (!is_live(session)) {
+  if (!session.is_live()) {
     MIXRIG_ASSIGN(const capture::Capture first, capture_of(session, 1));
     if (!first.pan_tilt &&
         first.status_of(capture::Stream::kPanTilt) == capture::StreamStatus::kAbsent)
@@ -101,10 +100,6 @@ Poses floor_pose(const Session& session) {
 }
 
 Result<pose::MocapOptions> mocap_options(const Session& session) {
-  if (!is_live(session))
-    return at_camera(session, "pose", ErrorCode::kUsage,
-                     "a live motion capture cannot belong to a recording: record its trajectory "
-                     "(mixrig track --mocap) and use pose = \"recorded\"");
   const scene::MocapSettings& wanted = session.scene.camera.mocap;
   pose::MocapOptions options;
   options.body_id = wanted.body;
@@ -129,42 +124,32 @@ Result<pose::MocapOptions> mocap_options(const Session& session) {
   return options;
 }
 
-/// Without the pose of a body in the calibration the tracked camera is the target camera.
-Result<pose::CameraStreamOptions> stream_options(const Session& session) {
-  if (!is_live(session))
-    return at_camera(session, "pose", ErrorCode::kUsage,
-                     "a live tracker cannot belong to a recording: use pose = \"recorded\"");
-  const scene::TrackerStream& wanted = session.scene.camera.stream;
-  pose::CameraStreamOptions options;
-  options.address = wanted.address;
-  options.world_from_tracker = wanted.world_from_tracker;
-  options.delay_s = wanted.delay_s;
-  options.most_ahead_s = session.scene.camera.max_age_s;
-  options.rate_hz = wanted.rate_hz;
-  options.system_stamps = wanted.system_stamps;
-  if (wanted.sigma_m && wanted.sigma_rad) options.noise = {*wanted.sigma_rad, *wanted.sigma_m};
-  if (session.calibration.file.empty()) return options;
-  MIXRIG_ASSIGN(const calibration_file::Calibration known,
-                calibration_file::read_calibration(session.calibration.file));
-  if (const auto* body = known.pose("body")) options.mount = pose::mount_of(*body);
-  return options;
+/// Of a tracker that an extra knows; null without a clock.
+Poses extra_poses(const Session& session, const Clock* clock) {
+  for (const ExtraPoses& extra : session.extra_poses)
+    if (extra.source == session.scene.pose_source) return extra.open(session, clock);
+  return at_camera(session, "pose", ErrorCode::kUnsupported,
+                   fmt::format("this mixrig was built without \"{}\": build it with broadcast in "
+                               "MIXRIG_EXTRAS, or use another pose",
+                               scene::name(session.scene.pose_source)));
 }
 
-Poses stream_poses(const Session& session, const Clock& clock) {
-  MIXRIG_ASSIGN(pose::CameraStreamOptions options, stream_options(session));
-  auto poses = session.scene.pose_source == scene::PoseSource::kFreeD
-                   ? pose::open_freed_poses(std::move(options), clock)
-                   : pose::open_opentrack_poses(std::move(options), clock);
-  if (!poses) return at_camera(session, "pose", poses.error().code, poses.error().context);
-  return poses;
-}
-
-Poses mocap_poses(const Session& session, const Clock& clock) {
+/// Null without a clock.
+Poses mocap_poses(const Session& session, const Clock* clock) {
   MIXRIG_ASSIGN(pose::MocapOptions options, mocap_options(session));
-  return pose::open_mocap_poses(session.scene.camera.mocap.server, std::move(options), clock);
+  if (clock == nullptr) return std::unique_ptr<capture::PoseSource>();
+  return pose::open_mocap_poses(session.scene.camera.mocap.server, std::move(options), *clock);
 }
 
+/// Without a clock null for those of a network, which are only checked.
 Poses make_poses(const Session& session, const Clock* clock) {
+  const scene::PoseKind& kind = scene::kind_of(session.scene.pose_source);
+  if (kind.is_live && !session.is_live())
+    return at_camera(
+        session, "pose", ErrorCode::kUsage,
+        fmt::format("live poses (\"{}\") cannot belong to a recording: record a trajectory "
+                    "(of mocap: mixrig track --mocap) and use pose = \"recorded\"",
+                    kind.name));
   switch (session.scene.pose_source) {
     case scene::PoseSource::kTake:
       return pose::make_own_poses(false, session.source->info().moves);
@@ -184,26 +169,17 @@ Poses make_poses(const Session& session, const Clock* clock) {
       return tracker_poses(session);
     case scene::PoseSource::kFreeD:
     case scene::PoseSource::kOpenTrack:
-      return stream_poses(session, *clock);
+      return extra_poses(session, clock);
     case scene::PoseSource::kMocap:
       break;
   }
-  return mocap_poses(session, *clock);
+  return mocap_poses(session, clock);
 }
 
 }  // namespace
 
 Result<void> check_poses(Session& session) {
-  const scene::PoseSource wanted = session.scene.pose_source;
-  if (wanted == scene::PoseSource::kFloor) return {};
-  if (wanted == scene::PoseSource::kMocap) {
-    if (auto fine = mocap_options(session); !fine) return std::move(fine).error();
-    return {};
-  }
-  if (wanted == scene::PoseSource::kFreeD || wanted == scene::PoseSource::kOpenTrack) {
-    if (auto fine = stream_options(session); !fine) return std::move(fine).error();
-    return {};
-  }
+  if (session.scene.pose_source == scene::PoseSource::kFloor) return {};
   MIXRIG_ASSIGN(session.poses, make_poses(session, nullptr));
   return {};
 }
@@ -228,7 +204,7 @@ std::optional<std::string> HeadWatch::fault(const Session& session,
                                             const capture::Capture& capture) {
   const bool own = session.scene.pose_source == scene::PoseSource::kTake;
   const bool follows =
-      own ? capture.pose_origin == capture::PoseOrigin::kRecorded : session.poses->moves();
+      own ? capture.pose_origin == capture::PoseOrigin::kRecorded : session.poses->info().moves;
   if (!capture.pan_tilt || follows) return std::nullopt;
   if (!first_) first_ = capture.pan_tilt;
   const double turned_rad = std::max(std::abs(capture.pan_tilt->pan_rad - first_->pan_rad),

@@ -98,7 +98,7 @@ Result<std::optional<QualityChoice>> follow_budget(Session& session, int first_f
   if (!there) return Error{ErrorCode::kData, "the source has no frame to measure the budget with"};
   if (capture.depth_m.empty()) capture.depth_m.reset(session.setup.tof.size_px());
   paint_people(capture);
-  const double step_m = session.poses && session.poses->moves() ? 0.001 : 0;
+  const double step_m = session.poses && session.poses->info().moves ? 0.001 : 0;
   const Rungs wanted = scene::rungs_of(session.scene);
   MIXRIG_ASSIGN(
       QualityChoice choice,

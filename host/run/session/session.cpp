@@ -11,6 +11,7 @@
 #include "host/room/lamps/found_lamps.h"
 #include "host/room/scan/room_file.h"
 #include "host/run/session/camera_pose.h"
+#include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
 namespace {
@@ -64,7 +65,7 @@ calibration_file::CalibrationChoice choose_calibration(const SessionOptions& opt
 /// moves and beside a room.
 Result<void> check_place(const Session& session, FrameRange learned, bool has_room,
                          const model::StaticBackground& background) {
-  const bool moves = session.poses && session.poses->moves();
+  const bool moves = session.poses && session.poses->info().moves;
   if (background.world_from_view || !(moves || has_room)) return {};
   return Error{
       ErrorCode::kData,
@@ -124,7 +125,7 @@ Result<void> use_room(Session& session, const std::filesystem::path& folder) {
 Result<model::StaticBackground> loaded_background(const Session& session,
                                                   const std::filesystem::path& folder) {
   MIXRIG_ASSIGN(auto background, model::load_static_background(folder));
-  const bool moves = session.poses && session.poses->moves();
+  const bool moves = session.poses && session.poses->info().moves;
   if (session.setup.lens_moves && !moves) return background;
   if (moves && !background.world_from_view)
     return Error{ErrorCode::kData,
@@ -156,8 +157,8 @@ Result<void> place_still_background(Session& session) {
   model::StaticBackground& b = *session.background;
   const bool own = !session.scene.background.model;
   const bool on_floor = session.scene.pose_source == scene::PoseSource::kFloor;
-  const bool by_source = session.scene.pose_source == scene::PoseSource::kTake ||
-                         session.scene.pose_source == scene::PoseSource::kRecorded;
+  const bool by_source =
+      scene::kind_of(session.scene.pose_source).world == scene::PoseWorld::kOfFrames;
   if (b.world_from_view && (by_source || (own && !on_floor))) return {};
   if (by_source)
     return Error{ErrorCode::kData,
@@ -223,6 +224,7 @@ FrameRange Session::default_frames() const {
 Result<std::unique_ptr<Session>> open_session(const SessionOptions& options) {
   auto session = std::make_unique<Session>();
   session->backend = options.backend;
+  session->extra_poses = options.extra_poses;
   MIXRIG_ASSIGN(session->scene, scene::load_scene(options.scene));
   MIXRIG_TRY(find_scene_lamps(session->scene));
   MIXRIG_ASSIGN(session->source, open_any_source(options, *session));
@@ -259,7 +261,7 @@ Result<void> prepare_background(Session& session, const ProgressFn& progress) {
   }
   if (session.background) {
     const model::StaticBackground& b = *session.background;
-    const bool moves = session.poses && session.poses->moves();
+    const bool moves = session.poses && session.poses->info().moves;
     if (session.setup.lens_moves && !moves && !has_room)
       MIXRIG_TRY(place_still_background(session));
     if ((moves && b.world_from_view) || has_room || session.setup.lens_moves)

@@ -20,6 +20,7 @@
 #include "host/render/contract/compositor.h"
 #include "host/room/background/static_background.h"
 #include "host/room/scan/shape/room_faces.h"
+#include "host/run/session/extra_poses.h"
 #include "host/run/session/scene_setup.h"
 #include "host/scene/scene.h"
 
@@ -34,6 +35,7 @@ struct SessionOptions {
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
   PlayOptions play{};                       ///< of the recordings that a rig plays
+  std::vector<ExtraPoses> extra_poses{};    ///< that this build has
 };
 
 /// All data that is constant during a run. `setup` points into the other members, so a session
@@ -56,7 +58,9 @@ struct Session {
   Image<Rgb8> backdrop;  ///< the set's picture in the view's size; empty without
   render::CompositorSetup setup;
   BackendChoice backend;
+  std::vector<ExtraPoses> extra_poses;  ///< that this build has
 
+  bool is_live() const { return source->info().is_live(); }
   /// Pose of the target camera at a frame, by `poses`; the identity where it is lost, and before
   /// prepare_poses() that of the capture.
   geometry::Pose world_from_target(const capture::Capture& capture) const;

@@ -21,7 +21,7 @@ Error at_pose(const Session& session, ErrorCode code, const std::string& what) {
 /// What the first capture of a recording lacks; what the devices of a live rig say.
 Result<void> check_source(const Session& session, Size calibrated_px) {
   Size size = session.source->info().fisheye_px;
-  if (session.source->info().frames != capture::kEndless) {
+  if (!session.source->info().is_live()) {
     capture::Capture first;
     MIXRIG_ASSIGN(const bool there, session.source->read(1, first));
     if (session.scene.camera.predict != scene::Predict::kVelocity &&

@@ -3,9 +3,6 @@
 
 #include <utility>
 
-#include "extras/broadcast/poses/pose_sink.h"
-#include "extras/people/watch/people_sink.h"
-#include "extras/people/watch/touch_stage.h"
 #include "host/output/sheet/sheet_sink.h"
 #include "host/output/streams/stream_sink.h"
 #include "host/output/streams/timecode.h"
@@ -29,8 +26,6 @@ RunSinks::RunSinks(const Session& session, RunOptions& options, const Clock& clo
                    RunReport& report)
     : session_(session), options_(options), clock_(clock), gate_(gate), report_(report) {}
 
-bool RunSinks::live() const { return session_.source->info().frames == capture::kEndless; }
-
 double RunSinks::rate_hz() const {
   const double rate_hz = session_.source->info().rate_hz;
   return rate_hz > 0 ? rate_hz : 25;
@@ -50,9 +45,8 @@ output::SinkThread* RunSinks::add(std::unique_ptr<output::CompositeSink> sink) {
 Result<void> RunSinks::open(FrameRange range, const std::optional<std::filesystem::path>& folder) {
   if (folder) MIXRIG_TRY(open_files(range, *folder));
   for (auto& sink : options_.sinks) add(std::move(sink));
-  if (options_.epoch_ns && !session_.scene.pose_outs.empty()) MIXRIG_TRY(open_poses());
   MIXRIG_TRY(check_streams());
-  return open_people(folder);
+  return open_extras(folder);
 }
 
 Result<void> RunSinks::open_files(FrameRange range, const std::filesystem::path& folder) {
@@ -64,16 +58,6 @@ Result<void> RunSinks::open_files(FrameRange range, const std::filesystem::path&
   sheet_ = add(std::make_unique<output::SheetSink>(
       folder / "contact_sheet.png", session_.scene.path.filename().string() + " in " + info.name,
       sheet_frames(range, options_.sheet_rows)));
-  return {};
-}
-
-Result<void> RunSinks::open_poses() {
-  const auto begin = live() ? std::nullopt : std::optional(clock_.now());
-  auto poses =
-      PoseSink::create(session_.scene.pose_outs, *options_.epoch_ns, begin, report_.pose_outs);
-  if (!poses)
-    return Error{poses.error().code, session_.scene.path.string() + ": " + poses.error().context};
-  add(*std::move(poses));
   return {};
 }
 
@@ -105,25 +89,21 @@ Result<void> RunSinks::open_streams() {
   return {};
 }
 
-Result<void> RunSinks::open_people(const std::optional<std::filesystem::path>& folder) {
-  const scene::Scene& scene = session_.scene;
-  motion_ = ObjectMotion::create(session_);
-  if (!options_.follow_people.value_or(scene.follow_people || scene.events || motion_)) {
-    motion_.reset();
-    return {};
+Result<void> RunSinks::open_extras(const std::optional<std::filesystem::path>& folder) {
+  for (const auto& extra : options_.extras) {
+    MIXRIG_ASSIGN(auto sinks, extra->open({session_, clock_, folder, options_.epoch_ns}));
+    ObjectMover* const mover = extra->mover();
+    if (mover != nullptr) mover_ = mover;
+    for (auto& sink : sinks) {
+      output::SinkThread* const thread = add(std::move(sink));
+      if (mover != nullptr) before_moves_.push_back(thread);
+    }
   }
-  MIXRIG_ASSIGN(auto sink, PeopleSink::create(folder, {}, report_.people.emplace()));
-  if (scene.events || motion_) {
-    MIXRIG_ASSIGN(auto touch,
-                  TouchStage::create(session_, folder, motion_.get(), report_.events.emplace()));
-    sink->watch_touch(std::move(touch));
-  }
-  people_ = add(std::move(sink));
   return {};
 }
 
-void RunSinks::wait_for_people() {
-  if (people_ != nullptr) people_->wait_until_idle();
+void RunSinks::wait_for_mover() {
+  for (output::SinkThread* sink : before_moves_) sink->wait_until_idle();
 }
 
 /// Files need nothing while the operator does not record.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the composites of a run go: files, contact sheet, window, page, streams, people.
+// Where the composites of a run go: files, contact sheet, streams, sinks of callers and extras.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "extras/people/watch/object_motion.h"
 #include "hal/base/clock.h"
 #include "hal/base/work_gate.h"
 #include "host/output/sink/sink_thread.h"
@@ -30,10 +29,10 @@ class RunSinks {
   /// After the background: what a stereo pair shows behind people is of it.
   Result<void> open_streams();
   bool has_files() const { return files_ != nullptr; }
-  /// Null: no object has physics.
-  ObjectMotion* motion() { return motion_.get(); }
-  /// Waits until what was delivered of people is known.
-  void wait_for_people();
+  /// Null: no extra moves objects.
+  ObjectMover* mover() { return mover_; }
+  /// Waits until the sinks of the extra that moves objects have seen what was delivered.
+  void wait_for_mover();
 
   /// From this frame on: false, files are not written.
   void set_recording(bool on) { recording_ = on; }
@@ -51,26 +50,25 @@ class RunSinks {
   Result<void> finish();
 
  private:
-  bool live() const;
+  bool live() const { return session_.is_live(); }
   double rate_hz() const;
   bool is_transparent() const;
   render::OutputMask wanted_by(const output::SinkThread& sink, int number) const;
   output::SinkThread* add(std::unique_ptr<output::CompositeSink> sink);
   Result<void> open_files(FrameRange range, const std::filesystem::path& folder);
-  Result<void> open_poses();
   Result<void> check_streams();
-  Result<void> open_people(const std::optional<std::filesystem::path>& folder);
+  Result<void> open_extras(const std::optional<std::filesystem::path>& folder);
 
   const Session& session_;
   RunOptions& options_;
   const Clock& clock_;
   WorkGate* const gate_;
-  RunReport& report_;                     ///< sinks write into it
-  std::unique_ptr<ObjectMotion> motion_;  ///< that a sink tells what it sees
+  RunReport& report_;             ///< sinks write into it
+  ObjectMover* mover_ = nullptr;  ///< of one of options_.extras
   std::vector<std::unique_ptr<output::SinkThread>> sinks_;
-  output::SinkThread* files_ = nullptr;   ///< one of sinks_; none without an output folder
-  output::SinkThread* sheet_ = nullptr;   ///< one of sinks_; none without an output folder
-  output::SinkThread* people_ = nullptr;  ///< one of sinks_, where people are followed
+  output::SinkThread* files_ = nullptr;            ///< one of sinks_; none without an output folder
+  output::SinkThread* sheet_ = nullptr;            ///< one of sinks_; none without an output folder
+  std::vector<output::SinkThread*> before_moves_;  ///< of sinks_, those of the mover's extra
   bool sheet_has_rows_ = false;
   bool recording_ = true;
 };

@@ -62,7 +62,7 @@ Size watch_size(Size view) {
 bool ChangeSink::can_watch(const Session& session) {
   const render::CompositorSetup& setup = session.setup;
   const bool drawn = !setup.background_models.empty();
-  const bool still = session.background && !(session.poses && session.poses->moves());
+  const bool still = session.background && !(session.poses && session.poses->info().moves);
   return (drawn || still) && !setup.lens_moves;
 }
 

@@ -282,33 +282,28 @@ nlohmann::json to_json(const LightReport& report) {
 Result<void> LightKeeper::open(WorkGate* gate) {
   const render::CompositorSetup& setup = session_.setup;
   if (setup.background.color.empty() || setup.lens_moves || setup.light.lamps.empty() ||
-      setup.objects.empty() || (session_.poses && session_.poses->moves()))
+      setup.objects.empty() || (session_.poses && session_.poses->info().moves))
     return Error{ErrorCode::kFormat,
                  session_.scene.path.string() +
                      ": light.follow: needs lamps, a virtual object and a camera that stands still "
                      "before one learned view of the room: remove follow"};
-  auto sink = std::make_unique<LightSink>(session_);
-  sink_ = sink.get();
-  thread_ = std::make_unique<output::SinkThread>(
-      std::move(sink), live_ ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate);
+  watch_.open(std::make_unique<LightSink>(session_), live_, gate);
   return {};
 }
 
 Result<void> LightKeeper::push(const output::CompositePtr& composite) {
   constexpr render::OutputMask kNeeded = render::kMatte | render::kSegmentedDepth;
   const int number = composite->capture->number;
-  if (sink_ == nullptr || (composite->images.wanted & kNeeded) != kNeeded) return {};
-  const bool is_soon = sink_->looks_soon() && number >= last_look_ + kSoon;
+  if (!is_open() || (composite->images.wanted & kNeeded) != kNeeded) return {};
+  const bool is_soon = watch_.sink()->looks_soon() && number >= last_look_ + kSoon;
   if (number < next_look_ && !is_soon) return {};
   next_look_ = number - number % kLookStep + kLookStep, last_look_ = number;
-  MIXRIG_TRY(thread_->push(composite));
-  if (!live_) thread_->wait_until_idle();
-  return {};
+  return watch_.push(composite);
 }
 
 void LightKeeper::take_factors() {
-  if (sink_ == nullptr) return;
-  if (std::vector<float> found = sink_->take(); !found.empty()) factors_ = std::move(found);
+  if (!is_open()) return;
+  if (std::vector<float> found = watch_.sink()->take(); !found.empty()) factors_ = std::move(found);
 }
 
 render::FrameLight LightKeeper::changed(const scene::Light& light,
@@ -327,8 +322,8 @@ render::FrameLight LightKeeper::changed(const scene::Light& light,
   return now;
 }
 
-Result<void> LightKeeper::finish() { return thread_ ? thread_->finish() : Result<void>(); }
+Result<void> LightKeeper::finish() { return watch_.finish(); }
 
-LightReport LightKeeper::report() const { return sink_->report(); }
+LightReport LightKeeper::report() const { return watch_.sink()->report(); }
 
 }  // namespace mixrig::session

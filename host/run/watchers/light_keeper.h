@@ -10,8 +10,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "hal/base/quantile_sketch.h"
-#include "host/output/sink/sink_thread.h"
 #include "host/run/session/session.h"
+#include "host/run/watchers/frame_watch.h"
 
 namespace mixrig::session {
 
@@ -32,8 +32,7 @@ nlohmann::json to_json(const LightReport& report);
 
 class LightSink;
 
-/// For the compositing thread of one run. A live run never waits for it; that of a recording does,
-/// so that the same take gives the same pictures.
+/// For the compositing thread of one run.
 class LightKeeper {
  public:
   LightKeeper(const Session& session, bool live) : session_(session), live_(live) {}
@@ -41,7 +40,7 @@ class LightKeeper {
   /// Errors: kFormat without a lamp, or where the background is not one view of a camera that
   /// stands still: only there is told what each lamp gives to a pixel.
   Result<void> open(WorkGate* gate);
-  bool is_open() const { return sink_ != nullptr; }
+  bool is_open() const { return watch_.sink() != nullptr; }
   /// Gives one of five finished frames to the watch, and that two after one in which it found a
   /// change. Errors: those of an earlier one.
   Result<void> push(const output::CompositePtr& composite);
@@ -57,11 +56,10 @@ class LightKeeper {
  private:
   const Session& session_;
   const bool live_;
-  LightSink* sink_ = nullptr;          ///< that of thread_
   int next_look_ = 0, last_look_ = 0;  ///< numbers of frames
   std::vector<float> factors_;         ///< ambient, then lamps; empty: nothing was found yet
   std::vector<glm::vec3> intensity_;
-  std::unique_ptr<output::SinkThread> thread_;
+  FrameWatch<LightSink> watch_;
 };
 
 }  // namespace mixrig::session

@@ -92,22 +92,19 @@ glm::vec2 way_of_view_px(const render::CameraMotion& motion, const geometry::Pin
 void LookKeeper::open(WorkGate* gate) {
   const render::CompositorSetup& setup = session_.setup;
   if (!session_.scene.look.follow || !setup.look.measures() || setup.objects.empty()) return;
-  auto sink = std::make_unique<LookSink>(setup);
-  sink_ = sink.get();
-  thread_ = std::make_unique<output::SinkThread>(
-      std::move(sink), live_ ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate);
+  watch_.open(std::make_unique<LookSink>(setup), live_, gate);
 }
 
 /// Nullopt where it is not known.
 std::optional<glm::vec2> LookKeeper::way_px(const output::Composite& composite) const {
-  if (!session_.poses || !session_.poses->moves()) return glm::vec2(0);
+  if (!session_.poses || !session_.poses->info().moves) return glm::vec2(0);
   if (!composite.motion) return std::nullopt;
   return way_of_view_px(*composite.motion, composite.view);
 }
 
 Result<void> LookKeeper::push(const output::CompositePtr& composite) {
   const int number = composite->capture->number;
-  if (sink_ == nullptr || follower_.empty()) return {};
+  if (watch_.sink() == nullptr || follower_.empty()) return {};
   const std::optional<glm::vec2> way = way_px(*composite);
   const bool stands = way && glm::length(*way) < kMostWay_px;
   if (way && !std::exchange(first_is_judged_, true) && !stands) follower_.take_motion_out(*way);
@@ -117,28 +114,26 @@ Result<void> LookKeeper::push(const output::CompositePtr& composite) {
     return {};
   }
   next_look_ = number + kLookStep;
-  MIXRIG_TRY(thread_->push(composite));
-  if (!live_) thread_->wait_until_idle();
-  return {};
+  return watch_.push(composite);
 }
 
 const render::PictureLook* LookKeeper::look_of(const output::Composite& composite) {
-  if (sink_ == nullptr) return nullptr;
+  if (watch_.sink() == nullptr) return nullptr;
   if (follower_.empty()) {
-    first_ = sink_->measure(plate_of(*composite.capture));
+    first_ = watch_.sink()->measure(plate_of(*composite.capture));
     log_info("session", render::to_text(first_));
     follower_.add(first_);
-  } else if (const auto found = sink_->take()) {
+  } else if (const auto found = watch_.sink()->take()) {
     follower_.add(*found);
   }
   return &follower_.at(composite.capture->time_s);
 }
 
-Result<void> LookKeeper::finish() { return thread_ ? thread_->finish() : Result<void>(); }
+Result<void> LookKeeper::finish() { return watch_.finish(); }
 
 std::optional<LookReport> LookKeeper::report() const {
-  if (sink_ == nullptr || follower_.empty()) return std::nullopt;
-  LookReport report = sink_->report();
+  if (watch_.sink() == nullptr || follower_.empty()) return std::nullopt;
+  LookReport report = watch_.sink()->report();
   report.moved = moved_, report.first = first_, report.last = follower_.aim();
   return report;
 }

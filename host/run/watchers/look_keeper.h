@@ -8,8 +8,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "hal/base/quantile_sketch.h"
-#include "host/output/sink/sink_thread.h"
 #include "host/run/session/session.h"
+#include "host/run/watchers/frame_watch.h"
 #include "host/run/watchers/look_follower.h"
 
 namespace mixrig::session {
@@ -29,8 +29,7 @@ glm::vec2 way_of_view_px(const render::CameraMotion& motion, const geometry::Pin
 
 class LookSink;
 
-/// For the compositing thread of one run. A live run never waits for it; that of a recording does,
-/// so that the same take gives the same pictures.
+/// For the compositing thread of one run.
 class LookKeeper {
  public:
   static constexpr int kLookStep = 6;         ///< frames from one measured plate to the next
@@ -54,12 +53,11 @@ class LookKeeper {
 
   const Session& session_;
   const bool live_;
-  LookSink* sink_ = nullptr;  ///< that of thread_
   LookFollower follower_;
   render::PictureLook first_;
   int next_look_ = 0, moved_ = 0;
   bool first_is_judged_ = false;  ///< how the camera moved in the first plate
-  std::unique_ptr<output::SinkThread> thread_;
+  FrameWatch<LookSink> watch_;
 };
 
 }  // namespace mixrig::session

@@ -10,31 +10,27 @@ namespace mixrig::session {
 Result<void> RoomKeeper::open(const ChangeOptions& options, WorkGate* gate) {
   if (!ChangeSink::can_watch(session_)) return {};
   MIXRIG_ASSIGN(auto sink, ChangeSink::create(session_, options));
-  sink_ = sink.get();
-  thread_ = std::make_unique<output::SinkThread>(
-      std::move(sink), live_ ? output::WhenFull::kDropOldest : output::WhenFull::kWait, gate);
+  watch_.open(std::move(sink), live_, gate);
   return {};
 }
 
 Result<void> RoomKeeper::push(const output::CompositePtr& composite) {
   const int number = composite->capture->number;
-  if (sink_ == nullptr || number < next_look_) return {};
+  if (!is_open() || number < next_look_) return {};
   next_look_ = number - number % ChangeSink::kFrameStep + ChangeSink::kFrameStep;
-  MIXRIG_TRY(thread_->push(composite));
-  if (!live_) thread_->wait_until_idle();
-  return {};
+  return watch_.push(composite);
 }
 
 std::shared_ptr<const KeptBackground> RoomKeeper::take_learned() {
-  return sink_ != nullptr ? sink_->take_learned() : nullptr;
+  return is_open() ? watch_.sink()->take_learned() : nullptr;
 }
 
-Result<void> RoomKeeper::finish() { return thread_ ? thread_->finish() : Result<void>(); }
+Result<void> RoomKeeper::finish() { return watch_.finish(); }
 
 const KeptBackground* RoomKeeper::kept() const {
-  return sink_ != nullptr ? sink_->kept() : nullptr;
+  return is_open() ? watch_.sink()->kept() : nullptr;
 }
 
-RoomChangesReport RoomKeeper::report() const { return sink_->report(); }
+RoomChangesReport RoomKeeper::report() const { return watch_.sink()->report(); }
 
 }  // namespace mixrig::session

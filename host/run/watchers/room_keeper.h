@@ -5,23 +5,22 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/output/sink/sink_thread.h"
 #include "host/run/session/kept_background.h"
+#include "host/run/watchers/frame_watch.h"
 #include "host/run/watchers/room_changes_report.h"
 
 namespace mixrig::session {
 
 class ChangeSink;
 
-/// For the compositing thread of one run. A live run never waits for it; that of a recording does
-/// after each frame that is looked at, so that the same take gives the same pictures.
+/// For the compositing thread of one run.
 class RoomKeeper {
  public:
   RoomKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
   /// Does nothing where ChangeSink::can_watch() is false. Errors: those of ChangeSink::create().
   Result<void> open(const ChangeOptions& options, WorkGate* gate);
-  bool is_open() const { return sink_ != nullptr; }
+  bool is_open() const { return watch_.sink() != nullptr; }
   /// Gives one of five finished frames to the watch, and where a live run loses some, the next one
   /// that there is. Errors: those of an earlier one.
   Result<void> push(const output::CompositePtr& composite);
@@ -36,9 +35,8 @@ class RoomKeeper {
  private:
   const Session& session_;
   const bool live_;
-  ChangeSink* sink_ = nullptr;  ///< that of thread_
-  int next_look_ = 0;           ///< number of a frame
-  std::unique_ptr<output::SinkThread> thread_;
+  int next_look_ = 0;  ///< number of a frame
+  FrameWatch<ChangeSink> watch_;
 };
 
 /// Writes the background that changes were accepted into as a room, or a background of one view, of

@@ -16,10 +16,8 @@ using capture::PoseLoss;
 /// Says what the test has set.
 class ScriptedPoses final : public capture::PoseSource {
  public:
+  ScriptedPoses() : PoseSource({"scripted", "scripted"}) {}
   CameraPose next;
-  std::string_view name() const override { return "scripted"; }
-  std::string describe() const override { return "scripted"; }
-  bool moves() const override { return true; }
   CameraPose pose_of(const capture::Capture&) override { return next; }
 };
 
@@ -109,7 +107,7 @@ TEST(OwnPoses, AnUnknownPoseIsTheIdentityUnlessRecordedOnesAreWanted) {
 TEST(FixedPose, IsThatOfEveryCapture) {
   const auto poses = make_fixed_pose(swing(0.3), "fixed", "fixed by the scene");
   EXPECT_EQ(poses->pose_of(capture_at(7)).world_from_target.matrix(), swing(0.3).matrix());
-  EXPECT_FALSE(poses->moves());
+  EXPECT_FALSE(poses->info().moves);
 }
 
 }  // namespace

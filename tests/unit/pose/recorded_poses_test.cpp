@@ -135,8 +135,8 @@ TEST(RecordedPoses, AreReadFromAFileThatMayHoldNaN) {
   EXPECT_EQ((*poses)->faults().not_finite, 1U);
   EXPECT_LT(distance((*poses)->pose_of(capture_at(0.52)).world_from_target, swing(0.52)).shift_m,
             1e-6);
-  EXPECT_NE((*poses)->describe().find("121 poses at 120.0 Hz"), std::string::npos)
-      << (*poses)->describe();
+  EXPECT_NE((*poses)->info().description.find("121 poses at 120.0 Hz"), std::string::npos)
+      << (*poses)->info().description;
 }
 
 TEST(RecordedPoses, APoseOfAFrameAllocatesNothing) {

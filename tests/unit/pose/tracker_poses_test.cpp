@@ -86,14 +86,14 @@ TEST_F(TrackerPosesTest, ArePlacedAtThePlatesOwnTime) {
     }
   }
   EXPECT_GT(sigma_m, 0.5 * 0.07 * 0.07);  // what a change of speed can do in 70 ms
-  EXPECT_TRUE(poses_->moves());
-  EXPECT_EQ(poses_->name(), "tracker");
+  EXPECT_TRUE(poses_->info().moves);
+  EXPECT_EQ(poses_->info().name, "tracker");
 }
 
 TEST_F(TrackerPosesTest, WithALatencyAPlateIsPlacedByThePicturesAfterIt) {
-  EXPECT_EQ(poses_->latency_s(), 0);
+  EXPECT_EQ(poses_->info().latency_s, 0);
   make(0.2);
-  EXPECT_EQ(poses_->latency_s(), 0.2);
+  EXPECT_EQ(poses_->info().latency_s, 0.2);
   std::vector<Capture> held;
   for (int i = 0; i < 6; ++i) {
     const double t_s = i * kPictureStep_s;

@@ -17,7 +17,7 @@
 #include "tests/gl/quad_mesh.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 #include "tests/unit/run/posed_source.h"
 
 namespace mixrig::session {
@@ -466,7 +466,7 @@ TEST_F(CameraPoseTest, AMotionCaptureNeedsLiveDevicesAndTheBodysPose) {
   session_.scene.pose_source = PoseSource::kMocap;
   session_.scene.camera.mocap.server = "127.0.0.1";
   use(std::make_unique<PosedSource>(5, nullptr));
-  expect_error(ErrorCode::kUsage, "a live motion capture cannot belong to a recording");
+  expect_error(ErrorCode::kUsage, "cannot belong to a recording");
   use(std::make_unique<PosedSource>(5, nullptr, true));
   session_.calibration.where = "what the devices report";
   expect_error(ErrorCode::kFormat,
@@ -478,7 +478,7 @@ TEST_F(CameraPoseTest, ExplainNamesTheSourceAndWhatALostPoseDoes) {
   use(std::make_unique<PosedSource>(10, nullptr));
   use_trajectory(write_trajectory(0, 1));
   session_.scene.camera.when_lost = scene::WhenLost::kHide;
-  const auto explained = explain(session_, 4, clock_, {});
+  const auto explained = explain(session_, 4, {}, clock_, {});
   ASSERT_TRUE(explained) << explained.error().context;
   for (const char* part :
        {"recorded: ", "121 poses at 120.0 Hz", "older than 100 ms", "virtual objects are hidden"})

@@ -19,7 +19,7 @@ class ExplainTest : public ::testing::Test {
                             "named by --calibration"};
   }
   Explanation explained() {
-    auto out = explain(session_, 4, clock_, {});
+    auto out = explain(session_, 4, {}, clock_, {});
     EXPECT_TRUE(out) << out.error().context;
     return *std::move(out);
   }
@@ -73,27 +73,6 @@ TEST_F(ExplainTest, SaysWhichCalibrationCountsAndWhy) {
   const Explanation out = explained();
   EXPECT_EQ(out.calibration, "cal.toml: named by --calibration");
   EXPECT_NE(to_text(out).find("cal.toml: named by --calibration"), std::string::npos);
-}
-
-TEST_F(ExplainTest, SaysWhyPeopleAreFollowedAndWhoIsTold) {
-  Explanation out = explained();
-  EXPECT_TRUE(why(out, "people").starts_with("not run")) << why(out, "people");
-  EXPECT_TRUE(why(out, "touch").starts_with("not run")) << why(out, "touch");
-  EXPECT_EQ(why(out, "physics"), "not run: no object has physics");
-  session_.scene.follow_people = true;
-  session_.scene.events = {"127.0.0.1:7420", "127.0.0.1:7421", true};
-  out = explained();
-  EXPECT_EQ(why(out, "people"), "people are followed for [people] and [events], beside the frames");
-  EXPECT_EQ(why(out, "touch"),
-            "who touches 0 objects, beside the frames; told in events.jsonl, as JSON to "
-            "127.0.0.1:7420, as OSC to 127.0.0.1:7421, with the places of people");
-  const auto cost_ms = [&](std::string_view pass) {
-    for (const PassLine& line : out.passes)
-      if (line.name == pass) return line.p50_ms;
-    return 0.0;
-  };
-  EXPECT_GT(cost_ms("people"), 0);
-  EXPECT_GT(cost_ms("touch"), 0);
 }
 
 }  // namespace

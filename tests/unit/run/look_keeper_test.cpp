@@ -122,9 +122,7 @@ Image<Rgb8> plate_of(float blur_px, float way_px, unsigned seed) {
 
 class Turning final : public capture::PoseSource {
  public:
-  std::string_view name() const override { return "turning"; }
-  std::string describe() const override { return "turns"; }
-  bool moves() const override { return true; }
+  Turning() : PoseSource({"turning", "turns"}) {}
   capture::CameraPose pose_of(const capture::Capture&) override { return {}; }
 };
 

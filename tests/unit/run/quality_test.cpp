@@ -117,7 +117,7 @@ TEST_F(BudgetTest, ALargeOneKeepsWhatTheSceneAsksFor) {
 // Nothing is keyed here, so that no rung is faster than another by more than chance.
 TEST_F(BudgetTest, ATinyOneIsNotReachedAndTheRunGoesOn) {
   session_.scene.quality.budget_ms = 1e-6;
-  const auto out = explain(session_, 3, clock_, {});
+  const auto out = explain(session_, 3, {}, clock_, {});
   ASSERT_TRUE(out) << out.error().context;
   ASSERT_TRUE(out->quality);
   EXPECT_FALSE(out->quality->fits());

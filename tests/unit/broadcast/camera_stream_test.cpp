@@ -120,7 +120,7 @@ TEST_F(CameraStreamTest, GivesThePoseAtMidExposureFromBothProtocols) {
       EXPECT_LT(distance(between.world_from_target, swing(t_s + 0.02)).shift_m, 0.0009);
       EXPECT_FALSE(on.covariance) << "none was stated";
     }
-    EXPECT_EQ(poses_->name(), freed ? "freed" : "opentrackio");
+    EXPECT_EQ(poses_->info().name, freed ? "freed" : "opentrackio");
     EXPECT_EQ(at(begin_s + 2.15).loss, PoseLoss::kTooOld) << "silent for 0.19 s";
   }
 }

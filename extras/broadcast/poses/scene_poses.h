@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// pose = "freed:..." and "opentrackio:..." of a scene.
+#pragma once
+
+#include <array>
+
+#include "host/run/session/extra_poses.h"
+
+namespace mixrig::broadcast {
+
+/// For SessionOptions::extra_poses. Errors: kUsage for the address; kDevice for
+/// the port; those of the calibration.
+std::array<session::ExtraPoses, 2> scene_poses();
+
+}  // namespace mixrig::broadcast
