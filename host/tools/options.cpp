@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -103,6 +104,7 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
   MIXRIG_ASSIGN(options.source, source_of(arguments));
   MIXRIG_ASSIGN(options.view_size, view_size(arguments));
   options.backend = backend_choice(arguments);
+  options.kinds = source_kinds();
   return options;
 }
 

@@ -34,6 +34,7 @@ struct SessionOptions {
   Clock* clock = nullptr;                   ///< of a rig's devices
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
   PlayOptions play{};                       ///< of the recordings that a rig plays
+  SourceKinds kinds{};                      ///< sources and devices of extras
 };
 
 /// All data that is constant during a run. `setup` points into the other members, so a session
