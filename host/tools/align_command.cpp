@@ -7,13 +7,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "extras/map/learn/map_track.h"
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/math/image_io/image_io.h"
 #include "host/output/report/plot.h"
 #include "host/pose/trajectory/align.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -88,32 +88,26 @@ Result<void> write_report(const AlignArguments& arguments, const nlohmann::json&
   return {};
 }
 
-Result<nlohmann::json> join(const AlignArguments& arguments) {
-  MIXRIG_ASSIGN(const nlohmann::json report,
-                session::join_maps(arguments.a, arguments.b, arguments.join));
-  std::printf("time offset   t_A = t_B %+.6f s  (sigma %.6f s)\n",
-              report["time_offset_s"].get<double>(), report["time_offset_sigma_s"].get<double>());
-  std::printf("rotation      sigma %.4f deg\nscale         %.5f  (sigma %.2f %%)\n",
-              report["rotation_sigma_deg"].get<double>(), report["scale"].get<double>(),
-              report["scale_sigma_pct"].get<double>());
+Result<nlohmann::json> join(const AlignArguments& arguments, const MapJobs& jobs) {
+  if (jobs.join == nullptr) return live::extra_left_out("align: --join", "map");
+  MIXRIG_ASSIGN(
+      const nlohmann::json report,
+      jobs.join(
+          {.map = arguments.a, .other = arguments.b, .out = arguments.join, .calibration = {}}));
   MIXRIG_TRY(write_report(arguments, report));
   return report;
 }
 
-Result<nlohmann::json> place(const AlignArguments& arguments) {
+Result<nlohmann::json> place(const AlignArguments& arguments, const MapJobs& jobs) {
   if (arguments.calibration.empty())
     return Error{ErrorCode::kUsage,
                  "align: --room needs --calibration: of the camera that learned the map"};
-  session::MapRoomOptions options;
-  options.map = arguments.a, options.room = arguments.b, options.out = arguments.room;
-  options.calibration = arguments.calibration, options.threads = arguments.threads;
-  MIXRIG_ASSIGN(const nlohmann::json report, session::place_map(options));
-  const auto number = [&](const char* key) { return report[key].get<double>(); };
-  std::printf("%.0f of %.0f key pictures agree, %.0f of %.0f points are on the room's surface\n",
-              number("keys_agree"), number("keys"), number("points_agree"), number("points"));
-  std::printf("place         sigma %.2f mm, %.4f deg\n", number("sigma_mm"), number("sigma_deg"));
-  std::printf("scale         %.5f m per unit  (sigma %.2f %%)\n", number("metres_per_unit"),
-              number("scale_sigma_pct"));
+  if (jobs.place == nullptr) return live::extra_left_out("align: --room", "map");
+  MIXRIG_ASSIGN(const nlohmann::json report, jobs.place({.map = arguments.a,
+                                                         .other = arguments.b,
+                                                         .out = arguments.room,
+                                                         .calibration = arguments.calibration,
+                                                         .threads = arguments.threads}));
   MIXRIG_TRY(write_report(arguments, report));
   return report;
 }
@@ -121,8 +115,8 @@ Result<nlohmann::json> place(const AlignArguments& arguments) {
 Result<nlohmann::json> act(const AlignArguments& arguments) {
   if (!arguments.join.empty() && !arguments.room.empty())
     return Error{ErrorCode::kUsage, "align: give one of --join, --room"};
-  if (!arguments.join.empty()) return join(arguments);
-  if (!arguments.room.empty()) return place(arguments);
+  if (!arguments.join.empty()) return join(arguments, map_jobs());
+  if (!arguments.room.empty()) return place(arguments, map_jobs());
   MIXRIG_ASSIGN(const trajectory::Trajectory a, read(arguments.a));
   MIXRIG_ASSIGN(const trajectory::Trajectory b, read(arguments.b));
   const auto estimate = trajectory::align(a, b, arguments.options);

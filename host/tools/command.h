@@ -21,10 +21,8 @@ struct Context {
   std::function<Result<nlohmann::json>()> action;
 };
 
-/// Every subcommand of this build: board_profile.cpp or full_profile.cpp, by MIXRIG_PROFILE.
+/// Every subcommand of this build, those of its extras too (commands.cpp).
 void add_commands(Command app, Context& context);
-/// Those of both profiles.
-void add_board_commands(Command app, Context& context);
 
 void add_run_command(Command app, Context& context);
 void add_explain_command(Command app, Context& context);

@@ -7,8 +7,8 @@
 
 #include "host/run/explain/explain.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/options.h"
-#include "host/tools/run_extras.h"
 
 namespace mixrig::tools {
 namespace {

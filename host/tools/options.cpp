@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "host/tools/command.h"
-#include "host/tools/run_extras.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -105,6 +105,7 @@ Result<session::SessionOptions> session_options(const SessionArguments& argument
   MIXRIG_ASSIGN(options.view_size, view_size(arguments));
   options.backend = backend_choice(arguments);
   options.extra_poses = extra_poses();
+  options.kinds = source_kinds();
   return options;
 }
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "hal/wire/camera/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "host/capture/depth/phase_decoder.h"
 #include "host/math/image_io/image_io.h"
 #include "studio/studio.h"

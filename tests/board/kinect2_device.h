@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/fake/emulated_kinect2.h"
+#include "extras/kinect2/emulated_kinect2.h"
 #include "tests/board/usb_device.h"
 
 namespace mixrig::board {

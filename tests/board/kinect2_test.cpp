@@ -11,10 +11,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/linux/kinect2_camera.h"
-#include "hal/linux/libusb_streams.h"
-#include "hal/wire/camera/kinect2_streams.h"
-#include "host/capture/live/rig/kinect2_depth.h"
+#include "extras/kinect2/kinect2_camera.h"
+#include "extras/kinect2/libusb_streams.h"
+#include "hal/wire/camera/kinect2_raw.h"
+#include "extras/kinect2/kinect2_depth.h"
 #include "host/math/image_io/image_io.h"
 #include "tests/board/bench.h"
 #include "tests/board/kinect2_device.h"
@@ -87,7 +87,7 @@ class Kinect2 : public ::testing::Test {
     auto usb = device::make_libusb_kinect2("");
     ASSERT_TRUE(usb) << to_line(usb.error());
     auto opened = device::open_kinect2(*std::move(usb), "kinect2:", g_kinect_clock,
-                                       live::make_kinect2_decoder);
+                                       device::make_kinect2_decoder);
     ASSERT_TRUE(opened) << to_line(opened.error());
     depth_ = device::kinect2_depth_camera(*opened);
     color_ = device::kinect2_color_camera(*std::move(opened));
@@ -177,7 +177,7 @@ TEST_F(Kinect2, DepthIsThatOfTheSamePacketsDecodedHere) {
   const auto infrared = device::parse_kinect2_infrared(answers().infrared);
   const auto offsets = device::parse_kinect2_offsets(answers().phase_offsets);
   ASSERT_TRUE(infrared && offsets);
-  const auto decoder = live::make_kinect2_decoder(*infrared, *offsets);
+  const auto decoder = device::make_kinect2_decoder(*infrared, *offsets);
   Bytes pictures, steps(2 * 512 * 424), amplitude(steps.size()), confidence(steps.size());
   for (std::size_t at = 0; at < raw_[1].size(); at += device::kKinect2PacketBytes)
     pictures.insert(pictures.end(), raw_[1].begin() + static_cast<long>(at),

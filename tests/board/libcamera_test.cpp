@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The libcamera driver on the kernel's vimc, a simulated sensor with an image processor: the
 // library's handler and algorithms module of it run.
-#include "hal/linux/libcamera/libcamera_camera.h"
+#include "extras/libcamera/libcamera_camera.h"
 #include "tests/board/bench.h"
 
 namespace mixrig::board {

@@ -13,7 +13,7 @@ constexpr auto kLit = 310ms;
 constexpr double kExposure_ms = 1;
 
 TEST_F(Rig, ALampOnATriggerLineTellsTheDelayThatTheStampsTell) {
-  if (run("mixrig bench --help").status != 0) GTEST_SKIP() << "bench needs the full profile";
+  if (run("mixrig bench --help").status != 0) GTEST_SKIP() << "bench needs a build with the studio";
   std::ofstream(kConfig, std::ios::app) << "[[trigger.line]]\nline = " << kLampLine
                                         << "\ndivider = " << kLampDivider << "\nwidth_ms = 310\n";
   HostTime lit_at{-kLit};  // of the trigger's thread

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "hal/wire/camera/kinect2_protocol.h"
+#include "extras/kinect2/kinect2_protocol.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(kinect2_answer) {

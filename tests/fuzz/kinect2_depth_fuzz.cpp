@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "hal/wire/camera/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "tests/fuzz/target.h"
 
 MIXRIG_FUZZ_TARGET(kinect2_depth) {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/wire/camera/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "host/capture/depth/phase_decoder.h"
 #include "studio/studio.h"
 #include "tests/support/libfreenect2/libfreenect2_decoder.h"

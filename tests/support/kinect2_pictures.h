@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "hal/wire/camera/kinect2_protocol.h"
+#include "hal/wire/camera/kinect2_raw.h"
 
 namespace mixrig::test {
 

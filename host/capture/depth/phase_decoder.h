@@ -7,7 +7,7 @@
 #include <span>
 
 #include "hal/base/image.h"
-#include "hal/wire/camera/kinect2_protocol.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "host/capture/depth/bounced_light.h"
 #include "host/math/geometry/camera_model.h"
 

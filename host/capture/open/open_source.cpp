@@ -8,32 +8,44 @@
 #include "host/capture/capture/preloaded_source.h"
 #include "host/capture/live/session/live_capture.h"
 #include "host/capture/live/session/live_source.h"
-#include "host/capture/open/studio.h"
 #include "host/capture/take/take_source.h"
 #include "host/scene/pose_kind.h"
 
 namespace mixrig::session {
-Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri) {
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri,
+                                                            const SourceKinds& kinds) {
   const std::size_t colon = uri.find(':');
-  const std::string kind = uri.substr(0, colon);
+  const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
-  if (kind == "take" && !rest.empty()) return take::open_take_source(rest);
-  if (kind == "studio") return open_studio(rest);
+  if (scheme == "take" && !rest.empty()) return take::open_take_source(rest);
+  std::string known = "take:DIR, ";
+  for (const SourceKind& kind : kinds.sources) {
+    if (kind.scheme == scheme)
+      return kind.open != nullptr ? kind.open(rest)
+                                  : live::extra_left_out("--source " + uri, kind.scheme);
+    if (kind.open != nullptr) known += std::string(kind.uri) + ", ";
+  }
   return Error{ErrorCode::kUsage,
-               "--source \"" + uri +
-                   "\" is not a source: use take:DIR, studio[:SCENARIO,SEED,RIG] or "
-                   "rig[:RIG.TOML]"};
+               "--source \"" + uri + "\" is not a source: use " + known + "or rig[:RIG.TOML]"};
 }
 
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play) {
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig, const SourceKinds& kinds,
+                                             PlayOptions play) {
+  std::vector<std::string_view> schemes;
+  for (const SourceKind& kind : kinds.sources) schemes.push_back(kind.scheme);
   std::vector<live::Recording> recordings;
-  for (const std::string& uri : live::recordings_of(rig)) {
-    auto source = open_source(uri);
+  for (const std::string& uri : live::recordings_of(rig, schemes)) {
+    auto source = open_source(uri, kinds);
     if (play.preload && source) source = capture::preloaded(*std::move(source));
     if (play.frames > 0 && source) source = capture::repeated(*std::move(source), play.frames);
     recordings.push_back({uri, std::move(source)});
   }
   return recordings;
+}
+
+live::DeviceOpener device_opener(const live::RigConfig& rig, const SourceKinds& kinds, Clock& clock,
+                                 PlayOptions play) {
+  return live::DeviceOpener(clock, open_recordings(rig, kinds, play), kinds.devices);
 }
 
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye) {
@@ -68,8 +80,9 @@ live::RigConfig without_idle_trigger(live::RigConfig rig) {
 
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
-    Clock& clock, PlayOptions play, std::shared_ptr<live::CameraSettings> settings,
-    std::shared_ptr<live::RunningRig> running, bool lends) {
+    Clock& clock, const SourceKinds& kinds, PlayOptions play,
+    std::shared_ptr<live::CameraSettings> settings, std::shared_ptr<live::RunningRig> running,
+    bool lends) {
   MIXRIG_ASSIGN(live::RigConfig rig, live::read_rig(rig_toml));
   rig = used_by(scene, std::move(rig));
   if (lends && !rig.cameras.empty()) rig.cameras.front().request.lends = true;
@@ -83,7 +96,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_rig(
                                          " has no fisheye: add a further [[camera]] with name = "
                                          "\"fisheye\""};
   MIXRIG_ASSIGN(live::Devices devices,
-                live::open_devices(rig, live::DeviceOpener(clock, open_recordings(rig, play))));
+                live::open_devices(rig, device_opener(rig, kinds, clock, play)));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock,
                                 live::WhenLost::kGoOn, std::move(settings), std::move(running));
 }

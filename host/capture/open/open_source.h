@@ -14,14 +14,15 @@
 #include "host/capture/live/rig/camera_settings.h"
 #include "host/capture/live/rig/devices.h"
 #include "host/capture/live/session/running_rig.h"
+#include "host/capture/open/source_kinds.h"
 #include "host/scene/scene.h"
 
 namespace mixrig::session {
 
-/// Opens "take:DIR" or "studio[:SCENARIO,SEED,RIG,...]".
-/// Errors: kUsage for another URI; kUnsupported for the studio in the board profile; those of the
-/// take.
-Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri);
+/// Opens "take:DIR" or a source of `kinds`. Errors: kUsage for another URI; kUnsupported for one of
+/// an extra that is left out; those of the take and of the kind.
+Result<std::unique_ptr<capture::CaptureSource>> open_source(const std::string& uri,
+                                                            const SourceKinds& kinds = {});
 
 /// How recordings are played as devices.
 struct PlayOptions {
@@ -29,10 +30,14 @@ struct PlayOptions {
   int frames = 0;        ///< they are repeated until they have so many; 0: once
 };
 
-/// Opens the recordings that a rig's take: and studio: devices play. An entry that cannot be opened
-/// holds the error.
-/// As `play` says.
-std::vector<live::Recording> open_recordings(const live::RigConfig& rig, PlayOptions play = {});
+/// Opens the recordings that devices of a rig play, take: and the sources of `kinds`, as `play`
+/// says. An entry that cannot be opened holds the error.
+std::vector<live::Recording> open_recordings(const live::RigConfig& rig,
+                                             const SourceKinds& kinds = {}, PlayOptions play = {});
+
+/// Opens the devices of a rig: those of the core, those of `kinds`, and its recordings.
+live::DeviceOpener device_opener(const live::RigConfig& rig, const SourceKinds& kinds, Clock& clock,
+                                 PlayOptions play = {});
 
 /// All but the first camera and, where wanted, the one named "fisheye".
 void leave_out_cameras(live::RigConfig& rig, bool keep_fisheye);
@@ -52,7 +57,8 @@ live::RigConfig without_idle_trigger(live::RigConfig rig);
 /// camera or a depth camera, kFormat without the head or the fisheye that the scene's pose needs.
 Result<std::unique_ptr<capture::CaptureSource>> open_rig(
     const std::filesystem::path& rig_toml, const scene::Scene& scene, const std::atomic<bool>& stop,
-    Clock& clock, PlayOptions play = {}, std::shared_ptr<live::CameraSettings> settings = nullptr,
+    Clock& clock, const SourceKinds& kinds = {}, PlayOptions play = {},
+    std::shared_ptr<live::CameraSettings> settings = nullptr,
     std::shared_ptr<live::RunningRig> running = nullptr, bool lends = false);
 
 }  // namespace mixrig::session

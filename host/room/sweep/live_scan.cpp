@@ -266,9 +266,8 @@ Result<LiveScan> sweep_room(const LiveScanOptions& options, const std::atomic<bo
                             Clock& clock) {
   MIXRIG_ASSIGN(const SweepSetup setup, sweep_setup(options));
   MIXRIG_ASSIGN(SweepIdentity identity, check_sweep(options, setup));
-  MIXRIG_ASSIGN(
-      live::Devices devices,
-      live::open_devices(setup.rig, live::DeviceOpener(clock, open_recordings(setup.rig))));
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(setup.rig, device_opener(setup.rig, options.kinds, clock)));
   MIXRIG_ASSIGN(const live::SweepFacts facts, live::sweep_facts(setup.rig, devices));
   MIXRIG_ASSIGN(BegunSweep begun, begin_sweep(options, setup, std::move(identity), facts));
   if (begun.scan.views >= begun.scan.planned) return std::move(begun.scan);

@@ -10,6 +10,7 @@
 #include "hal/base/image.h"
 #include "hal/base/result.h"
 #include "host/capture/live/session/running_rig.h"
+#include "host/capture/open/source_kinds.h"
 
 namespace mixrig::session {
 
@@ -33,6 +34,7 @@ struct LiveScanOptions {
   double overlap = 0.1;
   int most_views = 0;  ///< 0: as many as it takes; else the height of the field may be lowered
   int view_frames = 4;
+  SourceKinds kinds;    ///< of sweep_room(): devices and recordings of extras
   bool bracket = true;  ///< also plates at other exposures, where a view saturates or is dark
   /// Called once before the unit moves: views, planned, resumed and covered_share are known.
   std::function<void(const LiveScan& plan)> planned;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/capture/calibration_file/calibration.h"
+#include "host/capture/live/rig/device_kind.h"
 #include "host/pose/mocap/mocap_poses.h"
 #include "host/pose/source/fixed_poses.h"
 #include "host/pose/source/pan_tilt_poses.h"
@@ -128,10 +129,9 @@ Result<pose::MocapOptions> mocap_options(const Session& session) {
 Poses extra_poses(const Session& session, const Clock* clock) {
   for (const ExtraPoses& extra : session.extra_poses)
     if (extra.source == session.scene.pose_source) return extra.open(session, clock);
-  return at_camera(session, "pose", ErrorCode::kUnsupported,
-                   fmt::format("this mixrig was built without \"{}\": build it with broadcast in "
-                               "MIXRIG_EXTRAS, or use another pose",
-                               scene::name(session.scene.pose_source)));
+  return live::extra_left_out(session.scene.path.string() + ": camera.pose = \"" +
+                                  scene::name(session.scene.pose_source) + "\"",
+                              "broadcast");
 }
 
 /// Null without a clock.

@@ -39,13 +39,13 @@ std::string view_text(const geometry::Pinhole& view) {
 Result<std::unique_ptr<capture::CaptureSource>> open_any_source(const SessionOptions& options,
                                                                 Session& session) {
   const std::string& uri = options.source;
-  if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri);
+  if (uri != "rig" && !uri.starts_with("rig:")) return open_source(uri, options.kinds);
   if (options.clock == nullptr || options.stop == nullptr)
     return Error{ErrorCode::kUsage, "--source " + uri + ": only mixrig run accepts live devices"};
   session.cameras = std::make_shared<live::CameraSettings>();
   session.rig = std::make_shared<live::RunningRig>();
   return open_rig(uri.size() > 4 ? uri.substr(4) : "rig.toml", session.scene, *options.stop,
-                  *options.clock, options.play, session.cameras, session.rig,
+                  *options.clock, options.kinds, options.play, session.cameras, session.rig,
                   may_take_gles(session.backend));
 }
 

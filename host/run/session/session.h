@@ -36,6 +36,7 @@ struct SessionOptions {
   const std::atomic<bool>* stop = nullptr;  ///< ends a rig's frames
   PlayOptions play{};                       ///< of the recordings that a rig plays
   std::vector<ExtraPoses> extra_poses{};    ///< that this build has
+  SourceKinds kinds{};                      ///< sources and devices of extras
 };
 
 /// All data that is constant during a run. `setup` points into the other members, so a session

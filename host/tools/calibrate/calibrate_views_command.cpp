@@ -8,6 +8,7 @@
 #include "host/capture/open/open_source.h"
 #include "host/tools/calibrate/collect_views.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -29,7 +30,7 @@ Result<std::unique_ptr<capture::CaptureSource>> open_cameras(const std::string& 
   session::leave_out_cameras(rig, true);
   rig = session::without_idle_trigger(std::move(rig));
   MIXRIG_ASSIGN(live::Devices devices,
-                live::open_devices(rig, live::DeviceOpener(clock, session::open_recordings(rig))));
+                live::open_devices(rig, session::device_opener(rig, source_kinds(), clock)));
   return live::make_live_source(std::move(rig), std::move(devices), stop, clock);
 }
 
@@ -62,7 +63,7 @@ Result<nlohmann::json> take_views(const ViewsArguments& given) {
     if (rig.empty()) return Error{ErrorCode::kUsage, "--turn moves the unit of a rig: give --rig"};
     return turn_views(rig, arguments, StopOnSignal::flag(), clock);
   }
-  MIXRIG_ASSIGN(const auto source, rig.empty() ? session::open_source(given.source)
+  MIXRIG_ASSIGN(const auto source, rig.empty() ? session::open_source(given.source, source_kinds())
                                                : open_cameras(rig, StopOnSignal::flag(), clock));
   return collect_views(*source, arguments, StopOnSignal::flag());
 }

@@ -15,6 +15,7 @@
 #include "host/capture/open/open_source.h"
 #include "host/tools/calibrate/collect_views.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -102,9 +103,8 @@ Result<nlohmann::json> turn_views(const std::filesystem::path& rig_toml,
                                   const CollectArguments& given, const std::atomic<bool>& stop,
                                   Clock& clock) {
   MIXRIG_ASSIGN(const live::RigConfig config, rig_with_unit(rig_toml));
-  MIXRIG_ASSIGN(
-      live::Devices devices,
-      live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(config, session::device_opener(config, source_kinds(), clock)));
   MIXRIG_ASSIGN(const take::TakeInfo info, live::take_info(config, devices));
   const device::PanTiltInfo unit = devices.pan_tilt->info();
   CollectArguments arguments = given;

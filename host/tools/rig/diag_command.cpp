@@ -11,6 +11,7 @@
 #include "host/capture/live/rig/discover.h"
 #include "host/capture/open/open_source.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -69,14 +70,14 @@ Result<nlohmann::json> diag(const DiagArguments& arguments) {
   SystemClock clock;
   live::RigConfig config;
   if (arguments.rig.empty()) {
-    config = live::discover({.network = !arguments.no_network}, clock);
+    config = live::discover({.network = !arguments.no_network}, source_kinds().devices, clock);
   } else {
     MIXRIG_ASSIGN(config, live::read_rig(arguments.rig));
   }
   options.watch = Duration(static_cast<long>(arguments.watch_s * 1e9));
   options.move_head = !arguments.no_move;
-  const auto checks = live::diagnose(
-      config, live::DeviceOpener(clock, session::open_recordings(config)), options, clock);
+  const auto checks =
+      live::diagnose(config, session::device_opener(config, source_kinds(), clock), options, clock);
   print(checks);
   return to_json(checks);
 }

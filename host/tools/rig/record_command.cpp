@@ -12,6 +12,7 @@
 #include "host/capture/open/open_source.h"
 #include "host/output/report/rig_json.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/stop_on_signal.h"
 
 namespace mixrig::tools {
@@ -39,9 +40,8 @@ Result<nlohmann::json> record(const RecordArguments& arguments) {
   MIXRIG_TRY(check_out(arguments));
   MIXRIG_ASSIGN(const live::RigConfig config, live::read_rig(arguments.rig));
   SystemClock clock;
-  MIXRIG_ASSIGN(
-      live::Devices devices,
-      live::open_devices(config, live::DeviceOpener(clock, session::open_recordings(config))));
+  MIXRIG_ASSIGN(live::Devices devices,
+                live::open_devices(config, session::device_opener(config, source_kinds(), clock)));
   live::RecordOptions options;
   options.out = arguments.out;
   options.duration = Duration(static_cast<long>(arguments.duration_s * 1e9));

@@ -9,6 +9,7 @@
 #include "hal/base/partial_path.h"
 #include "host/capture/live/rig/discover.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 
 namespace mixrig::tools {
 namespace {
@@ -23,7 +24,8 @@ Result<nlohmann::json> init(const RigFileArguments& arguments) {
     return Error{ErrorCode::kUsage,
                  "'" + arguments.out + "' exists: name another file, or use --force"};
   SystemClock clock;
-  const live::RigConfig config = live::discover({.network = !arguments.no_network}, clock);
+  const live::RigConfig config =
+      live::discover({.network = !arguments.no_network}, source_kinds().devices, clock);
   MIXRIG_TRY(write_file(arguments.out, live::rig_text(config)));
   const int depth = (config.depth ? 1 : 0) + (config.depth2 ? 1 : 0);
   std::printf("%s: %zu cameras, %d depth cameras, %s trigger, %s pan-tilt unit\n",

@@ -21,6 +21,7 @@
 #include "host/room/sweep/live_scan.h"
 #include "host/room/sweep/room_scan.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/options.h"
 #include "host/tools/room/room_report.h"
 #include "host/tools/room/scan_merge.h"
@@ -131,6 +132,7 @@ void print_plan(const session::LiveScan& plan) {
 Result<session::LiveScan> drive_sweep(const ScanArguments& arguments) {
   session::LiveScanOptions options;
   options.rig = arguments.rig, options.calibration = arguments.session.calibration;
+  options.kinds = source_kinds();
   options.out = arguments.out, options.overlap = arguments.overlap;
   options.view_frames = arguments.view_frames;
   options.most_views = arguments.most_views;

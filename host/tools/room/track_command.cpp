@@ -8,7 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "extras/map/learn/map_track.h"
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/capture/calibration_file/calibration.h"
@@ -18,6 +17,7 @@
 #include "host/pose/tracker/room_track.h"
 #include "host/scene/scene.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -184,31 +184,18 @@ Result<nlohmann::json> track_in_room(const TrackArguments& arguments) {
   return json;
 }
 
-Result<nlohmann::json> track_in_map(const TrackArguments& arguments) {
-  session::MapTrackOptions options;
-  options.map = arguments.map, options.take = arguments.take;
-  options.calibration = arguments.calibration, options.threads = arguments.threads;
-  MIXRIG_ASSIGN(options.world_from_room, place_of_room(arguments.scene));
-  options.tracker.align.patches = arguments.patches;
-  options.tracker.align.finest = arguments.finest;
-  MIXRIG_ASSIGN(const session::MapTrack track, session::track_map(options));
-  const nlohmann::json& json = track.report;
-  std::printf("%d pictures, %.1f %% without a pose, %.0f pictures a second\n",
-              json["frames"].get<int>(), json["lost_pct"].get<double>(), json["fps"].get<double>());
-  if (json.contains("rms_mm")) {
-    const std::string of = json.contains("aligned")
-                               ? "camera after " + json["aligned"].get<std::string>() + " alignment"
-                               : "target camera";
-    std::printf("error of the %s: %.2f mm RMS, 95 %% within %.2f mm, %.4f deg RMS\n", of.c_str(),
-                json["rms_mm"].get<double>(), json["p95_mm"].get<double>(),
-                json["rms_deg"].get<double>());
-  }
-  if (track.lost)
-    return Error{ErrorCode::kData, arguments.take +
-                                       ": the map explains none of its pictures: is it a take of "
-                                       "this room, and is the camera calibrated?"};
-  if (!arguments.tum.empty()) MIXRIG_TRY(write_file(arguments.tum, track.tum));
-  return json;
+Result<nlohmann::json> track_by_map(const TrackArguments& arguments, const MapJobs& jobs) {
+  if (jobs.track == nullptr) return live::extra_left_out("track: --map", "map");
+  MapTrackArguments given{.map = arguments.map,
+                          .take = arguments.take,
+                          .calibration = arguments.calibration,
+                          .tum = arguments.tum,
+                          .world_from_room = {},
+                          .patches = arguments.patches,
+                          .finest = arguments.finest,
+                          .threads = arguments.threads};
+  MIXRIG_ASSIGN(given.world_from_room, place_of_room(arguments.scene));
+  return jobs.track(given);
 }
 
 Result<nlohmann::json> track(const TrackArguments& arguments) {
@@ -220,7 +207,7 @@ Result<nlohmann::json> track(const TrackArguments& arguments) {
   if (!arguments.map.empty()) {
     if (arguments.take.empty())
       return Error{ErrorCode::kUsage, "track: --map needs --take: whose pictures?"};
-    return track_in_map(arguments);
+    return track_by_map(arguments, map_jobs());
   }
   if (!arguments.model.empty()) {
     if (arguments.take.empty())

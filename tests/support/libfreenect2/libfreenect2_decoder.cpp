@@ -9,7 +9,7 @@
 #include <libfreenect2/depth_packet_processor.h>
 #include <libfreenect2/depth_packet_stream_parser.h>
 
-#include "hal/wire/camera/kinect2_protocol.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "host/math/geometry/camera_model.h"
 
 // Defined in a file of the library that is not compiled here, since it needs the device.

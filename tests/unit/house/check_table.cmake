@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Fails when the table of modules in ARCHITECTURE.md is not what the link lists say.
-# TABLE: the file. MODULES: modules.txt of the build, profile full. With -DWRITE=ON the third column is
-# written instead: cmake -DWRITE=ON -DTABLE=ARCHITECTURE.md -DMODULES=BUILD/modules.txt -P check_table.cmake
+# TABLE: the file. MODULES: modules.txt of the build. LEFT_OUT: folders of the modules that this build
+# leaves out; their rows stay, and the command, which links them, has more in its row than it links. With
+# -DWRITE=ON the third column is written instead (of a build with all modules): cmake -DWRITE=ON -DTABLE=ARCHITECTURE.md -DMODULES=BUILD/modules.txt -P check_table.cmake
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/modules.cmake)
 read_modules(${MODULES})
@@ -40,7 +41,15 @@ foreach(module IN LISTS MIXRIG_MODULE_NAMES)
     continue()
   endif()
   set(new "\n| `${${module}_folder}` | ${CMAKE_MATCH_1} | ${links} |\n")
-  if(NOT row STREQUAL new)
+  if(LEFT_OUT AND module STREQUAL "tools")
+    string(REPLACE ", " ";" shown "${CMAKE_MATCH_2}")
+    string(REPLACE ", " ";" unshown "${links}")
+    list(TRANSFORM shown STRIP)
+    list(REMOVE_ITEM unshown ${shown})
+    if(unshown)
+      list(APPEND wrong "`${${module}_folder}` links: ${unshown}")
+    endif()
+  elseif(NOT row STREQUAL new)
     list(APPEND wrong "`${${module}_folder}` links: ${links}")
     string(REPLACE "${row}" "${new}" document "${document}")
   endif()
@@ -49,6 +58,9 @@ string(REGEX MATCHALL "\n[|] `[^`\n]+` [|]" rows "${document}")
 foreach(row IN LISTS rows)
   string(REGEX REPLACE "\n[|] `([^`]+)` [|]" "\\1" folder "${row}")
   set(known FALSE)
+  if(folder IN_LIST LEFT_OUT)
+    continue()
+  endif()
   foreach(module IN LISTS MIXRIG_MODULE_NAMES)
     if(folder STREQUAL ${module}_folder OR folder STREQUAL "${${module}_folder}")
       set(known TRUE)

@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 set(breaches "")
 foreach(module IN ITEMS firmware hal host/capture/capture host/capture/live host/capture/open host/capture/sync host/operator/desk host/output
-  host/pose host/room host/run extras/people/watch)
+  host/pose host/room host/run extras/kinect2 extras/openni2 extras/libcamera extras/people/watch)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${module}/*.h ${ROOT}/${module}/*.cpp)
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "system_clock|CLOCK_REALTIME|gettimeofday|std::time\\(")

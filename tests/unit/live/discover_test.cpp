@@ -25,39 +25,6 @@ RigConfig written(const RigConfig& rig) {
   return read ? *read : RigConfig();
 }
 
-TEST(Discover, KinectsAreFoundByTheirSerialNumbers) {
-  const auto kinects = kinects_of({"000123", "000456"});
-  Uris left_out;
-  const RigConfig rig = written(rig_of(kinects, left_out));
-  ASSERT_EQ(rig.cameras.size(), 2U);
-  EXPECT_EQ(rig.cameras[0].uri, "kinect2:000123/color");
-  EXPECT_EQ(rig.cameras[1].uri, "kinect2:000456/color");
-  ASSERT_TRUE(rig.depth && rig.depth2);
-  EXPECT_EQ(rig.depth->uri, "kinect2:000123");
-  EXPECT_EQ(rig.depth2->uri, "kinect2:000456");
-  EXPECT_TRUE(rig.depth->request.size.empty()) << "the driver has one mode";
-  EXPECT_EQ(left_out, Uris{});
-}
-
-TEST(Discover, AKinectWithoutASerialNumberIsTheOnlyOneOrLeftOut) {
-  EXPECT_EQ(kinects_of({""}).at(1).uri, "kinect2:");
-  const auto kinects = kinects_of({"", "000456"});
-  ASSERT_EQ(kinects.size(), 2U);
-  EXPECT_EQ(kinects[1].uri, "kinect2:000456");
-}
-
-TEST(Discover, WhatTheLibrariesListIsOpenedAndWebcamsByV4l2Alone) {
-  const DeviceLists lists{.v4l2 = {"/dev/video0"},
-                          .libcamera = {"/base/soc/i2c0mux/i2c@1/imx219@10",
-                                        "\\_SB_.PCI0.GP17.XHC0.RHUB.PRT3-3:1.0-046d:0825"},
-                          .aravis = {"Basler-1"},
-                          .openni2 = {"1d27/0601@1/4"},
-                          .kinect2 = {"000123"}};
-  EXPECT_EQ(uris_to_open(lists),
-            (Uris{"v4l2:/dev/video0", "libcamera:/base/soc/i2c0mux/i2c@1/imx219@10",
-                  "aravis:Basler-1", "openni2:1d27/0601@1/4"}));
-}
-
 TEST(Discover, ASecondDepthCameraIsASecondTableAndAThirdIsNamed) {
   Uris left_out;
   const RigConfig rig = written(
@@ -75,16 +42,17 @@ TEST(Discover, ASecondDepthCameraIsASecondTableAndAThirdIsNamed) {
   EXPECT_EQ(left_out, Uris{"usb:1209:0001"});
 }
 
-TEST(Discover, TheRawSideOfACameraByLibcameraIsLeftOut) {
-  const std::vector<FoundCamera> cameras{
+TEST(Discover, TheRawSideOfAProcessedCameraIsLeftOut) {
+  std::vector<FoundCamera> cameras{
       found("v4l2:/dev/video0", PixelFormat::kBayerRggb16),
       found("v4l2:/dev/video2", PixelFormat::kYuyv, {640, 480}, 0x046D),
-      found("libcamera:/base/imx219@10", PixelFormat::kNv12, {1920, 1080})};
+      found("processed:/base/imx219@10", PixelFormat::kNv12, {1920, 1080})};
+  cameras.back().processed = true;
   Uris left_out;
   const RigConfig rig = written(rig_of(cameras, left_out));
   ASSERT_EQ(rig.cameras.size(), 2U);
   EXPECT_EQ(rig.cameras[0].uri, "v4l2:/dev/video2");
-  EXPECT_EQ(rig.cameras[1].uri, "libcamera:/base/imx219@10");
+  EXPECT_EQ(rig.cameras[1].uri, "processed:/base/imx219@10");
   EXPECT_EQ(rig.cameras[1].name, "camera2");
   EXPECT_EQ(left_out, Uris{"v4l2:/dev/video0"});
   left_out.clear();

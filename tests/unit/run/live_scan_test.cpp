@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/capture/calibration_file/calibration.h"
+#include "studio/io/studio_source.h"
 #include "tests/support/ptu_on_a_pty.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,6 +29,7 @@ class LiveScanPlan : public ::testing::Test {
                         "target\"\n[depth]\n" + studio +
                         "tof\"\n[pan_tilt]\nuri = \"flir-ptu:" + unit_.name() + "\"\n");
     options_.out = folder_ / "room";
+    options_.kinds.sources = {{"studio", "studio:OPTIONS", studio_io::open_studio_source}};
     options_.calibration = folder_ / "calibration.toml";
     options_.planned = [this](const LiveScan& plan) { plan_ = plan; };
     write({64, 48});

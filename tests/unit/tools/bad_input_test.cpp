@@ -54,22 +54,87 @@ void joined_room(const TinyTake& t) {
              rest + "[[room]]\nfolder = \"room_2\"\n" + rest);
 }
 
+/// Of the extras that are built; one that is not is named.
+std::vector<Row> rows_of_extras() {
+  std::vector<Row> all;
+#ifdef MIXRIG_EXTRA_PEOPLE
+  for (const Row& row : std::initializer_list<Row>{
+           {"PlanBox",
+            nothing,
+            "plan scene.toml --source take:take out --box 1,2",
+            2,
+            {"--box", "0.5,0.5,1"},
+            ""},
+           {"PlanBoxOfNothing",
+            nothing,
+            "plan scene.toml --source take:take out --box 0,1,1",
+            2,
+            {"--box"},
+            ""},
+           {"PlanMissingTake", nothing, "plan scene.toml --source take:no out", 2, {"no"}, ""},
+       })
+    all.push_back(row);
+#endif
+#ifdef MIXRIG_EXTRA_STUDIO
+  for (const Row& row : std::initializer_list<Row>{
+           {"OptionOfABoard",
+            nothing,
+            "studio out --bend 3",
+            2,
+            {"--bend", "--scenario board"},
+            ""},
+           {"OptionOfASweep",
+            nothing,
+            "studio out --scenario board --overlap 0.3",
+            2,
+            {"--overlap", "--scenario sweep"},
+            ""},
+           {"EndlessNumber", nothing, "studio out --zoom inf", 2, {"inf", "finite"}, ""},
+           {"RefocusOfOneNumber",
+            nothing,
+            "studio out --refocus 6",
+            2,
+            {"'6'", "SECONDS,METRES"},
+            ""},
+           {"RefocusTooNear", nothing, "studio out --refocus 6,0.01", 2, {"0.1 to 100 m"}, ""},
+           {"RefocusOfASharpLens",
+            nothing,
+            "studio out --plain --refocus 6,1",
+            2,
+            {"\"defocus\""},
+            ""},
+       })
+    all.push_back(row);
+  const std::pair<const char*, const char*> sources[] = {
+      {"studio:wolk", "wolk"},
+      {"studio:walk,x", "seed"},
+      {"studio:walk,1,kinect2,9,64", "WxH"},
+      {"studio:walk,1,kinect2,9,64x48,64x48,1", "at most"}};
+  for (const auto& [source, contains] : sources)
+    all.push_back({"StudioSource",
+                   nothing,
+                   std::string("run scene.toml --out out --source ") + source,
+                   2,
+                   {contains},
+                   ""});
+#else
+  all.push_back({"StudioLeftOut",
+                 nothing,
+                 "run scene.toml --out out --source studio",
+                 1,
+                 {"\"studio\"", "MIXRIG_EXTRAS"},
+                 ""});
+#endif
+#ifndef MIXRIG_EXTRA_MAP
+  all.push_back(
+      {"MapLeftOut", nothing, "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}, ""});
+#endif
+  return all;
+}
+
 std::vector<Row> rows() {
   std::vector<Row> all{
       {"MissingScene", nothing, "run no.toml --source take:take --out out", 2, {"no.toml"}, ""},
-      {"PlanBox",
-       nothing,
-       "plan scene.toml --source take:take out --box 1,2",
-       2,
-       {"--box", "0.5,0.5,1"},
-       ""},
-      {"PlanBoxOfNothing",
-       nothing,
-       "plan scene.toml --source take:take out --box 0,1,1",
-       2,
-       {"--box"},
-       ""},
-      {"PlanMissingTake", nothing, "plan scene.toml --source take:no out", 2, {"no"}, ""},
       {"MissingTake", nothing, "run scene.toml --source take:no --out out", 2, {"no"}, ""},
       {"UnknownSource",
        nothing,
@@ -266,16 +331,8 @@ std::vector<Row> rows() {
        2,
        {"srt://host", "HOST:PORT"},
        ""},
-      {"OptionOfABoard", nothing, "studio out --bend 3", 2, {"--bend", "--scenario board"}, ""},
-      {"OptionOfASweep",
-       nothing,
-       "studio out --scenario board --overlap 0.3",
-       2,
-       {"--overlap", "--scenario sweep"},
-       ""},
       {"RecordOverATake", nothing, "record take", 2, {"'take'", "--force"}, ""},
       {"NotANumber", nothing, std::string(kRun) + " --change-after nan", 2, {"nan"}, ""},
-      {"EndlessNumber", nothing, "studio out --zoom inf", 2, {"inf", "finite"}, ""},
       {"ScanOfFramesThatAreNotThere",
        nothing,
        "scan --static take --frames 1-9 bg",
@@ -303,9 +360,6 @@ std::vector<Row> rows() {
        {"000001.png"},
        ""},
       {"ExplainWithoutASource", nothing, "explain scene.toml", 2, {"--source"}, ""},
-      {"RefocusOfOneNumber", nothing, "studio out --refocus 6", 2, {"'6'", "SECONDS,METRES"}, ""},
-      {"RefocusTooNear", nothing, "studio out --refocus 6,0.01", 2, {"0.1 to 100 m"}, ""},
-      {"RefocusOfASharpLens", nothing, "studio out --plain --refocus 6,1", 2, {"\"defocus\""}, ""},
   };
   all.push_back({"AbsentEgl",
                  nothing,
@@ -313,18 +367,7 @@ std::vector<Row> rows() {
                  1,
                  {"EGL"},
                  "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent"});
-  const std::pair<const char*, const char*> sources[] = {
-      {"studio:wolk", "wolk"},
-      {"studio:walk,x", "seed"},
-      {"studio:walk,1,kinect2,9,64", "WxH"},
-      {"studio:walk,1,kinect2,9,64x48,64x48,1", "at most"}};
-  for (const auto& [source, contains] : sources)
-    all.push_back({"StudioSource",
-                   nothing,
-                   std::string("run scene.toml --out out --source ") + source,
-                   2,
-                   {contains},
-                   ""});
+  for (Row& row : rows_of_extras()) all.push_back(std::move(row));
   return all;
 }
 

@@ -10,10 +10,6 @@
 #include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
 #include "hal/linux/gpiod/gpiod_lines.h"
-#include "hal/linux/kinect2_camera.h"
-#include "hal/linux/libcamera/libcamera_camera.h"
-#include "hal/linux/libusb_streams.h"
-#include "hal/linux/openni2/openni2_camera.h"
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/linux/tof_usb_camera.h"
 #include "hal/linux/v4l2/realsense_unit.h"
@@ -25,7 +21,6 @@
 #include "hal/wire/reopening_byte_stream.h"
 #include "hal/wire/trigger/mcu_trigger.h"
 #include "host/capture/live/rig/depth_phases.h"
-#include "host/capture/live/rig/kinect2_depth.h"
 
 namespace mixrig::live {
 namespace {
@@ -42,7 +37,7 @@ Uri split(const std::string& uri) {
   return {uri.substr(0, colon), uri.substr(colon + 1)};
 }
 
-Error unknown(const std::string& uri, const char* what, const char* known) {
+Error unknown(const std::string& uri, const char* what, const std::string& known) {
   return Error{ErrorCode::kUsage, "'" + uri + "' is not a " + what + ": use " + known};
 }
 
@@ -52,7 +47,7 @@ Result<std::unique_ptr<device::ByteStream>> open_line(const std::string& name, C
                                            clock);
 }
 
-bool is_playable(const Uri& uri) { return uri.scheme == "take" || uri.scheme == "studio"; }
+constexpr std::string_view kTakeScheme = "take";
 
 /// One picture stream of a recording: "take:DIR/color" is DIR and "color".
 struct StreamUri {
@@ -66,12 +61,49 @@ StreamUri stream_uri(const Uri& uri) {
 
 }  // namespace
 
-std::vector<std::string> recordings_of(const RigConfig& rig) {
+DeviceOpener::DeviceOpener(Clock& clock, std::vector<Recording> recordings,
+                           std::span<const DeviceKind> kinds)
+    : clock_(clock), recordings_(std::move(recordings)) {
+  for (const DeviceKind& kind : kinds)
+    kinds_.push_back({kind, kind.make != nullptr ? kind.make(clock) : nullptr});
+}
+
+const DeviceOpener::Kind* DeviceOpener::kind_of(const std::string& scheme) const {
+  const auto found = std::find_if(kinds_.begin(), kinds_.end(),
+                                  [&](const Kind& k) { return k.kind.scheme == scheme; });
+  return found != kinds_.end() ? &*found : nullptr;
+}
+
+bool DeviceOpener::is_recording(const std::string& scheme) const {
+  return scheme == kTakeScheme ||
+         std::any_of(recordings_.begin(), recordings_.end(),
+                     [&](const Recording& r) { return split(r.uri).scheme == scheme; });
+}
+
+std::string DeviceOpener::known_uris(std::string_view DeviceKind::*uri) const {
+  std::string text;
+  for (const Kind& kind : kinds_)
+    if (kind.driver && !(kind.kind.*uri).empty()) text += std::string(kind.kind.*uri) + ", ";
+  return text;
+}
+
+std::vector<FoundCamera> DeviceOpener::find() {
+  std::vector<FoundCamera> found;
+  for (const Kind& kind : kinds_)
+    if (kind.driver)
+      for (FoundCamera& camera : kind.driver->find()) found.push_back(std::move(camera));
+  return found;
+}
+
+std::vector<std::string> recordings_of(const RigConfig& rig,
+                                       std::span<const std::string_view> schemes) {
   std::vector<std::string> uris;
   const auto add = [&](const std::string& uri) {
     const Uri parts = split(uri);
     const std::string recording = stream_uri(parts).recording;
-    if (is_playable(parts) && std::find(uris.begin(), uris.end(), recording) == uris.end())
+    const bool played = parts.scheme == kTakeScheme ||
+                        std::find(schemes.begin(), schemes.end(), parts.scheme) != schemes.end();
+    if (played && std::find(uris.begin(), uris.end(), recording) == uris.end())
       uris.push_back(recording);
   };
   for (const CameraConfig& camera : rig.cameras) add(camera.uri);
@@ -95,25 +127,6 @@ Result<std::shared_ptr<Player>> DeviceOpener::open_player(const std::string& rec
   return Error{ErrorCode::kUsage, recording + ": recordings cannot be played as devices here"};
 }
 
-/// One device for its colour and its depth camera.
-Result<std::shared_ptr<device::OpenNi2Device>> DeviceOpener::open_openni2(const std::string& uri) {
-  for (const auto& [name, device] : openni2_)
-    if (name == uri) return device;
-  MIXRIG_ASSIGN(auto device, device::open_openni2(uri, clock_));
-  openni2_.emplace_back(uri, device);
-  return device;
-}
-
-Result<std::shared_ptr<device::Kinect2>> DeviceOpener::open_kinect(const std::string& serial) {
-  for (const auto& [name, kinect] : kinects_)
-    if (name == serial) return kinect;
-  MIXRIG_ASSIGN(auto usb, device::make_libusb_kinect2(serial));
-  MIXRIG_ASSIGN(auto kinect, device::open_kinect2(std::move(usb), "kinect2:" + serial, clock_,
-                                                  make_kinect2_decoder));
-  kinects_.emplace_back(serial, kinect);
-  return kinect;
-}
-
 Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& uri,
                                                              const device::StreamRequest& request) {
   const Uri parts = split(uri);
@@ -122,37 +135,29 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
     return std::unique_ptr<device::Camera>(std::move(camera));
   }
   if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
-  if (parts.scheme == "libcamera") return device::open_libcamera(parts.rest, request, clock_);
-  if (parts.scheme == "openni2") {
-    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
-    return device::openni2_color(std::move(shared), request);
+  if (const Kind* kind = kind_of(parts.scheme)) {
+    if (!kind->driver) return extra_left_out(uri, parts.scheme);
+    if (!kind->kind.camera_uri.empty()) return kind->driver->camera(parts.rest, request);
   }
-  if (const StreamUri view = stream_uri(parts); parts.scheme == "kinect2" && view.name == "color") {
-    MIXRIG_ASSIGN(auto kinect, open_kinect(view.recording.substr(parts.scheme.size() + 1)));
-    return device::kinect2_color_camera(std::move(kinect));
-  }
-  if (const StreamUri view = stream_uri(parts);
-      is_playable(parts) && (view.name == "color" || view.name == "rgb" || view.name == "target")) {
+  const StreamUri view = stream_uri(parts);
+  if (is_recording(parts.scheme) &&
+      (view.name == "color" || view.name == "rgb" || view.name == "target")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->camera();
   }
-  if (const StreamUri view = stream_uri(parts); is_playable(parts) && view.name == "fisheye") {
+  if (is_recording(parts.scheme) && view.name == "fisheye") {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->fisheye();
   }
   return unknown(uri, "camera",
-                 "v4l2:/dev/videoN, libcamera:ID, aravis:ID, openni2:URI, kinect2:SERIAL/color, "
-                 "take:DIR/color, take:DIR/fisheye or studio:target");
+                 "v4l2:/dev/videoN, aravis:ID, " + known_uris(&DeviceKind::camera_uri) +
+                     "take:DIR/color or take:DIR/fisheye");
 }
 
 Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     const std::string& uri, const device::StreamRequest& request) {
   const Uri parts = split(uri);
   if (parts.scheme == "usb") return device::open_tof_usb(parts.rest, clock_);
-  if (parts.scheme == "kinect2") {
-    MIXRIG_ASSIGN(auto kinect, open_kinect(parts.rest));
-    return device::kinect2_depth_camera(std::move(kinect));
-  }
   if (parts.scheme == "v4l2") {
     device::StreamRequest depth = request;
     if (depth.format == device::PixelFormat::kUnknown) depth.format = device::PixelFormat::kDepth16;
@@ -173,32 +178,33 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
     return device::as_depth_camera(std::move(camera), steps);
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
-  if (parts.scheme == "openni2") {
-    MIXRIG_ASSIGN(auto shared, open_openni2(parts.rest));
-    return device::openni2_depth(std::move(shared), request);
+  if (const Kind* kind = kind_of(parts.scheme)) {
+    if (!kind->driver) return extra_left_out(uri, parts.scheme);
+    if (!kind->kind.depth_uri.empty()) return kind->driver->depth(parts.rest, request);
   }
-  if (const StreamUri view = stream_uri(parts);
-      is_playable(parts) && (view.name == "depth2" || view.name == "tof2")) {
+  const StreamUri view = stream_uri(parts);
+  if (is_recording(parts.scheme) && (view.name == "depth2" || view.name == "tof2")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth2();
-  } else if (is_playable(parts) && (view.name == "depth" || view.name == "tof")) {
+  }
+  if (is_recording(parts.scheme) && (view.name == "depth" || view.name == "tof")) {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->depth();
   }
   return unknown(uri, "depth camera",
-                 "usb:VVVV:PPPP, kinect2:SERIAL, v4l2:/dev/videoN, aravis:ID, openni2:URI, "
-                 "take:DIR/depth or studio:tof");
+                 "usb:VVVV:PPPP, v4l2:/dev/videoN, aravis:ID, " +
+                     known_uris(&DeviceKind::depth_uri) + "or take:DIR/depth");
 }
 
 Result<std::unique_ptr<device::PanTilt>> DeviceOpener::pan_tilt(const std::string& uri) {
   const Uri parts = split(uri);
-  if (const StreamUri view = stream_uri(parts); is_playable(parts) && view.name == "head") {
+  if (const StreamUri view = stream_uri(parts); is_recording(parts.scheme) && view.name == "head") {
     MIXRIG_ASSIGN(const auto player, open_player(view.recording));
     return player->pan_tilt();
   }
   if (parts.scheme != "flir-ptu")
     return unknown(uri, "pan-tilt unit",
-                   "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT, take:DIR/head or studio:head");
+                   "flir-ptu:/dev/ttyUSB0, flir-ptu:tcp:HOST:PORT or take:DIR/head");
   const auto at = parts.rest.rfind('@');
   int baud = kPtuBaud;
   const bool find = at != std::string::npos && parts.rest.substr(at + 1) == "find";
@@ -300,8 +306,8 @@ Result<Devices> open_all(const RigConfig& rig, DeviceOpener& opener) {
 
 Result<Devices> open_devices(const RigConfig& rig, DeviceOpener opener) {
   auto devices = open_all(rig, opener);
-  const bool recorded = !recordings_of(rig).empty();  // a recording that is missing is a wrong file
-  if (devices || recorded || devices.error().code != ErrorCode::kNotFound) return devices;
+  // A recording that is missing is a wrong file.
+  if (devices || opener.plays() || devices.error().code != ErrorCode::kNotFound) return devices;
   Error missing = devices.error();
   missing.code = ErrorCode::kDevice;
   return missing;

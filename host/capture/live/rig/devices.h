@@ -4,7 +4,9 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,63 +16,70 @@
 #include "hal/device/trigger.h"
 #include "hal/device/trigger_input.h"
 #include "host/capture/live/play/player.h"
+#include "host/capture/live/rig/device_kind.h"
 #include "host/capture/live/rig/rig_config.h"
-
-namespace mixrig::device {
-class Kinect2;
-class OpenNi2Device;
-}  // namespace mixrig::device
 
 namespace mixrig::live {
 
 /// A recording that replaces cameras: its source, or the error of opening it.
 struct Recording {
-  std::string uri;  ///< "take:DIR" or "studio:OPTIONS", without the stream's name
+  std::string uri;  ///< "take:DIR" or the like, without the stream's name
   Result<std::unique_ptr<capture::CaptureSource>> source;
 };
-/// URIs of the recordings that cameras of a rig play, each once.
-std::vector<std::string> recordings_of(const RigConfig& rig);
+/// URIs of the recordings that cameras of a rig play, each once: those whose scheme is "take" or
+/// one of `schemes`.
+std::vector<std::string> recordings_of(const RigConfig& rig,
+                                       std::span<const std::string_view> schemes = {});
 
-/// Opens devices by URI. Errors of all methods: kUsage for a scheme that is not known or not built
-/// in, those of the driver. One thread.
+/// Opens devices by URI. Errors of all methods: kUsage for a scheme that is not known, kUnsupported
+/// for one of an extra that is left out, those of the driver. One thread.
 class DeviceOpener {
  public:
-  /// `recordings`: those that take: and studio: devices play (recordings_of).
-  explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {})
-      : clock_(clock), recordings_(std::move(recordings)) {}
+  /// `recordings`: those that devices play (recordings_of). `kinds`: devices of extras.
+  explicit DeviceOpener(Clock& clock, std::vector<Recording> recordings = {},
+                        std::span<const DeviceKind> kinds = {});
 
-  /// v4l2:PATH, libcamera:ID, aravis:ID, openni2:URI, kinect2:SERIAL/color, take:DIR/color,
-  /// take:DIR/fisheye, studio:[OPTIONS/]target, studio:OPTIONS/fisheye.
+  /// v4l2:PATH, aravis:ID, those of the kinds; of a recording RECORDING/color (also rgb, target)
+  /// and RECORDING/fisheye, as take:DIR/color.
   Result<std::unique_ptr<device::Camera>> camera(const std::string& uri,
                                                  const device::StreamRequest& request);
-  /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), openni2:URI, usb:VVVV:PPPP, kinect2:SERIAL,
-  /// take:DIR/depth, take:DIR/depth2, studio:[OPTIONS/]tof, studio:OPTIONS/tof2.
+  /// v4l2:PATH (Z16, Y16), aravis:ID (Coord3D), usb:VVVV:PPPP, those of the kinds; of a recording
+  /// RECORDING/depth (also tof) and RECORDING/depth2 (also tof2).
   Result<std::unique_ptr<device::DepthCamera>> depth(const std::string& uri,
                                                      const device::StreamRequest& request);
-  /// flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], take:DIR/head, studio:[OPTIONS/]head.
+  /// flir-ptu:PORT[@BAUD], flir-ptu:tcp:HOST:PORT[@BAUD], RECORDING/head.
   Result<std::unique_ptr<device::PanTilt>> pan_tilt(const std::string& uri);
   /// mcu:PORT, gpiod:CHIP/LINES.
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
   /// gpiod:CHIP/LINE.
   Result<std::unique_ptr<device::TriggerInput>> edges(const std::string& uri);
+  /// Cameras of the kinds that are connected, kind by kind.
+  std::vector<FoundCamera> find();
   /// When recordings that are opened from now on begin to play; as soon as possible if never
   /// called.
   void play_at(HostTime begin) { play_at_ = begin; }
+  /// Whether there are recordings at all.
+  bool plays() const { return !recordings_.empty(); }
   /// The player of the first recording that was opened; its source has a calibration of its own.
   std::shared_ptr<Player> player() const { return players_.empty() ? nullptr : players_[0].second; }
 
  private:
   Result<std::shared_ptr<Player>> open_player(const std::string& recording);
-  Result<std::shared_ptr<device::OpenNi2Device>> open_openni2(const std::string& uri);
-  /// The same device for its two cameras.
-  Result<std::shared_ptr<device::Kinect2>> open_kinect(const std::string& serial);
+  struct Kind {
+    DeviceKind kind;
+    std::unique_ptr<DeviceDriver> driver;  ///< null: left out of this build
+  };
+  const Kind* kind_of(const std::string& scheme) const;
+  /// How devices of the kinds are written, "URI, URI, ".
+  std::string known_uris(std::string_view DeviceKind::*uri) const;
+  /// The scheme is that of a recording.
+  bool is_recording(const std::string& scheme) const;
 
   Clock& clock_;
   std::vector<Recording> recordings_;
   std::optional<HostTime> play_at_;
   std::vector<std::pair<std::string, std::shared_ptr<Player>>> players_;
-  std::vector<std::pair<std::string, std::shared_ptr<device::OpenNi2Device>>> openni2_;
-  std::vector<std::pair<std::string, std::shared_ptr<device::Kinect2>>> kinects_;
+  std::vector<Kind> kinds_;
 };
 
 /// All devices of a rig; those that it does not have are null.

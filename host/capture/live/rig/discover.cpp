@@ -2,15 +2,12 @@
 #include "host/capture/live/rig/discover.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
+#include <iterator>
 #include <string_view>
 
 #include "hal/base/log.h"
 #include "hal/linux/aravis/aravis_camera.h"
-#include "hal/linux/libcamera/libcamera_camera.h"
-#include "hal/linux/libusb_streams.h"
-#include "hal/linux/openni2/openni2_camera.h"
 #include "host/capture/live/rig/devices.h"
 
 namespace mixrig::live {
@@ -31,20 +28,6 @@ std::vector<std::string> nodes(std::initializer_list<std::string_view> prefixes)
   return found;
 }
 
-/// libcamera's ids of UVC cameras end with vendor and product: "...-1:1.0-046d:0825".
-bool is_webcam(std::string_view libcamera_id) {
-  constexpr std::size_t kTail = 10;
-  if (libcamera_id.size() < kTail) return false;
-  const std::string_view tail = libcamera_id.substr(libcamera_id.size() - kTail);
-  for (std::size_t i = 0; i < kTail; ++i) {
-    const bool mark = i == 0 || i == 5;
-    const bool fits = mark ? tail[i] == (i == 0 ? '-' : ':')
-                           : std::isxdigit(static_cast<unsigned char>(tail[i])) != 0;
-    if (!fits) return false;
-  }
-  return true;
-}
-
 bool is_raw_side(const FoundCamera& camera) {
   return camera.uri.starts_with("v4l2:") && camera.info.usb_vendor == 0;
 }
@@ -59,22 +42,29 @@ CameraConfig config_of(const FoundCamera& camera, std::string name) {
   return config;
 }
 
-DeviceLists list_devices(const DiscoverOptions& options) {
-  return {.v4l2 = nodes({"video"}),
-          .libcamera = device::list_libcamera(),
-          .aravis = options.network ? device::list_aravis() : std::vector<std::string>(),
-          .openni2 = device::list_openni2(),
-          .kinect2 = device::list_kinect2()};
+/// Those of `uris` that answer.
+void look_at(const std::vector<std::string>& uris, DeviceOpener& opener,
+             std::vector<FoundCamera>& found) {
+  for (const std::string& uri : uris)
+    if (const auto camera = opener.camera(uri, {})) found.push_back({uri, (*camera)->info()});
 }
 
-std::vector<FoundCamera> find_cameras(const DeviceLists& lists, DeviceOpener& opener) {
+std::vector<std::string> with_scheme(const char* scheme, std::vector<std::string> names) {
+  for (std::string& name : names) name.insert(0, scheme);
+  return names;
+}
+
+/// In the order that decides which one is the target camera: V4L2 nodes, processed cameras, GenICam
+/// cameras, those of other kinds, the ToF camera of the open protocol.
+std::vector<FoundCamera> find_cameras(const DiscoverOptions& options, DeviceOpener& opener) {
   std::vector<FoundCamera> found;
-  for (const std::string& uri : uris_to_open(lists)) {
-    if (const auto camera = opener.camera(uri, {})) found.push_back({uri, (*camera)->info()});
-    if (!uri.starts_with("openni2:")) continue;
-    if (const auto depth = opener.depth(uri, {})) found.push_back({uri, (*depth)->info()});
-  }
-  for (FoundCamera& kinect : kinects_of(lists.kinect2)) found.push_back(std::move(kinect));
+  look_at(with_scheme("v4l2:", nodes({"video"})), opener, found);
+  std::vector<FoundCamera> of_kinds = opener.find();
+  const auto others = std::stable_partition(of_kinds.begin(), of_kinds.end(),
+                                            [](const FoundCamera& c) { return c.processed; });
+  std::move(of_kinds.begin(), others, std::back_inserter(found));
+  if (options.network) look_at(with_scheme("aravis:", device::list_aravis()), opener, found);
+  std::move(others, of_kinds.end(), std::back_inserter(found));
   if (const auto tof = opener.depth(kTofUsb, {})) found.push_back({kTofUsb, (*tof)->info()});
   return found;
 }
@@ -90,39 +80,14 @@ void find_serial(DeviceOpener& opener, RigConfig& rig) {
 
 }  // namespace
 
-std::vector<std::string> uris_to_open(const DeviceLists& lists) {
-  std::vector<std::string> uris;
-  for (const std::string& node : lists.v4l2) uris.push_back("v4l2:" + node);
-  for (const std::string& id : lists.libcamera)
-    if (!is_webcam(id)) uris.push_back("libcamera:" + id);
-  for (const std::string& id : lists.aravis) uris.push_back("aravis:" + id);
-  for (const std::string& uri : lists.openni2) uris.push_back("openni2:" + uri);
-  return uris;
-}
-
-std::vector<FoundCamera> kinects_of(const std::vector<std::string>& serials) {
-  std::vector<FoundCamera> found;
-  for (const std::string& serial : serials) {
-    if (serial.empty() && serials.size() > 1) continue;
-    const std::string uri = "kinect2:" + serial;
-    device::CameraInfo color, depth;
-    color.format = device::PixelFormat::kMjpeg;
-    depth.format = device::PixelFormat::kDepth16;
-    found.push_back({uri + "/color", color});
-    found.push_back({uri, depth});
-  }
-  return found;
-}
-
 RigConfig rig_of(const std::vector<FoundCamera>& cameras, std::vector<std::string>& left_out) {
   RigConfig rig;
   rig.name = "found";
-  const bool libcamera = std::any_of(cameras.begin(), cameras.end(), [](const FoundCamera& c) {
-    return c.uri.starts_with("libcamera:");
-  });
+  const bool processed =
+      std::any_of(cameras.begin(), cameras.end(), [](const FoundCamera& c) { return c.processed; });
   for (const FoundCamera& camera : cameras) {
     const bool depth = camera.info.format == device::PixelFormat::kDepth16;
-    if ((libcamera && is_raw_side(camera)) || (depth && rig.depth2))
+    if ((processed && is_raw_side(camera)) || (depth && rig.depth2))
       left_out.push_back(camera.uri);
     else if (!depth)
       rig.cameras.push_back(config_of(
@@ -136,18 +101,15 @@ RigConfig rig_of(const std::vector<FoundCamera>& cameras, std::vector<std::strin
   return rig;
 }
 
-RigConfig discover(const DiscoverOptions& options, Clock& clock) {
-  DeviceOpener opener(clock);
-  const DeviceLists lists = list_devices(options);
+RigConfig discover(const DiscoverOptions& options, std::span<const DeviceKind> kinds,
+                   Clock& clock) {
+  DeviceOpener opener(clock, {}, kinds);
   std::vector<std::string> left_out;
-  RigConfig rig = rig_of(find_cameras(lists, opener), left_out);
-  for (const std::string& serial : lists.kinect2)
-    if (serial.empty())
-      log_warning("rig", "a Kinect v2 may not be opened: install the udev rules (board/udev)");
+  RigConfig rig = rig_of(find_cameras(options, opener), left_out);
   for (const std::string& uri : left_out)
     log_warning("rig", uri +
                            " is left out of the rig: it holds two depth cameras at most, and no "
-                           "V4L2 nodes of cameras that libcamera delivers");
+                           "V4L2 nodes that are the raw side of a processed camera");
   find_serial(opener, rig);
   return rig;
 }

@@ -9,7 +9,7 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
-#include "hal/wire/camera/kinect2_streams.h"
+#include "hal/wire/camera/kinect2_raw.h"
 #include "host/capture/depth/phase_decoder.h"
 #include "host/capture/take/take.h"
 

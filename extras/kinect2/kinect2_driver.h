@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Kinect v2 as a kind of device.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/capture/live/rig/device_kind.h"
+
+namespace mixrig::device {
+
+/// kinect2:SERIAL is the depth camera, kinect2:SERIAL/color the colour camera; an empty SERIAL
+/// means the only one that is connected.
+live::DeviceKind kinect2_kind();
+
+/// Kinects by their serial numbers, as cameras; one that may not be opened is left out beside
+/// others. Pure.
+std::vector<live::FoundCamera> kinects_of(const std::vector<std::string>& serials);
+
+}  // namespace mixrig::device

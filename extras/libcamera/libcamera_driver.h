@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras by libcamera as a kind of device.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/capture/live/rig/device_kind.h"
+
+namespace mixrig::device {
+
+/// libcamera:ID, as open_libcamera().
+live::DeviceKind libcamera_kind();
+
+/// `ids` without the webcams, which V4L2 reads. Pure.
+std::vector<std::string> without_webcams(std::vector<std::string> ids);
+
+}  // namespace mixrig::device
