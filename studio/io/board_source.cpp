@@ -69,7 +69,7 @@ class BoardSource final : public capture::CaptureSource, private capture::Render
   const studio::BoardInfo& board() const { return studio_.info(); }
   const take::TakeInfo& take() const { return info_; }
   const capture::SourceInfo& info() const override { return info_; }
-  capture::RenderedHead* head() override { return turns() ? this : nullptr; }
+  capture::RenderedRig rendered() override { return {.head = turns() ? this : nullptr}; }
   Result<bool> read(int number, capture::Capture& capture) override;
   Result<void> read_truth(int, capture::Truth&) override {
     return Error{ErrorCode::kData, "board views have their truth in truth.json"};

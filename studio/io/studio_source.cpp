@@ -78,8 +78,9 @@ class StudioSource final : public capture::CaptureSource {
     if (info_.fisheye_rate_hz > 0) info_.fisheye_px = studio_.info().fisheye.optics.size_px;
   }
 
-  capture::RenderedHead* head() override { return head_moves_ ? &head_ : nullptr; }
-  capture::RenderedExposure* exposure() override { return head_moves_ ? &exposure_ : nullptr; }
+  capture::RenderedRig rendered() override {
+    return head_moves_ ? capture::RenderedRig{&head_, &exposure_} : capture::RenderedRig{};
+  }
   const capture::SourceInfo& info() const override { return info_; }
 
   Result<bool> read(int number, capture::Capture& capture) override {

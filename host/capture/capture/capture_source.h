@@ -75,6 +75,11 @@ class RenderedExposure {
   virtual void set(double exposure_s) = 0;
 };
 
+struct RenderedRig {
+  RenderedHead* head = nullptr;          ///< null: no head can be moved
+  RenderedExposure* exposure = nullptr;  ///< null: it cannot be set
+};
+
 /// In which forms captures of live devices have their plates, where the camera shares its memory
 /// (device::Frame::memory); of others they are decoded.
 struct PlateForms {
@@ -96,10 +101,8 @@ class CaptureSource {
   virtual Result<void> read_truth(int number, Truth& truth) = 0;
   /// From one of the next captures on. Any thread.
   virtual void share_plates(PlateForms) {}
-  /// Null where the captures are given, and no head can be moved.
-  virtual RenderedHead* head() { return nullptr; }
-  /// Null where the exposure cannot be set.
-  virtual RenderedExposure* exposure() { return nullptr; }
+  /// What of the rig can be moved and set where the captures are rendered.
+  virtual RenderedRig rendered() { return {}; }
   /// Counts of live devices; empty for other sources. Any thread.
   virtual std::optional<SourceReport> report() const { return std::nullopt; }
 };

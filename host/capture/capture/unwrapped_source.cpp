@@ -34,7 +34,7 @@ class UnwrappedSource final : public CaptureSource {
     return source_->read_truth(number, truth);
   }
   void share_plates(PlateForms forms) override { source_->share_plates(forms); }
-  RenderedHead* head() override { return source_->head(); }
+  RenderedRig rendered() override { return source_->rendered(); }
   std::optional<SourceReport> report() const override { return source_->report(); }
 
  private:

@@ -80,7 +80,7 @@ class TurnedRecording final : public capture::CaptureSource, public capture::Ren
     return true;
   }
   Result<void> read_truth(int, capture::Truth&) override { return Error{ErrorCode::kData, ""}; }
-  capture::RenderedHead* head() override { return this; }
+  capture::RenderedRig rendered() override { return {.head = this}; }
   void turn(const capture::HeadMotion& motion) override { motion_ = motion; }
   device::PanTiltInfo limits() const override { return unit(); }
 

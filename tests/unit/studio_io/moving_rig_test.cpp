@@ -100,7 +100,7 @@ TEST(StudioHead, TheCamerasSeeTheRoomFromWhereTheHeadStands) {
   auto source = open_studio_source("sweep,14,sr3000,,64x48");
   ASSERT_TRUE(source) << source.error().context;
   EXPECT_FALSE((*source)->info().has_truth);
-  capture::RenderedHead* head = (*source)->head();
+  capture::RenderedHead* head = (*source)->rendered().head;
   ASSERT_NE(head, nullptr);
   EXPECT_NEAR(head->limits().maximum.tilt_rad, M_PI / 2, 1e-12);
   const auto studio = studio::Studio::create(options_of(studio::Scenario::kPan));
@@ -122,9 +122,9 @@ TEST(StudioHead, ASwingIsInThePicturesAndNotInTheAngles) {
   auto source = open_studio_source("sweep,14,sr3000,,64x48");
   ASSERT_TRUE(source);
   capture::Capture still, swung;
-  (*source)->head()->turn({{0.4, 0}, {}, 0});
+  (*source)->rendered().head->turn({{0.4, 0}, {}, 0});
   ASSERT_TRUE((*source)->read(5, still));
-  (*source)->head()->turn({{0.4, 0}, {}, 0.01});
+  (*source)->rendered().head->turn({{0.4, 0}, {}, 0.01});
   ASSERT_TRUE((*source)->read(5, swung));
   EXPECT_EQ(still.pan_tilt->pan_rad, swung.pan_tilt->pan_rad);
   EXPECT_NEAR(test::angle_between(test::isometry(still.world_from_target),
@@ -150,7 +150,7 @@ TEST(StudioHead, TurnsOnUntilTheLaterExposureOfTheDepthCamera) {
 TEST(StudioHead, OtherScenariosHaveNone) {
   auto source = open_studio_source("pan,14,sr3000,4,64x48");
   ASSERT_TRUE(source);
-  EXPECT_EQ((*source)->head(), nullptr);
+  EXPECT_EQ((*source)->rendered().head, nullptr);
 }
 
 TEST_F(MovingRig, TheSourceGivesWhatTheTakeHolds) {

@@ -39,7 +39,7 @@ Result<std::shared_ptr<Player>> Player::create(std::unique_ptr<capture::CaptureS
   const capture::SourceInfo& info = player->info();
   if (info.frames < 1 || !(info.rate_hz > 0))
     return Error{ErrorCode::kData, uri + ": has no frames or no rate_hz: it cannot be played"};
-  if (capture::RenderedHead* head = player->source_->head()) {
+  if (capture::RenderedHead* head = player->source_->rendered().head) {
     head->turn({});
     device::PanTiltInfo unit = head->limits();
     unit.uri = uri + "/head";
@@ -83,7 +83,7 @@ void Player::describe(const std::string& uri) {
   describe_one(depth_, "depth", capture_.depth_m.size(), device::PixelFormat::kDepth16);
   if (info.tof2)
     describe_one(depth2_, "depth2", capture_.depth2.depth_m.size(), device::PixelFormat::kDepth16);
-  if (const capture::RenderedExposure* exposure = source_->exposure()) {
+  if (const capture::RenderedExposure* exposure = source_->rendered().exposure) {
     const auto [least_s, most_s, step_s] = exposure->limits();
     color_.info.controls = {{device::CameraControl::kExposure, least_s, most_s, step_s}};
     exposure_s_ = exposure->rest_s();
@@ -198,8 +198,9 @@ void Player::work_steered() {
   for (int number = 1; number <= source_->info().frames;) {
     const HostTime due = begin_ + Duration(std::llround((number - 1) / rate_hz * 1e9));
     wait_until(due);
-    source_->head()->turn(motion_->at(due));
-    if (source_->exposure() != nullptr) source_->exposure()->set(exposure_s_);
+    const capture::RenderedRig rig = source_->rendered();
+    rig.head->turn(motion_->at(due));
+    if (rig.exposure != nullptr) rig.exposure->set(exposure_s_);
     if (const auto read = read_next(number); !read) {
       log_warning("rig", to_line(read.error()));
       return end(device::DeviceState::kFailed);
