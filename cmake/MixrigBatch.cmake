@@ -7,6 +7,9 @@ option(MIXRIG_BATCH "Precompiled headers, and several files of a module in one c
 if(NOT MIXRIG_BATCH OR MIXRIG_FUZZ)
   function(mixrig_precompile)
   endfunction()
+  function(mixrig_compile_group out)
+    set(${out} "" PARENT_SCOPE)
+  endfunction()
   return()
 endif()
 
@@ -62,4 +65,46 @@ function(mixrig_precompile target which)
     set(most ${MIXRIG_BATCH_FILES_${target}})
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${most})
+endfunction()
+
+# Folders whose modules are compiled as one target: small modules spend most of their time on the headers
+# that all of them include. What a module may include is then not checked by the compiler, but by house.includes.
+set(MIXRIG_COMPILE_GROUPS host/output host/run host/room extras/people)
+set(MIXRIG_COMPILED_ALONE host/room/scan host/room/lamps)  # Eigen's templates: in one unit they take longer than in two
+
+# The group of the folder that is being read; empty where it has none.
+function(mixrig_compile_group out)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  cmake_path(GET folder PARENT_PATH floor)
+  set(group "")
+  if(floor IN_LIST MIXRIG_COMPILE_GROUPS AND NOT folder IN_LIST MIXRIG_COMPILED_ALONE)
+    string(MAKE_C_IDENTIFIER mixrig_group_${floor} group)
+  endif()
+  set(${out} ${group} PARENT_SCOPE)
+endfunction()
+
+# For mixrig_module(), whose MODULE_SOURCES, MODULE_LINKS and MODULE_PRIVATE_LINKS it reads.
+function(mixrig_add_to_group group name tree)
+  if(NOT TARGET ${group})
+    add_library(${group} STATIC)
+    target_link_libraries(${group} PUBLIC mixrig_options)
+    mixrig_precompile(${group} module)
+  endif()
+  list(TRANSFORM MODULE_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
+  target_sources(${group} PRIVATE ${MODULE_SOURCES})
+  target_include_directories(${group} PRIVATE ${tree})
+  foreach(link IN LISTS MODULE_LINKS MODULE_PRIVATE_LINKS)
+    get_property(own GLOBAL PROPERTY MIXRIG_GROUP_OF_${link})
+    if(own STREQUAL group)
+      continue()  # compiled with it
+    elseif(link IN_LIST MODULE_LINKS)
+      target_link_libraries(${group} PUBLIC ${link})
+    else()
+      target_link_libraries(${group} PRIVATE ${link})
+    endif()
+  endforeach()
+  set_property(GLOBAL PROPERTY MIXRIG_GROUP_OF_mixrig::${name} ${group})
+  add_library(mixrig_${name} INTERFACE)
+  target_include_directories(mixrig_${name} INTERFACE ${tree})
+  target_link_libraries(mixrig_${name} INTERFACE mixrig_options ${MODULE_LINKS} ${group})
 endfunction()

@@ -68,7 +68,7 @@ Result<void> write_layers(const StaticBackground& background, const fs::path& fo
   return image_io::write_exr(folder / "color.exr", color);
 }
 
-Result<StaticBackground> read_manifest(const fs::path& path) {
+Result<StaticBackground> read_background_manifest(const fs::path& path) {
   MIXRIG_ASSIGN(auto document, config::Document::read(path));
   const config::Table root = document.root();
   StaticBackground background;
@@ -114,7 +114,7 @@ Result<void> save(const StaticBackground& background, const fs::path& folder) {
 }
 
 Result<StaticBackground> load_static_background(const fs::path& folder) {
-  MIXRIG_ASSIGN(StaticBackground background, read_manifest(folder / "background.toml"));
+  MIXRIG_ASSIGN(StaticBackground background, read_background_manifest(folder / "background.toml"));
   const Size size = background.view.size_px;
   const fs::path depth_path = folder / "depth.exr", color_path = folder / "color.exr";
   MIXRIG_ASSIGN(auto depth, image_io::read_exr(depth_path));
