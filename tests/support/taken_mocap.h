@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/unit/broadcast/natnet_packets.h"
+#include "tests/unit/mocap/natnet_packets.h"
 
 namespace mixrig::test {
 

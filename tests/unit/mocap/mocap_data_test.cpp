@@ -9,7 +9,7 @@
 #include "host/pose/mocap/live.h"
 #include "host/pose/mocap/marker_file.h"
 #include "host/pose/mocap/track.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 
 namespace mixrig::mocap {
 namespace {

@@ -9,7 +9,7 @@
 #include "host/pose/mocap/mocap_poses.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/progress.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 #include "tests/unit/pose/swing.h"
 
 namespace mixrig::pose {

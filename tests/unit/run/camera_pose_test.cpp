@@ -17,7 +17,7 @@
 #include "tests/gl/quad_mesh.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 #include "tests/unit/run/posed_source.h"
 
 namespace mixrig::session {

@@ -7,7 +7,7 @@
 
 #include "host/capture/calibration_file/calibration.h"
 #include "host/math/estimation/verdict.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 #include "tests/unit/tools/tiny_take.h"
 
 namespace mixrig::test {

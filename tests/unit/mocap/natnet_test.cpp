@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/broadcast/natnet_packets.h"
+#include "tests/unit/mocap/natnet_packets.h"
 
 namespace mixrig::stream {
 namespace {

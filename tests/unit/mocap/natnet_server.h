@@ -15,7 +15,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tests/unit/broadcast/natnet_packets.h"
+#include "tests/unit/mocap/natnet_packets.h"
 
 namespace mixrig::stream {
 

@@ -6,7 +6,7 @@
 
 #include "tests/support/natnet_sender.h"
 #include "tests/support/progress.h"
-#include "tests/unit/broadcast/natnet_server.h"
+#include "tests/unit/mocap/natnet_server.h"
 
 namespace mixrig::stream {
 namespace {
