@@ -61,7 +61,13 @@ std::unique_ptr<live::DeviceDriver> make_kinect2_driver(Clock& clock) {
 }  // namespace
 
 live::DeviceKind kinect2_kind() {
-  return {"kinect2", "kinect2:SERIAL/color", "kinect2:SERIAL", make_kinect2_driver};
+  return {.scheme = "kinect2",
+          .extra = "kinect2",
+          .camera_uri = "kinect2:SERIAL/color",
+          .depth_uri = "kinect2:SERIAL",
+          .lens_uri = {},
+          .make = make_kinect2_driver,
+          .lens = {}};
 }
 
 std::vector<live::FoundCamera> kinects_of(const std::vector<std::string>& serials) {

@@ -54,7 +54,13 @@ std::unique_ptr<live::DeviceDriver> make_libcamera_driver(Clock& clock) {
 }  // namespace
 
 live::DeviceKind libcamera_kind() {
-  return {"libcamera", "libcamera:ID", "", make_libcamera_driver};
+  return {.scheme = "libcamera",
+          .extra = "libcamera",
+          .camera_uri = "libcamera:ID",
+          .depth_uri = {},
+          .lens_uri = {},
+          .make = make_libcamera_driver,
+          .lens = {}};
 }
 
 std::vector<std::string> without_webcams(std::vector<std::string> ids) {

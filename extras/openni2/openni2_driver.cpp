@@ -52,7 +52,13 @@ std::unique_ptr<live::DeviceDriver> make_openni2_driver(Clock& clock) {
 }  // namespace
 
 live::DeviceKind openni2_kind() {
-  return {"openni2", "openni2:URI", "openni2:URI", make_openni2_driver};
+  return {.scheme = "openni2",
+          .extra = "openni2",
+          .camera_uri = "openni2:URI",
+          .depth_uri = "openni2:URI",
+          .lens_uri = {},
+          .make = make_openni2_driver,
+          .lens = {}};
 }
 
 }  // namespace mixrig::device

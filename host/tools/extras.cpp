@@ -5,6 +5,7 @@
 #include <string>
 
 #ifdef MIXRIG_EXTRA_BROADCAST
+#include "extras/broadcast/lens/freed_lens.h"
 #include "extras/broadcast/poses/broadcast_extra.h"
 #include "extras/broadcast/poses/scene_poses.h"
 #endif
@@ -25,6 +26,15 @@
 #endif
 
 namespace mixrig::tools {
+namespace {
+
+[[maybe_unused]] live::DeviceKind left_out(std::string_view scheme, std::string_view extra) {
+  live::DeviceKind kind;
+  kind.scheme = scheme, kind.extra = extra;
+  return kind;
+}
+
+}  // namespace
 
 session::SourceKinds source_kinds() {
   return {
@@ -33,7 +43,7 @@ session::SourceKinds source_kinds() {
 #ifdef MIXRIG_EXTRA_STUDIO
               {"studio", "studio[:SCENARIO,SEED,RIG]", studio_io::open_studio_source},
 #else
-              {.scheme = "studio"},
+              {"studio", {}, nullptr},
 #endif
           },
       .devices =
@@ -41,17 +51,22 @@ session::SourceKinds source_kinds() {
 #ifdef MIXRIG_EXTRA_LIBCAMERA
               device::libcamera_kind(),
 #else
-              {.scheme = "libcamera"},
+              left_out("libcamera", "libcamera"),
 #endif
 #ifdef MIXRIG_EXTRA_OPENNI2
               device::openni2_kind(),
 #else
-              {.scheme = "openni2"},
+              left_out("openni2", "openni2"),
 #endif
 #ifdef MIXRIG_EXTRA_KINECT2
               device::kinect2_kind(),
 #else
-              {.scheme = "kinect2"},
+              left_out("kinect2", "kinect2"),
+#endif
+#ifdef MIXRIG_EXTRA_BROADCAST
+              stream::freed_lens_kind(),
+#else
+              left_out("freed", "broadcast"),
 #endif
           },
   };

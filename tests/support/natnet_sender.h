@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A motion capture server on the loopback that sends what and when its user says. Its packets are
-// written by tests/unit/broadcast/natnet_packets.h, apart from the receiver.
+// written by tests/unit/mocap/natnet_packets.h, apart from the receiver.
 #pragma once
 
 #include <cstdint>

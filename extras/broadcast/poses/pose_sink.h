@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "extras/broadcast/packets/datagram_sender.h"
+#include "host/output/datagrams/datagram_sender.h"
 #include "extras/broadcast/packets/opentrackio.h"
 #include "hal/base/clock_sync.h"
 #include "host/output/sink/composite_sink.h"

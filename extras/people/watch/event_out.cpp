@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 
 namespace mixrig::session {
 namespace {

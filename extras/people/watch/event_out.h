@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "extras/broadcast/packets/datagram_sender.h"
+#include "host/output/datagrams/datagram_sender.h"
 #include "extras/people/plan/people_tracker.h"
 #include "extras/people/touch/contact.h"
 #include "host/scene/scene.h"

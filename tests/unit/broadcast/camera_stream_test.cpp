@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "extras/broadcast/packets/camera_angles.h"
-#include "extras/broadcast/packets/datagram_sender.h"
+#include "host/output/datagrams/datagram_sender.h"
 #include "extras/broadcast/packets/freed.h"
 #include "extras/broadcast/packets/opentrackio.h"
 #include "tests/support/progress.h"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "extras/broadcast/packets/datagram_sender.h"
+#include "host/output/datagrams/datagram_sender.h"
 #include "extras/broadcast/packets/opentrackio_receiver.h"
 
 namespace mixrig::stream {

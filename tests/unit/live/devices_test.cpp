@@ -23,13 +23,18 @@ class AskedDriver final : public DeviceDriver {
   std::vector<FoundCamera> find() override { return {{"asked:1", {}}}; }
 };
 
-constexpr DeviceKind kAsked{
-    "asked", "asked:NUMBER", "",
-    [](Clock&) -> std::unique_ptr<DeviceDriver> { return std::make_unique<AskedDriver>(); }};
+DeviceKind asked_kind() {
+  DeviceKind kind;
+  kind.scheme = "asked", kind.extra = "ask", kind.camera_uri = "asked:NUMBER";
+  kind.make = [](Clock&) -> std::unique_ptr<DeviceDriver> {
+    return std::make_unique<AskedDriver>();
+  };
+  return kind;
+}
 
 TEST(DeviceKinds, ADriverIsAskedForWhatStandsBehindItsScheme) {
   SystemClock clock;
-  const std::array kinds{kAsked};
+  const std::array kinds{asked_kind()};
   DeviceOpener opener(clock, {}, kinds);
   EXPECT_EQ(opener.camera("asked:a:b/c", {}).error().context, "asked for camera a:b/c");
   const Error no_depth = opener.depth("asked:1", {}).error();
@@ -41,12 +46,16 @@ TEST(DeviceKinds, ADriverIsAskedForWhatStandsBehindItsScheme) {
 
 TEST(DeviceKinds, AnExtraThatIsLeftOutIsNamedWithTheWayToBuildIt) {
   SystemClock clock;
-  const std::array kinds{DeviceKind{.scheme = "asked"}};
+  DeviceKind kind;
+  kind.scheme = "asked", kind.extra = "ask";
+  const std::array kinds{kind};
   DeviceOpener opener(clock, {}, kinds);
-  for (const Error& error :
-       {opener.camera("asked:1", {}).error(), opener.depth("asked:1", {}).error()}) {
+  const std::array errors{opener.camera("asked:1", {}).error(), opener.depth("asked:1", {}).error(),
+                          opener.lens("asked:1").error()};
+  for (const Error& error : errors) {
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
     EXPECT_NE(error.context.find("asked:1"), std::string::npos) << error.context;
+    EXPECT_NE(error.context.find("\"ask\""), std::string::npos) << error.context;
     EXPECT_NE(error.context.find("MIXRIG_EXTRAS"), std::string::npos) << error.context;
   }
   EXPECT_TRUE(opener.find().empty());

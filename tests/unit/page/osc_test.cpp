@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OSC of control surfaces: what each address does, what is told back, who is answered.
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 
 #include <atomic>
 

@@ -11,6 +11,7 @@
 #include "hal/base/result.h"
 #include "hal/device/camera.h"
 #include "hal/device/depth_camera.h"
+#include "host/capture/live/rig/lens_receiver.h"
 
 namespace mixrig::live {
 
@@ -37,13 +38,19 @@ class DeviceDriver {
   virtual std::vector<FoundCamera> find() = 0;
 };
 
-/// One entry of the table of device kinds, which host/tools makes.
+/// One entry of the table of device kinds, which host/tools makes. With neither `make` nor `lens`
+/// it is one of an extra that is left out of this build.
 struct DeviceKind {
   std::string_view scheme;      ///< "kinect2" of kinect2:SERIAL
+  std::string_view extra;       ///< its name
   std::string_view camera_uri;  ///< how its cameras are written; empty: it has none
   std::string_view depth_uri;   ///< the same of depth cameras
-  /// Null: the extra of the name `scheme` is left out of this build. `clock` outlives the driver.
+  std::string_view lens_uri;    ///< the same of encoders of a lens
+  /// Null: no cameras. `clock` outlives the driver.
   std::unique_ptr<DeviceDriver> (*make)(Clock& clock) = nullptr;
+  LensProtocol lens;
+
+  bool left_out() const { return make == nullptr && lens.open == nullptr; }
 };
 
 /// kUnsupported: `what` needs an extra that is left out of this build; the line says how to build

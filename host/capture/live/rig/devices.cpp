@@ -61,38 +61,10 @@ StreamUri stream_uri(const Uri& uri) {
 
 }  // namespace
 
-DeviceOpener::DeviceOpener(Clock& clock, std::vector<Recording> recordings,
-                           std::span<const DeviceKind> kinds)
-    : clock_(clock), recordings_(std::move(recordings)) {
-  for (const DeviceKind& kind : kinds)
-    kinds_.push_back({kind, kind.make != nullptr ? kind.make(clock) : nullptr});
-}
-
-const DeviceOpener::Kind* DeviceOpener::kind_of(const std::string& scheme) const {
-  const auto found = std::find_if(kinds_.begin(), kinds_.end(),
-                                  [&](const Kind& k) { return k.kind.scheme == scheme; });
-  return found != kinds_.end() ? &*found : nullptr;
-}
-
 bool DeviceOpener::is_recording(const std::string& scheme) const {
   return scheme == kTakeScheme ||
          std::any_of(recordings_.begin(), recordings_.end(),
                      [&](const Recording& r) { return split(r.uri).scheme == scheme; });
-}
-
-std::string DeviceOpener::known_uris(std::string_view DeviceKind::*uri) const {
-  std::string text;
-  for (const Kind& kind : kinds_)
-    if (kind.driver && !(kind.kind.*uri).empty()) text += std::string(kind.kind.*uri) + ", ";
-  return text;
-}
-
-std::vector<FoundCamera> DeviceOpener::find() {
-  std::vector<FoundCamera> found;
-  for (const Kind& kind : kinds_)
-    if (kind.driver)
-      for (FoundCamera& camera : kind.driver->find()) found.push_back(std::move(camera));
-  return found;
 }
 
 std::vector<std::string> recordings_of(const RigConfig& rig,
@@ -136,7 +108,7 @@ Result<std::unique_ptr<device::Camera>> DeviceOpener::camera(const std::string& 
   }
   if (parts.scheme == "aravis") return device::open_aravis(parts.rest, request, clock_);
   if (const Kind* kind = kind_of(parts.scheme)) {
-    if (!kind->driver) return extra_left_out(uri, parts.scheme);
+    if (kind->kind.left_out()) return extra_left_out(uri, kind->kind.extra);
     if (!kind->kind.camera_uri.empty()) return kind->driver->camera(parts.rest, request);
   }
   const StreamUri view = stream_uri(parts);
@@ -179,7 +151,7 @@ Result<std::unique_ptr<device::DepthCamera>> DeviceOpener::depth(
   }
   if (parts.scheme == "aravis") return device::open_aravis_depth(parts.rest, request, clock_);
   if (const Kind* kind = kind_of(parts.scheme)) {
-    if (!kind->driver) return extra_left_out(uri, parts.scheme);
+    if (kind->kind.left_out()) return extra_left_out(uri, kind->kind.extra);
     if (!kind->kind.depth_uri.empty()) return kind->driver->depth(parts.rest, request);
   }
   const StreamUri view = stream_uri(parts);
@@ -271,9 +243,20 @@ Result<void> check_unit(const RigConfig& rig, const device::DepthCamera& camera,
 
 namespace {
 
+/// Adds the file and key to an error.
+Error at_lens_uri(const RigConfig& rig, Error error) {
+  error.context = rig.file.string() + ": lens.uri: " + error.context;
+  return error;
+}
+
 Result<Devices> open_all(const RigConfig& rig, DeviceOpener& opener) {
   Devices devices;
   if (rig.play_at) opener.play_at(*rig.play_at);
+  if (!rig.lens_uri.empty()) {
+    auto lens = opener.lens(rig.lens_uri);
+    if (!lens) return at_lens_uri(rig, lens.error());
+    devices.lens = *lens;
+  }
   if (!rig.trigger_uri.empty()) {
     MIXRIG_ASSIGN(devices.trigger, opener.trigger(rig.trigger_uri));
   }

@@ -53,6 +53,8 @@ class DeviceOpener {
   Result<std::unique_ptr<device::TriggerMaster>> trigger(const std::string& uri);
   /// gpiod:CHIP/LINE.
   Result<std::unique_ptr<device::TriggerInput>> edges(const std::string& uri);
+  /// The protocol of encoders of a lens, by their URI, which is valid.
+  Result<LensProtocol> lens(const std::string& uri) const;
   /// Cameras of the kinds that are connected, kind by kind.
   std::vector<FoundCamera> find();
   /// When recordings that are opened from now on begin to play; as soon as possible if never
@@ -67,7 +69,7 @@ class DeviceOpener {
   Result<std::shared_ptr<Player>> open_player(const std::string& recording);
   struct Kind {
     DeviceKind kind;
-    std::unique_ptr<DeviceDriver> driver;  ///< null: left out of this build
+    std::unique_ptr<DeviceDriver> driver;  ///< null: without cameras, or left out
   };
   const Kind* kind_of(const std::string& scheme) const;
   /// How devices of the kinds are written, "URI, URI, ".
@@ -89,6 +91,7 @@ struct Devices {
   std::vector<std::unique_ptr<device::Camera>> cameras;
   std::unique_ptr<device::DepthCamera> depth, depth2;
   std::unique_ptr<device::PanTilt> pan_tilt;
+  LensProtocol lens;               ///< of the rig's [lens], opened by what reads it (LensStream)
   std::shared_ptr<Player> player;  ///< of the recording behind cameras, if any
 };
 /// Errors: kUsage where neither the depth camera nor rig.toml tells what a step is. `steps`: of

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "extras/broadcast/packets/freed_receiver.h"
 #include "host/capture/calibration_file/tables.h"
 #include "host/capture/live/rig/depth_phases.h"
 #include "host/math/config/table.h"
@@ -150,8 +149,6 @@ void parse_trigger(const config::Table& table, RigConfig& rig) {
 void parse_lens(const config::Table& table, RigConfig& rig) {
   if (!table.present()) return;
   rig.lens_uri = table.text("uri");
-  if (const auto address = stream::parse_freed_address(rig.lens_uri); !address)
-    table.fail("uri", address.error());
   rig.lens_delay = from_ms(table.number_or("delay_ms", 0, {0, 1000}));
 }
 

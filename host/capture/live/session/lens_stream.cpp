@@ -2,53 +2,49 @@
 #include "host/capture/live/session/lens_stream.h"
 
 #include <algorithm>
+#include <cassert>
 #include <span>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "hal/base/log.h"
 
 namespace mixrig::live {
 
-Result<std::unique_ptr<LensStream>> LensStream::open(const RigConfig& config, const Clock& clock) {
+Result<std::unique_ptr<LensStream>> LensStream::open(const RigConfig& config,
+                                                     const Devices& devices, const Clock& clock) {
   if (config.lens_uri.empty()) return std::unique_ptr<LensStream>();
-  MIXRIG_ASSIGN(const stream::ListenAddress address, stream::parse_freed_address(config.lens_uri));
-  auto receiver = stream::FreeDReceiver::open(address);
+  assert(devices.lens.open != nullptr);  // open_devices() found it
+  auto receiver = devices.lens.open(config.lens_uri);
   if (!receiver)
     return Error{receiver.error().code,
                  config.file.string() + ": lens.uri: " + receiver.error().context};
   return std::make_unique<LensStream>(*std::move(receiver), config.lens_delay, clock);
 }
 
-LensStream::LensStream(stream::FreeDReceiver receiver, Duration delay, const Clock& clock)
+LensStream::LensStream(std::unique_ptr<LensReceiver> receiver, Duration delay, const Clock& clock)
     : receiver_(std::move(receiver)), delay_(delay), clock_(clock), thread_([this] { listen(); }) {}
 
 LensStream::~LensStream() {
   stop_ = true;
   thread_.join();
-  const stream::StreamCounts& counts = receiver_.counts();
-  if (counts.packets == 0 || counts.malformed > 0)
-    log_warning("live", fmt::format("lens: {} packets of FreeD came, {} could not be read, {} were "
-                                    "of another camera",
-                                    counts.packets, counts.malformed, counts.foreign));
+  if (const std::string trouble = receiver_->trouble(); !trouble.empty())
+    log_warning("live", "lens: " + trouble);
 }
 
 void LensStream::listen() {
   constexpr Duration kLook = std::chrono::milliseconds(50);  // at stop_
   while (!stop_) {
-    const auto packet = receiver_.next(kLook);
-    if (!packet) {
-      log_warning("live", "lens: " + packet.error().context + ": its values end here");
+    const auto encoders = receiver_->next(kLook);
+    if (!encoders) {
+      log_warning("live", "lens: " + encoders.error().context + ": its values end here");
       return;
     }
-    if (*packet) keep(**packet);
+    if (*encoders) keep(**encoders);
   }
 }
 
-void LensStream::keep(const stream::FreeDPacket& packet) {
-  const capture::LensSample sample{
-      clock_.now() - delay_, {static_cast<double>(packet.zoom), static_cast<double>(packet.focus)}};
+void LensStream::keep(const geometry::LensEncoders& encoders) {
+  const capture::LensSample sample{clock_.now() - delay_, encoders};
   const std::lock_guard lock(mutex_);
   if (count_ > 0 && sample.time <= samples_[count_ - 1].time) return;  // two at one time
   if (count_ == kKept) std::move(samples_.begin() + 1, samples_.end(), samples_.begin());

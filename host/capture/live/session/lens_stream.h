@@ -9,10 +9,10 @@
 #include <optional>
 #include <thread>
 
-#include "extras/broadcast/packets/freed_receiver.h"
 #include "hal/base/clock.h"
 #include "hal/base/result.h"
 #include "host/capture/capture/lens_track.h"
+#include "host/capture/live/rig/devices.h"
 #include "host/capture/live/rig/rig_config.h"
 
 namespace mixrig::live {
@@ -21,10 +21,11 @@ namespace mixrig::live {
 /// packets that could not be read. Nothing allocates between.
 class LensStream {
  public:
-  /// Null for a rig without [lens]. `clock` must outlive it. Errors: kDevice where the port cannot
-  /// be opened.
-  static Result<std::unique_ptr<LensStream>> open(const RigConfig& config, const Clock& clock);
-  LensStream(stream::FreeDReceiver receiver, Duration delay, const Clock& clock);
+  /// Null for a rig without [lens]. `devices`: those of the rig. `clock` must outlive it. Errors:
+  /// those of LensProtocol::open().
+  static Result<std::unique_ptr<LensStream>> open(const RigConfig& config, const Devices& devices,
+                                                  const Clock& clock);
+  LensStream(std::unique_ptr<LensReceiver> receiver, Duration delay, const Clock& clock);
   ~LensStream();
   LensStream(const LensStream&) = delete;
   LensStream& operator=(const LensStream&) = delete;
@@ -32,14 +33,13 @@ class LensStream {
   /// As capture::lens_at() of the values that have come; a packet's time is that of its arrival
   /// less the delay. Any thread.
   std::optional<geometry::LensEncoders> at(HostTime mid_exposure) const;
-  int port() const { return receiver_.port(); }
 
  private:
   void listen();
-  void keep(const stream::FreeDPacket& packet);
+  void keep(const geometry::LensEncoders& encoders);
 
   static constexpr std::size_t kKept = 128;  ///< half a second at 240 Hz
-  stream::FreeDReceiver receiver_;
+  const std::unique_ptr<LensReceiver> receiver_;
   const Duration delay_;
   const Clock& clock_;
   mutable std::mutex mutex_;

@@ -174,7 +174,7 @@ Result<std::unique_ptr<capture::CaptureSource>> make_live_source(
     WhenLost when_lost, std::shared_ptr<CameraSettings> settings,
     std::shared_ptr<RunningRig> running) {
   MIXRIG_ASSIGN(capture::SourceInfo info, take_info(config, devices));
-  MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
+  MIXRIG_ASSIGN(auto lens, LensStream::open(config, devices, clock));
   return std::unique_ptr<capture::CaptureSource>(std::make_unique<LiveSource>(
       std::move(config), std::move(devices), std::move(info), std::move(lens), stop, clock,
       when_lost, std::move(settings), std::move(running)));

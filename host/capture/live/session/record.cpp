@@ -183,7 +183,7 @@ Result<RecordReport> record(LiveSession& session, const RigConfig& config, const
                             Clock& clock) {
   MIXRIG_ASSIGN(const take::TakeInfo info, take_info(config, devices));
   MIXRIG_ASSIGN(auto writer, take::TakeWriter::create(options.out, info, options.format));
-  MIXRIG_ASSIGN(auto lens, LensStream::open(config, clock));
+  MIXRIG_ASSIGN(auto lens, LensStream::open(config, devices, clock));
   Recorder recorder(config, devices, std::move(writer), std::move(lens));
   MIXRIG_TRY(recorder.reserve());
   MIXRIG_TRY(recorder.open_tables());

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 #include "host/operator/page/json_body.h"
 
 namespace mixrig::page {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "extras/broadcast/packets/osc_reader.h"
+#include "host/output/datagrams/osc_reader.h"
 #include "hal/base/result.h"
 #include "host/operator/page/route.h"
 

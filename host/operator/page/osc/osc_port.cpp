@@ -9,7 +9,7 @@
 #include <boost/asio/error.hpp>
 #include <boost/asio/ip/address.hpp>
 
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 #include "host/operator/page/hub.h"
 #include "host/operator/page/osc/osc_commands.h"
 

@@ -11,7 +11,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <nlohmann/json.hpp>
 
-#include "extras/broadcast/packets/osc_reader.h"
+#include "host/output/datagrams/osc_reader.h"
 #include "host/operator/page/server.h"
 
 namespace mixrig::page {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OSC 1.0, "OSC Syntax": numbers are big-endian, everything is filled up to a multiple of 4 bytes.
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 
 #include <bit>
 

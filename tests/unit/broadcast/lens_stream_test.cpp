@@ -2,6 +2,7 @@
 // What the encoders of a lens say over the network, at mid-exposure.
 #include "host/capture/live/session/lens_stream.h"
 
+#include <array>
 #include <thread>
 
 #include <arpa/inet.h>
@@ -10,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "extras/broadcast/lens/freed_lens.h"
 #include "tests/support/threaded_clock.h"
 
 namespace mixrig::live {
@@ -23,9 +25,9 @@ class SentLens {
   explicit SentLens(Duration delay = {}) {
     auto receiver = stream::FreeDReceiver::open({"127.0.0.1", 0, 7});
     EXPECT_TRUE(receiver) << receiver.error().context;
-    stream_.emplace(*std::move(receiver), delay, clock_);
     to_.sin_family = AF_INET;
-    to_.sin_port = htons(static_cast<std::uint16_t>(stream_->port()));
+    to_.sin_port = htons(static_cast<std::uint16_t>(receiver->port()));
+    stream_.emplace(stream::make_freed_lens(*std::move(receiver)), delay, clock_);
     to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   }
   ~SentLens() { ::close(fd_); }
@@ -87,17 +89,39 @@ TEST(LensStream, CountsFromWhenThePacketWasMade) {
 TEST(LensStream, IsThereWhereTheRigHasOne) {
   const SystemClock clock;
   RigConfig rig;
-  auto none = LensStream::open(rig, clock);
+  Devices devices;
+  auto none = LensStream::open(rig, devices, clock);
   ASSERT_TRUE(none);
   EXPECT_EQ(*none, nullptr);
   const auto taken = stream::FreeDReceiver::open({"127.0.0.1", 0, {}});
   ASSERT_TRUE(taken);
   rig.file = "rig.toml";
   rig.lens_uri = "freed:" + std::to_string(taken->port());
-  const auto refused = LensStream::open(rig, clock);
+  devices.lens = stream::freed_lens_kind().lens;
+  const auto refused = LensStream::open(rig, devices, clock);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().context.rfind("rig.toml: lens.uri: FreeD: cannot listen", 0), 0U)
       << refused.error().context;
+}
+
+TEST(LensUri, IsCheckedBeforeDevicesAreOpened) {
+  SystemClock clock;
+  const std::array kinds{stream::freed_lens_kind()};
+  RigConfig rig;
+  rig.file = "rig.toml";
+  rig.lens_uri = "freed:0";
+  rig.trigger_uri = "no such trigger";
+  const auto refused = open_devices(rig, DeviceOpener(clock, {}, kinds));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(refused.error().context.rfind("rig.toml: lens.uri: ", 0), 0U)
+      << refused.error().context;
+  EXPECT_NE(refused.error().context.find("is no address of FreeD"), std::string::npos);
+  EXPECT_TRUE(DeviceOpener(clock, {}, kinds).lens("freed:0.0.0.0:6301,2"));
+  const auto other = DeviceOpener(clock, {}, kinds).lens("morse:1");
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().context.find("freed:[HOST:]PORT[,CAMERA]"), std::string::npos)
+      << other.error().context;
 }
 
 }  // namespace

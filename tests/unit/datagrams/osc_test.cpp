@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 
 #include <gtest/gtest.h>
 #ifdef MIXRIG_HAS_LIBLO
 #include <lo/lo.h>
 #endif
 
-#include "extras/broadcast/packets/datagram_sender.h"
+#include "host/output/datagrams/datagram_sender.h"
 
 namespace mixrig::stream {
 namespace {

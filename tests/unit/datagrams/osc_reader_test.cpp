@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "extras/broadcast/packets/osc_reader.h"
+#include "host/output/datagrams/osc_reader.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "extras/broadcast/packets/osc.h"
+#include "host/output/datagrams/osc.h"
 
 namespace mixrig::stream {
 namespace {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Zoom and focus of a rig's lens by FreeD: freed:[HOST:]PORT[,CAMERA].
+#pragma once
+
+#include <memory>
+
+#include "extras/broadcast/packets/freed_receiver.h"
+#include "host/capture/live/rig/device_kind.h"
+
+namespace mixrig::stream {
+
+/// Encoders of a lens alone.
+live::DeviceKind freed_lens_kind();
+
+std::unique_ptr<live::LensReceiver> make_freed_lens(FreeDReceiver receiver);
+
+}  // namespace mixrig::stream
