@@ -180,6 +180,7 @@ struct CompositorSetup {
   /// surface is where any of them has it; its colour is that of the model that saw it best.
   std::vector<BackgroundModel> background_models;
   std::vector<VirtualObject> objects;
+  bool may_hide_objects = false;  ///< frames may hide them (FrameInput::objects_shown)
   Light light;
   KeyParams key;
   std::optional<CaptureBox> capture_box;
@@ -247,6 +248,9 @@ struct FrameInput {
   /// is. Only where the setup's look measures.
   const PictureLook* look = nullptr;
   const SharedPlate* shared = nullptr;  ///< the same picture as `plate`; null: it has no other form
+  /// False: the frame is drawn as by a setup without the objects that are in no set. Only where the
+  /// setup may hide objects.
+  bool objects_shown = true;
 };
 
 /// What a compositor reads of a plate that its camera shares.

@@ -61,6 +61,10 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imp
   if (!input.tof2_depth_m.empty())
     MIXRIG_TRY(check_size(input.tof2_depth_m.size, tables.tof2_size, "second depth picture",
                           "second ToF"));
+  if (!input.objects_shown && !tables.may_hide_objects)
+    return Error{ErrorCode::kUsage,
+                 "compose: a frame hides the objects, but the compositor was made to show them: "
+                 "set CompositorSetup::may_hide_objects"};
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
     return Error{ErrorCode::kData, "compose: the camera pose is not finite"};
@@ -96,8 +100,7 @@ void deliver(FrameOutput& from, FrameOutput& to) {
   });
 }
 
-NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup) {
-  const bool has_objects = !setup.objects.empty();
+NeededPasses needed_passes(OutputMask wanted, bool has_objects, const CompositorSetup& setup) {
   NeededPasses needed;
   const OutputMask color = kColor | kGpuColor;
   needed.light = has_objects && (wanted & (color | kLight));
