@@ -21,6 +21,7 @@
 #include "hal/base/result.h"
 #include "host/math/geometry/camera_model.h"
 #include "host/math/geometry/depth_noise.h"
+#include "host/math/geometry/lens_table.h"
 #include "host/math/geometry/pose.h"
 #include "host/math/geometry/vignetting.h"
 
@@ -194,13 +195,6 @@ struct CompositorSetup {
   std::optional<geometry::Pose> first_pose;
 };
 
-/// The lens of one frame, in place of CompositorSetup::target. Its centre of projection lies
-/// `pupil_shift_m` before the origin of the target camera's frame, along z.
-struct FrameLens {
-  geometry::CameraModel target;  ///< of the same size
-  double pupil_shift_m = 0;
-};
-
 /// The view of a frame: that of the setup, whose focal lengths and centre change as those of the
 /// lens do. Pure.
 geometry::Pinhole view_through(const CompositorSetup& setup, const geometry::Pinhole& target);
@@ -230,7 +224,8 @@ struct FrameInput {
   ImageView<const Rgb8> plate;
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
-  std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
+  /// In place of CompositorSetup::target, of the same size; only where CompositorSetup::lens_moves.
+  std::optional<geometry::LensState> lens{};
   /// Of the first objects of the setup, from this frame on; empty: they stay where they are.
   std::span<const geometry::Pose> world_from_object{};
   /// Size of `tof2`; empty: this frame has none. Only where the setup has that camera.

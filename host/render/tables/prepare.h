@@ -90,7 +90,8 @@ class LensFollower {
   explicit LensFollower(const CompositorSetup& setup);
   /// Sets target, view and target_from_tof of `setup`, and of `tables` what depends on them but for
   /// plate_px. False where the lens is that of the frame before: then nothing is touched.
-  bool follow(const std::optional<FrameLens>& lens, CompositorSetup& setup, Tables& tables);
+  bool follow(const std::optional<geometry::LensState>& lens, CompositorSetup& setup,
+              Tables& tables);
   /// Pose of the centre of projection, for a pose of the target camera's frame.
   geometry::Pose world_from_pupil(const geometry::Pose& world_from_target) const;
 
