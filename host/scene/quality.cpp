@@ -14,6 +14,36 @@ std::optional<Rung> read_rung(const config::Table& table, const char* key,
   return static_cast<Rung>(table.one_of(key, words, 0));
 }
 
+/// `instead`: the line of [quality] that says the same.
+void refuse_earlier_key(const config::Table& table, const char* key, const std::string& instead) {
+  table.fail(key,
+             "is no key of this table any more: remove it, and write " + instead + " in [quality]");
+}
+
+/// What said a rung before [quality] did.
+void refuse_earlier_keys(const config::Table& root) {
+  const config::Table key = root.table("key"), light = root.table("light"),
+                      focus = root.table("focus");
+  for (const char* earlier : {"color", "refine"}) {
+    if (!key.has(earlier)) continue;
+    const bool color = key.boolean_or("color", true), refine = key.boolean_or("refine", true);
+    refuse_earlier_key(key, earlier,
+                       std::string("key = \"") +
+                           name(!color   ? KeyRung::kPlain
+                                : refine ? KeyRung::kRefined
+                                         : KeyRung::kVotes) +
+                           "\"");
+  }
+  if (light.has("people_cast"))
+    refuse_earlier_key(
+        light, "people_cast",
+        light.boolean_or("people_cast", true) ? "light = \"people\"" : "light = \"shadows\"");
+  if (focus.has("rung"))
+    refuse_earlier_key(
+        focus, "rung",
+        focus.one_of("rung", {"fine", "fast"}, 0) == 1 ? "focus = \"fast\"" : "focus = \"fine\"");
+}
+
 }  // namespace
 
 const char* name(KeyRung rung) {
@@ -26,14 +56,11 @@ const char* name(FocusRung rung) { return rung == FocusRung::kFast ? "fast" : "f
 
 Rungs rungs_of(const Scene& scene) {
   Rungs rungs;
-  const KeySettings& key = scene.key;
-  rungs.key = scene.quality.key.value_or(!key.color   ? KeyRung::kPlain
-                                         : key.refine ? KeyRung::kRefined
-                                                      : KeyRung::kVotes);
-  const bool people = scene.set ? scene.set->model.has_value() : scene.light.people_cast;
-  rungs.light = scene.quality.light.value_or(people ? LightRung::kPeople : LightRung::kShadows);
-  const bool fast = scene.focus && scene.focus->fast;
-  rungs.focus = scene.quality.focus.value_or(fast ? FocusRung::kFast : FocusRung::kFine);
+  rungs.key = scene.quality.key.value_or(rungs.key);
+  const bool has_receiver = !scene.set || scene.set->model;
+  rungs.light =
+      scene.quality.light.value_or(has_receiver ? LightRung::kPeople : LightRung::kShadows);
+  rungs.focus = scene.quality.focus.value_or(rungs.focus);
   return rungs;
 }
 
@@ -49,14 +76,9 @@ Quality read_quality(const config::Table& root) {
   quality.light = read_rung<LightRung>(table, "light", {"plain", "shadows", "people"});
   quality.focus = read_rung<FocusRung>(table, "focus", {"fast", "fine"});
   if (table.has("budget_ms")) quality.budget_ms = table.number("budget_ms", {0.1, 1000});
-  if (quality.key && (root.table("key").has("color") || root.table("key").has("refine")))
-    table.fail("key", "given beside color or refine of [key]: remove one of them");
-  if (quality.light && root.table("light").has("people_cast"))
-    table.fail("light", "given beside people_cast of [light]: remove one of them");
+  refuse_earlier_keys(root);
   if (quality.focus && !root.table("focus").present())
     table.fail("focus", "the scene has no [focus]: give one, or remove this key");
-  if (quality.focus && root.table("focus").has("rung"))
-    table.fail("focus", "given beside rung of [focus]: remove one of them");
   return quality;
 }
 

@@ -26,7 +26,7 @@ struct Rungs {
   bool operator==(const Rungs&) const = default;
 };
 
-/// [quality] of scene.toml. What is absent is as the tables of the stages say.
+/// [quality] of scene.toml. What is absent is as rungs_of() has it.
 struct Quality {
   std::optional<KeyRung> key;
   std::optional<LightRung> light;
@@ -41,7 +41,8 @@ const char* name(KeyRung rung);
 const char* name(LightRung rung);
 const char* name(FocusRung rung);
 
-/// Rungs that a scene asks for, by [quality] and the tables of the stages. Pure.
+/// Rungs that a scene asks for; what it does not say is the best one, but that people cast no
+/// shadows in a set without a model. Pure.
 Rungs rungs_of(const Scene& scene);
 /// "key refined, light people"; the focus only where there is one.
 std::string to_text(const Rungs& rungs, bool has_focus);

@@ -47,7 +47,6 @@ std::optional<FocusSettings> read_focus(const config::Table& table) {
   focus.f_number = table.number_or("f_number", focus.f_number, {0.5, 128});
   focus.sensor_width_mm = table.number_or("sensor_width_mm", focus.sensor_width_mm, {0.1, 1000});
   focus.most_blur_pct = table.number_or("most_blur_pct", focus.most_blur_pct, {0.1, 15});
-  focus.fast = table.one_of("rung", {"fine", "fast"}, 0) == 1;
   return focus;
 }
 

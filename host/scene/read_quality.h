@@ -7,7 +7,8 @@
 
 namespace mixrig::scene {
 
-/// Of the whole file, since a rung beside the same setting of its stage is an error.
+/// Of the whole file: keys of other tables that said the same in earlier versions are errors, which
+/// tell what to write.
 Quality read_quality(const config::Table& root);
 
 }  // namespace mixrig::scene

@@ -88,10 +88,9 @@ struct Lamp {
 struct Light {
   Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
   double exposure = 1.0;
-  bool from_room = false;   ///< the ambient light on objects is that of the learned room by side
-  bool people_cast = true;  ///< people cast shadows on the objects; on a set they always do
-  bool contact = false;     ///< objects hide ambient light from what is near, and from themselves
-  bool follow = false;      ///< lamps that are switched or dimmed while it runs
+  bool from_room = false;  ///< the ambient light on objects is that of the learned room by side
+  bool contact = false;    ///< objects hide ambient light from what is near, and from themselves
+  bool follow = false;     ///< lamps that are switched or dimmed while it runs
   std::vector<Lamp> lamps;
   bool find_lamps = false;  ///< in the scanned room, when a session begins; then `lamps` is empty
 };
@@ -181,8 +180,6 @@ struct VirtualSet {
 struct KeySettings {
   double threshold_m = 0.05;  ///< least depth step that is keyed
   double noise_factor = 4.0;  ///< threshold in standard deviations of the depth noise
-  bool color = true;          ///< decide pixels in doubt by colour
-  bool refine = true;         ///< the matte follows the edges of the plate; only with color
   bool motion = true;         ///< people's depth is moved to the time of the plate
   bool steady = true;         ///< the frame before joins where the plate stayed alike
 };
@@ -237,7 +234,6 @@ struct FocusSettings {
   double f_number = 2.8;                     ///< focal length over diameter of the aperture
   double sensor_width_mm = 36;               ///< that the view's width is
   double most_blur_pct = 4;                  ///< diameter, of the width
-  bool fast = false;                         ///< the rung: fewer taps
 };
 
 /// What virtual objects take on of what the camera does to real things.

@@ -184,7 +184,6 @@ Light read_light(const Table& table) {
   light.ambient = color_or(table, "ambient", light.ambient);
   light.exposure = table.number_or("exposure", light.exposure, {1e-6, 1e6});
   light.from_room = table.one_of("ambient_by", {"constant", "room"}, 0) == 1;
-  light.people_cast = table.boolean_or("people_cast", light.people_cast);
   light.contact = table.boolean_or("contact", light.from_room);
   light.follow = table.boolean_or("follow", light.follow);
   for (const Table& lamp : table.tables("lamp"))
@@ -233,8 +232,6 @@ KeySettings read_key(const Table& table) {
   KeySettings key;
   key.threshold_m = table.number_or("threshold_m", key.threshold_m, {0.0, 10.0});
   key.noise_factor = table.number_or("noise_factor", key.noise_factor, {0.0, 100.0});
-  key.color = table.boolean_or("color", key.color);
-  key.refine = table.boolean_or("refine", key.refine);
   key.motion = table.boolean_or("motion", key.motion);
   key.steady = table.boolean_or("steady", key.steady);
   return key;

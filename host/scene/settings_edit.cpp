@@ -80,6 +80,9 @@ Result<std::string> without_focus(std::string_view text, const std::filesystem::
     lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(blocks.front().begin),
                 lines.begin() + static_cast<std::ptrdiff_t>(end));
   }
+  // Its rung is only where there is a focus.
+  if (auto quality = config::blocks_of(lines, "[quality]"); !quality.empty())
+    config::remove_line(lines, quality.front(), "focus");
   std::string edited = config::text_of_lines(lines);
   const auto check = parse_scene(edited, path, false);
   if (!check || check->focus) return not_editable(path, "[focus]");

@@ -77,7 +77,7 @@ void add_object_light_and_key(const studio::StudioInfo& info, Writer& root) {
   light.set("exposure", config::rounded(info.light.exposure, 6));
   if (info.light.by_direction) light.set("ambient_by", "room");
   for (const studio::Panel& lamp : info.light.lamps) light.add("lamp", lamp_table(lamp));
-  key.set("threshold_m", 0.05).set("noise_factor", 4.0).set("color", true);
+  key.set("threshold_m", 0.05).set("noise_factor", 4.0);
   root.add("object", object_table(info.object));
   root.set("light", std::move(light)).set("key", std::move(key));
 }

@@ -47,7 +47,7 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
   state.SetLabel((*compositor)->renderer());
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
-  if (zooms) frame.lens = render::FrameLens{room.setup.target, 0};
+  if (zooms) frame.lens = geometry::LensState{room.setup.target, 0};
   // Images of both frames in flight grow, and shadow maps are drawn, before the time is taken.
   for (int i = 0; i < 2; ++i)
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
@@ -60,7 +60,7 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
   render::StageTimes sum{};
   for (auto _ : state) {
     if (zooms)
-      frame.lens->target.pinhole.fx_px *= 1.0001;
+      frame.lens->camera.pinhole.fx_px *= 1.0001;
     else if (state.range(1))
       frame.world_from_target.translation_m.x() += 1e-4;
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");

@@ -27,6 +27,12 @@ class ShadeRun : public CommandTest {
       out << line << (line == table ? "\n" + added + "\n" : "\n");
     return path("take/other.toml");
   }
+  /// The same with a table at its end.
+  std::string scene_and(const std::string& table) {
+    std::ofstream(path("take/other.toml"))
+        << std::ifstream(path("take/scene.toml")).rdbuf() << "\n" + table;
+    return path("take/other.toml");
+  }
 };
 
 TEST_F(ShadeRun, AnObjectInTheShadeOfATableIsNotShadedTwice) {
@@ -60,7 +66,7 @@ TEST_F(ShadeRun, APersonBetweenALampAndAnObjectDarkensItAndItsShadow) {
                    "--plain --scenario walk --seed 7 --frames 46 --size 160x128 --object 4.1,2.6"),
             0);
   const std::string cast = path("take/scene.toml");
-  const std::string none = scene_with("[light]", "people_cast = false");
+  const std::string none = scene_and("[quality]\nlight = \"shadows\"\n");
   for (const std::string backend : {"cpu", "gles"}) {
     const std::string options = " --frames 40-46 --backend " + backend;
     EXPECT_LE(error_of("object_rmse", cast, options), 0.65 * error_of("object_rmse", none, options))

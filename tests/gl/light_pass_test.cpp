@@ -3,7 +3,9 @@
 #include "host/render/gles/light/light_pass.h"
 
 #include <cmath>
+#include <optional>
 
+#include "host/math/geometry/irradiance.h"
 #include "host/render/gles/key/key_pass.h"
 #include "host/render/gles/light/shadow_pass.h"
 #include "tests/gl/gl_fixture.h"
@@ -41,6 +43,13 @@ class LightPassTest : public GlTest {
   static glm::vec3 wall_at(int x, int y) {
     return kWallM * glm::vec3((glm::vec2(x, y) - 15.5F) / 32.0F, 1);
   }
+  /// Of the lamp on the wall, by the formula for single points.
+  float irradiance_at(const glm::vec3& wall) const {
+    const auto to_eigen = [](const glm::vec3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
+    return lamp_.intensity.r *
+           static_cast<float>(geometry::irradiance(to_eigen(lamp_.position_m), std::nullopt,
+                                                   to_eigen(wall), -Eigen::Vector3d::UnitZ()));
+  }
   /// Draws the map of `caster` and gives the light of the wall.
   Image<glm::vec4> draw(const Quad& caster) {
     params_.draws = {draw_of(caster, tables_.warp.view)};
@@ -74,9 +83,7 @@ TEST_F(LightPassTest, shadow_of_a_point_lamp_lies_where_rays_are_cut) {
       const glm::vec3 hit = 0.5F * (wall + lamp_.position_m);  // the ray at z = 1.5
       const float inside = std::min(std::min(hit.x + 0.3F, 0.1F - hit.x), 0.2F - std::abs(hit.y));
       if (std::abs(inside) < 0.06F) continue;  // two texels and the filter's one
-      const float distance = glm::length(wall - lamp_.position_m);
-      const float irradiance = 9 * (kWallM / distance) / (distance * distance);
-      const float expected = inside > 0 ? 0.25F / (0.25F + irradiance) : 1;
+      const float expected = inside > 0 ? 0.25F / (0.25F + irradiance_at(wall)) : 1;
       EXPECT_NEAR(light.at(x, y).r, expected, 1e-3F) << x << "," << y;
       dark += inside > 0;
     }
@@ -152,8 +159,7 @@ TEST_F(LightPassTest, virtual_surface_is_shaded_by_lamp_and_ambient) {
   light->shade_virtual(params_, *samples, 0);
   const auto color = read(light->virtual_color());
   const auto w = read(light->virtual_w());
-  const float distance = glm::length(wall_at(20, 15) - lamp_.position_m);
-  const float sum = 0.25F + 9 * (kWallM / distance) / (distance * distance);
+  const float sum = 0.25F + irradiance_at(wall_at(20, 15));
   EXPECT_NEAR(color.at(20, 15).r, 0.5F * 0.5F * sum, 0.004F);
   EXPECT_NEAR(color.at(20, 15).g, 0.5F * 0.25F * sum, 0.004F);
   EXPECT_EQ(color.at(20, 15).a, 1);

@@ -46,10 +46,10 @@ TEST(WholeFrame, agrees_through_a_lens_that_moves) {
   render::FrameInput frame = room.frame();
   expect_agreement(pair, frame);
   for (const double zoom : {1.6, 1.1, 1.0}) {
-    frame.lens = render::FrameLens{room.setup.target, 0.03 * (zoom - 1)};
-    geometry::Pinhole& p = frame.lens->target.pinhole;
+    frame.lens = geometry::LensState{room.setup.target, 0.03 * (zoom - 1)};
+    geometry::Pinhole& p = frame.lens->camera.pinhole;
     p.fx_px *= zoom, p.fy_px *= zoom, p.cx_px += 2 * (zoom - 1);
-    frame.lens->target.lens = geometry::Lens({-0.08 + 0.1 * (zoom - 1), 0, 0, 0, 0, 0, 0, 0});
+    frame.lens->camera.lens = geometry::Lens({-0.08 + 0.1 * (zoom - 1), 0, 0, 0, 0, 0, 0, 0});
     expect_agreement(pair, frame);
     EXPECT_TRUE(shows(pair.gles_frame, render::Layer::kVirtual));
   }

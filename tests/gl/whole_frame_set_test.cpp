@@ -16,8 +16,8 @@ TEST(WholeFrame, agrees_through_a_lens_that_moves_on_a_set) {
   room.setup.lens_moves = true;
   Pair pair = make_pair(room);
   expect_agreement(pair, frame);
-  frame.lens = render::FrameLens{room.setup.target, 0.01};
-  frame.lens->target.pinhole.fx_px *= 1.4, frame.lens->target.pinhole.fy_px *= 1.4;
+  frame.lens = geometry::LensState{room.setup.target, 0.01};
+  frame.lens->camera.pinhole.fx_px *= 1.4, frame.lens->camera.pinhole.fy_px *= 1.4;
   expect_agreement(pair, frame);
 }
 

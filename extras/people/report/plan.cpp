@@ -13,7 +13,7 @@
 #include "hal/base/angles.h"
 #include "hal/base/partial_path.h"
 #include "host/math/image_io/image_io.h"
-#include "host/scene/gltf/glb_lines.h"
+#include "host/scene/gltf/glb_writer.h"
 
 namespace mixrig::session {
 namespace {
@@ -91,7 +91,7 @@ Result<void> write_pictures(const std::filesystem::path& folder, const PlanDrawi
       image_io::write_png(folder / "dwell.png", draw_dwell(drawing, people.dwell.grid()).view()));
   const std::vector<scene::Polyline> lines = lines_of(people.people);
   if (lines.empty()) return {};
-  return scene::write_glb_lines(lines, folder / "paths.glb");
+  return scene::write_glb(lines, folder / "paths.glb");
 }
 
 }  // namespace

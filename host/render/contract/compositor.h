@@ -21,6 +21,7 @@
 #include "hal/base/result.h"
 #include "host/math/geometry/camera_model.h"
 #include "host/math/geometry/depth_noise.h"
+#include "host/math/geometry/lens_table.h"
 #include "host/math/geometry/pose.h"
 #include "host/math/geometry/vignetting.h"
 
@@ -180,6 +181,7 @@ struct CompositorSetup {
   /// surface is where any of them has it; its colour is that of the model that saw it best.
   std::vector<BackgroundModel> background_models;
   std::vector<VirtualObject> objects;
+  bool may_hide_objects = false;  ///< frames may hide them (FrameInput::objects_shown)
   Light light;
   KeyParams key;
   std::optional<CaptureBox> capture_box;
@@ -191,13 +193,6 @@ struct CompositorSetup {
   /// Of the first frame, where it is known: what is found out once a pose is then found when the
   /// compositor is made, in its thread, and not in the first frame.
   std::optional<geometry::Pose> first_pose;
-};
-
-/// The lens of one frame, in place of CompositorSetup::target. Its centre of projection lies
-/// `pupil_shift_m` before the origin of the target camera's frame, along z.
-struct FrameLens {
-  geometry::CameraModel target;  ///< of the same size
-  double pupil_shift_m = 0;
 };
 
 /// The view of a frame: that of the setup, whose focal lengths and centre change as those of the
@@ -229,7 +224,8 @@ struct FrameInput {
   ImageView<const Rgb8> plate;
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
-  std::optional<FrameLens> lens{};  ///< only where CompositorSetup::lens_moves
+  /// In place of CompositorSetup::target, of the same size; only where CompositorSetup::lens_moves.
+  std::optional<geometry::LensState> lens{};
   /// Of the first objects of the setup, from this frame on; empty: they stay where they are.
   std::span<const geometry::Pose> world_from_object{};
   /// Size of `tof2`; empty: this frame has none. Only where the setup has that camera.
@@ -247,6 +243,9 @@ struct FrameInput {
   /// is. Only where the setup's look measures.
   const PictureLook* look = nullptr;
   const SharedPlate* shared = nullptr;  ///< the same picture as `plate`; null: it has no other form
+  /// False: the frame is drawn as by a setup without the objects that are in no set. Only where the
+  /// setup may hide objects.
+  bool objects_shown = true;
 };
 
 /// What a compositor reads of a plate that its camera shares.

@@ -21,14 +21,14 @@ Result<void> check_size(Size have, Size want, const char* what, const char* came
 }
 
 /// Cheaper than geometry::validate(), which a table of lenses went through once.
-Result<void> check_lens(const FrameLens& lens, const Tables& tables) {
+Result<void> check_lens(const geometry::LensState& lens, const Tables& tables) {
   if (!tables.lens_moves)
     return Error{ErrorCode::kUsage,
                  "compose: a frame has its own lens, but the compositor was made for one lens: set "
                  "CompositorSetup::lens_moves"};
-  const geometry::Pinhole& p = lens.target.pinhole;
+  const geometry::Pinhole& p = lens.camera.pinhole;
   MIXRIG_TRY(check_size(p.size_px, tables.plate_size, "lens of the frame", "target"));
-  const geometry::Lens::Coefficients& k = lens.target.lens.coefficients();
+  const geometry::Lens::Coefficients& k = lens.camera.lens.coefficients();
   const bool finite = std::isfinite(p.fx_px + p.fy_px + p.cx_px + p.cy_px + lens.pupil_shift_m) &&
                       std::all_of(k.begin(), k.end(), [](double v) { return std::isfinite(v); });
   if (finite && p.fx_px > 0 && p.fy_px > 0) return {};
@@ -61,6 +61,10 @@ Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imp
   if (!input.tof2_depth_m.empty())
     MIXRIG_TRY(check_size(input.tof2_depth_m.size, tables.tof2_size, "second depth picture",
                           "second ToF"));
+  if (!input.objects_shown && !tables.may_hide_objects)
+    return Error{ErrorCode::kUsage,
+                 "compose: a frame hides the objects, but the compositor was made to show them: "
+                 "set CompositorSetup::may_hide_objects"};
   if (!input.world_from_target.rotation.coeffs().allFinite() ||
       !input.world_from_target.translation_m.allFinite())
     return Error{ErrorCode::kData, "compose: the camera pose is not finite"};
@@ -96,8 +100,7 @@ void deliver(FrameOutput& from, FrameOutput& to) {
   });
 }
 
-NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup) {
-  const bool has_objects = !setup.objects.empty();
+NeededPasses needed_passes(OutputMask wanted, bool has_objects, const CompositorSetup& setup) {
   NeededPasses needed;
   const OutputMask color = kColor | kGpuColor;
   needed.light = has_objects && (wanted & (color | kLight));

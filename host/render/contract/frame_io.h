@@ -7,8 +7,8 @@
 
 namespace mixrig::render {
 
-/// Errors: kData for pictures of a wrong size and a pose that is not finite. `imports`: the plate
-/// is read in place, where the frame has it so.
+/// Errors: kData for pictures of a wrong size and a pose that is not finite, kUsage for what the
+/// setup is not made for. `imports`: the plate is read in place, where the frame has it so.
 Result<void> check_frame(const FrameInput& input, const Tables& tables, bool imports = false);
 
 /// Wanted images and those that they are made from: the matte decides the states. A composite that
@@ -38,7 +38,8 @@ void deliver(FrameOutput& from, FrameOutput& to);
 struct NeededPasses {
   bool key = false, light = false, mix = false;
 };
-NeededPasses needed_passes(OutputMask wanted, const CompositorSetup& setup);
+/// `has_objects`: the frame shows any.
+NeededPasses needed_passes(OutputMask wanted, bool has_objects, const CompositorSetup& setup);
 
 /// Turns measured states into decided ones. The border of people is edge, the matte decides the
 /// rest.

@@ -26,6 +26,7 @@
 #include "host/render/cpu/warp/warp.h"
 #include "host/render/frame/exposure.h"
 #include "host/render/frame/focus_discs.h"
+#include "host/render/tables/hidden_objects.h"
 #include "host/render/tables/prepare.h"
 
 namespace mixrig::render {
@@ -48,6 +49,7 @@ class CpuCompositor final : public Compositor {
  private:
   void draw(const FrameInput& input, OutputMask wanted, FrameOutput& output, StageTimes& times);
   void follow(const FrameInput& input);
+  void choose_objects(bool hide, const geometry::Pose& world_from_camera);
   void draw_depth(const FrameInput& input, StopWatch& watch);
   void key_people(const FrameInput& input, const ToneCurve& tone, Image<std::uint8_t>& matte);
   void draw_background(StopWatch& watch);
@@ -62,7 +64,11 @@ class CpuCompositor final : public Compositor {
   Tables tables_;
   FramePreparer preparer_;
   LensFollower lens_;
-  std::unique_ptr<MovingBackground> moving_background_;  ///< setup_.background shows its images
+  std::optional<HiddenObjects> hidden_;      ///< where frames may hide objects
+  const FramePreparer* frame_ = &preparer_;  ///< of this frame: it shows all, or hides some
+  std::unique_ptr<MovingBackground> moving_background_;
+  const FramePreparer* background_by_ = nullptr;  ///< its frame when it was last drawn
+  BackgroundView background_;                     ///< of the setup, or of moving_background_
   ExposureMeter meter_;
   TofGrid grid_;
   WarpScratch warp_scratch_;
@@ -71,7 +77,8 @@ class CpuCompositor final : public Compositor {
   PlateScratch plate_scratch_;
   Image<Rgbx16> plate_;
   Image<float> view_w_;
-  std::optional<VirtualThings> things_;  ///< where there are any
+  std::optional<VirtualThings> all_things_, set_things_;  ///< where there are any; of hidden_
+  VirtualThings* things_ = nullptr;                       ///< of this frame
   FocusScratch focus_scratch_;
   Image<std::uint8_t> matte_;  ///< where it is not wanted
   struct Frame {
@@ -88,7 +95,8 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       tables_(make_tables(setup_)),
       preparer_(setup_),
       lens_(setup_),
-      meter_(tables_, setup_.background),
+      background_(setup_.background),
+      meter_(tables_, background_),
       grid_(tables_.tof_size),
       warp_scratch_(tables_.tof_size,
                     setup_.lens_moves || color_places_borders(tables_.tof_footprint_px)),
@@ -98,14 +106,19 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       view_w_(with_margin(tables_.view_size)) {
   if (!setup_.background_models.empty()) {
     moving_background_ = std::make_unique<MovingBackground>(crew_, setup_);
-    setup_.background = moving_background_->view();
+    background_ = moving_background_->view();
     tables_.has_background = true;
     tables_.key_limit_w.reset(tables_.view_size);
   }
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (!setup_.objects.empty())
-    things_.emplace(setup_, tables_, preparer_.params(), crew_.threads());
+    all_things_.emplace(setup_, background_, tables_, preparer_.params(), crew_.threads());
+  if (!setup_.may_hide_objects || !any_object_hides(setup_)) return;
+  hidden_.emplace(setup_);
+  if (!hidden_->setup().objects.empty())
+    set_things_.emplace(hidden_->setup(), background_, tables_, hidden_->preparer().params(),
+                        crew_.threads());
 }
 
 Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
@@ -128,12 +141,13 @@ void CpuCompositor::draw(const FrameInput& input, OutputMask wanted, FrameOutput
   output.wanted = with_needed(wanted, false);
   const bool focuses = setup_.focus && (wanted & kColor);
   if (focuses) output.wanted |= kMixedDepth;
-  const NeededPasses needed = needed_passes(output.wanted, setup_);
+  follow(input);
+  const NeededPasses needed = needed_passes(output.wanted, things_ != nullptr, setup_);
   const bool own_matte = needed.key && !(output.wanted & kMatte);  // the key writes it
   if (own_matte) std::swap(matte_, output.matte);
   size_outputs(tables_.view_size, needed.key ? output.wanted | kMatte : output.wanted, output);
-  follow(input);
-  if (things_) things_->take_look(input);
+  if (all_things_) all_things_->take_look(input);
+  if (set_things_) set_things_->take_look(input);
   watch.lap(Stage::kUpload);
   draw_background(watch);
   const ToneCurve tone = meter_.curve(input.plate);
@@ -175,8 +189,18 @@ void CpuCompositor::follow(const FrameInput& input) {
     if (moving_background_) moving_background_->see_through(setup_);
     if (second_depth_) second_depth_->set_view(setup_);
   }
-  preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
-                   place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
+  preparer_.note(
+      {moved, place_objects(input.world_from_object, setup_), set_light(input.light, setup_)});
+  choose_objects(!input.objects_shown, lens_.world_from_pupil(input.world_from_target));
+}
+
+/// What is drawn of the scene in this frame.
+void CpuCompositor::choose_objects(bool hide, const geometry::Pose& world_from_camera) {
+  if (hidden_) hidden_->follow(setup_);
+  std::optional<VirtualThings>& things = hidden_ && hide ? set_things_ : all_things_;
+  things_ = things ? &*things : nullptr;
+  frame_ = hidden_ && hide ? &hidden_->preparer() : &preparer_;
+  frame_ == &preparer_ ? preparer_.update(world_from_camera) : hidden_->update(world_from_camera);
 }
 
 /// Passes correct, agree and warp.
@@ -203,10 +227,9 @@ Result<void> CpuCompositor::collect(FrameOutput& output) {
 /// The matte and people's depth.
 void CpuCompositor::key_people(const FrameInput& input, const ToneCurve& tone,
                                Image<std::uint8_t>& matte) {
-  people_key_.key(
-      crew_, input.depth_delay_s,
-      {tables_, preparer_.params().key, setup_.background, plate_, tone, colors_of_key()}, view_w_,
-      matte);
+  people_key_.key(crew_, input.depth_delay_s,
+                  {tables_, frame_->params().key, background_, plate_, tone, colors_of_key()},
+                  view_w_, matte);
 }
 
 MovingBackground* CpuCompositor::colors_of_key() const {
@@ -230,17 +253,18 @@ void draw_colors_at(std::span<const ExposureMeter::Place> places, MovingBackgrou
 
 /// Only where the camera moves; while the pose stays, so does the background.
 void CpuCompositor::draw_background(StopWatch& watch) {
-  if (!moving_background_ || !preparer_.params().pose_changed) return;
-  moving_background_->draw(crew_, preparer_.world_from_camera(), tables_);
+  if (!moving_background_) return;
+  if (std::exchange(background_by_, frame_) == frame_ && !frame_->params().pose_changed) return;
+  moving_background_->draw(crew_, frame_->world_from_camera(), tables_, things_ != nullptr);
   if (moving_background_->has_color()) draw_colors_at(meter_.places(), *moving_background_);
-  meter_.learn(setup_.background);
+  meter_.learn(background_);
   watch.lap(Stage::kBackground);
 }
 
 MixInput CpuCompositor::mix_input(const ToneCurve& tone) const {
-  const bool edges = !moving_background_ && !tables_.edge_depth_m.empty();
-  return {.background = setup_.background,
-          .room_m = edges ? tables_.edge_depth_m.view() : setup_.background.depth_m,
+  const bool edges = !moving_background_ && things_ && !tables_.edge_depth_m.empty();
+  return {.background = background_,
+          .room_m = edges ? tables_.edge_depth_m.view() : background_.depth_m,
           .plate = plate_,
           .view_w = view_w_,
           .objects = things_ ? &things_->mixed() : nullptr,

@@ -29,6 +29,7 @@
 #include "host/render/gles/virtual/virtual_things.h"
 #include "host/render/gles/warp/second_depth_pass.h"
 #include "host/render/gles/warp/warp_pass.h"
+#include "host/render/tables/hidden_objects.h"
 
 namespace mixrig::render {
 namespace {
@@ -71,6 +72,7 @@ class GlesCompositor final : public Compositor {
   Result<void> draw(const FrameInput& input, const ImportedPlanes* planes, Frame& frame);
   ToneCurve tone_of(const FrameInput& input);
   void follow(const FrameInput& input);
+  void choose_objects(bool hide, const geometry::Pose& world_from_camera);
   void upload(const FrameInput& input, bool with_plate);
   void key_people(const FrameInput& input);
   Result<void> draw_mix(OutputMask wanted);
@@ -87,17 +89,21 @@ class GlesCompositor final : public Compositor {
   Tables tables_;
   FramePreparer preparer_;
   LensFollower lens_;
-  std::optional<Crew> crew_;   ///< where the lens moves
-  Image<glm::vec2> plate_px_;  ///< the same
+  std::optional<HiddenObjects> hidden_;      ///< where frames may hide objects
+  const FramePreparer* frame_ = &preparer_;  ///< of this frame: it shows all, or hides some
+  const FramePreparer* room_by_ = nullptr;   ///< that when room_ was last drawn
+  std::optional<Crew> crew_;                 ///< where the lens moves
+  Image<glm::vec2> plate_px_;                ///< the same
   ExposureMeter meter_;
   ToneCurve tone_;
   Room room_;
   PlatePass plate_;
   CorrectPass correct_;
   WarpPass warp_;
-  std::optional<SecondDepthPass> second_depth_;  ///< of a rig with two depth cameras
-  std::optional<PeopleKey> key_;                 ///< where anything is keyed
-  std::optional<VirtualThings> things_;          ///< where there are any
+  std::optional<SecondDepthPass> second_depth_;           ///< of a rig with two depth cameras
+  std::optional<PeopleKey> key_;                          ///< where anything is keyed
+  std::optional<VirtualThings> all_things_, set_things_;  ///< where there are any; of hidden_
+  VirtualThings* things_ = nullptr;                       ///< of this frame
   MixPass mix_;
   std::optional<FocusPass> focus_;
   std::optional<PlateImports> imports_;  ///< where the driver has them
@@ -118,6 +124,7 @@ GlesCompositor::GlesCompositor(EglContext context, const CompositorSetup& setup)
       lens_(setup_),
       meter_(tables_, setup_.background) {
   for (Frame& frame : flight_.slots()) frame.timer.emplace(context_);
+  if (setup_.may_hide_objects && any_object_hides(setup_)) hidden_.emplace(setup_);
   if (!setup_.lens_moves) return;
   crew_.emplace();
   plate_px_.reset(tables_.view_size);
@@ -143,7 +150,11 @@ Result<void> GlesCompositor::create_passes() {
     MIXRIG_ASSIGN(key_, PeopleKey::create(setup_, tables_, room_.has_color(), frame.key));
   }
   if (!frame.draws.empty()) {
-    MIXRIG_ASSIGN(things_, VirtualThings::create(setup_, tables_, frame));
+    MIXRIG_ASSIGN(all_things_, VirtualThings::create(setup_, tables_, frame));
+  }
+  if (hidden_ && !hidden_->preparer().params().draws.empty()) {
+    MIXRIG_ASSIGN(set_things_,
+                  VirtualThings::create(hidden_->setup(), tables_, hidden_->preparer().params()));
   }
   MIXRIG_ASSIGN(mix_, MixPass::create(tables_, setup_));
   if (setup_.focus) {
@@ -233,20 +244,22 @@ Result<void> GlesCompositor::submit(const FrameInput& given, OutputMask wanted) 
 /// The passes, in the order of host/render/README.md.
 Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes* planes,
                                   Frame& frame) {
-  const NeededPasses needed = needed_passes(frame.wanted, setup_);
   StageTimer& timer = *frame.timer;
   const bool two = second_depth_ && !input.tof2_depth_m.empty();
   {
     const StageScope stage(timer, Stage::kUpload, true);
     upload(input, planes == nullptr);
   }
+  const NeededPasses needed = needed_passes(frame.wanted, things_ != nullptr, setup_);
   if (plate_.draws() || planes != nullptr) {
     const StageScope stage(timer, Stage::kPlate);
     if (planes != nullptr) plate_.decode(input.shared->raw(), *planes);
     if (plate_.draws()) plate_.draw();
   }
   if (room_.is_drawn()) {
-    if (preparer_.params().pose_changed) room_.draw(preparer_.world_from_camera(), meter_, timer);
+    const bool other = std::exchange(room_by_, frame_) != frame_;
+    if (other || frame_->params().pose_changed)
+      room_.draw(frame_->world_from_camera(), things_ != nullptr, meter_, timer);
     tone_ = tone_of(input);
   }
   {
@@ -286,7 +299,8 @@ ToneCurve GlesCompositor::tone_of(const FrameInput& input) {
 /// The frame's pictures; and what the host finds out from them.
 void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
   follow(input);
-  if (things_) things_->take_look(input);
+  if (all_things_) all_things_->take_look(input);
+  if (set_things_) set_things_->take_look(input);
   if (!room_.is_drawn()) tone_ = tone_of(input);
   if (key_) key_->follow(input, plate_.in_view());
   if (with_plate) plate_.upload_plate(input.plate);
@@ -297,7 +311,7 @@ void GlesCompositor::upload(const FrameInput& input, bool with_plate) {
 /// The matte and people's depth.
 void GlesCompositor::key_people(const FrameInput& input) {
   key_->draw(
-      preparer_.params().key, input.depth_delay_s,
+      frame_->params().key, input.depth_delay_s,
       {warp_.w(), plate_.in_view(), room_.color(), room_.color_sigma(), tone_, room_.limit_w()});
 }
 
@@ -315,10 +329,21 @@ void GlesCompositor::follow(const FrameInput& input) {
     if (second_depth_) second_depth_->set_view(setup_);
     room_.set_view(tables_, setup_);
     if (key_) key_->set_view(tables_);
-    if (things_) things_->set_view(tables_);
+    if (all_things_) all_things_->set_view(tables_);
+    if (set_things_) set_things_->set_view(tables_);
   }
-  preparer_.update(lens_.world_from_pupil(input.world_from_target), moved,
-                   place_objects(input.world_from_object, setup_), set_light(input.light, setup_));
+  preparer_.note(
+      {moved, place_objects(input.world_from_object, setup_), set_light(input.light, setup_)});
+  choose_objects(!input.objects_shown, lens_.world_from_pupil(input.world_from_target));
+}
+
+/// What is drawn of the scene in this frame.
+void GlesCompositor::choose_objects(bool hide, const geometry::Pose& world_from_camera) {
+  if (hidden_) hidden_->follow(setup_);
+  std::optional<VirtualThings>& things = hidden_ && hide ? set_things_ : all_things_;
+  things_ = things ? &*things : nullptr;
+  frame_ = hidden_ && hide ? &hidden_->preparer() : &preparer_;
+  frame_ == &preparer_ ? preparer_.update(world_from_camera) : hidden_->update(world_from_camera);
 }
 
 Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
@@ -326,7 +351,7 @@ Result<void> GlesCompositor::draw_mix(OutputMask wanted) {
   input.plate = &plate_.in_view();
   input.visible_w = key_ ? &key()->visible_w() : &warp_.w();
   input.matte = key_ ? &key()->matte() : nullptr;
-  input.background_m = tables_.has_background ? &room_.depth_m() : nullptr;
+  input.background_m = tables_.has_background ? &room_.depth_m(things_ != nullptr) : nullptr;
   input.room = key_ ? &key()->room() : nullptr;
   input.learned = &room_.color();
   input.light = light_map() != nullptr ? &light_map()->light() : nullptr;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/render/tables/hidden_objects.h"
 #include "host/render/tables/light_surface.h"
 #include "host/render/tables/room_edges.h"
 #include "host/render/tables/wrapped_areas.h"
@@ -179,6 +180,7 @@ Tables make_tables(const CompositorSetup& setup) {
   t.plate_size = setup.target.size_px();
   t.view_size = setup.view.size_px;
   t.lens_moves = setup.lens_moves;
+  t.may_hide_objects = setup.may_hide_objects || !any_object_hides(setup);
   t.tof_ray = tof_rays(setup.tof);
   t.plate_is_view = setup.target.lens.is_ideal() && setup.view == setup.target.pinhole &&
                     setup.vignetting.is_none() && !setup.lens_moves;

@@ -29,8 +29,9 @@ struct PackedNormal {
 /// Tables that hold for a take. Built once; plain images, so that a GPU can take them as textures.
 struct Tables {
   Size tof_size, plate_size, view_size;
-  Image<glm::vec2> tof_ray;     ///< (x/z, y/z) of a ToF pixel; NaN where the lens has no ray
-  bool lens_moves = false;      ///< as CompositorSetup::lens_moves
+  Image<glm::vec2> tof_ray;       ///< (x/z, y/z) of a ToF pixel; NaN where the lens has no ray
+  bool lens_moves = false;        ///< as CompositorSetup::lens_moves
+  bool may_hide_objects = false;  ///< the same, or there are none to hide
   bool plate_is_view = false;   ///< ideal lens, view = plate, no vignetting: plate_px is empty then
   Image<float> plate_gain;      ///< of each view pixel, for linear light; empty without vignetting
   Image<glm::vec2> plate_px;    ///< plate pixel of a view pixel; may lie outside: clamp to edge
@@ -89,7 +90,8 @@ class LensFollower {
   explicit LensFollower(const CompositorSetup& setup);
   /// Sets target, view and target_from_tof of `setup`, and of `tables` what depends on them but for
   /// plate_px. False where the lens is that of the frame before: then nothing is touched.
-  bool follow(const std::optional<FrameLens>& lens, CompositorSetup& setup, Tables& tables);
+  bool follow(const std::optional<geometry::LensState>& lens, CompositorSetup& setup,
+              Tables& tables);
   /// Pose of the centre of projection, for a pose of the target camera's frame.
   geometry::Pose world_from_pupil(const geometry::Pose& world_from_target) const;
 
@@ -179,6 +181,13 @@ bool place_objects(std::span<const geometry::Pose> world_from_object, Compositor
 /// Sets the light of `setup`. False where it is the same. Pure but for `setup`.
 bool set_light(const std::optional<FrameLight>& light, CompositorSetup& setup);
 
+/// Of a setup, since a frame was last prepared by it.
+struct SetupChanges {
+  bool view = false;     ///< as the lens has it
+  bool objects = false;  ///< objects stand elsewhere
+  bool light = false;    ///< as Light, but for places of lamps
+};
+
 /// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
 class FramePreparer {
  public:
@@ -186,10 +195,9 @@ class FramePreparer {
   /// Brings `params` to this pose, and to the setup's view where that has changed. Allocates on the
   /// first call only, which finds out what the real room hides of the lamps where the setup has no
   /// first pose.
-  /// With `objects_moved` the objects of the setup stand elsewhere, with `light_changed` its light
-  /// is another.
-  void update(const geometry::Pose& world_from_target, bool view_changed = false,
-              bool objects_moved = false, bool light_changed = false);
+  void update(const geometry::Pose& world_from_target, const SetupChanges& changes = {});
+  /// Changes that count in the next update(): the objects are not drawn meanwhile.
+  void note(const SetupChanges& changes);
   const FrameParams& params() const { return params_; }
   const geometry::Pose& world_from_camera() const { return last_pose_; }  ///< of that update()
 
@@ -218,6 +226,7 @@ class FramePreparer {
 
   const CompositorSetup& setup_;
   FrameParams params_;
+  SetupChanges noted_;
   bool has_pose_ = false;
   geometry::Pose last_pose_;
   std::vector<LampPart> parts_;  ///< as FrameParams::lamps

@@ -2,21 +2,24 @@
 // What objects hide of the ambient light, and send instead, in a frame.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "host/math/geometry/irradiance.h"
 #include "host/render/tables/prepare.h"
 
 namespace mixrig::render {
 namespace {
 
-/// Irradiance of a surface without shadows, as CONVENTIONS.md has it.
+Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+/// Irradiance of a surface without shadows.
 glm::vec3 light_on(const Light& light, const glm::dvec3& at_m, const glm::dvec3& normal) {
   glm::dvec3 sum(light.ambient);
   for (const Lamp& lamp : light.lamps) {
-    const glm::dvec3 to = lamp.position_m - at_m;
-    const double distance2 = std::max(glm::dot(to, to), double{kLeastDistance2});
-    const glm::dvec3 d = to / std::sqrt(distance2);
-    const double emitter = lamp.direction ? std::max(0.0, -glm::dot(*lamp.direction, d)) : 1.0;
-    sum += glm::dvec3(lamp.intensity) * (std::max(0.0, glm::dot(normal, d)) * emitter / distance2);
+    std::optional<Eigen::Vector3d> direction;
+    if (lamp.direction) direction = to_eigen(*lamp.direction);
+    sum += glm::dvec3(lamp.intensity) * geometry::irradiance(to_eigen(lamp.position_m), direction,
+                                                             to_eigen(at_m), to_eigen(normal));
   }
   return glm::vec3(sum);
 }

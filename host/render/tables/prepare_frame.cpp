@@ -136,8 +136,14 @@ void FramePreparer::update_ambient(const geometry::Pose& world_from_target) {
     light.ambient_terms[i] = brighter * (*ambient_)[i];
 }
 
-void FramePreparer::update(const geometry::Pose& world_from_target, bool view_changed,
-                           bool objects_moved, bool light_changed) {
+void FramePreparer::note(const SetupChanges& changes) {
+  noted_ = {noted_.view || changes.view, noted_.objects || changes.objects,
+            noted_.light || changes.light};
+}
+
+void FramePreparer::update(const geometry::Pose& world_from_target, const SetupChanges& changes) {
+  note(changes);
+  const auto [view_changed, objects_moved, light_changed] = std::exchange(noted_, {});
   params_.pose_changed = !has_pose_ || view_changed || objects_moved || light_changed ||
                          world_from_target.rotation.coeffs() != last_pose_.rotation.coeffs() ||
                          world_from_target.translation_m != last_pose_.translation_m;

@@ -47,9 +47,9 @@ LensFollower::LensFollower(const CompositorSetup& setup)
       pinhole_(setup.target.pinhole),
       distortion_(setup.target.lens.coefficients()) {}
 
-bool LensFollower::follow(const std::optional<FrameLens>& lens, CompositorSetup& setup,
+bool LensFollower::follow(const std::optional<geometry::LensState>& lens, CompositorSetup& setup,
                           Tables& tables) {
-  const geometry::CameraModel& target = lens ? lens->target : target_;
+  const geometry::CameraModel& target = lens ? lens->camera : target_;
   const double pupil_shift_m = lens ? lens->pupil_shift_m : 0;
   if (target.pinhole == pinhole_ && target.lens.coefficients() == distortion_ &&
       pupil_shift_m == pupil_shift_m_)

@@ -11,9 +11,8 @@
 
 namespace mixrig::session {
 
-std::optional<render::FrameLens> frame_lens(const capture::Capture& capture) {
-  if (!capture.lens) return std::nullopt;
-  return render::FrameLens{capture.lens->state.camera, capture.lens->state.pupil_shift_m};
+std::optional<geometry::LensState> frame_lens(const capture::Capture& capture) {
+  return capture.lens ? std::optional(capture.lens->state) : std::nullopt;
 }
 
 geometry::Pinhole frame_view(const render::CompositorSetup& setup,

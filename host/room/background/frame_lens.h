@@ -14,7 +14,7 @@
 namespace mixrig::session {
 
 /// None where the lens of the setup holds.
-std::optional<render::FrameLens> frame_lens(const capture::Capture& capture);
+std::optional<geometry::LensState> frame_lens(const capture::Capture& capture);
 /// The view that a frame is composited in.
 geometry::Pinhole frame_view(const render::CompositorSetup& setup, const capture::Capture& capture);
 /// Pose of the centre of projection, for a pose of the target camera's frame.

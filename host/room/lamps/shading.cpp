@@ -10,6 +10,7 @@
 #include "hal/base/order_statistics.h"
 #include "hal/base/srgb.h"
 #include "host/math/estimation/decompositions.h"
+#include "host/math/geometry/irradiance.h"
 #include "host/room/lamps/lamp_plane.h"
 
 namespace mixrig::lights {
@@ -48,18 +49,7 @@ void each_panel_point(const FoundLamp& lamp, const Use& use) {
     }
 }
 
-double from_point(const FoundLamp& lamp, const Vector3d& at_m, const Vector3d& position_m,
-                  const Vector3d& normal) {
-  const Vector3d to = at_m - position_m;
-  const double d2 = to.squaredNorm();
-  if (!(d2 > 1e-6)) return 0;
-  const double receiver = std::max(0.0, normal.dot(to)) / std::sqrt(d2);
-  const double emitter =
-      lamp.direction ? std::max(0.0, -lamp.direction->dot(to)) / std::sqrt(d2) : 1.0;
-  return receiver * emitter / d2;
-}
-
-/// The same with what hides parts of the panel.
+/// As irradiance_of(), with what of the room hides parts of the panel.
 double seen_irradiance(const RoomSurfaces& room, const FoundLamp& lamp, const Vector3d& position_m,
                        const Vector3d& normal) {
   const Vector3d start = position_m + 0.01 * normal;
@@ -67,7 +57,7 @@ double seen_irradiance(const RoomSurfaces& room, const FoundLamp& lamp, const Ve
   int count = 0;
   each_panel_point(lamp, [&](const Vector3d& at) {
     ++count;
-    const double light = from_point(lamp, at, position_m, normal);
+    const double light = geometry::irradiance(at, lamp.direction, position_m, normal);
     if (light > 0 && room.open(start, at)) sum += light;
   });
   return sum / count;
@@ -261,8 +251,9 @@ std::vector<double> channel_of(const std::vector<LitPlace>& places, const Vector
 double irradiance_of(const FoundLamp& lamp, const Vector3d& position_m, const Vector3d& normal) {
   double sum = 0;
   int count = 0;
-  each_panel_point(
-      lamp, [&](const Vector3d& at) { sum += from_point(lamp, at, position_m, normal), ++count; });
+  each_panel_point(lamp, [&](const Vector3d& at) {
+    sum += geometry::irradiance(at, lamp.direction, position_m, normal), ++count;
+  });
   return sum / count;
 }
 

@@ -154,9 +154,8 @@ pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
 }
 
 Result<void> Runner::open_compositor() {
-  const bool hides =
-      session_.poses->info().moves && report_.pose.when_lost == pose::WhenLost::kHide;
-  MIXRIG_TRY(compositor_.open(hides, sinks_.mover(), gate()));
+  session_.setup.may_hide_objects = session_.poses->info().moves;
+  MIXRIG_TRY(compositor_.open(sinks_.mover(), gate()));
   if (options_.controls != nullptr) {
     options_.controls->can_record = sinks_.has_files() || options_.controls->records_takes;
     options_.controls->can_learn = compositor_.watches_room();

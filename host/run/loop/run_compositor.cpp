@@ -46,17 +46,17 @@ RunCompositor::RunCompositor(const Session& session, RunOptions& options, RunRep
       look_keeper_(session, live()),
       exchange_(session, live()) {}
 
-Result<void> RunCompositor::open(bool hides, ObjectMover* mover, WorkGate* gate) {
-  hides_ = hides, mover_ = mover, wanted_focus_ = session_.scene.focus;
-  MIXRIG_TRY(compositor_->open(session_.setup, session_.backend, hides));
+Result<void> RunCompositor::open(ObjectMover* mover, WorkGate* gate) {
+  mover_ = mover, wanted_focus_ = session_.scene.focus;
+  MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
   if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
   if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_.open(options_.changes, gate));
   if (session_.scene.light.follow) MIXRIG_TRY(light_keeper_.open(gate));
   look_keeper_.open(gate);
   no_depth_m_.reset(session_.setup.tof.size_px());
-  report_.backend = backend_of(compositor_->whole());
-  report_.renderer = compositor_->whole().renderer();
+  report_.backend = backend_of(*compositor_);
+  report_.renderer = compositor_->renderer();
   report_.size = session_.setup.view.size_px;
   return {};
 }
@@ -64,7 +64,7 @@ Result<void> RunCompositor::open(bool hides, ObjectMover* mover, WorkGate* gate)
 void RunCompositor::follow_changes() {
   exchange_.use(keeper_.take_learned());
   if (options_.scene) use(options_.scene->take_edited());
-  exchange_.exchange(compositor_, hides_, last_pose_);
+  exchange_.exchange(compositor_, last_pose_);
   if (options_.controls != nullptr)
     options_.controls->can_focus = exchange_.scene().focus.has_value();
   light_keeper_.take_factors();
@@ -126,8 +126,8 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
        frame_lens(*composite.capture), composite.world_from_object,
        composite.capture->depth2.depth_m, frame_light(), focus_pixel(), composite.capture->time_s,
        depth_delay_s(*composite.capture), composite.motion, look_keeper_.look_of(composite),
-       shared ? &shared : nullptr},
-      composite.objects_shown, images);
+       shared ? &shared : nullptr, composite.objects_shown},
+      images);
 }
 
 void RunCompositor::count_plate(const capture::Capture& capture) {
@@ -140,7 +140,7 @@ void RunCompositor::count_plate(const capture::Capture& capture) {
 
 /// Has the source give plates as the compositor in use reads them.
 void RunCompositor::share_plates() {
-  const render::PlateNeed need = compositor_->whole().plate_need();
+  const render::PlateNeed need = compositor_->plate_need();
   if (need == std::exchange(asked_, need)) return;
   session_.source->share_plates({.shared = need != render::PlateNeed::kDecoded,
                                  .decoded = need != render::PlateNeed::kShared});
@@ -172,8 +172,8 @@ Result<void> RunCompositor::finish() {
   MIXRIG_TRY(look_keeper_.finish());
   report_.look = look_keeper_.report();
   exchange_.finish();
-  if (report_.plates) report_.plates->why_copied = compositor_->whole().why_copied();
-  compositor_->close();  // its buffers are not needed beside the sheet's
+  if (report_.plates) report_.plates->why_copied = compositor_->why_copied();
+  compositor_.reset();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();
   if (options_.scene) report_.scene_edits = edits();
   if (keeper_.is_open()) {

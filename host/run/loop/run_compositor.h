@@ -8,9 +8,9 @@
 
 #include "hal/base/clock.h"
 #include "host/output/sink/frame_times.h"
+#include "host/render/contract/compositor.h"
 #include "host/run/controls/run_extra.h"
 #include "host/run/controls/run_options.h"
-#include "host/run/loop/hiding_compositor.h"
 #include "host/run/loop/setup_exchange.h"
 #include "host/run/report/run_report.h"
 #include "host/run/session/session.h"
@@ -26,12 +26,10 @@ class RunCompositor {
   /// All of them outlive it.
   RunCompositor(const Session& session, RunOptions& options, RunReport& report);
 
-  /// With `hides`, frames without virtual objects are expected. `mover` moves objects; null: none
-  /// does. Errors: those of the back end, of the watch, of a room that
-  /// cannot be saved.
-  Result<void> open(bool hides, ObjectMover* mover, WorkGate* gate);
+  /// `mover` moves objects; null: none does. Errors: those of the back end, of the watch, of a room
+  /// that cannot be saved.
+  Result<void> open(ObjectMover* mover, WorkGate* gate);
   bool watches_room() const { return keeper_.is_open(); }
-  const render::Compositor& whole() const { return compositor_->whole(); }
 
   /// Before a frame: what was saved and learned counts from this one on.
   void follow_changes();
@@ -62,7 +60,6 @@ class RunCompositor {
   const Session& session_;
   RunOptions& options_;
   RunReport& report_;
-  bool hides_ = false;
   std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
   ObjectMover* mover_ = nullptr;
   RoomKeeper keeper_;
@@ -74,7 +71,7 @@ class RunCompositor {
   std::vector<geometry::Pose> wanted_poses_;  ///< of objects with physics, that they were put at
   std::optional<geometry::Pose> last_pose_;   ///< of the camera
   FrameTimes times_;                          ///< for the physics
-  std::unique_ptr<HidingCompositor> compositor_ = std::make_unique<HidingCompositor>();
+  std::unique_ptr<render::Compositor> compositor_;
   render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< of the source
   Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
 };

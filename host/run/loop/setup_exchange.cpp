@@ -29,19 +29,17 @@ SetupExchange::MadePtr SetupExchange::begin(const std::optional<geometry::Pose>&
   return made;
 }
 
-Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice backend,
-                                                   bool hides) {
-  made->compositor = std::make_unique<HidingCompositor>();
-  MIXRIG_TRY(made->compositor->open(made->setup, backend, hides));
+Result<SetupExchange::MadePtr> SetupExchange::make(MadePtr made, BackendChoice backend) {
+  MIXRIG_ASSIGN(made->compositor, make_compositor(made->setup, backend));
   return made;
 }
 
-void SetupExchange::exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+void SetupExchange::exchange(std::unique_ptr<render::Compositor>& compositor,
                              const std::optional<geometry::Pose>& last_pose) {
   if (!making_.valid()) {
     if (!std::exchange(is_due_, false)) return;
     tried_background_ = background_, tried_scene_ = scene_;
-    making_ = std::async(std::launch::async, make, begin(last_pose), session_.backend, hides);
+    making_ = std::async(std::launch::async, make, begin(last_pose), session_.backend);
   }
   if (live_ && making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   const HostTime start = clock_.now();

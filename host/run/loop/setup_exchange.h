@@ -9,8 +9,8 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/quantile_sketch.h"
+#include "host/render/contract/compositor.h"
 #include "host/run/controls/scene_follower.h"
-#include "host/run/loop/hiding_compositor.h"
 #include "host/run/session/kept_background.h"
 
 namespace mixrig::session {
@@ -29,7 +29,7 @@ class SetupExchange {
   /// Before a frame. `last_pose` is that of the frame before: what a compositor finds out once is
   /// found while it is made. Where it cannot be made (more lamps than the back end draws, no
   /// memory) the old one stays, with a warning.
-  void exchange(std::unique_ptr<HidingCompositor>& compositor, bool hides,
+  void exchange(std::unique_ptr<render::Compositor>& compositor,
                 const std::optional<geometry::Pose>& last_pose);
   /// Waits for a compositor in the making, which is dropped.
   void finish();
@@ -48,10 +48,10 @@ class SetupExchange {
     std::shared_ptr<const KeptBackground> background;  ///< null: the session's
     EditedScenePtr scene;                              ///< null: the session's
     render::CompositorSetup setup;
-    std::unique_ptr<HidingCompositor> compositor;
+    std::unique_ptr<render::Compositor> compositor;
   };
   using MadePtr = std::unique_ptr<Made>;
-  static Result<MadePtr> make(MadePtr made, BackendChoice backend, bool hides);
+  static Result<MadePtr> make(MadePtr made, BackendChoice backend);
   MadePtr begin(const std::optional<geometry::Pose>& last_pose) const;
   void refuse(const Error& error);
 

@@ -14,6 +14,7 @@
 
 #include "hal/base/log.h"
 #include "hal/base/srgb.h"
+#include "host/math/geometry/irradiance.h"
 #include "host/render/frame/exposure.h"
 #include "host/render/tables/prepare.h"
 #include "host/room/lamps/body_columns.h"
@@ -44,13 +45,15 @@ float luminance_of(const Rgb8& c) {
   return render::luminance({linear[c.r], linear[c.g], linear[c.b]});
 }
 
-/// As CONVENTIONS.md has it, in luminance; what the room hides of the lamp is left out.
+Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+/// In luminance; what the room hides of the lamp is left out.
 double irradiance(const render::Lamp& lamp, const glm::dvec3& at_m, const glm::dvec3& normal) {
-  const glm::dvec3 to = lamp.position_m - at_m;
-  const double d2 = std::max(glm::dot(to, to), 1e-4), d = std::sqrt(d2);
-  const double receiver = std::max(0.0, glm::dot(normal, to) / d);
-  const double emitter = lamp.direction ? std::max(0.0, -glm::dot(*lamp.direction, to) / d) : 1.0;
-  return receiver * emitter / d2 * static_cast<double>(render::luminance(lamp.intensity));
+  std::optional<Eigen::Vector3d> direction;
+  if (lamp.direction) direction = to_eigen(*lamp.direction);
+  return geometry::irradiance(to_eigen(lamp.position_m), direction, to_eigen(at_m),
+                              to_eigen(normal)) *
+         double{render::luminance(lamp.intensity)};
 }
 
 /// Of each source, light now over light then; 1 where a change is not certain, or half as large as
@@ -83,8 +86,6 @@ class SurfaceCells {
  private:
   std::map<std::tuple<int, int, int, int>, int> numbers_;
 };
-
-Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 

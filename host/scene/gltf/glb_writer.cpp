@@ -20,29 +20,37 @@ std::vector<Eigen::Vector3f> to_gltf(const std::vector<Eigen::Vector3f>& vectors
   return turned;
 }
 
-/// Builds a model of one node and one mesh; all data lie in buffer 0.
+/// Builds a file whose data lie in buffer 0.
 class GlbBuilder {
  public:
-  explicit GlbBuilder(const std::string& name) {
+  GlbBuilder() {
     model_.asset.version = "2.0";
     model_.asset.generator = "mixrig";
     model_.defaultScene = 0;
     model_.scenes.resize(1);
-    model_.scenes[0].nodes = {0};
-    model_.nodes.resize(1);
-    model_.nodes[0].mesh = 0;
-    model_.nodes[0].name = name;
-    model_.meshes.resize(1);
     model_.buffers.resize(1);
-    model_.samplers.resize(1);
-    model_.samplers[0].magFilter = model_.samplers[0].minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+  }
+
+  /// What is added from then on is of a mesh of its own.
+  void begin_node(const std::string& name) {
+    tinygltf::Node node;
+    node.name = name;
+    node.mesh = static_cast<int>(model_.meshes.size());
+    model_.scenes[0].nodes.push_back(static_cast<int>(model_.nodes.size()));
+    model_.nodes.push_back(std::move(node));
+    model_.meshes.emplace_back();
+  }
+
+  void add(const Polyline& line) {
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_LINE_STRIP;
+    primitive.attributes = {{"POSITION", add_positions(line.points_m)}};
+    model_.meshes.back().primitives.push_back(std::move(primitive));
   }
 
   Result<void> add(const Mesh& mesh, ImageView<const Rgb8> texture) {
     MIXRIG_ASSIGN(const int material, add_material(mesh, texture));
-    const std::vector<Eigen::Vector3f> positions = to_gltf(mesh.positions_m);
-    const int position = add_vertices(positions, TINYGLTF_TYPE_VEC3);
-    set_range(positions, model_.accessors.back());
+    const int position = add_positions(mesh.positions_m);
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     primitive.material = material;
@@ -52,11 +60,17 @@ class GlbBuilder {
     primitive.indices = add_accessor(add_view(mesh.indices, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER),
                                      TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
                                      mesh.indices.size());
-    model_.meshes[0].primitives.push_back(std::move(primitive));
+    model_.meshes.back().primitives.push_back(std::move(primitive));
     return {};
   }
 
-  const tinygltf::Model& model() const { return model_; }
+  /// tinygltf does not report a full disk, so it writes to memory. Errors: kIo.
+  Result<void> write(const std::filesystem::path& path) const {
+    std::ostringstream bytes;
+    constexpr bool kPretty = false, kBinary = true;
+    tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, bytes, kPretty, kBinary);
+    return write_file(path, bytes.str());
+  }
 
  private:
   /// Copies values to the end of the buffer; each view starts at a multiple of 4 bytes.
@@ -90,17 +104,25 @@ class GlbBuilder {
                         TINYGLTF_COMPONENT_TYPE_FLOAT, type, values.size());
   }
 
-  /// glTF requires the range of positions.
-  static void set_range(const std::vector<Eigen::Vector3f>& values, tinygltf::Accessor& accessor) {
-    Eigen::Vector3f low = values.front(), high = low;
-    for (const auto& v : values) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  /// With their range, which glTF requires.
+  int add_positions(const std::vector<Eigen::Vector3f>& positions_m) {
+    const std::vector<Eigen::Vector3f> turned = to_gltf(positions_m);
+    const int added = add_vertices(turned, TINYGLTF_TYPE_VEC3);
+    Eigen::Vector3f low = turned.front(), high = low;
+    for (const auto& v : turned) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    tinygltf::Accessor& accessor = model_.accessors.back();
     accessor.minValues = {low.x(), low.y(), low.z()};
     accessor.maxValues = {high.x(), high.y(), high.z()};
+    return added;
   }
 
   /// A material with texture `picture`, whose PNG is put into the buffer.
   Result<int> add_material(const Mesh& mesh, ImageView<const Rgb8> picture) {
     const auto number = static_cast<int>(model_.materials.size());
+    if (model_.samplers.empty()) {
+      tinygltf::Sampler& sampler = model_.samplers.emplace_back();
+      sampler.magFilter = sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    }
     MIXRIG_ASSIGN(const std::string png, image_io::encode_png(picture));
     tinygltf::Image image;
     image.bufferView = add_view(png, 0);
@@ -131,16 +153,22 @@ class GlbBuilder {
 
 Result<void> write_glb(const Model& model, const std::string& name,
                        const std::filesystem::path& path) {
-  GlbBuilder builder(name);
+  GlbBuilder file;
+  file.begin_node(name);
   for (const Mesh& mesh : model.meshes) {
     const auto texture = static_cast<std::size_t>(mesh.texture);
-    MIXRIG_TRY(builder.add(mesh, model.textures[texture].view()));
+    MIXRIG_TRY(file.add(mesh, model.textures[texture].view()));
   }
-  // tinygltf does not report a full disk, so it writes to memory.
-  std::ostringstream bytes;
-  constexpr bool kPretty = false, kBinary = true;
-  tinygltf::TinyGLTF().WriteGltfSceneToStream(&builder.model(), bytes, kPretty, kBinary);
-  return write_file(path, bytes.str());
+  return file.write(path);
+}
+
+Result<void> write_glb(const std::vector<Polyline>& lines, const std::filesystem::path& path) {
+  GlbBuilder file;
+  for (const Polyline& line : lines) {
+    file.begin_node(line.name);
+    file.add(line);
+  }
+  return file.write(path);
 }
 
 }  // namespace mixrig::scene

@@ -2,10 +2,14 @@
 #include "host/render/cpu/light/light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <span>
 
+#include "host/math/geometry/irradiance.h"
+#include "host/render/cpu/light/irradiance.h"
 #include "host/render/cpu/light/visibility.h"
 #include "tests/unit/render/helpers.h"
 
@@ -66,6 +70,37 @@ struct Lit {
 
 render::Lamp point_lamp(glm::dvec3 position_m) {
   return {position_m, std::nullopt, {0, 0}, glm::vec3(1)};
+}
+
+TEST(LampLight, is_in_lanes_what_the_formula_for_single_points_says) {
+  std::minstd_rand random(5);
+  std::uniform_real_distribution<double> away(-2, 2);
+  const auto any = [&] { return Eigen::Vector3d(away(random), away(random), away(random)); };
+  const auto to_glm = [](const Eigen::Vector3d& v) { return glm::vec3(v.x(), v.y(), v.z()); };
+  int lit = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d lamp_m = any(), normal = any().normalized();
+    std::optional<Eigen::Vector3d> direction;
+    if (i % 2) direction = any().normalized();
+    render::LampParams lamp;
+    lamp.position_m = to_glm(lamp_m),
+    lamp.direction = to_glm(direction.value_or(Eigen::Vector3d::Zero()));
+    lamp.intensity = glm::vec3(1);
+    std::array<Eigen::Vector3d, kLanes> at_m;
+    render::cpu::SurfaceLanes at;
+    for (int k = 0; k < kLanes; ++k) {
+      at_m[static_cast<std::size_t>(k)] = any();
+      at.set(k, to_glm(at_m[static_cast<std::size_t>(k)]), to_glm(normal));
+    }
+    const render::cpu::FloatLanes light = render::cpu::lamp_light(lamp, at);
+    for (int k = 0; k < kLanes; ++k) {
+      const double expected =
+          geometry::irradiance(lamp_m, direction, at_m[static_cast<std::size_t>(k)], normal);
+      EXPECT_NEAR(light[k], expected, 1e-4 * (1 + expected));
+      lit += expected > 0;
+    }
+  }
+  EXPECT_GT(lit, 100);
 }
 
 TEST(Shadow, point_lamp_casts_the_projection_of_its_caster) {

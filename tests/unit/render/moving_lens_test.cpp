@@ -13,12 +13,12 @@
 namespace mixrig::test {
 namespace {
 
-render::FrameLens zoomed(const render::CompositorSetup& setup, double zoom, double shift_m) {
-  render::FrameLens lens{setup.target, shift_m};
-  geometry::Pinhole& p = lens.target.pinhole;
+geometry::LensState zoomed(const render::CompositorSetup& setup, double zoom, double shift_m) {
+  geometry::LensState lens{setup.target, shift_m};
+  geometry::Pinhole& p = lens.camera.pinhole;
   p.fx_px *= zoom, p.fy_px *= zoom;
   p.cx_px += 3 * (zoom - 1), p.cy_px -= 2 * (zoom - 1);
-  lens.target.lens = geometry::Lens({-0.1 + 0.15 * zoom, 0, 1e-3, -1e-3, 0, 0, 0, 0});
+  lens.camera.lens = geometry::Lens({-0.1 + 0.15 * zoom, 0, 1e-3, -1e-3, 0, 0, 0, 0});
   return lens;
 }
 
@@ -28,7 +28,7 @@ struct LensRoom : RoomSetup {
     draw_background_for_each_pose();
     setup.lens_moves = true;
   }
-  render::FrameInput with(const render::FrameLens& lens) const {
+  render::FrameInput with(const geometry::LensState& lens) const {
     render::FrameInput input = frame();
     input.lens = lens;
     return input;
@@ -36,10 +36,10 @@ struct LensRoom : RoomSetup {
 };
 
 /// The same frame by a compositor that knows no other lens.
-render::FrameOutput made_for(const LensRoom& room, const render::FrameLens& lens) {
+render::FrameOutput made_for(const LensRoom& room, const geometry::LensState& lens) {
   render::CompositorSetup setup = room.setup;
-  setup.view = render::view_through(room.setup, lens.target.pinhole);
-  setup.target = lens.target;
+  setup.view = render::view_through(room.setup, lens.camera.pinhole);
+  setup.target = lens.camera;
   setup.target_from_tof =
       geometry::inverse(geometry::at_pupil({}, lens.pupil_shift_m)) * setup.target_from_tof;
   render::FrameInput input = room.frame();
@@ -78,7 +78,7 @@ TEST(MovingLens, FollowsAsIfMadeForEachSetting) {
   render::FrameOutput first;
   for (const auto& [zoom, shift_m] :
        {std::pair(1.0, 0.0), std::pair(1.7, 0.02), std::pair(1.2, -0.01), std::pair(1.0, 0.0)}) {
-    const render::FrameLens lens = zoomed(room.setup, zoom, shift_m);
+    const geometry::LensState lens = zoomed(room.setup, zoom, shift_m);
     ASSERT_TRUE((*compositor)->compose(room.with(lens), out));
     expect_same(out, made_for(room, lens));
     if (first.color.empty()) first = out;
@@ -117,13 +117,13 @@ TEST(MovingLens, IsRefusedWhereItIsNotExpected) {
   render::FrameInput frame = room.with(zoomed(room.setup, 1.5, 0));
   auto compositor = render::make_cpu_compositor(room.setup, 1);
   ASSERT_TRUE(compositor);
-  frame.lens->target.pinhole.fx_px = -1;
+  frame.lens->camera.pinhole.fx_px = -1;
   EXPECT_FALSE((*compositor)->compose(frame, out));
-  frame.lens->target = zoomed(room.setup, 1.5, 0).target;
+  frame.lens->camera = zoomed(room.setup, 1.5, 0).camera;
   frame.lens->pupil_shift_m = std::nan("");
   EXPECT_FALSE((*compositor)->compose(frame, out));
   frame.lens->pupil_shift_m = 0;
-  frame.lens->target.pinhole.size_px.width += 1;
+  frame.lens->camera.pinhole.size_px.width += 1;
   EXPECT_FALSE((*compositor)->compose(frame, out));
   EXPECT_TRUE((*compositor)->compose(room.frame(), out));
   room.setup.lens_moves = false;

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/gltf/glb_lines.h"
 #include "tests/support/temporary_folder.h"
 
 #ifdef MIXRIG_HAS_ASSIMP
@@ -89,7 +88,7 @@ TEST(GlbWriter, LinesAreReadByAnotherLibrary) {
 #ifdef MIXRIG_HAS_ASSIMP
   const test::TemporaryFolder folder;
   const auto path = folder / "lines.glb";
-  ASSERT_TRUE(write_glb_lines(
+  ASSERT_TRUE(write_glb(
       {{"person 1", {{1, 2, 0}, {2, 2, 0}, {2, 3, 0}}}, {"person 2", {{0, 0, 0}, {0, 5, 0}}}},
       path));
   Assimp::Importer importer;

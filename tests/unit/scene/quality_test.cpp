@@ -22,12 +22,12 @@ std::string refusal(const std::string& text) {
   return scene ? "" : scene.error().context;
 }
 
-TEST(QualityTable, RungsAreThoseOfTheStagesWhereItIsAbsent) {
+TEST(QualityTable, RungsAreTheBestWhereItIsAbsent) {
   EXPECT_EQ(rungs(""), Rungs{});
-  EXPECT_EQ(rungs("[key]\nrefine = false").key, KeyRung::kVotes);
-  EXPECT_EQ(rungs("[key]\ncolor = false").key, KeyRung::kPlain);
-  EXPECT_EQ(rungs("[light]\npeople_cast = false").light, LightRung::kShadows);
-  EXPECT_EQ(rungs("[focus]\ndistance_m = 2\nrung = \"fast\"").focus, FocusRung::kFast);
+  const std::string volume = "[camera]\ncapture_volume = {min_m = [0, 0, 0], max_m = [1, 1, 1]}\n";
+  EXPECT_EQ(rungs(volume + "[set]\nmodel = \"court.glb\"").light, LightRung::kPeople);
+  EXPECT_EQ(rungs(volume + "[set]\npicture = \"sky.png\"").light, LightRung::kShadows)
+      << "a set without a model receives none";
 }
 
 TEST(QualityTable, NamesARungOfEachStage) {
@@ -44,12 +44,24 @@ TEST(QualityTable, WhatIsWrongIsOneLine) {
   EXPECT_NE(unknown.find("s/scene.toml:2"), std::string::npos) << unknown;
   EXPECT_NE(unknown.find("\"plain\", \"votes\", \"refined\""), std::string::npos) << unknown;
   EXPECT_NE(refusal("[quality]\nbudget_ms = 0").find("budget_ms"), std::string::npos);
-  EXPECT_NE(refusal("[quality]\nkey = \"votes\"\n[key]\ncolor = true").find("remove one"),
-            std::string::npos);
-  EXPECT_NE(refusal("[quality]\nlight = \"plain\"\n[light]\npeople_cast = true").find("remove one"),
-            std::string::npos);
   EXPECT_NE(refusal("[quality]\nfocus = \"fast\"").find("[focus]"), std::string::npos);
   EXPECT_NE(refusal("[quality]\nwarp = \"fast\"").find("warp"), std::string::npos);
+}
+
+TEST(QualityTable, KeysOfEarlierVersionsAreOneLineThatSaysWhatToWrite) {
+  const struct {
+    const char *text, *where, *instead;
+  } kCases[] = {{"[key]\nthreshold_m = 0.1\ncolor = true", "s/scene.toml:3", "key = \"refined\""},
+                {"[key]\ncolor = false\nrefine = true", "s/scene.toml:2", "key = \"plain\""},
+                {"[key]\nrefine = false", "s/scene.toml:2", "key = \"votes\""},
+                {"[light]\npeople_cast = false", "s/scene.toml:2", "light = \"shadows\""},
+                {"[light]\npeople_cast = true", "s/scene.toml:2", "light = \"people\""},
+                {"[focus]\ndistance_m = 2\nrung = \"fast\"", "s/scene.toml:3", "focus = \"fast\""}};
+  for (const auto& c : kCases) {
+    const std::string line = refusal(c.text);
+    EXPECT_NE(line.find(c.where), std::string::npos) << line;
+    EXPECT_NE(line.find(c.instead), std::string::npos) << line;
+  }
 }
 
 TEST(QualityTable, ABudgetIsTakenAtTheStart) {

@@ -22,7 +22,8 @@ TEST(SceneChanges, ObjectsLightAndKeyAreFollowed) {
   const Scene from = scene_from(kObject);
   for (const std::string& to :
        {std::string(), kObject + "scale = 2.0\n", kObject + "[light]\nambient = 0.5\n",
-        kObject + "[key]\ncolor = false\n", kObject + "[[light.lamp]]\nposition_m = [1, 1, 3]\n"})
+        kObject + "[quality]\nkey = \"plain\"\n",
+        kObject + "[[light.lamp]]\nposition_m = [1, 1, 3]\n"})
     EXPECT_EQ(fixed_changes(from, scene_from(to)), "") << to;
 }
 

@@ -37,7 +37,6 @@ position_m = [0.0, 0.0, 2.0]
 [key]
 threshold_m = 0.1
 noise_factor = 5
-color = false
 )";
 
 TEST(Scene, HoldsWhatTheFileSays) {
@@ -63,7 +62,6 @@ TEST(Scene, HoldsWhatTheFileSays) {
   EXPECT_EQ(scene->light.lamps[1].name, "lamp 2");
   EXPECT_FALSE(scene->light.lamps[1].direction.has_value());
   EXPECT_EQ(scene->key.noise_factor, 5.0);
-  EXPECT_FALSE(scene->key.color);
 }
 
 TEST(Scene, LookAndTheKeysOfTheFrameBefore) {

@@ -20,13 +20,12 @@ Scene read(const Result<std::string>& text) {
 
 TEST(FocusEdit, ADistanceTakesThePlaceOfAPixelAndBack) {
   const std::string text =
-      "# ours\n[focus]\ndistance_m = 2.5  # the door\nf_number = 2.0\nrung = \"fast\"\n\n"
+      "# ours\n[focus]\ndistance_m = 2.5  # the door\nf_number = 2.0\n\n"
       "[light]\nambient = [0.5, 0.5, 0.5]\n";
   const auto by_pixel = with_focus(text, kPath, {{}, std::pair(12, 34), {}});
   const Scene seen = read(by_pixel);
   EXPECT_EQ(seen.focus->pixel, std::pair(12, 34));
   EXPECT_EQ(seen.focus->f_number, 2.0);
-  EXPECT_TRUE(seen.focus->fast);
   EXPECT_TRUE(by_pixel->starts_with("# ours\n[focus]\n"));
   EXPECT_TRUE(by_pixel->ends_with("\n\n[light]\nambient = [0.5, 0.5, 0.5]\n")) << *by_pixel;
   const Scene back = read(with_focus(*by_pixel, kPath, {3.25, {}, 1.4}));
@@ -42,6 +41,14 @@ TEST(FocusEdit, ANewOneNeedsToKnowWhatIsSharp) {
   EXPECT_EQ(read(made).focus->distance_m, 1.5);
   EXPECT_TRUE(made->starts_with(text));
   EXPECT_EQ(without_focus(*made, kPath).value(), text + "\n");
+}
+
+TEST(FocusEdit, ItsRungGoesWithIt) {
+  const std::string text =
+      "[quality]\nkey = \"votes\"\nfocus = \"fast\"\n\n[focus]\ndistance_m = 2.5\n";
+  const Scene left = read(without_focus(text, kPath));
+  EXPECT_FALSE(left.focus || left.quality.focus);
+  EXPECT_EQ(left.quality.key, KeyRung::kVotes);
 }
 
 TEST(FocusEdit, WhatCannotBeWrittenIsRefused) {

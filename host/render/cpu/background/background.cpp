@@ -182,15 +182,17 @@ void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera)
   });
 }
 
-void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables) {
+void MovingBackground::draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables,
+                            bool with_light) {
   static_assert(kBackgroundGrain % kSpreadStep == 0);
   draw_surfaces(crew, world_from_camera);
-  if (!light_depth_m_.empty()) place_planes();
+  with_light = with_light && !light_depth_m_.empty();
+  if (with_light) place_planes();
   crew.rows_by_worker(depth_m_.height(), kBackgroundGrain, [&](int worker, int begin, int end) {
     for (int y = begin; y < end; ++y) {
       find_depth(y);
       if (y % kSpreadStep == 0) find_spread(y);
-      if (!light_depth_m_.empty()) light_row(y);
+      if (with_light) light_row(y);
       limit_row(y, column_most_w_.row(worker), tables.key_limit_w.row(y));
     }
   });

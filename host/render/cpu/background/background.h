@@ -32,8 +32,10 @@ class MovingBackground {
                    DrawnFor drawn_for = DrawnFor::kComposites);
   /// Draws the depth. Colours are those of earlier draws until draw_color().
   void draw(Crew& crew, const geometry::Pose& world_from_camera);
-  /// The same and tables.key_limit_w. Precondition: made for composites.
-  void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables);
+  /// The same and tables.key_limit_w. Without `with_light` the frame shows no objects: depth that
+  /// has wrapped around stays. Precondition: made for composites.
+  void draw(Crew& crew, const geometry::Pose& world_from_camera, Tables& tables,
+            bool with_light = true);
   /// Takes the view of `setup`, of the same size, for the next draws. Allocates nothing.
   void see_through(const CompositorSetup& setup);
   bool has_color() const { return has_color_; }
@@ -81,8 +83,8 @@ class MovingBackground {
     int color_factor = 1;  ///< its pixels a pixel of the other tables, along a side
     Image<float> w;        ///< inverse depth, 0 unknown
     /// Of composites.
-    Image<float> sigma_m;        ///< spread of the depth
-    Image<PackedNormal> normal;  ///< axes of the first face
+    Image<float> sigma_m;          ///< spread of the depth
+    Image<PackedNormal> normal;    ///< axes of the first face
     std::int32_t first_plane = 0;  ///< of the planes of all parts, where number 0 of it lies
   };
   static Part make_part(Crew& crew, const CompositorSetup& setup, const BackgroundModel& from,

@@ -5,9 +5,10 @@
 
 namespace mixrig::render::cpu {
 
-VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
-                             const FrameParams& frame, int threads)
+VirtualThings::VirtualThings(const CompositorSetup& setup, const BackgroundView& background,
+                             const Tables& tables, const FrameParams& frame, int threads)
     : setup_(setup),
+      background_(background),
       tables_(tables),
       frame_(frame),
       scratch_(frame, tables.view_size, threads),
@@ -30,7 +31,7 @@ VirtualThings::VirtualThings(const CompositorSetup& setup, const Tables& tables,
 LightInput VirtualThings::light_input(MovingBackground* moving, const PeopleShadow* people) const {
   return {.frame = frame_,
           .tables = tables_,
-          .background = setup_.background,
+          .background = background_,
           .maps = shadow_maps_,
           .moving = moving,
           .people = people};
@@ -39,7 +40,6 @@ LightInput VirtualThings::light_input(MovingBackground* moving, const PeopleShad
 /// How alike the noise of neighbours is stays as it was first: the table of noise is not made
 /// again.
 void VirtualThings::take_look(const FrameInput& input) {
-  grain_.offset = grain_offset(frames_++);
   const PictureLook* const look = look_.take(input);
   if (look == nullptr) return;
   look_filter_.reset();
@@ -50,6 +50,7 @@ void VirtualThings::take_look(const FrameInput& input) {
 }
 
 void VirtualThings::draw(Crew& crew, MovingBackground* moving, StopWatch& watch) {
+  grain_.offset = grain_offset(frames_++);
   if (!frame_.pose_changed) return;
   draw_virtual(crew, frame_, scratch_, objects_);
   drawn_ = true;

@@ -20,14 +20,14 @@ namespace mixrig::render::cpu {
 /// only.
 class VirtualThings {
  public:
-  /// Borrows all three.
-  VirtualThings(const CompositorSetup& setup, const Tables& tables, const FrameParams& frame,
-                int threads);
+  /// Borrows all four. `background`: of the setup, or drawn for each pose.
+  VirtualThings(const CompositorSetup& setup, const BackgroundView& background,
+                const Tables& tables, const FrameParams& frame, int threads);
 
-  /// Takes the look of this frame; grain moves in each.
+  /// Takes the look of this frame, also where that does not show the objects.
   void take_look(const FrameInput& input);
   /// Draws and shades the objects, shadow maps and the background's light, where the pose has
-  /// changed. `moving`: of a camera that moves, else null.
+  /// changed; grain moves in each frame. `moving`: of a camera that moves, else null.
   void draw(Crew& crew, MovingBackground* moving, StopWatch& watch);
   /// Light of what the plate shows, and people's shadows on the objects. After key.
   void light_real(Crew& crew, MovingBackground* moving, const Image<float>& view_w,
@@ -46,6 +46,7 @@ class VirtualThings {
   LightInput light_input(MovingBackground* moving, const PeopleShadow* people) const;
 
   const CompositorSetup& setup_;
+  const BackgroundView& background_;
   const Tables& tables_;
   const FrameParams& frame_;
   VirtualScratch scratch_;

@@ -163,9 +163,9 @@ void BackgroundPass::set_view(const Tables& tables, const CompositorSetup& setup
   limit_.program.set("radius", radius_px);
 }
 
-void BackgroundPass::draw(const geometry::Pose& world_from_camera) {
+void BackgroundPass::draw(const geometry::Pose& world_from_camera, bool with_light) {
   draw_surfaces(world_from_camera);
-  look_up();
+  look_up(with_light);
   run(rows_, {&w()});
   run(limit_, {&row_w_, &depth_m_, &spread_m_});
   if (!has_color_) return;
@@ -197,13 +197,14 @@ void keep_best(bool first) {
 
 }  // namespace
 
-void BackgroundPass::look_up() {
+void BackgroundPass::look_up(bool with_light) {
   for (const Part& part : parts_) {
     if (several_) keep_best(&part == &parts_.front());
     part.look_up.program.use();
     set_uniform(part.look_up_at, std::span(part.face_from_camera).first(part.faces.size()));
-    std::array<glm::vec3, kMostLightPlanes + 1> planes;
-    planes_in_camera(part.tables, std::span(part.pose).first(part.faces.size()), planes);
+    std::array<glm::vec3, kMostLightPlanes + 1> planes{};  // zero: there is none
+    if (with_light)
+      planes_in_camera(part.tables, std::span(part.pose).first(part.faces.size()), planes);
     set_uniform(part.planes_at,
                 std::span<const glm::vec3>(planes).first(part.tables.planes.size() + 1));
     run(part.look_up, {&w(), &part.sigma_m, &part.normal, &part.w});

@@ -21,7 +21,8 @@ class BackgroundPass {
                                        std::span<const ExposureMeter::Place> places);
   /// Takes the view of `setup` and `tables`, of the same size, for the next draw.
   void set_view(const Tables& tables, const CompositorSetup& setup);
-  void draw(const geometry::Pose& world_from_camera);
+  /// Without `with_light` the frame shows no objects: depth that has wrapped around stays.
+  void draw(const geometry::Pose& world_from_camera, bool with_light);
   /// Learned colour of each place in order, linear, red negative where unknown. Waits for the GPU.
   std::span<const glm::vec4> colors_of_places();
 
@@ -63,7 +64,7 @@ class BackgroundPass {
   Result<void> create_limit(const CompositorSetup& setup, int radius_px);
   Result<void> create_places(std::span<const ExposureMeter::Place> places);
   void draw_surfaces(const geometry::Pose& world_from_camera);
-  void look_up();
+  void look_up(bool with_light);
   void find_color();
   const Texture& w() const { return parts_.front().warp.w(); }
   const Texture* choice() const { return several_ ? &choice_ : nullptr; }

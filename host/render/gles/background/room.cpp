@@ -21,6 +21,8 @@ Result<Room> Room::create(const CompositorSetup& setup, Tables& tables,
   if (!room.has_depth_) return room;
   room.depth_m_ = make_texture(
       tables.edge_depth_m.empty() ? learned.depth_m : tables.edge_depth_m.view(), GL_R32F);
+  if (setup.may_hide_objects && !tables.edge_depth_m.empty())
+    room.learned_m_ = make_texture(learned.depth_m, GL_R32F);
   if (!tables.light_depth_m.empty())
     room.light_m_ = make_texture(tables.light_depth_m.view(), GL_R32F);
   if (!learned.color.empty()) room.color_ = make_texture(learned.color, GL_RGB16F);
@@ -32,10 +34,11 @@ void Room::set_view(const Tables& tables, const CompositorSetup& setup) {
   if (drawn_) drawn_->set_view(tables, setup);
 }
 
-void Room::draw(const geometry::Pose& world_from_camera, ExposureMeter& meter, StageTimer& timer) {
+void Room::draw(const geometry::Pose& world_from_camera, bool with_light, ExposureMeter& meter,
+                StageTimer& timer) {
   if (!drawn_) return;
   const StageScope stage(timer, Stage::kBackground);
-  drawn_->draw(world_from_camera);
+  drawn_->draw(world_from_camera, with_light);
   meter.learn(drawn_->colors_of_places());
 }
 

@@ -22,11 +22,17 @@ class Room {
   /// Another view of the same size.
   void set_view(const Tables& tables, const CompositorSetup& setup);
   /// Draws the models for a pose, and `meter` learns their colours; not where it was learned once.
-  void draw(const geometry::Pose& world_from_camera, ExposureMeter& meter, StageTimer& timer);
+  /// `with_light`: the frame shows objects.
+  void draw(const geometry::Pose& world_from_camera, bool with_light, ExposureMeter& meter,
+            StageTimer& timer);
 
   bool is_drawn() const { return drawn_.has_value(); }
   LearnedColor has_color() const { return has_color_; }
-  const Texture& depth_m() const { return drawn_ ? drawn_->depth_m() : depth_m_; }
+  /// Where a frame has objects, steps of what was learned once are those of its colours.
+  const Texture& depth_m(bool has_objects) const {
+    if (drawn_) return drawn_->depth_m();
+    return has_objects || learned_m_.size.empty() ? depth_m_ : learned_m_;
+  }
   /// The surface that light falls on; null where there is none.
   const Texture* light_m() const {
     return drawn_ ? &drawn_->light_m() : has_depth_ ? &light_m_ : nullptr;
@@ -41,6 +47,7 @@ class Room {
   bool has_depth_ = false;
   LearnedColor has_color_;
   Texture depth_m_, light_m_, color_, color_sigma_;
+  Texture learned_m_;  ///< depth as it was learned, where frames without objects have another
   std::optional<BackgroundPass> drawn_;
 };
 

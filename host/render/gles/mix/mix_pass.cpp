@@ -37,12 +37,12 @@ Result<MixPass> MixPass::create(const Tables& tables, const CompositorSetup& set
   else if (setup.backdrop) {
     pass.alpha_ = make_texture(tables.view_size, GL_R8);
     MIXRIG_ASSIGN(pass.make_alpha_, make_step("alpha.frag", {&pass.alpha_}));
-    pass.make_alpha_.program.set("has_objects", !setup.objects.empty());
+    pass.alpha_has_objects_ = pass.make_alpha_.program.location("has_objects");
   }
   pass.step_.program.set("has_backdrop", pass.backdrop_.size.area() > 0);
   pass.step_.program.set("has_color", !setup.background.color.empty() || has_model_color(setup));
-  pass.step_.program.set("has_objects", !setup.objects.empty());
   pass.tone_ = ToneUniforms(pass.step_.program);
+  pass.has_objects_ = pass.step_.program.location("has_objects");
   pass.has_light_ = pass.step_.program.location("has_light");
   pass.has_grain_ = pass.step_.program.location("has_grain");
   pass.grain_offset_ = pass.step_.program.location("grain_offset");
@@ -59,6 +59,8 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
   }
   choose_attachments(target(), wanted);
   step_.program.use();
+  const bool has_objects = input.virtual_color != nullptr;
+  set_uniform(has_objects_, has_objects);
   set_uniform(has_light_, input.light != nullptr);
   tone_.set(input.tone);
   set_uniform(has_grain_, input.noise != nullptr);
@@ -69,7 +71,10 @@ Result<void> MixPass::draw(const MixInput& input, OutputMask wanted) {
            {input.plate, input.matte, input.visible_w, input.background_m, input.learned,
             input.light, input.virtual_color, input.virtual_w, input.room,
             backdrop_.size.empty() ? nullptr : &backdrop_, input.noise});
-  if (has_alpha() && (wanted & kAlpha)) run(make_alpha_, {input.matte, input.virtual_color});
+  if (!has_alpha() || !(wanted & kAlpha)) return {};
+  make_alpha_.program.use();
+  set_uniform(alpha_has_objects_, has_objects);
+  run(make_alpha_, {input.matte, input.virtual_color});
   return {};
 }
 

@@ -48,6 +48,7 @@ class MixPass {
   Step step_, make_alpha_;
   Target layer_target_;
   bool has_layer_ = false;
+  GLint has_objects_ = -1, alpha_has_objects_ = -1;
   GLint has_light_ = -1;
   ToneUniforms tone_;
   GLint has_grain_ = -1, grain_offset_ = -1, grain_floor_ = -1, grain_slope_ = -1;

@@ -43,7 +43,6 @@ void VirtualThings::set_view(const Tables& tables) {
 }
 
 void VirtualThings::take_look(const FrameInput& input) {
-  ++frames_;
   const PictureLook* const look = used_look_.take(input);
   if (look == nullptr) return;
   look_->set(*look);
@@ -51,6 +50,7 @@ void VirtualThings::take_look(const FrameInput& input) {
 }
 
 Result<void> VirtualThings::draw(StageTimer& timer) {
+  ++frames_;
   if (!frame_->pose_changed) return {};
   if (!frame_->virtual_rect.empty()) {
     const StageScope stage(timer, Stage::kVirtual);

@@ -30,9 +30,9 @@ class VirtualThings {
                                       const FrameParams& frame);
   /// Another view of the same size.
   void set_view(const Tables& tables);
-  /// Takes the look of this frame; grain moves in each.
+  /// Takes the look of this frame, also where that does not show the objects.
   void take_look(const FrameInput& input);
-  /// Samples and shadow maps, where the pose has changed.
+  /// Samples and shadow maps, where the pose has changed; grain moves in each frame.
   Result<void> draw(StageTimer& timer);
   /// Shading and the light of `room` where the pose has changed; people and their shadows, of
   /// `key`, move in each frame. Null: nothing is keyed. `people`: the light of this frame is
