@@ -23,7 +23,8 @@ class LiveChange : public CommandTest {
     ASSERT_EQ(mixrig("scan --static " + path("was") + " --frames 1-3 " + path("room")), 0);
     ASSERT_EQ(studio("take", std::string(kTake) + "--moved-chair --frames 120"), 0);
     // 6 frames a second, one in five is looked at: the change is told after 4 s, learned from the
-    // nine looks after the order by second 15, so that the exchange has 9 s left on a loaded machine.
+    // nine looks after the order by second 15, so that the exchange has 9 s left on a loaded
+    // machine.
     slow_down(path("take"), 5);
     std::ofstream(path("rig.toml"))
         << "format = 1\nname = \"played\"\n[[camera]]\nname = \"color\"\nuri = \"take:"
