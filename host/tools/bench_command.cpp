@@ -20,6 +20,7 @@
 #include "host/output/viewfinder/viewfinder.h"
 #include "host/render/cpu/compositor_cpu.h"
 #include "host/tools/command.h"
+#include "host/tools/extras.h"
 #include "host/tools/options.h"
 #include "host/tools/stop_on_signal.h"
 
@@ -154,7 +155,8 @@ Result<nlohmann::json> bench_soak(const BenchArguments& arguments) {
       .take = arguments.take,
       .folder = arguments.out,
       .duration_s = 60 * arguments.minutes,
-      .speed = arguments.speed};
+      .speed = arguments.speed,
+      .extras = run_extras()};
   if (!arguments.size.empty()) {
     MIXRIG_ASSIGN(options.view_size, parse_size(arguments.size, "--size"));
   }
