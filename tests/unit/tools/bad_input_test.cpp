@@ -125,6 +125,16 @@ std::vector<Row> rows_of_extras() {
                  {"\"studio\"", "MIXRIG_EXTRAS"},
                  ""});
 #endif
+#ifndef MIXRIG_EXTRA_PEOPLE
+  all.push_back({"PeopleLeftOut",
+                 [](const TinyTake& t) {
+                   t.edit("scene.toml", "[camera]", "[people]\nfollow = true\n[camera]");
+                 },
+                 kRun,
+                 1,
+                 {"scene.toml: people", "MIXRIG_EXTRAS"},
+                 ""});
+#endif
 #ifndef MIXRIG_EXTRA_MAP
   all.push_back(
       {"MapLeftOut", nothing, "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}, ""});
