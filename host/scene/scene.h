@@ -11,6 +11,7 @@
 
 #include "hal/base/image.h"
 #include "hal/base/result.h"
+#include "host/math/geometry/lamp.h"
 #include "host/math/geometry/pose.h"
 #include "host/scene/quality.h"
 
@@ -73,25 +74,11 @@ struct Object {
   std::optional<ObjectPhysics> physics;  ///< none: it stands still; never of a set
 };
 
-/// A lamp: irradiance at distance d is intensity cos(receiver) [cos(emitter)] / d^2, the bracket
-/// only where it has a direction. Its size softens shadows.
-struct Lamp {
-  std::string name;
-  Eigen::Vector3d position_m{0, 0, 0};       ///< world
-  std::optional<Eigen::Vector3d> direction;  ///< unit, world; a panel that faces this way
-  Eigen::Vector2d size_m{0, 0};              ///< extent of the panel; 0 for a point
-  Eigen::Vector3f intensity{1, 1, 1};        ///< linear RGB
-};
+using geometry::Lamp;
 
-/// Light of the set. A diffuse surface of albedo a shows the linear plate value
-/// exposure * a * (ambient + sum of lamp irradiances).
-struct Light {
-  Eigen::Vector3f ambient{0.3F, 0.3F, 0.3F};
-  double exposure = 1.0;
-  bool from_room = false;  ///< the ambient light on objects is that of the learned room by side
-  bool contact = false;    ///< objects hide ambient light from what is near, and from themselves
-  bool follow = false;     ///< lamps that are switched or dimmed while it runs
-  std::vector<Lamp> lamps;
+/// Light of the set. Each lamp has a name.
+struct Light : geometry::Light {
+  bool follow = false;      ///< lamps that are switched or dimmed while it runs
   bool find_lamps = false;  ///< in the scanned room, when a session begins; then `lamps` is empty
 };
 

@@ -39,7 +39,7 @@ StatueRoom::StatueRoom(const Options& options) : RoomSetup(options) {
   for (const double x_m : {-1.2, 1.2})
     for (const double z_m : {1.5, 3.6})
       setup.light.lamps.push_back(
-          {{x_m, -1.39, z_m}, glm::dvec3(0, 1, 0), {0.6, 0.6}, {2.0F, 1.9F, 1.8F}});
+          {{x_m, -1.39, z_m}, Eigen::Vector3d::UnitY(), {0.6, 0.6}, {2.0F, 1.9F, 1.8F}});
 }
 
 }  // namespace mixrig::test

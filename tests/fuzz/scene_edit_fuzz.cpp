@@ -12,7 +12,7 @@
 MIXRIG_FUZZ_TARGET(scene_edit) {
   using namespace mixrig;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  scene::Lamp lamp;
+  geometry::Lamp lamp;
   lamp.position_m = {1, 2, 3};
   const auto lit = scene::with_lamps(text, "scene.toml", {&lamp, 1}, Eigen::Vector3f(1, 1, 1));
   if (lit && scene::parse_scene(*lit, "scene.toml", false)->light.lamps.size() != 1) std::abort();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "host/math/geometry/irradiance.h"
+#include "host/math/geometry/lamp.h"
 #include "host/render/gles/key/key_pass.h"
 #include "host/render/gles/light/shadow_pass.h"
 #include "tests/gl/gl_fixture.h"
@@ -45,9 +45,9 @@ class LightPassTest : public GlTest {
   }
   /// Of the lamp on the wall, by the formula for single points.
   float irradiance_at(const glm::vec3& wall) const {
-    const auto to_eigen = [](const glm::vec3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
+    const auto to_eigen = [](const glm::vec3& v) { return render::to_eigen(glm::dvec3(v)); };
     return lamp_.intensity.r *
-           static_cast<float>(geometry::irradiance(to_eigen(lamp_.position_m), std::nullopt,
+           static_cast<float>(geometry::irradiance({.position_m = to_eigen(lamp_.position_m)},
                                                    to_eigen(wall), -Eigen::Vector3d::UnitZ()));
   }
   /// Draws the map of `caster` and gives the light of the wall.

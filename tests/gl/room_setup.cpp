@@ -37,10 +37,10 @@ RoomSetup::RoomSetup(const Options& o) {
     second.target_from_tof.translation_m = tof2.position_m;
     depth2 = render_tof(scene, tof2, 3, 0.006);
   }
-  setup.light.ambient = glm::vec3(0.3F, 0.28F, 0.26F);
+  setup.light.ambient = {0.3F, 0.28F, 0.26F};
   if (o.lamps) {
     setup.light.lamps.push_back(
-        {{-1.2, -1.3, 2.0}, glm::dvec3(0, 1, 0), {0.5, 0.5}, {1.5F, 1.4F, 1.2F}});
+        {{-1.2, -1.3, 2.0}, Eigen::Vector3d::UnitY(), {0.5, 0.5}, {1.5F, 1.4F, 1.2F}});
     setup.light.lamps.push_back({{1.5, -1.2, 1.0}, std::nullopt, {0.2, 0.2}, {1.0F, 1.1F, 1.3F}});
   }
   if (o.background) learn(o.background_color);

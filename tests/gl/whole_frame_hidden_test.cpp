@@ -68,7 +68,7 @@ void expect_hidden_as_without(RoomSetup& room, render::FrameInput frame) {
   hiding.world_from_target = frame.world_from_target;
   expect_hidden("hidden, at another pose");
   expect_shown("shown, at another pose", frame);
-  render::FrameLight light{room.setup.light.ambient, 1.2F, {}};
+  render::FrameLight light{render::to_glm(room.setup.light.ambient), 1.2F, {}};
   hiding.light = frame.light = light;
   expect_hidden("hidden, in another light");
   const render::FrameInput lit = frame;

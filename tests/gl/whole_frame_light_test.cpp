@@ -23,15 +23,16 @@ TEST(WholeFrame, draws_by_a_changed_light_as_by_one_that_was_so) {
   const Image<Rgb8> before = pair.cpu_frame.color;
   ASSERT_FALSE(room.setup.light.lamps.empty());
   std::vector<glm::vec3> intensity;
-  for (const render::Lamp& lamp : room.setup.light.lamps)
-    intensity.push_back(0.2F * lamp.intensity);
+  for (const geometry::Lamp& lamp : room.setup.light.lamps)
+    intensity.push_back(0.2F * render::to_glm(lamp.intensity));
   const std::vector<glm::vec3> dark(intensity.size(), glm::vec3(0));
   frame.light = render::FrameLight{{0.5F, 0.4F, 0.3F}, 0.8F, dark};
   expect_agreement(pair, frame);
   frame.light->intensity = intensity;
-  there.setup.light.ambient = frame.light->ambient, there.setup.light.exposure = 0.8F;
+  there.setup.light.ambient = render::to_eigen(frame.light->ambient);
+  there.setup.light.exposure = 0.8F;
   for (std::size_t i = 0; i < intensity.size(); ++i)
-    there.setup.light.lamps[i].intensity = intensity[i];
+    there.setup.light.lamps[i].intensity = render::to_eigen(intensity[i]);
   Pair still = make_pair(there);
   expect_agreement(still, there.frame());
   for (int i = 0; i < 2; ++i) {
@@ -111,9 +112,9 @@ TEST(WholeFrame, agrees_where_people_cast_shadows_on_an_object_in_the_room) {
 TEST(WholeFrame, agrees_where_people_stand_before_panels) {
   for (const double side_m : {0.6, 0.8}) {
     RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
-    for (render::Lamp& lamp : room.setup.light.lamps) {
+    for (geometry::Lamp& lamp : room.setup.light.lamps) {
       lamp.size_m = {side_m, side_m};
-      lamp.direction = glm::normalize(glm::dvec3(0.4, 0.9, 3.2) - lamp.position_m);
+      lamp.direction = (Eigen::Vector3d(0.4, 0.9, 3.2) - lamp.position_m).normalized();
     }
     Pair without = make_pair(room);
     expect_agreement(without, room.frame());

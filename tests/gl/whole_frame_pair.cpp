@@ -80,12 +80,9 @@ render::FrameInput volume_frame(RoomSetup& room) {
   room.setup.capture_box = render::CaptureBox{{1.5, -1.5, 0}, {3.5, 1.5, 2.4}};
   for (render::VirtualObject& object : room.setup.objects)
     object.world_from_object = world_from_target * object.world_from_object;
-  for (render::Lamp& lamp : room.setup.light.lamps) {
-    const Eigen::Vector3d p =
-        world_from_target *
-        Eigen::Vector3d(lamp.position_m.x, lamp.position_m.y, lamp.position_m.z);
-    lamp.position_m = {p.x(), p.y(), p.z()};
-    if (lamp.direction) lamp.direction = glm::dvec3(0, 0, -1);
+  for (geometry::Lamp& lamp : room.setup.light.lamps) {
+    lamp.position_m = world_from_target * lamp.position_m;
+    if (lamp.direction) lamp.direction = -Eigen::Vector3d::UnitZ();
   }
   render::FrameInput frame = room.frame();
   frame.world_from_target = world_from_target;

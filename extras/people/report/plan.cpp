@@ -21,15 +21,15 @@ namespace {
 constexpr const char* kPlanReport = "report.json";
 constexpr float kPathHeight_m = 0.01F;  ///< over the floor, so that it does not hide the lines
 
-std::optional<Eigen::Vector3d> brightest_lamp_m(const render::Light& light) {
-  const auto power = [](const render::Lamp& lamp) {
-    return lamp.intensity.x + lamp.intensity.y + lamp.intensity.z;
+std::optional<Eigen::Vector3d> brightest_lamp_m(const geometry::Light& light) {
+  const auto power = [](const geometry::Lamp& lamp) {
+    return lamp.intensity.x() + lamp.intensity.y() + lamp.intensity.z();
   };
   const auto lamp = std::max_element(
       light.lamps.begin(), light.lamps.end(),
-      [&](const render::Lamp& a, const render::Lamp& b) { return power(a) < power(b); });
+      [&](const geometry::Lamp& a, const geometry::Lamp& b) { return power(a) < power(b); });
   if (lamp == light.lamps.end()) return std::nullopt;
-  return Eigen::Vector3d(lamp->position_m.x, lamp->position_m.y, lamp->position_m.z);
+  return lamp->position_m;
 }
 
 std::vector<Eigen::Vector2d> all_places(const std::vector<PersonPath>& people) {

@@ -21,6 +21,7 @@
 #include "hal/base/result.h"
 #include "host/math/geometry/camera_model.h"
 #include "host/math/geometry/depth_noise.h"
+#include "host/math/geometry/lamp.h"
 #include "host/math/geometry/lens_table.h"
 #include "host/math/geometry/pose.h"
 #include "host/math/geometry/vignetting.h"
@@ -58,24 +59,6 @@ struct VirtualObject {
   double scale = 1.0;
   bool casts_shadow = true;
   bool in_set = false;  ///< part of the set: it stays where objects are hidden
-};
-
-/// As scene::Lamp.
-struct Lamp {
-  glm::dvec3 position_m{0};
-  std::optional<glm::dvec3> direction;
-  glm::dvec2 size_m{0};
-  glm::vec3 intensity{1};
-};
-
-struct Light {
-  glm::vec3 ambient{0.3F};
-  float exposure = 1.0F;
-  std::vector<Lamp> lamps;
-  /// The ambient light on objects is what the learned room sends from each side, `ambient` from
-  /// where nothing was learned.
-  bool by_direction = false;
-  bool contact = false;  ///< objects hide ambient light from what is near, and from themselves
 };
 
 /// The room without people in the view; borrowed. Empty images where nothing was learned yet. A
@@ -182,7 +165,7 @@ struct CompositorSetup {
   std::vector<BackgroundModel> background_models;
   std::vector<VirtualObject> objects;
   bool may_hide_objects = false;  ///< frames may hide them (FrameInput::objects_shown)
-  Light light;
+  geometry::Light light;
   KeyParams key;
   std::optional<CaptureBox> capture_box;
   bool open_walls = false;           ///< the background does not hide virtual objects

@@ -106,7 +106,7 @@ struct LampParams {
   int map_size_texel = 0;    ///< 0: this lamp casts no shadow into the view
   float casters_near_m = 0;  ///< lamp z of the nearest caster: what is nearer is lit
   int room_layer = -1;       ///< of RoomShade; -1: nothing real hides the lamp
-  int part_of = 0;           ///< which of Light::lamps it is, or belongs to
+  int part_of = 0;           ///< which of geometry::Light::lamps it is, or belongs to
   bool is_part = false;      ///< a quarter of a panel
 };
 

@@ -22,6 +22,9 @@ bool finite(const geometry::Pose& pose) {
 bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
+bool is_color(const Eigen::Vector3f& c) {
+  return c.allFinite() && c.x() >= 0 && c.y() >= 0 && c.z() >= 0;
+}
 
 template <typename T>
 Result<void> same_size(const ImageView<T>& image, Size view, const char* name) {
@@ -110,23 +113,20 @@ Result<void> check_objects(const std::vector<VirtualObject>& objects) {
   return {};
 }
 
-Result<void> check_light(const Light& light) {
-  const auto color = [](const glm::vec3& c) {
-    return finite(glm::dvec3(c)) && c.r >= 0 && c.g >= 0 && c.b >= 0;
-  };
-  if (!color(light.ambient)) return bad("ambient light is negative or not finite");
+Result<void> check_light(const geometry::Light& light) {
+  if (!is_color(light.ambient)) return bad("ambient light is negative or not finite");
   if (!(light.exposure > 0) || !std::isfinite(light.exposure))
     return bad("exposure is not positive");
   for (std::size_t i = 0; i < light.lamps.size(); ++i) {
-    const Lamp& lamp = light.lamps[i];
+    const geometry::Lamp& lamp = light.lamps[i];
     const std::string where = fmt::format("lamp {}", i + 1);
-    if (!finite(lamp.position_m)) return bad(where + " has a position that is not finite");
+    if (!lamp.position_m.allFinite()) return bad(where + " has a position that is not finite");
     if (lamp.direction &&
-        !(finite(*lamp.direction) && std::abs(glm::length(*lamp.direction) - 1) < 1e-3))
+        !(lamp.direction->allFinite() && std::abs(lamp.direction->norm() - 1) < 1e-3))
       return bad(where + " has a direction whose length is not 1");
-    if (!(lamp.size_m.x >= 0 && lamp.size_m.y >= 0 && std::isfinite(lamp.size_m.x + lamp.size_m.y)))
+    if (!(lamp.size_m.x() >= 0 && lamp.size_m.y() >= 0 && std::isfinite(lamp.size_m.sum())))
       return bad(where + " has a negative size");
-    if (!color(lamp.intensity)) return bad(where + " has a negative intensity");
+    if (!is_color(lamp.intensity)) return bad(where + " has a negative intensity");
   }
   return {};
 }

@@ -15,7 +15,8 @@ constexpr std::size_t door_layout() {
   std::size_t layout = 0;
   for (const std::size_t n :
        {sizeof(CompositorSetup), alignof(CompositorSetup), sizeof(FrameInput), alignof(FrameInput),
-        sizeof(VirtualObject), sizeof(FrameOutput), sizeof(BackgroundModel)})
+        sizeof(VirtualObject), sizeof(FrameOutput), sizeof(BackgroundModel),
+        sizeof(geometry::Lamp)})
     layout = 1009 * layout + n;
   return layout;
 }

@@ -34,7 +34,8 @@ struct ContactShade {
 /// too. Takes some 0.1 s for 10000 triangles; pure.
 ContactShade make_contact_shade(const VirtualObject& object);
 
-/// Whether an object of the setup has one: Light::contact, it casts shadows, and is no set.
+/// Whether an object of the setup has one: geometry::Light::contact, it casts shadows, and is no
+/// set.
 bool has_contact(const CompositorSetup& setup, const VirtualObject& object);
 
 }  // namespace mixrig::render

@@ -19,7 +19,7 @@ CompositorSetup without_hidden(CompositorSetup setup) {
 }
 
 /// False where it is the same. Lamps keep their places.
-bool copy_light(const Light& from, Light& to) {
+bool copy_light(const geometry::Light& from, geometry::Light& to) {
   bool changed = to.ambient != from.ambient || to.exposure != from.exposure;
   to.ambient = from.ambient, to.exposure = from.exposure;
   for (std::size_t i = 0; i < to.lamps.size(); ++i) {

@@ -15,6 +15,7 @@
 #include "hal/base/image.h"
 #include "host/render/contract/compositor.h"
 #include "host/render/contract/passes.h"
+#include "host/render/contract/to_glm.h"
 #include "host/render/tables/contact_shade.h"
 #include "host/render/tables/room_ambient.h"
 #include "host/render/tables/room_shade.h"
@@ -118,21 +119,20 @@ Image<PackedNormal> normals(ImageView<const float> depth_m, const geometry::Pinh
                             int radius_px);
 
 /// Of a disc of the lamp's area.
-double disc_radius_m(const Lamp& lamp);
-/// From the middle of a lamp to those of its sides, world: `size_m` lies along the horizontal (x of
-/// the world where the panel faces up or down) and across it. A lamp that shines to all sides is
-/// a square that faces along `toward`.
-std::array<glm::dvec3, 2> half_sides_m(const Lamp& lamp, const glm::dvec3& toward);
+double disc_radius_m(const geometry::Lamp& lamp);
+/// From the middle of a lamp to those of its sides, world: along geometry::panel_axes(). A lamp
+/// that shines to all sides is a square that faces along `toward`.
+std::array<glm::dvec3, 2> half_sides_m(const geometry::Lamp& lamp, const glm::dvec3& toward);
 
 /// A lamp, or a part of it.
 struct LampPart {
-  Lamp lamp;
-  int part_of = 0;  ///< which of Light::lamps
+  geometry::Lamp lamp;
+  int part_of = 0;  ///< which of geometry::Light::lamps
   bool is_part = false;
 };
 /// Each panel as 2x2 panels of a quarter of its light, in the order of the lamps: the penumbra of a
 /// small one is nearer to what one map a lamp can tell. Whole where that were more than kMostLamps.
-std::vector<LampPart> parts_of_lamps(const std::vector<Lamp>& lamps);
+std::vector<LampPart> parts_of_lamps(const std::vector<geometry::Lamp>& lamps);
 
 /// Half-open pixel rectangle.
 struct Rect {
@@ -161,7 +161,7 @@ struct FrameParams {
   LightParams light;
   RoomShadeParams room;
   std::span<const float> room_share;     ///< RoomShade::share
-  std::vector<LampParams> lamps;         ///< Light::lamps; panels in parts (parts_of_lamps)
+  std::vector<LampParams> lamps;         ///< of the setup; panels in parts (parts_of_lamps)
   std::vector<LampParams> people_lamps;  ///< whole, with maps of people; empty: they cast none
   RoomShadeParams people_grid;           ///< where they are looked for; no cells: everywhere
   std::vector<std::vector<glm::mat4>> lamp_from_object;  ///< [lamp][object], to draw the maps
@@ -185,7 +185,7 @@ bool set_light(const std::optional<FrameLight>& light, CompositorSetup& setup);
 struct SetupChanges {
   bool view = false;     ///< as the lens has it
   bool objects = false;  ///< objects stand elsewhere
-  bool light = false;    ///< as Light, but for places of lamps
+  bool light = false;    ///< as geometry::Light, but for places of lamps
 };
 
 /// Keeps what is needed to bring lamps and objects into camera axes; borrows `setup`.
@@ -208,11 +208,11 @@ class FramePreparer {
     double near_m = 0;    ///< z of the nearest caster
   };
   void fit_objects();
-  MapFit fit_map(const Lamp& lamp, std::span<const glm::dvec3> corners_m) const;
+  MapFit fit_map(const geometry::Lamp& lamp, std::span<const glm::dvec3> corners_m) const;
   void fit_people_maps(const geometry::Pose& world_from_target);
   void fit_people_grid();
   void update_people(const glm::dmat4& world_from_camera, const glm::dmat4& camera_from_world);
-  static LampParams lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,
+  static LampParams lamp_params(const geometry::Lamp& lamp, const MapFit& fit, int map_size_texel,
                                 const glm::dmat4& world_from_camera,
                                 const glm::dmat4& camera_from_world);
   int map_size(const glm::dmat4& camera_from_world) const;
@@ -234,7 +234,7 @@ class FramePreparer {
   bool has_room_ = false;
   RoomShade room_;                       ///< of the first pose
   std::optional<AmbientTerms> ambient_;  ///< the same
-  glm::vec3 ambient_then_{0};            ///< Light::ambient when they were found
+  glm::vec3 ambient_then_{0};            ///< that of the setup when they were found
   struct Contact {
     std::size_t object = 0;
     glm::vec3 albedo{0};
@@ -280,13 +280,6 @@ inline int inside_tap_px(float tof_footprint_px) {
 /// View pixels around one in which the nearest background limits the key: one ToF footprint.
 inline int limit_radius_px(float tof_footprint_px) {
   return static_cast<int>(std::ceil(tof_footprint_px));
-}
-
-inline glm::dmat4 to_glm(const Eigen::Matrix4d& m) {
-  glm::dmat4 out;
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) out[column][row] = m(row, column);
-  return out;
 }
 
 /// Least matte byte that shows a person.

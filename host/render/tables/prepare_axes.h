@@ -36,6 +36,6 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
                  const geometry::Pinhole& view, Rect& rect);
 
 /// Each lamp as its only part.
-std::vector<LampPart> whole_lamps(const std::vector<Lamp>& lamps);
+std::vector<LampPart> whole_lamps(const std::vector<geometry::Lamp>& lamps);
 
 }  // namespace mixrig::render

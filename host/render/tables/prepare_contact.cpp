@@ -2,25 +2,19 @@
 // What objects hide of the ambient light, and send instead, in a frame.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "host/math/geometry/irradiance.h"
+#include "host/math/geometry/lamp.h"
 #include "host/render/tables/prepare.h"
 
 namespace mixrig::render {
 namespace {
 
-Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 /// Irradiance of a surface without shadows.
-glm::vec3 light_on(const Light& light, const glm::dvec3& at_m, const glm::dvec3& normal) {
-  glm::dvec3 sum(light.ambient);
-  for (const Lamp& lamp : light.lamps) {
-    std::optional<Eigen::Vector3d> direction;
-    if (lamp.direction) direction = to_eigen(*lamp.direction);
-    sum += glm::dvec3(lamp.intensity) * geometry::irradiance(to_eigen(lamp.position_m), direction,
-                                                             to_eigen(at_m), to_eigen(normal));
-  }
+glm::vec3 light_on(const geometry::Light& light, const glm::dvec3& at_m, const glm::dvec3& normal) {
+  glm::dvec3 sum(to_glm(light.ambient));
+  for (const geometry::Lamp& lamp : light.lamps)
+    sum += glm::dvec3(to_glm(lamp.intensity)) *
+           geometry::irradiance(lamp, to_eigen(at_m), to_eigen(normal));
   return glm::vec3(sum);
 }
 

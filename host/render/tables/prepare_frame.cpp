@@ -43,15 +43,16 @@ bool place_objects(std::span<const geometry::Pose> world_from_object, Compositor
 
 bool set_light(const std::optional<FrameLight>& light, CompositorSetup& setup) {
   if (!light) return false;
-  Light& to = setup.light;
-  bool changed = to.ambient != light->ambient || to.exposure != light->exposure;
-  to.ambient = light->ambient, to.exposure = light->exposure;
+  geometry::Light& to = setup.light;
+  const Eigen::Vector3f ambient = to_eigen(light->ambient);
+  bool changed = to.ambient != ambient || static_cast<float>(to.exposure) != light->exposure;
+  to.ambient = ambient, to.exposure = light->exposure;
   const std::size_t count = std::min(light->intensity.size(), to.lamps.size());
   for (std::size_t i = 0; i < count; ++i) {
-    glm::vec3& intensity = to.lamps[i].intensity;
-    const glm::vec3 wanted = glm::max(light->intensity[i], glm::vec3(kFaintest));
-    if (intensity == glm::vec3(0) || intensity == wanted) continue;
-    intensity = wanted, changed = true;
+    geometry::Lamp& lamp = to.lamps[i];
+    const Eigen::Vector3f wanted = to_eigen(light->intensity[i]).cwiseMax(kFaintest);
+    if (lamp.is_dark() || lamp.intensity == wanted) continue;
+    lamp.intensity = wanted, changed = true;
   }
   return changed;
 }
@@ -104,7 +105,7 @@ void FramePreparer::update_floor(const glm::dmat4& world_from_camera) {
 /// A still background is where the first pose puts it. Found once: lamps, objects and room stay.
 void FramePreparer::find_room(const geometry::Pose& world_from_target) {
   if (std::exchange(has_room_, true)) return;
-  ambient_ = make_ambient(setup_, world_from_target), ambient_then_ = setup_.light.ambient;
+  ambient_ = make_ambient(setup_, world_from_target), ambient_then_ = to_glm(setup_.light.ambient);
   if (!needs_room_shade(setup_)) return;
   room_ = make_room_shade(setup_, world_from_target);
   params_.room_share = room_.share;
@@ -125,7 +126,8 @@ void FramePreparer::update_room(const geometry::Pose& world_from_target) {
 /// Found once, with the room's shade; later it is as much brighter as the constant part is.
 void FramePreparer::update_ambient(const geometry::Pose& world_from_target) {
   LightParams& light = params_.light;
-  light.ambient = setup_.light.ambient, light.exposure = setup_.light.exposure;
+  light.ambient = to_glm(setup_.light.ambient);
+  light.exposure = static_cast<float>(setup_.light.exposure);
   light.world_from_camera = glm::mat3(to_glm(world_from_target.matrix()));
   light.by_direction = ambient_.has_value();
   if (!ambient_) return;

@@ -71,41 +71,44 @@ void include_box(std::span<const glm::dvec3> corners, const glm::dmat4& camera_f
           std::max(rect.y1, box.y1)};
 }
 
-std::vector<LampPart> whole_lamps(const std::vector<Lamp>& lamps) {
+std::vector<LampPart> whole_lamps(const std::vector<geometry::Lamp>& lamps) {
   std::vector<LampPart> parts;
-  for (const Lamp& lamp : lamps)
+  for (const geometry::Lamp& lamp : lamps)
     parts.push_back({lamp, static_cast<int>(&lamp - lamps.data()), false});
   return parts;
 }
 
-double disc_radius_m(const Lamp& lamp) { return std::sqrt(lamp.size_m.x * lamp.size_m.y / M_PI); }
-
-std::array<glm::dvec3, 2> half_sides_m(const Lamp& lamp, const glm::dvec3& toward) {
-  constexpr double kFlat = 0.9;
-  const glm::dvec3 normal = glm::normalize(lamp.direction.value_or(toward));
-  const glm::dvec3 along =
-      std::abs(normal.z) > kFlat ? glm::dvec3(1, 0, 0) : glm::cross(glm::dvec3(0, 0, 1), normal);
-  const glm::dvec3 u = glm::normalize(along - glm::dot(along, normal) * normal);
-  const glm::dvec2 half_m =
-      lamp.direction ? 0.5 * lamp.size_m : glm::dvec2(0.5 * std::sqrt(M_PI) * disc_radius_m(lamp));
-  return {half_m.x * u, half_m.y * glm::cross(normal, u)};
+double disc_radius_m(const geometry::Lamp& lamp) {
+  return std::sqrt(lamp.size_m.x() * lamp.size_m.y() / M_PI);
 }
 
-std::vector<LampPart> parts_of_lamps(const std::vector<Lamp>& lamps) {
-  const auto is_panel = [](const Lamp& lamp) { return lamp.direction && disc_radius_m(lamp) > 0; };
+std::array<glm::dvec3, 2> half_sides_m(const geometry::Lamp& lamp, const glm::dvec3& toward) {
+  const auto [u, v] =
+      geometry::panel_axes(lamp.direction.value_or(to_eigen(glm::normalize(toward))));
+  const glm::dvec2 half_m = lamp.direction
+                                ? 0.5 * to_glm(lamp.size_m)
+                                : glm::dvec2(0.5 * std::sqrt(M_PI) * disc_radius_m(lamp));
+  return {half_m.x * to_glm(u), half_m.y * to_glm(v)};
+}
+
+std::vector<LampPart> parts_of_lamps(const std::vector<geometry::Lamp>& lamps) {
+  const auto is_panel = [](const geometry::Lamp& lamp) {
+    return lamp.direction && disc_radius_m(lamp) > 0;
+  };
   const auto panels = static_cast<std::size_t>(std::count_if(lamps.begin(), lamps.end(), is_panel));
   const bool split = lamps.size() + 3 * panels <= std::size_t{kMostLamps};
   std::vector<LampPart> parts;
-  for (const Lamp& lamp : lamps) {
+  for (const geometry::Lamp& lamp : lamps) {
     const int part_of = static_cast<int>(&lamp - lamps.data());
     if (!split || !is_panel(lamp)) {
       parts.push_back({lamp, part_of});
       continue;
     }
-    const auto [u_m, v_m] = half_sides_m(lamp, *lamp.direction);
+    const glm::dvec3 middle_m = to_glm(lamp.position_m);
+    const auto [u_m, v_m] = half_sides_m(lamp, to_glm(*lamp.direction));
     for (const auto& [u, v] : {std::pair(-0.5, -0.5), {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}})
-      parts.push_back({{lamp.position_m + u * u_m + v * v_m, lamp.direction, 0.5 * lamp.size_m,
-                        0.25F * lamp.intensity},
+      parts.push_back({{to_eigen(middle_m + u * u_m + v * v_m), lamp.direction, 0.5 * lamp.size_m,
+                        0.25F * lamp.intensity, lamp.name},
                        part_of,
                        true});
   }
@@ -127,23 +130,22 @@ void FramePreparer::fit_objects() {
 
 /// A map of what lies between `corners_m`, a multiple of eight; none for a lamp that cannot light
 /// it.
-FramePreparer::MapFit FramePreparer::fit_map(const Lamp& lamp,
+FramePreparer::MapFit FramePreparer::fit_map(const geometry::Lamp& lamp,
                                              std::span<const glm::dvec3> corners_m) const {
   MapFit fit;
-  const bool dark = lamp.intensity == glm::vec3(0);
+  const glm::dvec3 lamp_m = to_glm(lamp.position_m);
   const bool all_behind =
       lamp.direction && std::all_of(corners_m.begin(), corners_m.end(), [&](auto& p) {
-        return glm::dot(p - lamp.position_m, *lamp.direction) <= 0;
+        return glm::dot(p - lamp_m, to_glm(*lamp.direction)) <= 0;
       });
-  if (corners_m.empty() || dark || all_behind) return fit;
+  if (corners_m.empty() || lamp.is_dark() || all_behind) return fit;
   glm::dvec3 low = corners_m[0], high = low;
   for (const glm::dvec3& p : corners_m) low = glm::min(low, p), high = glm::max(high, p);
   const glm::dvec3 center = 0.5 * (low + high);
   // A lamp at the centre has no direction to it: its own is taken, or straight down.
-  const bool at_center = glm::distance(center, lamp.position_m) < kNearestM;
-  const glm::dvec3 fallback = lamp.direction ? *lamp.direction : glm::dvec3(0, 0, -1);
-  fit.lamp_from_world =
-      lamp_from_world(lamp.position_m, at_center ? lamp.position_m + fallback : center);
+  const bool at_center = glm::distance(center, lamp_m) < kNearestM;
+  const glm::dvec3 fallback = lamp.direction ? to_glm(*lamp.direction) : glm::dvec3(0, 0, -1);
+  fit.lamp_from_world = lamp_from_world(lamp_m, at_center ? lamp_m + fallback : center);
   fit.near_m = 1e9;
   for (const glm::dvec3& corner : corners_m) {
     const glm::dvec3 p = apply(fit.lamp_from_world, corner);
@@ -166,15 +168,16 @@ int FramePreparer::map_size(const glm::dmat4& camera_from_world) const {
   return size;
 }
 
-LampParams FramePreparer::lamp_params(const Lamp& lamp, const MapFit& fit, int map_size_texel,
-                                      const glm::dmat4& world_from_camera,
+LampParams FramePreparer::lamp_params(const geometry::Lamp& lamp, const MapFit& fit,
+                                      int map_size_texel, const glm::dmat4& world_from_camera,
                                       const glm::dmat4& camera_from_world) {
   LampParams out;
-  out.position_m = apply(camera_from_world, lamp.position_m);
-  out.direction =
-      lamp.direction ? glm::vec3(glm::dmat3(camera_from_world) * *lamp.direction) : glm::vec3(0);
+  out.position_m = apply(camera_from_world, to_glm(lamp.position_m));
+  out.direction = lamp.direction
+                      ? glm::vec3(glm::dmat3(camera_from_world) * to_glm(*lamp.direction))
+                      : glm::vec3(0);
   out.radius_m = static_cast<float>(disc_radius_m(lamp));
-  out.intensity = lamp.intensity;
+  out.intensity = to_glm(lamp.intensity);
   out.map_size_texel = fit.tan_half > 0 ? map_size_texel : 0;
   if (out.map_size_texel == 0) return out;
   out.lamp_from_camera = glm::mat4(fit.lamp_from_world * world_from_camera);

@@ -46,7 +46,7 @@ void FramePreparer::fit_people_maps(const geometry::Pose& world_from_target) {
   if (params_.people_lamps.empty() || (stay && people_fits_[0].near_m > 0)) return;
   if (around_objects) {
     for (std::size_t i = 0; i < people_fits_.size(); ++i) {
-      const Lamp& lamp = setup_.light.lamps[i];
+      const geometry::Lamp& lamp = setup_.light.lamps[i];
       people_fits_[i] = fit_map(lamp, corners_m_);
       // The floor in the objects' penumbrae, and the filters around it.
       if (people_fits_[i].tan_half > 0)
@@ -85,9 +85,10 @@ void FramePreparer::fit_people_grid() {
   glm::dvec3 low = corners_m_[0], high = low;
   for (const glm::dvec3& p : corners_m_) low = glm::min(low, p), high = glm::max(high, p);
   const glm::dvec3 least = low - kPeopleGridBeyondM, most = high + kPeopleGridBeyondM;
-  for (const Lamp& lamp : setup_.light.lamps)
+  for (const geometry::Lamp& lamp : setup_.light.lamps)
     for (const glm::dvec3& corner_m : corners_m_) {
-      const glm::dvec3 p = shadow_of(lamp.position_m, corner_m, least.z + kPeopleGridBeyondM);
+      const glm::dvec3 p =
+          shadow_of(to_glm(lamp.position_m), corner_m, least.z + kPeopleGridBeyondM);
       low = glm::max(least, glm::min(low, p)), high = glm::min(most, glm::max(high, p));
     }
   double cell_m = kPeopleCellM;

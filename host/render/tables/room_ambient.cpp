@@ -92,9 +92,9 @@ class LightFromRoom {
 
  private:
   bool is_lamp(const glm::dvec3& world_m) const {
-    return std::any_of(lamps_.begin(), lamps_.end(), [&](const Lamp& lamp) {
-      return glm::distance(world_m, lamp.position_m) <
-             0.5 * glm::length(lamp.size_m) + kLampMarginM;
+    return std::any_of(lamps_.begin(), lamps_.end(), [&](const geometry::Lamp& lamp) {
+      return glm::distance(world_m, to_glm(lamp.position_m)) <
+             0.5 * glm::length(to_glm(lamp.size_m)) + kLampMarginM;
     });
   }
   /// Middle of a part.
@@ -105,7 +105,7 @@ class LightFromRoom {
     const double across = std::sqrt(1 - z * z);
     return {across * std::cos(turn), across * std::sin(turn), z};
   }
-  const std::vector<Lamp>& lamps_;
+  const std::vector<geometry::Lamp>& lamps_;
   ObjectsBox box_;
   std::array<glm::dvec4, std::size_t{kAmbientRings} * kAmbientColumns> parts_{};
 };
@@ -173,7 +173,9 @@ std::optional<AmbientTerms> make_ambient(const CompositorSetup& setup,
   LightFromRoom light(setup);
   add_still_background(setup, world_from_camera, light);
   for (const BackgroundModel& model : setup.background_models) add_model(model, light);
-  return light.terms(glm::dvec3(setup.light.ambient), double{setup.light.exposure});
+  // The exposure as LightParams has it, by which the terms are multiplied again.
+  return light.terms(glm::dvec3(to_glm(setup.light.ambient)),
+                     double{static_cast<float>(setup.light.exposure)});
 }
 
 }  // namespace mixrig::render

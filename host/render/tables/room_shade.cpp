@@ -42,8 +42,9 @@ Box box_of(const VirtualObject& object) {
 }
 
 /// Whether the shadow of a ball can reach a point.
-bool may_shade(const Lamp& lamp, const ObjectBall& ball, const glm::dvec3& p) {
-  const glm::dvec3 axis = ball.center_m - lamp.position_m, to = p - lamp.position_m;
+bool may_shade(const geometry::Lamp& lamp, const ObjectBall& ball, const glm::dvec3& p) {
+  const glm::dvec3 lamp_m = to_glm(lamp.position_m);
+  const glm::dvec3 axis = ball.center_m - lamp_m, to = p - lamp_m;
   const double distance = glm::length(axis), reach = ball.radius_m + disc_radius_m(lamp);
   if (distance <= reach) return true;
   if (glm::length(to) < distance - ball.radius_m) return false;
@@ -73,7 +74,7 @@ Receivers find_receivers(const CompositorSetup& setup, const RoomMesh& room) {
     const glm::dvec3 p(point);
     const bool shaded = std::any_of(casters.begin(), casters.end(), [&](const ObjectBall& ball) {
       return std::any_of(setup.light.lamps.begin(), setup.light.lamps.end(),
-                         [&](const Lamp& lamp) { return may_shade(lamp, ball, p); });
+                         [&](const geometry::Lamp& lamp) { return may_shade(lamp, ball, p); });
     });
     if (!shaded) continue;
     found.room_m.push_back(p);
@@ -151,13 +152,14 @@ class LampView {
 };
 
 /// Points spread over a panel; one for a point lamp.
-std::vector<glm::dvec3> points_of(const Lamp& lamp, const glm::dvec3& target_m) {
-  if (!(disc_radius_m(lamp) > 0)) return {lamp.position_m};
-  const auto [u_m, v_m] = half_sides_m(lamp, target_m - lamp.position_m);
+std::vector<glm::dvec3> points_of(const geometry::Lamp& lamp, const glm::dvec3& target_m) {
+  const glm::dvec3 middle_m = to_glm(lamp.position_m);
+  if (!(disc_radius_m(lamp) > 0)) return {middle_m};
+  const auto [u_m, v_m] = half_sides_m(lamp, target_m - middle_m);
   std::vector<glm::dvec3> points;
   for (int i = 0; i < kLampPoints; ++i) {
     const glm::dvec2 tap(panel_tap(i, kLampPoints));
-    points.push_back(lamp.position_m + tap.x * u_m + tap.y * v_m);
+    points.push_back(middle_m + tap.x * u_m + tap.y * v_m);
   }
   return points;
 }
@@ -200,7 +202,7 @@ class LampGrid {
         share_(static_cast<std::size_t>(grid.cells.x) * static_cast<std::size_t>(grid.cells.y) *
                static_cast<std::size_t>(grid.cells.z)) {}
 
-  void find(const Lamp& lamp, const Box& box) {
+  void find(const geometry::Lamp& lamp, const Box& box) {
     const std::vector<glm::dvec3> eyes = points_of(lamp, 0.5 * (box.low + box.high));
     std::fill(share_.begin(), share_.end(), 1.0F);
     for (const glm::dvec3& eye_m : eyes) {
@@ -210,7 +212,7 @@ class LampGrid {
     }
   }
   /// Whether any receiver sees less than the lamp's whole.
-  bool matters(const Lamp& lamp, const Receivers& receivers) const {
+  bool matters(const geometry::Lamp& lamp, const Receivers& receivers) const {
     const auto dark = [&](const glm::ivec3& cell) { return share_[index(cell)] < kMostSeen; };
     for (const Box& box : receivers.objects) {
       const glm::ivec3 low = cell_of(box.low), high = cell_of(box.high);
@@ -220,7 +222,7 @@ class LampGrid {
             if (dark({x, y, z})) return true;
     }
     return std::any_of(receivers.room_m.begin(), receivers.room_m.end(), [&](const auto& p) {
-      const glm::dvec3 to_lamp = glm::normalize(lamp.position_m - p);
+      const glm::dvec3 to_lamp = glm::normalize(to_glm(lamp.position_m) - p);
       return dark(cell_of(p + grid_.cell_m * to_lamp));
     });
   }
@@ -259,9 +261,9 @@ RoomShade make_room_shade(const CompositorSetup& setup, const geometry::Pose& wo
   if (receivers.all.empty()) return {};
   RoomShade grid = make_grid(receivers.all);
   LampGrid one(grid, room);
-  for (const Lamp& lamp : setup.light.lamps) {
+  for (const geometry::Lamp& lamp : setup.light.lamps) {
     grid.layer_of.push_back(-1);
-    if (lamp.intensity == glm::vec3(0)) continue;
+    if (lamp.is_dark()) continue;
     one.find(lamp, receivers.all);
     if (!one.matters(lamp, receivers)) continue;
     grid.layer_of.back() = grid.layers++;

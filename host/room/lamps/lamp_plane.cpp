@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include "host/math/geometry/lamp.h"
 
 namespace mixrig::lights {
 namespace {
@@ -15,20 +15,12 @@ constexpr double kLeastSine = 0.087;  ///< 5 degrees
 
 }  // namespace
 
-PanelAxes panel_axes(const Vector3d& normal) {
-  constexpr double kFlat = 0.9;
-  const Vector3d along =
-      std::abs(normal.z()) > kFlat ? Vector3d(Vector3d::UnitX()) : Vector3d::UnitZ().cross(normal);
-  const Vector3d u = (along - along.dot(normal) * normal).normalized();
-  return {u, normal.cross(u)};
-}
-
 std::optional<PanelSpot> spot_on_plane(const BrightRegion& region,
                                        const geometry::Pose& world_from_camera,
                                        const Vector3d& point_m, const Vector3d& normal) {
   const Vector3d eye = world_from_camera.translation_m;
   const double height_m = normal.dot(point_m - eye);
-  const PanelAxes axes = panel_axes(normal);
+  const geometry::PanelAxes axes = geometry::panel_axes(normal);
   double area = 0;
   Vector2d sum = Vector2d::Zero(), squares = Vector2d::Zero();
   for (const RegionRay& r : region.rays) {

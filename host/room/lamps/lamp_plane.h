@@ -11,16 +11,10 @@
 
 namespace mixrig::lights {
 
-/// Axes of a panel that faces along `normal`: u horizontal (world x, where the panel faces up or
-/// down), v across.
-struct PanelAxes {
-  Eigen::Vector3d u, v;
-};
-PanelAxes panel_axes(const Eigen::Vector3d& normal);
-
 struct PanelSpot {
   Eigen::Vector3d centre_m;  ///< of its area, on the plane
-  Eigen::Vector2d size_m;    ///< of the rectangle along u and v with the same second moments
+  Eigen::Vector2d size_m;    ///< of the rectangle along geometry::panel_axes() with the same second
+                             ///< moments
 };
 
 /// The centre of gravity of a flat lamp is not in the middle of its solid angle, since its near

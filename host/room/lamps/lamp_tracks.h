@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "host/math/geometry/lamp.h"
 #include "host/math/geometry/pose.h"
 #include "host/room/lamps/bright_regions.h"
 #include "host/room/lamps/room_surfaces.h"
@@ -38,15 +39,14 @@ struct LampOptions {
   bool low_lamps = false;         ///< what lies below every camera may be a lamp
 };
 
-struct FoundLamp {
-  Eigen::Vector3d position_m;                ///< world; of a panel's middle
-  Eigen::Matrix3d covariance;                ///< m^2
-  std::optional<Eigen::Vector3d> direction;  ///< unit; a panel that faces this way
-  Eigen::Vector2d size_m{0, 0};              ///< along panel_axes(); of a point its width
-  double residual = 0;                       ///< root mean square of a view, in sigmas
-  double surround = 0;                       ///< median of the views
-  double solid_angle_sr = 0;                 ///< the same
-  bool by_surface = false;                   ///< placed on the room's surface, not triangulated
+/// Its intensity is not known: that member has no meaning. Without a direction its size is its
+/// width.
+struct FoundLamp : geometry::Lamp {
+  Eigen::Matrix3d covariance;  ///< of the position, m^2
+  double residual = 0;         ///< root mean square of a view, in sigmas
+  double surround = 0;         ///< median of the views
+  double solid_angle_sr = 0;   ///< the same
+  bool by_surface = false;     ///< placed on the room's surface, not triangulated
   std::vector<Sighting> seen;
 };
 

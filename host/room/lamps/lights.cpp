@@ -136,15 +136,13 @@ void draw_candidates(const lights::LampSearch& search, const std::vector<lights:
   for (const auto& lamp : search.lamps) draw(lamp.seen, {60, 255, 60});
 }
 
-std::vector<scene::Lamp> scene_lamps(const RoomLights& found) {
+std::vector<geometry::Lamp> scene_lamps(const RoomLights& found) {
   const auto intensities =
       lights::lamp_intensities(found.search.lamps, found.light, found.radiance);
-  std::vector<scene::Lamp> lamps;
+  std::vector<geometry::Lamp> lamps;
   for (const lights::FoundLamp& of_search : found.search.lamps) {
-    scene::Lamp lamp;
+    geometry::Lamp lamp = of_search;
     lamp.name = fmt::format("found {}", lamps.size() + 1);
-    lamp.position_m = of_search.position_m, lamp.direction = of_search.direction;
-    lamp.size_m = of_search.size_m;
     lamp.intensity = intensities[lamps.size()];
     lamps.push_back(std::move(lamp));
   }

@@ -36,7 +36,7 @@ struct LightsOptions {
 
 struct RoomLights {
   lights::LampSearch search;
-  std::vector<scene::Lamp> lamps;  ///< search.lamps as a scene has them
+  std::vector<geometry::Lamp> lamps;  ///< search.lamps as a scene has them
   /// By the room's shading. Degenerate without a room, and where it does not tell; then all lamps
   /// have the same radiance, an assumption.
   estimation::Estimate<lights::RoomLight> light;

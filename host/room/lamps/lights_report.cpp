@@ -22,7 +22,7 @@ nlohmann::json numbers(const Vector& v) {
   return list;
 }
 
-nlohmann::json lamp_json(const lights::FoundLamp& found, const scene::Lamp& lamp) {
+nlohmann::json lamp_json(const lights::FoundLamp& found, const geometry::Lamp& lamp) {
   nlohmann::json json = {{"name", lamp.name},
                          {"position_m", numbers(found.position_m)},
                          {"direction", nullptr},

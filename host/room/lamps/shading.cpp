@@ -10,8 +10,7 @@
 #include "hal/base/order_statistics.h"
 #include "hal/base/srgb.h"
 #include "host/math/estimation/decompositions.h"
-#include "host/math/geometry/irradiance.h"
-#include "host/room/lamps/lamp_plane.h"
+#include "host/math/geometry/lamp.h"
 
 namespace mixrig::lights {
 namespace {
@@ -35,30 +34,34 @@ struct LitPlace {
   Eigen::RowVectorXd gain;  ///< of each lamp's intensity, then 1 for the ambient light
 };
 
+/// Calls use(point) for lamps that are points of one.
 template <typename Use>
-void each_panel_point(const FoundLamp& lamp, const Use& use) {
+void each_panel_point(const geometry::Lamp& lamp, const Use& use) {
   if (!lamp.direction) {
-    use(lamp.position_m);
+    use(lamp);
     return;
   }
-  const PanelAxes axes = panel_axes(*lamp.direction);
+  const geometry::PanelAxes axes = geometry::panel_axes(*lamp.direction);
+  geometry::Lamp point = lamp;
   for (int i = 0; i < kPanelSide; ++i)
     for (int j = 0; j < kPanelSide; ++j) {
       const double u = (i + 0.5) / kPanelSide - 0.5, v = (j + 0.5) / kPanelSide - 0.5;
-      use(lamp.position_m + u * lamp.size_m.x() * axes.u + v * lamp.size_m.y() * axes.v);
+      point.position_m =
+          lamp.position_m + u * lamp.size_m.x() * axes.u + v * lamp.size_m.y() * axes.v;
+      use(point);
     }
 }
 
 /// As irradiance_of(), with what of the room hides parts of the panel.
-double seen_irradiance(const RoomSurfaces& room, const FoundLamp& lamp, const Vector3d& position_m,
-                       const Vector3d& normal) {
+double seen_irradiance(const RoomSurfaces& room, const geometry::Lamp& lamp,
+                       const Vector3d& position_m, const Vector3d& normal) {
   const Vector3d start = position_m + 0.01 * normal;
   double sum = 0;
   int count = 0;
-  each_panel_point(lamp, [&](const Vector3d& at) {
+  each_panel_point(lamp, [&](const geometry::Lamp& point) {
     ++count;
-    const double light = geometry::irradiance(at, lamp.direction, position_m, normal);
-    if (light > 0 && room.open(start, at)) sum += light;
+    const double light = geometry::irradiance(point, position_m, normal);
+    if (light > 0 && room.open(start, point.position_m)) sum += light;
   });
   return sum / count;
 }
@@ -248,11 +251,12 @@ std::vector<double> channel_of(const std::vector<LitPlace>& places, const Vector
 
 }  // namespace
 
-double irradiance_of(const FoundLamp& lamp, const Vector3d& position_m, const Vector3d& normal) {
+double irradiance_of(const geometry::Lamp& lamp, const Vector3d& position_m,
+                     const Vector3d& normal) {
   double sum = 0;
   int count = 0;
-  each_panel_point(lamp, [&](const Vector3d& at) {
-    sum += geometry::irradiance(at, lamp.direction, position_m, normal), ++count;
+  each_panel_point(lamp, [&](const geometry::Lamp& point) {
+    sum += geometry::irradiance(point, position_m, normal), ++count;
   });
   return sum / count;
 }

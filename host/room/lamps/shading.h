@@ -13,7 +13,7 @@
 
 namespace mixrig::lights {
 
-/// As scene::Light: a surface of albedo a is exposure a (ambient + sum of irradiances) bright.
+/// As geometry::Light says what a surface shows.
 struct RoomLight {
   std::vector<Eigen::Vector3f> intensity;  ///< of each lamp, linear RGB
   Eigen::Vector3f ambient{0, 0, 0};
@@ -41,7 +41,7 @@ estimation::Estimate<RoomLight> measure_light(const RoomSurfaces& room,
                                               const ShadingOptions& options = {});
 
 /// Mean of cos(receiver) [cos(emitter)] / d^2 over a lamp's panel, 1/m^2, without what hides it.
-double irradiance_of(const FoundLamp& lamp, const Eigen::Vector3d& position_m,
+double irradiance_of(const geometry::Lamp& lamp, const Eigen::Vector3d& position_m,
                      const Eigen::Vector3d& normal);
 
 }  // namespace mixrig::lights

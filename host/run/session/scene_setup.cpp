@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include "host/render/contract/to_glm.h"
+
 namespace mixrig::session {
 namespace {
 
-glm::vec3 to_glm(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-glm::dvec3 to_glm(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+using render::to_glm;
 
 MeshArrays arrays_of(const scene::Mesh& mesh) {
   MeshArrays arrays;
@@ -64,22 +65,6 @@ void set_objects(const scene::Scene& scene, const std::vector<MeshArrays>& meshe
   }
 }
 
-render::Light light_of(const scene::Light& light) {
-  render::Light out{to_glm(light.ambient),
-                    static_cast<float>(light.exposure),
-                    {},
-                    light.from_room,
-                    light.contact};
-  for (const scene::Lamp& lamp : light.lamps) {
-    render::Lamp& added = out.lamps.emplace_back();
-    added.position_m = to_glm(lamp.position_m);
-    if (lamp.direction) added.direction = to_glm(*lamp.direction);
-    added.size_m = {lamp.size_m.x(), lamp.size_m.y()};
-    added.intensity = to_glm(lamp.intensity);
-  }
-  return out;
-}
-
 /// The image distance of the lens is that of the view's focal length on the sensor.
 void set_focus(const scene::Scene& scene, bool fast, render::CompositorSetup& setup) {
   setup.focus.reset();
@@ -114,7 +99,7 @@ void set_scene(const scene::Scene& scene, const std::vector<MeshArrays>& meshes,
   const scene::Rungs rungs = scene::rungs_of(scene);
   set_objects(scene, meshes, rungs.light != scene::LightRung::kPlain, setup);
   set_focus(scene, rungs.focus == scene::FocusRung::kFast, setup);
-  setup.light = light_of(scene.light);
+  setup.light = scene.light;
   setup.open_walls = scene.background.open_walls;
   setup.people_cast_shadows = rungs.light == scene::LightRung::kPeople;
   const scene::LookSettings& look = scene.look;

@@ -14,7 +14,7 @@
 
 #include "hal/base/log.h"
 #include "hal/base/srgb.h"
-#include "host/math/geometry/irradiance.h"
+#include "host/math/geometry/lamp.h"
 #include "host/render/frame/exposure.h"
 #include "host/render/tables/prepare.h"
 #include "host/room/lamps/body_columns.h"
@@ -43,17 +43,6 @@ constexpr float kDarkest = 0.02F, kBrightest = 0.85F;  // linear
 float luminance_of(const Rgb8& c) {
   const auto& linear = linear_of_srgb_bytes();
   return render::luminance({linear[c.r], linear[c.g], linear[c.b]});
-}
-
-Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-/// In luminance; what the room hides of the lamp is left out.
-double irradiance(const render::Lamp& lamp, const glm::dvec3& at_m, const glm::dvec3& normal) {
-  std::optional<Eigen::Vector3d> direction;
-  if (lamp.direction) direction = to_eigen(*lamp.direction);
-  return geometry::irradiance(to_eigen(lamp.position_m), direction, to_eigen(at_m),
-                              to_eigen(normal)) *
-         double{render::luminance(lamp.intensity)};
 }
 
 /// Of each source, light now over light then; 1 where a change is not certain, or half as large as
@@ -146,11 +135,13 @@ class LightSink final : public output::CompositeSink {
   std::vector<float> found_;  ///< guarded by mutex_
 };
 
-/// Shares of the light by source, at the places that are known and neither dark nor saturated.
+/// Shares of the light by source, at the places that are known and neither dark nor saturated. What
+/// the room hides of the lamps is left out.
 void LightSink::learn(const geometry::Pose& world_from_camera) {
   const render::CompositorSetup& setup = session_.setup;
   const glm::dmat4 world_from = render::to_glm(world_from_camera.matrix());
-  const double ambient = render::luminance(setup.light.ambient);
+  const std::vector<geometry::Lamp>& lamps = setup.light.lamps;
+  const double ambient = render::luminance(render::to_glm(setup.light.ambient));
   SurfaceCells cells;
   for (const render::ExposureMeter::Place& place : meter_.places()) {
     const Rgbf& c = setup.background.color.row(place.view_y)[place.view_x];
@@ -162,12 +153,13 @@ void LightSink::learn(const geometry::Pose& world_from_camera) {
     const Eigen::Vector2d ray = setup.view.unproject(Eigen::Vector2d(place.view_x, place.view_y));
     const glm::dvec3 at_m(world_from * glm::dvec4(ray.x() * z, ray.y() * z, z, 1));
     const glm::dvec3 normal = glm::dmat3(world_from) * glm::normalize(glm::dvec3(n.x, n.y, n.z));
-    Known known{place, learned, Eigen::VectorXd(1 + setup.light.lamps.size()),
-                cells.number_of(at_m, normal), to_eigen(at_m)};
+    Known known{place, learned, Eigen::VectorXd(1 + lamps.size()), cells.number_of(at_m, normal),
+                render::to_eigen(at_m)};
     known.share[0] = ambient;
-    for (std::size_t k = 0; k < setup.light.lamps.size(); ++k)
+    for (std::size_t k = 0; k < lamps.size(); ++k)
       known.share[static_cast<Eigen::Index>(k) + 1] =
-          irradiance(setup.light.lamps[k], at_m, normal);
+          geometry::irradiance(lamps[k], known.at_m, render::to_eigen(normal)) *
+          double{render::luminance(render::to_glm(lamps[k].intensity))};
     if (!(known.share.sum() > 0)) continue;
     known.share /= known.share.sum();
     known_.push_back(std::move(known));
@@ -193,10 +185,10 @@ lights::BodyColumns LightSink::people(const output::Composite& composite) {
 }
 
 bool LightSink::may_be_hidden(const Known& known, const lights::BodyColumns& people) const {
-  const std::vector<render::Lamp>& lamps = session_.setup.light.lamps;
+  const std::vector<geometry::Lamp>& lamps = session_.setup.light.lamps;
   for (std::size_t k = 0; k < lamps.size(); ++k)
     if (known.share[static_cast<Eigen::Index>(k) + 1] > kHidden &&
-        people.hides(to_eigen(lamps[k].position_m), known.at_m))
+        people.hides(lamps[k].position_m, known.at_m))
       return true;
   return false;
 }
@@ -309,13 +301,12 @@ void LightKeeper::take_factors() {
 
 render::FrameLight LightKeeper::changed(const scene::Light& light,
                                         const std::optional<render::FrameLight>& live) {
-  const auto color = [](const Eigen::Vector3f& c) { return glm::vec3(c.x(), c.y(), c.z()); };
-  render::FrameLight now{color(light.ambient), static_cast<float>(light.exposure)};
+  render::FrameLight now{render::to_glm(light.ambient), static_cast<float>(light.exposure)};
   if (live) now.ambient = live->ambient, now.exposure = live->exposure;
   intensity_.resize(light.lamps.size());
   for (std::size_t k = 0; k < intensity_.size(); ++k) {
     const bool edited = live && k < live->intensity.size();
-    intensity_[k] = edited ? live->intensity[k] : color(light.lamps[k].intensity);
+    intensity_[k] = edited ? live->intensity[k] : render::to_glm(light.lamps[k].intensity);
     if (k + 1 < factors_.size()) intensity_[k] *= factors_[k + 1];
   }
   if (!factors_.empty()) now.ambient *= factors_[0];

@@ -25,7 +25,7 @@ struct LightsArguments {
 
 void print(const session::RoomLights& found) {
   for (std::size_t i = 0; i < found.lamps.size(); ++i) {
-    const scene::Lamp& lamp = found.lamps[i];
+    const geometry::Lamp& lamp = found.lamps[i];
     const lights::FoundLamp& how = found.search.lamps[i];
     std::printf("%s: %.3f %.3f %.3f m, sigma %.0f mm, %.2f x %.2f m, intensity %.2f %.2f %.2f\n",
                 lamp.name.c_str(), lamp.position_m.x(), lamp.position_m.y(), lamp.position_m.z(),

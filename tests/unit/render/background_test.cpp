@@ -432,7 +432,7 @@ struct LitPost {
     // Its z is the way up, and y of the world points down.
     post.world_from_object.rotation = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
     m.setup.objects = {post};
-    m.setup.light.lamps = {{{0, -1.3, 3}, std::nullopt, {0.2, 0.2}, glm::vec3(1)}};
+    m.setup.light.lamps = {{{0, -1.3, 3}, std::nullopt, {0.2, 0.2}, {1, 1, 1}}};
   }
   const std::vector<glm::vec3> positions{{0, 0, 0}, {0.1F, 0, 0}, {0, 0, 0.5F}};
   const std::vector<glm::vec3> normals{{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};

@@ -29,7 +29,7 @@ struct Stage {
     render::VirtualObject object;
     object.meshes.push_back({positions, normals, {}, triangles, glm::vec3(1, 0, 0), {}, false});
     setup.objects.push_back(object);
-    setup.light.ambient = glm::vec3(1);
+    setup.light.ambient = Eigen::Vector3f::Constant(1);
   }
   /// A blue person over the left half of the view.
   void add_person(float z_m) {
@@ -179,8 +179,8 @@ TEST(Compositor, empty_scene_shows_the_plate_through_the_lens) {
 
 TEST(Compositor, shadow_lies_on_the_wall_opposite_to_the_lamp) {
   Stage stage(2);
-  stage.setup.light.ambient = glm::vec3(0.2F);
-  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0, 0}, glm::vec3(3)});
+  stage.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
+  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0, 0}, {3, 3, 3}});
   const auto out = stage.compose();
   // From x = -2 past the square's border at 0.5 m, z = 2 m to the wall: 3 m at z = 4 m is out of
   // view; past -0.5 m it is 1 m. The shadow begins at column 31.5 + 64 * 1 / 4.
@@ -193,8 +193,8 @@ TEST(Compositor, shadow_lies_on_the_wall_opposite_to_the_lamp) {
 TEST(Compositor, person_takes_the_light_of_where_it_stands) {
   // As above, with a person who stands before the shadow volume: the shadow behind is masked.
   Stage stage(2);
-  stage.setup.light.ambient = glm::vec3(0.2F);
-  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0, 0}, glm::vec3(3)});
+  stage.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
+  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0, 0}, {3, 3, 3}});
   for (int y = 0; y < 32; ++y)
     for (int x = 25; x < 32; ++x) stage.depth.at(x, y) = 1.2F;
   for (int y = 0; y < 64; ++y)
@@ -232,14 +232,14 @@ TEST(Compositor, wrong_sizes_and_setups_are_one_line) {
   stage.triangles[0] = 99;
   EXPECT_FALSE(render::make_cpu_compositor(stage.setup, 1));
   stage.triangles[0] = 0;
-  stage.setup.light.lamps.push_back({{0, 0, std::nan("")}, std::nullopt, {0, 0}, glm::vec3(1)});
+  stage.setup.light.lamps.push_back({{0, 0, std::nan("")}, std::nullopt, {0, 0}, {1, 1, 1}});
   EXPECT_FALSE(render::make_cpu_compositor(stage.setup, 1));
 }
 
 TEST(Compositor, frames_after_the_first_allocate_nothing) {
   Stage stage(2);
   stage.add_person(3);
-  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0.1, 0.1}, glm::vec3(3)});
+  stage.setup.light.lamps.push_back({{-2, 0, 0}, std::nullopt, {0.1, 0.1}, {3, 3, 3}});
   auto compositor = render::make_cpu_compositor(stage.setup, 2);
   ASSERT_TRUE(compositor);
   render::FrameOutput out;

@@ -96,7 +96,7 @@ TEST(ContactShade, the_floor_becomes_darker_beside_a_box) {
   BoxObject box;
   render::CompositorSetup setup = plain_setup(kView, 100, {40, 32}, 25);
   setup.background.depth_m = depth_m, setup.background.color = color;
-  setup.light.ambient = glm::vec3(0.3F), setup.light.contact = true;
+  setup.light.ambient = Eigen::Vector3f::Constant(0.3F), setup.light.contact = true;
   box.object.world_from_object.translation_m = {0, 0, kBelowM};
   box.object.world_from_object.rotation =
       Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());

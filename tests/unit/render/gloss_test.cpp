@@ -178,8 +178,8 @@ TEST(AmbientByDirection, leaves_lamps_out_and_is_none_where_the_room_is_not_show
   const LitCube cube([](const glm::dvec3& d) { return glm::dvec3(d.z > 0.97 ? 1 : 0.3); });
   render::CompositorSetup setup = cube.setup;
   EXPECT_GT(make_ambient(setup, {}).value()[2].g, 0.02F);
-  setup.light.lamps.push_back({{0, 0, 2}, glm::dvec3(0, 0, -1), {1.2, 1.2}, glm::vec3(1)});
-  setup.light.ambient = glm::vec3(0.3F);
+  setup.light.lamps.push_back({{0, 0, 2}, -Eigen::Vector3d::UnitZ(), {1.2, 1.2}, {1, 1, 1}});
+  setup.light.ambient = Eigen::Vector3f::Constant(0.3F);
   EXPECT_NEAR(make_ambient(setup, {}).value()[2].g, 0, 0.01F);
   setup.light.by_direction = false;
   EXPECT_FALSE(make_ambient(setup, {}));

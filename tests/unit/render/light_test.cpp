@@ -8,7 +8,7 @@
 #include <random>
 #include <span>
 
-#include "host/math/geometry/irradiance.h"
+#include "host/math/geometry/lamp.h"
 #include "host/render/cpu/light/irradiance.h"
 #include "host/render/cpu/light/visibility.h"
 #include "tests/unit/render/helpers.h"
@@ -20,7 +20,7 @@ using render::cpu::kLanes;
 
 /// A lamp above a horizontal square caster. World and camera are one: y points down.
 struct Lit {
-  explicit Lit(render::Lamp lamp, float caster_y_m = 1, float half_m = 0.5F)
+  explicit Lit(geometry::Lamp lamp, float caster_y_m = 1, float half_m = 0.5F)
       : positions({{-half_m, caster_y_m, 2 - half_m},
                    {half_m, caster_y_m, 2 - half_m},
                    {half_m, caster_y_m, 2 + half_m},
@@ -60,7 +60,7 @@ struct Lit {
   std::vector<render::cpu::ShadowMap> maps;
 
  private:
-  void complete(const render::Lamp& lamp) {
+  void complete(const geometry::Lamp& lamp) {
     render::VirtualObject object;
     object.meshes.push_back({positions, normals, {}, triangles, glm::vec3(1), {}, true});
     setup.objects.push_back(object);
@@ -68,23 +68,21 @@ struct Lit {
   }
 };
 
-render::Lamp point_lamp(glm::dvec3 position_m) {
-  return {position_m, std::nullopt, {0, 0}, glm::vec3(1)};
-}
+geometry::Lamp point_lamp(const Eigen::Vector3d& position_m) { return {.position_m = position_m}; }
 
 TEST(LampLight, is_in_lanes_what_the_formula_for_single_points_says) {
   std::minstd_rand random(5);
   std::uniform_real_distribution<double> away(-2, 2);
   const auto any = [&] { return Eigen::Vector3d(away(random), away(random), away(random)); };
-  const auto to_glm = [](const Eigen::Vector3d& v) { return glm::vec3(v.x(), v.y(), v.z()); };
+  const auto to_glm = [](const Eigen::Vector3d& v) { return glm::vec3(render::to_glm(v)); };
   int lit = 0;
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d lamp_m = any(), normal = any().normalized();
-    std::optional<Eigen::Vector3d> direction;
-    if (i % 2) direction = any().normalized();
+    geometry::Lamp of_formula{.position_m = any()};
+    const Eigen::Vector3d normal = any().normalized();
+    if (i % 2) of_formula.direction = any().normalized();
     render::LampParams lamp;
-    lamp.position_m = to_glm(lamp_m),
-    lamp.direction = to_glm(direction.value_or(Eigen::Vector3d::Zero()));
+    lamp.position_m = to_glm(of_formula.position_m),
+    lamp.direction = to_glm(of_formula.direction.value_or(Eigen::Vector3d::Zero()));
     lamp.intensity = glm::vec3(1);
     std::array<Eigen::Vector3d, kLanes> at_m;
     render::cpu::SurfaceLanes at;
@@ -95,7 +93,7 @@ TEST(LampLight, is_in_lanes_what_the_formula_for_single_points_says) {
     const render::cpu::FloatLanes light = render::cpu::lamp_light(lamp, at);
     for (int k = 0; k < kLanes; ++k) {
       const double expected =
-          geometry::irradiance(lamp_m, direction, at_m[static_cast<std::size_t>(k)], normal);
+          geometry::irradiance(of_formula, at_m[static_cast<std::size_t>(k)], normal);
       EXPECT_NEAR(light[k], expected, 1e-4 * (1 + expected));
       lit += expected > 0;
     }
@@ -122,7 +120,7 @@ TEST(Shadow, what_lies_before_the_caster_is_lit) {
 }
 
 TEST(Shadow, wide_lamp_softens_the_border) {
-  render::Lamp lamp = point_lamp({0, 0, 2});
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
   lamp.size_m = {0.4, 0.4};
   const Lit lit(lamp);
   EXPECT_EQ(lit.seen(0, 2), 0);
@@ -154,7 +152,7 @@ TEST(Shadow, a_slope_has_the_penumbra_of_what_is_before_it) {
   const std::vector<glm::vec3> normals(4, up);
   const std::vector<std::uint32_t> triangles{0, 1, 2, 0, 2, 3};
   render::CompositorSetup setup = plain_setup({64, 64}, 64, {4, 4}, 4);
-  render::Lamp lamp = point_lamp({0, 0, 2});
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
   lamp.size_m = {0.4, 0.4};
   setup.light.lamps.push_back(lamp);
   setup.objects = {sheet(caster, normals, triangles), sheet(slope, normals, triangles)};
@@ -190,8 +188,8 @@ TEST(Shadow, a_slope_has_the_penumbra_of_what_is_before_it) {
 }
 
 TEST(Shadow, panel_that_faces_away_has_no_map) {
-  render::Lamp lamp = point_lamp({0, 0, 2});
-  lamp.direction = glm::dvec3(0, -1, 0);
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.direction = -Eigen::Vector3d::UnitY();
   EXPECT_EQ(Lit(lamp).preparer.params().lamps[0].map_size_texel, 0);
 }
 
@@ -204,7 +202,7 @@ TEST(Shadow, lamp_inside_its_caster_gives_finite_light) {
 }
 
 TEST(Shadow, a_point_is_lit_alike_in_every_lane) {
-  render::Lamp lamp = point_lamp({0, 0, 2});
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
   lamp.size_m = {0.4, 0.4};
   const Lit lit(lamp);
   for (const float x : {0.0F, 0.9F, 1.0F, 1.1F, 1.6F})
@@ -213,7 +211,7 @@ TEST(Shadow, a_point_is_lit_alike_in_every_lane) {
 }
 
 TEST(Shadow, points_that_are_not_wanted_change_no_other) {
-  render::Lamp lamp = point_lamp({0, 0, 2});
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
   lamp.size_m = {0.4, 0.4};
   const Lit lit(lamp);
   std::minstd_rand random(3);
@@ -242,7 +240,7 @@ TEST(Shadow, points_that_are_not_wanted_change_no_other) {
 }
 
 TEST(Shadow, what_is_not_looked_up_would_be_lit) {
-  render::Lamp lamp = point_lamp({0, 0, 2});
+  geometry::Lamp lamp = point_lamp({0, 0, 2});
   lamp.size_m = {0.4, 0.4};
   const Lit lit(lamp);
   const render::LampParams& params = lit.preparer.params().lamps[0];
@@ -286,7 +284,7 @@ TEST(Shadow, what_is_surely_lit_sees_all_of_the_lamp) {
   };
   int lit_boxes = 0, shadowed_points = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    render::Lamp lamp = point_lamp({between(-1, 1), between(-0.5F, 0.5F), between(1, 3)});
+    geometry::Lamp lamp = point_lamp({between(-1, 1), between(-0.5F, 0.5F), between(1, 3)});
     const float side_m = between(0, 1);
     lamp.size_m = {side_m, side_m};
     const Lit lit(lamp, between(0.8F, 1.2F), between(0.1F, 0.8F));
@@ -361,7 +359,7 @@ TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle_and_little_else) {
 /// A floor 2 m below the camera seen by pixel rows below the horizon.
 TEST(Light, ratio_of_the_background_is_by_hand) {
   Lit lit(point_lamp({0, 0, 2}));
-  lit.setup.light.ambient = glm::vec3(0.2F);
+  lit.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
   render::FramePreparer preparer(lit.setup);
   preparer.update({});
   const auto floor = make_image<float>(
@@ -386,7 +384,7 @@ TEST(Light, ratio_of_the_background_is_by_hand) {
 
 TEST(Light, of_a_pixel_that_shows_a_person_by_half_is_that_of_both) {
   Lit lit(point_lamp({0, 0, 2}));
-  lit.setup.light.ambient = glm::vec3(0.2F);
+  lit.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
   render::FramePreparer preparer(lit.setup);
   preparer.update({});
   const render::Tables tables = render::make_tables(lit.setup);
@@ -411,7 +409,7 @@ TEST(Light, of_a_pixel_that_shows_a_person_by_half_is_that_of_both) {
 
 TEST(Light, shading_is_lambert_by_hand) {
   Lit lit(point_lamp({0, 0, 2}));
-  lit.setup.light.ambient = glm::vec3(0.1F);
+  lit.setup.light.ambient = Eigen::Vector3f::Constant(0.1F);
   lit.setup.light.exposure = 0.5F;
   render::FramePreparer preparer(lit.setup);
   preparer.update({});

@@ -24,8 +24,8 @@ class PanelScene {
  public:
   explicit PanelScene(double panel_m, int height = 240)
       : size_{height * 4 / 3, height}, setup_(plain_setup(size_, height, {64, 48}, 64)) {
-    render::Lamp lamp;
-    lamp.position_m = {-2, 0, 3}, lamp.direction = glm::dvec3(1, 0, 0);
+    geometry::Lamp lamp;
+    lamp.position_m = {-2, 0, 3}, lamp.direction = Eigen::Vector3d::UnitX();
     lamp.size_m = {panel_m, panel_m};
     setup_.light.lamps.push_back(lamp);
     for (int i = 0; i < 8; ++i)

@@ -65,9 +65,8 @@ Shares shares_of_shadow(double azimuth_rad) {
   setup.capture_box = render::CaptureBox{{-2.5, -2, 0.5}, {2.5, 2, 5}};
   setup.people_cast_shadows = true;
   const Vector3d outwards(std::sin(azimuth_rad), 0, -std::cos(azimuth_rad));
-  render::Lamp lamp;
-  const Vector3d at = Vector3d(0, -1.3, kAway_m) + 2 * outwards;
-  lamp.position_m = {at.x(), at.y(), at.z()};
+  geometry::Lamp lamp;
+  lamp.position_m = Vector3d(0, -1.3, kAway_m) + 2 * outwards;
   setup.light.lamps.push_back(lamp);
   const std::vector<glm::vec3> corners{{-9, -9, 8}, {9, -9, 8}, {9, 9, 8}}, normals(3, {0, 0, -1});
   const std::vector<std::uint32_t> triangles{0, 2, 1};
@@ -93,7 +92,7 @@ Shares shares_of_shadow(double azimuth_rad) {
   for (double u = -0.8; u < 0.8; u += 0.02)
     for (double y = -0.9; y < 1.7; y += 0.02) {
       const Vector3d p = Vector3d(0, y, kAway_m) - outwards + u * across;
-      const bool is = meets(p, at - p).has_value();
+      const bool is = meets(p, lamp.position_m - p).has_value();
       render::cpu::VectorLanes q{}, n{};
       q.x += static_cast<float>(p.x()), q.y += static_cast<float>(p.y());
       q.z += static_cast<float>(p.z());

@@ -26,8 +26,8 @@ struct TableRoom {
         setup(plain_setup(kRoomView, 100, {40, 32}, 20)) {
     setup.background.depth_m = depth_m;
     setup.background.color = color;
-    setup.light.ambient = glm::vec3(0.2F);
-    setup.light.lamps.push_back({{1, 0, 0.5}, std::nullopt, glm::dvec2(lamp_side_m), glm::vec3(4)});
+    setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
+    setup.light.lamps.push_back({{1, 0, 0.5}, std::nullopt, {lamp_side_m, lamp_side_m}, {4, 4, 4}});
     add_block(block_x_m);
   }
   static glm::vec2 ray(int x, int y) {
@@ -160,7 +160,7 @@ TEST(RoomShade, is_found_when_the_compositor_is_made_where_the_first_pose_is_kno
 /// What people hide of a whole panel is taken from its parts: the shadows of objects stay fine.
 TEST(RoomShade, panels_keep_their_parts_where_people_cast_shadows) {
   TableRoom room;
-  room.setup.light.lamps = {{{0, -1.3, 2}, glm::dvec3(0, 1, 0), {0.5, 0.5}, glm::vec3(1)}};
+  room.setup.light.lamps = {{{0, -1.3, 2}, Eigen::Vector3d::UnitY(), {0.5, 0.5}, {1, 1, 1}}};
   room.setup.people_cast_shadows = true;
   EXPECT_EQ(render::FramePreparer(room.setup).params().lamps.size(), 4U);
   EXPECT_EQ(render::FramePreparer(room.setup).params().people_lamps.size(), 1U);

@@ -161,7 +161,7 @@ struct Replaced {
     render::VirtualObject object;
     object.meshes.push_back({positions, normals, {}, triangles, glm::vec3(1, 0, 0), {}, false});
     setup.objects.push_back(object);
-    setup.light.ambient = glm::vec3(1);
+    setup.light.ambient = Eigen::Vector3f::Constant(1);
     setup.backdrop.emplace();
   }
   render::FrameOutput compose() {
@@ -270,7 +270,7 @@ struct Standing {
   Standing() : setup(plain_setup({320, 240}, 320, {64, 48}, 64)) {
     setup.capture_box = render::CaptureBox{{-2, -2, 1}, {2, 2, 6}};
     setup.people_cast_shadows = true;
-    render::Lamp lamp;
+    geometry::Lamp lamp;
     lamp.position_m = {0, 0, 0};
     setup.light.lamps.push_back(lamp);
     positions = {{-9, -9, 8}, {9, -9, 8}, {9, 9, 8}};
@@ -342,10 +342,10 @@ TEST(PeopleShadow, nobody_casts_none) {
 TEST(PeopleShadow, darkens_a_virtual_surface_and_leaves_no_trace) {
   Replaced scene;
   scene.setup.people_cast_shadows = true;
-  scene.setup.light.ambient = glm::vec3(0.2F);
-  render::Lamp lamp;
+  scene.setup.light.ambient = Eigen::Vector3f::Constant(0.2F);
+  geometry::Lamp lamp;
   lamp.position_m = {-2, 0, 0};
-  lamp.intensity = glm::vec3(5);
+  lamp.intensity.setConstant(5);
   scene.setup.light.lamps.push_back(lamp);
   auto compositor = render::make_cpu_compositor(scene.setup, 2);
   ASSERT_TRUE(compositor);
@@ -364,9 +364,9 @@ TEST(PeopleShadow, darkens_a_virtual_surface_and_leaves_no_trace) {
 TEST(PeopleShadow, more_lamps_than_are_looked_up_do_no_harm) {
   Replaced scene;
   scene.setup.people_cast_shadows = true;
-  render::Lamp lamp;
+  geometry::Lamp lamp;
   lamp.position_m = {-2, 0, 0};
-  lamp.intensity = glm::vec3(0.05F);
+  lamp.intensity.setConstant(0.05F);
   scene.setup.light.lamps.assign(70, lamp);
   const Rgb8 shadowed = scene.compose().color.at(40, 32);
   scene.depth.fill(4);
