@@ -31,7 +31,7 @@ Least measure(render::Compositor& compositor, const test::RoomSetup& room) {
     if (!compositor.compose(frame, output)) return least;
     render::StageTimes& to = i % 2 == 0 ? least.moved : least.still;
     for (std::size_t s = 0; s < to.size(); ++s)
-      to[s] = std::min(to[s], compositor.stage_times()[s]);
+      to[s] = std::min(to[s], compositor.state().stage_times[s]);
   }
   return least;
 }
@@ -53,7 +53,8 @@ int main() {
     std::fprintf(stderr, "%s\n", (cpu ? gles.error() : cpu.error()).context.c_str());
     return 1;
   }
-  std::printf("%s\n%s\n%-14s", (*cpu)->renderer().c_str(), (*gles)->renderer().c_str(), "ms");
+  std::printf("%s\n%s\n%-14s", (*cpu)->state().renderer.c_str(), (*gles)->state().renderer.c_str(),
+              "ms");
   for (std::size_t s = 0; s < std::size(render::StageTimes{}); ++s)
     std::printf("%9s", std::string(render::name(static_cast<render::Stage>(s))).c_str());
   std::printf("%9s\n", "sum");

@@ -44,7 +44,7 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
     state.SkipWithError(compositor.error().context.c_str());
     return;
   }
-  state.SetLabel((*compositor)->renderer());
+  state.SetLabel((*compositor)->state().renderer);
   render::FrameOutput output;
   render::FrameInput frame = room.frame();
   if (zooms) frame.lens = geometry::LensState{room.setup.target, 0};
@@ -64,7 +64,7 @@ void compose_in(benchmark::State& state, Size view, Size tof, bool second_tof = 
     else if (state.range(1))
       frame.world_from_target.translation_m.x() += 1e-4;
     if (!(*compositor)->compose(frame, output)) state.SkipWithError("compose failed");
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*compositor)->stage_times()[i];
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*compositor)->state().stage_times[i];
   }
   for (std::size_t i = 0; i < sum.size(); ++i)
     state.counters[std::string(render::name(static_cast<render::Stage>(i))) + "_ms"] =

@@ -65,7 +65,7 @@ TEST_P(InFlight, frames_come_out_in_order_and_as_compose_makes_them) {
     ASSERT_TRUE(two->collect(queued));
     EXPECT_EQ(queued.wanted, render::kAll);
     EXPECT_EQ(differing(alone, queued, render::kAll), 0U) << "frame " << i;
-    EXPECT_GT(two->stage_times()[static_cast<std::size_t>(render::Stage::kUpload)], 0);
+    EXPECT_GT(two->state().stage_times[static_cast<std::size_t>(render::Stage::kUpload)], 0);
   }
 }
 

@@ -286,9 +286,9 @@ TEST(PlateImportFallback, software_copies_and_a_plate_that_is_not_decoded_is) {
   const auto made = render::make_gles_compositor(room.setup);
   ASSERT_TRUE(made) << to_line(made.error());
   render::Compositor& gles = **made;
-  if (!is_software(gles.renderer())) GTEST_SKIP() << "this driver draws on a GPU";
-  EXPECT_EQ(gles.plate_need(), PlateNeed::kDecoded);
-  EXPECT_EQ(gles.why_copied(), gles.renderer() + " draws on the processor");
+  if (!is_software(gles.state().renderer)) GTEST_SKIP() << "this driver draws on a GPU";
+  EXPECT_EQ(gles.state().plate_need, PlateNeed::kDecoded);
+  EXPECT_EQ(gles.state().why_copied, gles.state().renderer + " draws on the processor");
   const GrayPlate plate(room.plate);
   render::FrameInput input = room.frame();
   input.plate = plate.image_;
@@ -297,7 +297,7 @@ TEST(PlateImportFallback, software_copies_and_a_plate_that_is_not_decoded_is) {
   ASSERT_TRUE(gles.compose(input, with_copy));
   input.plate = {}, input.shared = &plate;
   ASSERT_TRUE(gles.compose(input, with_shared));
-  EXPECT_FALSE(gles.imported_plate());
+  EXPECT_FALSE(gles.state().imported_plate);
   EXPECT_EQ(plate.decoded_, 1);
   EXPECT_EQ(plate.hold_.use_count(), 1) << "nothing reads its memory any more";
   int differing = 0;

@@ -67,7 +67,7 @@ bool shows(const render::FrameOutput& frame, render::Layer layer) {
 }
 
 float time_of(const Pair& pair, render::Stage stage) {
-  return pair.gles->stage_times()[static_cast<std::size_t>(stage)];
+  return pair.gles->state().stage_times[static_cast<std::size_t>(stage)];
 }
 
 render::FrameInput volume_frame(RoomSetup& room) {

@@ -128,7 +128,7 @@ class WarpedPair {
         const float z_m = output_.warped_depth_m.row(y)[x];
         disparity.row(y)[x] = z_m > 0 ? scale_ / z_m : 0;
       }
-    const auto& ms = compositor_->stage_times();
+    const auto& ms = compositor_->state().stage_times;
     return ms[static_cast<std::size_t>(render::Stage::kCorrect)] +
            ms[static_cast<std::size_t>(render::Stage::kWarp)];
   }

@@ -68,7 +68,7 @@ Result<float> RungContender::time(std::size_t index) {
   if (rung_.stages.empty()) return static_cast<float>(milliseconds(clock_.now() - begin));
   float sum_ms = 0;
   for (const render::Stage stage : rung_.stages)
-    sum_ms += compositor_->stage_times()[static_cast<std::size_t>(stage)];
+    sum_ms += compositor_->state().stage_times[static_cast<std::size_t>(stage)];
   return sum_ms;
 }
 

@@ -45,7 +45,7 @@ Result<std::unique_ptr<render::Compositor>> make_compositor(const render::Compos
 }
 
 std::string backend_of(const render::Compositor& compositor) {
-  return compositor.renderer().starts_with("cpu") ? "cpu" : "gles";
+  return compositor.state().renderer.starts_with("cpu") ? "cpu" : "gles";
 }
 
 }  // namespace mixrig::session

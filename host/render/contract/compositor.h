@@ -202,8 +202,8 @@ class SharedPlate {
 };
 
 struct FrameInput {
-  /// sRGB, distorted, size of `target`; may be empty with `shared`, where Compositor::plate_need()
-  /// is kShared.
+  /// sRGB, distorted, size of `target`; may be empty with `shared`, where
+  /// CompositorState::plate_need is kShared.
   ImageView<const Rgb8> plate;
   ImageView<const float> tof_depth_m;  ///< size of `tof`; 0, NaN, infinite or negative = unknown
   geometry::Pose world_from_target;
@@ -309,6 +309,17 @@ struct FrameOutput {
 /// Time of each stage of one frame, milliseconds; 0 for a stage that did not run.
 using StageTimes = std::array<float, static_cast<std::size_t>(Stage::kCount)>;
 
+/// What a compositor tells beside its images.
+struct CompositorState {
+  std::string renderer;      ///< "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER
+  StageTimes stage_times{};  ///< of the frame collected last
+  PlateNeed plate_need = PlateNeed::kDecoded;  ///< of the next frame
+  /// The plate of the frame submitted last was read in its camera's memory.
+  bool imported_plate = false;
+  /// Why FrameInput::shared is not read, or no more; empty where it is.
+  std::string why_copied = "the back end reads copies";
+};
+
 /// Composites frames of one take. Not thread-safe; gles instances stay on the thread of their first
 /// frame, and end there.
 class Compositor {
@@ -329,17 +340,8 @@ class Compositor {
   virtual Result<void> collect(FrameOutput& output) = 0;
   /// Number of frames submitted and not yet collected.
   virtual int in_flight() const = 0;
-  /// Of the frame collected last.
-  virtual const StageTimes& stage_times() const = 0;
-  /// Of the next frame.
-  virtual PlateNeed plate_need() const { return PlateNeed::kDecoded; }
-  /// The plate of the frame submitted last was read in its camera's memory.
-  virtual bool imported_plate() const { return false; }
-  /// Why FrameInput::shared is not read, or no more; empty where it is.
-  virtual std::string why_copied() const { return "the back end reads copies"; }
-  /// "cpu, 2 threads, x86-64-v3 (AVX2, 8 lanes)" or GL_RENDERER.
-  virtual std::string renderer() const = 0;
-
+  /// For the compositor's life; submit(), collect() and compose() change it.
+  virtual const CompositorState& state() const = 0;
   /// Submits a frame and collects it. Errors: of both; kUsage while other frames are in flight. cpu
   /// draws into the images of `output`, and so needs none of its own.
   virtual Result<void> compose(const FrameInput& input, FrameOutput& output);

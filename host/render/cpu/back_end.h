@@ -16,7 +16,7 @@ constexpr std::size_t door_layout() {
   for (const std::size_t n :
        {sizeof(CompositorSetup), alignof(CompositorSetup), sizeof(FrameInput), alignof(FrameInput),
         sizeof(VirtualObject), sizeof(FrameOutput), sizeof(BackgroundModel),
-        sizeof(geometry::Lamp)})
+        sizeof(CompositorState), sizeof(geometry::Lamp)})
     layout = 1009 * layout + n;
   return layout;
 }

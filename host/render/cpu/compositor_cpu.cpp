@@ -43,13 +43,11 @@ class CpuCompositor final : public Compositor {
   Result<void> collect(FrameOutput& output) override;
   Result<void> compose(const FrameInput& input, FrameOutput& output) override;
   int in_flight() const override { return flight_.count(); }
-  const StageTimes& stage_times() const override { return times_; }
-  std::string renderer() const override;
+  const CompositorState& state() const override { return state_; }
 
  private:
   void draw(const FrameInput& input, OutputMask wanted, FrameOutput& output, StageTimes& times);
   void follow(const FrameInput& input);
-  void choose_objects(bool hide, const geometry::Pose& world_from_camera);
   void draw_depth(const FrameInput& input, StopWatch& watch);
   void key_people(const FrameInput& input, const ToneCurve& tone, Image<std::uint8_t>& matte);
   void draw_background(StopWatch& watch);
@@ -62,10 +60,9 @@ class CpuCompositor final : public Compositor {
   CompositorSetup setup_;
   Crew crew_;
   Tables tables_;
-  FramePreparer preparer_;
+  FramesOfSetup frames_;
   LensFollower lens_;
-  std::optional<HiddenObjects> hidden_;      ///< where frames may hide objects
-  const FramePreparer* frame_ = &preparer_;  ///< of this frame: it shows all, or hides some
+  const FramePreparer* frame_ = &frames_.with_objects();  ///< of this frame
   std::unique_ptr<MovingBackground> moving_background_;
   const FramePreparer* background_by_ = nullptr;  ///< its frame when it was last drawn
   BackgroundView background_;                     ///< of the setup, or of moving_background_
@@ -77,8 +74,9 @@ class CpuCompositor final : public Compositor {
   PlateScratch plate_scratch_;
   Image<Rgbx16> plate_;
   Image<float> view_w_;
-  std::optional<VirtualThings> all_things_, set_things_;  ///< where there are any; of hidden_
-  VirtualThings* things_ = nullptr;                       ///< of this frame
+  /// Where there are any; those of frames_.hidden().
+  std::optional<VirtualThings> all_things_, set_things_;
+  VirtualThings* things_ = nullptr;  ///< of this frame
   FocusScratch focus_scratch_;
   Image<std::uint8_t> matte_;  ///< where it is not wanted
   struct Frame {
@@ -86,14 +84,14 @@ class CpuCompositor final : public Compositor {
     StageTimes times{};
   };
   InFlight<Frame> flight_;
-  StageTimes times_{};
+  CompositorState state_;
 };
 
 CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
     : setup_(setup),
       crew_(threads),
       tables_(make_tables(setup_)),
-      preparer_(setup_),
+      frames_(setup_),
       lens_(setup_),
       background_(setup_.background),
       meter_(tables_, background_),
@@ -104,6 +102,7 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
       plate_scratch_(tables_, crew_.threads()),
       plate_(tables_.view_size),
       view_w_(with_margin(tables_.view_size)) {
+  state_.renderer = fmt::format("cpu, {} threads, {}", crew_.threads(), vectors());
   if (!setup_.background_models.empty()) {
     moving_background_ = std::make_unique<MovingBackground>(crew_, setup_);
     background_ = moving_background_->view();
@@ -113,11 +112,11 @@ CpuCompositor::CpuCompositor(const CompositorSetup& setup, int threads)
   if (setup_.tof2) second_depth_.emplace(setup_, tables_, grid_);
   tables_.plate_px = {}, tables_.plate_gain = {};  // plate_scratch_ holds them in a faster form
   if (!setup_.objects.empty())
-    all_things_.emplace(setup_, background_, tables_, preparer_.params(), crew_.threads());
-  if (!setup_.may_hide_objects || !any_object_hides(setup_)) return;
-  hidden_.emplace(setup_);
-  if (!hidden_->setup().objects.empty())
-    set_things_.emplace(hidden_->setup(), background_, tables_, hidden_->preparer().params(),
+    all_things_.emplace(setup_, background_, tables_, frames_.with_objects().params(),
+                        crew_.threads());
+  const HiddenObjects* const hidden = frames_.hidden();
+  if (hidden != nullptr && !hidden->setup().objects.empty())
+    set_things_.emplace(hidden->setup(), background_, tables_, hidden->preparer().params(),
                         crew_.threads());
 }
 
@@ -131,7 +130,7 @@ Result<void> CpuCompositor::submit(const FrameInput& input, OutputMask wanted) {
 Result<void> CpuCompositor::compose(const FrameInput& input, FrameOutput& output) {
   if (in_flight() > 0) return Compositor::compose(input, output);
   MIXRIG_TRY(check_frame(input, tables_));
-  draw(input, output.wanted, output, times_);
+  draw(input, output.wanted, output, state_.stage_times);
   return {};
 }
 
@@ -189,18 +188,12 @@ void CpuCompositor::follow(const FrameInput& input) {
     if (moving_background_) moving_background_->see_through(setup_);
     if (second_depth_) second_depth_->set_view(setup_);
   }
-  preparer_.note(
-      {moved, place_objects(input.world_from_object, setup_), set_light(input.light, setup_)});
-  choose_objects(!input.objects_shown, lens_.world_from_pupil(input.world_from_target));
-}
-
-/// What is drawn of the scene in this frame.
-void CpuCompositor::choose_objects(bool hide, const geometry::Pose& world_from_camera) {
-  if (hidden_) hidden_->follow(setup_);
-  std::optional<VirtualThings>& things = hidden_ && hide ? set_things_ : all_things_;
+  const SetupChanges changes{moved, place_objects(input.world_from_object, setup_),
+                             set_light(input.light, setup_)};
+  frame_ = &frames_.update(lens_.world_from_pupil(input.world_from_target), changes,
+                           !input.objects_shown);
+  std::optional<VirtualThings>& things = frames_.hides() ? set_things_ : all_things_;
   things_ = things ? &*things : nullptr;
-  frame_ = hidden_ && hide ? &hidden_->preparer() : &preparer_;
-  frame_ == &preparer_ ? preparer_.update(world_from_camera) : hidden_->update(world_from_camera);
 }
 
 /// Passes correct, agree and warp.
@@ -220,7 +213,7 @@ void CpuCompositor::draw_depth(const FrameInput& input, StopWatch& watch) {
 Result<void> CpuCompositor::collect(FrameOutput& output) {
   MIXRIG_ASSIGN(Frame* const slot, flight_.pop());
   deliver(slot->output, output);
-  times_ = slot->times;
+  state_.stage_times = slot->times;
   return {};
 }
 
@@ -298,10 +291,6 @@ void CpuCompositor::store_state(const Image<std::uint8_t>& matte,
   for (int y = 0; y < state.height(); ++y)
     std::copy_n(people_key_.scratch().state.row(y), state.width(), state.row(y));
   decide_states(matte, state);
-}
-
-std::string CpuCompositor::renderer() const {
-  return fmt::format("cpu, {} threads, {}", crew_.threads(), vectors());
 }
 
 std::string vectors() {

@@ -52,4 +52,21 @@ void HiddenObjects::follow(const CompositorSetup& setup) {
   preparer_.note(changes);
 }
 
+FramesOfSetup::FramesOfSetup(const CompositorSetup& setup) : setup_(setup), preparer_(setup) {
+  if (setup.may_hide_objects && any_object_hides(setup)) hidden_.emplace(setup);
+}
+
+const FramePreparer& FramesOfSetup::update(const geometry::Pose& world_from_camera,
+                                           const SetupChanges& changes, bool hides) {
+  preparer_.note(changes);
+  if (hidden_) hidden_->follow(setup_);
+  hides_ = hides && hidden_;
+  if (hides_) {
+    hidden_->update(world_from_camera);
+    return hidden_->preparer();
+  }
+  preparer_.update(world_from_camera);
+  return preparer_;
+}
+
 }  // namespace mixrig::render

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that hide the virtual objects: a setup without them, in camera axes.
+// Frames that show the virtual objects or hide them: the setup, and one without them, in camera
+// axes.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "host/render/tables/prepare.h"
@@ -33,6 +35,28 @@ class HiddenObjects {
   std::vector<std::size_t> kept_;  ///< which objects of the whole setup those of `setup_` are
   CompositorSetup setup_;
   FramePreparer preparer_;
+};
+
+/// Prepares each frame of a setup, with its objects or without them. Not thread-safe.
+class FramesOfSetup {
+ public:
+  /// Borrows `setup`.
+  explicit FramesOfSetup(const CompositorSetup& setup);
+  /// The next frame's, as FramePreparer::update(); `changes` of the setup since the one before.
+  /// `hides`: it shows none of the objects that may be hidden.
+  const FramePreparer& update(const geometry::Pose& world_from_camera, const SetupChanges& changes,
+                              bool hides);
+  /// Whether the frame of the last update() is that of hidden().
+  bool hides() const { return hides_; }
+  const FramePreparer& with_objects() const { return preparer_; }
+  /// Null where no frame hides objects.
+  const HiddenObjects* hidden() const { return hidden_ ? &*hidden_ : nullptr; }
+
+ private:
+  const CompositorSetup& setup_;
+  FramePreparer preparer_;
+  std::optional<HiddenObjects> hidden_;
+  bool hides_ = false;
 };
 
 }  // namespace mixrig::render

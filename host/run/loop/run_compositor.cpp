@@ -56,7 +56,7 @@ Result<void> RunCompositor::open(ObjectMover* mover, WorkGate* gate) {
   look_keeper_.open(gate);
   no_depth_m_.reset(session_.setup.tof.size_px());
   report_.backend = backend_of(*compositor_);
-  report_.renderer = compositor_->renderer();
+  report_.renderer = compositor_->state().renderer;
   report_.size = session_.setup.view.size_px;
   return {};
 }
@@ -133,14 +133,14 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
 void RunCompositor::count_plate(const capture::Capture& capture) {
   if (!live()) return;
   PlateReport& plates = report_.plates ? *report_.plates : report_.plates.emplace();
-  const bool imported = compositor_->imported_plate();
+  const bool imported = compositor_->state().imported_plate;
   ++(imported ? plates.imported : plates.copied);
   if (imported) plates.layout = capture.picture->raw().layout;
 }
 
 /// Has the source give plates as the compositor in use reads them.
 void RunCompositor::share_plates() {
-  const render::PlateNeed need = compositor_->plate_need();
+  const render::PlateNeed need = compositor_->state().plate_need;
   if (need == std::exchange(asked_, need)) return;
   session_.source->share_plates({.shared = need != render::PlateNeed::kDecoded,
                                  .decoded = need != render::PlateNeed::kShared});
@@ -172,7 +172,7 @@ Result<void> RunCompositor::finish() {
   MIXRIG_TRY(look_keeper_.finish());
   report_.look = look_keeper_.report();
   exchange_.finish();
-  if (report_.plates) report_.plates->why_copied = compositor_->why_copied();
+  if (report_.plates) report_.plates->why_copied = compositor_->state().why_copied;
   compositor_.reset();  // its buffers are not needed beside the sheet's
   report_.swap_ms = exchange_.swap_ms();
   if (options_.scene) report_.scene_edits = edits();

@@ -40,7 +40,7 @@ class RunCompositor {
                        render::FrameOutput& images);
   /// Of the frame composited last: counts how its plate came in.
   void count_plate(const capture::Capture& capture);
-  const render::StageTimes& stage_times() const { return compositor_->stage_times(); }
+  const render::StageTimes& stage_times() const { return compositor_->state().stage_times; }
   /// Frames no longer show the scene that the truth is of.
   bool is_edited() const { return exchange_.is_edited(); }
   /// For the watch of the room. Errors: those of an earlier frame of it.

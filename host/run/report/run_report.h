@@ -48,7 +48,7 @@ struct PlateReport {
   std::uint64_t imported = 0;       ///< frames; read in the camera's memory
   std::uint64_t copied = 0;         ///< frames
   std::optional<RawLayout> layout;  ///< of imported ones
-  std::string why_copied;           ///< as Compositor::why_copied
+  std::string why_copied;           ///< as render::CompositorState::why_copied
 };
 /// "imported (DMABUF, yuyv)", "copied: the driver offers no ...".
 std::string text(const PlateReport& plates);

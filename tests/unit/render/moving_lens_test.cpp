@@ -103,7 +103,7 @@ TEST(MovingLens, AllocatesNothingAndRestsWhenItStandsStill) {
   ASSERT_TRUE((*compositor)->compose(next, out));
   EXPECT_EQ(allocations - before, 0);
   const auto time_ms = [&](render::Stage stage) {
-    return (*compositor)->stage_times()[static_cast<std::size_t>(stage)];
+    return (*compositor)->state().stage_times[static_cast<std::size_t>(stage)];
   };
   EXPECT_GT(time_ms(render::Stage::kBackground), 0);
   ASSERT_TRUE((*compositor)->compose(next, out));
