@@ -98,19 +98,18 @@ Result<nlohmann::json> bench_latency(const BenchArguments& arguments) {
   }
   const StopOnSignal signals;
   SystemClock clock;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = learn};
-  MIXRIG_ASSIGN(const auto bench, session::prepare_latency(options, clock, controls.stop));
+  output::RunOrders orders(StopOnSignal::flag());
+  MIXRIG_ASSIGN(const auto bench, session::prepare_latency(options, clock, orders.stop()));
   viewfinder::ViewfinderReport shown;
   std::unique_ptr<output::CompositeSink> sink = session::make_log_sink(bench->log, clock);
   if (arguments.view) {
     MIXRIG_ASSIGN(sink,
                   viewfinder::Viewfinder::create(
                       {.title = "mixrig bench", .picture_px = bench->view_px, .log = &bench->log},
-                      *bench->session->source, controls, clock, shown));
+                      *bench->session->source, orders, clock, shown));
   }
   MIXRIG_ASSIGN(const session::LatencyReport report,
-                session::run_latency(*bench, std::move(sink), controls, clock));
+                session::run_latency(*bench, std::move(sink), orders, clock));
   MIXRIG_TRY(image_io::write_png(out / "delay.png",
                                  report::draw_bars(session::plot_of(report), {900, 320}).view()));
   std::fputs(session::to_table(report).c_str(), stdout);

@@ -10,8 +10,8 @@
 #include "host/output/viewfinder/viewfinder.h"
 #include "host/run/loop/run.h"
 #include "host/tools/command.h"
-#include "host/tools/count_signals.h"
 #include "host/tools/extras.h"
+#include "host/tools/learn_on_signal.h"
 #include "host/tools/options.h"
 #include "host/tools/run_page.h"
 #include "host/tools/service_sink.h"
@@ -32,8 +32,8 @@ struct RunArguments {
 
 using viewfinder::ViewfinderReport;
 
-/// "X,Y" of the view, as RunControls::focus_at.
-Result<int> parse_focus(const std::string& text, const session::Session& session) {
+/// "X,Y" of the view.
+Result<glm::ivec2> parse_focus(const std::string& text, const session::Session& session) {
   int x = 0, y = 0;
   char rest = 0;
   const Size view = session.setup.view.size_px;
@@ -41,34 +41,34 @@ Result<int> parse_focus(const std::string& text, const session::Session& session
     return Error{ErrorCode::kUsage, "--focus: the scene has no [focus], which has the lens"};
   if (std::sscanf(text.c_str(), "%d,%d%c", &x, &y, &rest) == 2 && x >= 0 && y >= 0 &&
       x < view.width && y < view.height)
-    return x + 65536 * y;
+    return glm::ivec2(x, y);
   return Error{ErrorCode::kUsage,
                "--focus \"" + text + "\" is no pixel X,Y of the view of " + session::text(view)};
 }
 
 /// The window of --view as a further sink, and what sets objects where it is clicked.
-Result<void> open_view(const RunArguments& arguments, session::Session& session,
-                       output::RunControls& controls, const Clock& clock, ViewfinderReport& report,
-                       session::RunOptions& options) {
+Result<void> open_view(const RunArguments& arguments, session::Session& session, const Clock& clock,
+                       ViewfinderReport& report, session::RunParts& parts) {
   if (arguments.view.empty()) return {};
   const viewfinder::ViewfinderOptions view{
       .title = "mixrig: " + session.scene.path.filename().string(),
       .view = output::view_named(arguments.view).value_or(output::View::kComposite),
       .picture_px = session.setup.view.size_px,
       .shares = session.backend.backend != render::Backend::kCpu};
-  MIXRIG_ASSIGN(auto sink,
-                viewfinder::Viewfinder::create(view, *session.source, controls, clock, report));
+  MIXRIG_ASSIGN(auto sink, viewfinder::Viewfinder::create(view, *session.source, *parts.orders,
+                                                          clock, report));
   // Not before the window is open: the look for a GPU opens the display's device, which a window
   // without a desktop needs for itself.
   if (session::takes_gles(session.backend))
     session.backend.share = sink->share();
   else
     sink->forget_share();
-  if (!options.scene && session.source->info().is_live())
-    options.scene = std::make_shared<session::SceneFollower>(session, true);
-  if (options.scene)
-    options.sinks.push_back(std::make_unique<session::PlaceSink>(session, options.scene, controls));
-  options.sinks.push_back(std::move(sink));
+  if (!parts.scene && session.source->info().is_live())
+    parts.scene = std::make_shared<session::SceneFollower>(session, true);
+  if (parts.scene)
+    parts.sinks.push_back(
+        std::make_unique<session::PlaceSink>(session, parts.scene, *parts.orders));
+  parts.sinks.push_back(std::move(sink));
   return {};
 }
 
@@ -85,8 +85,8 @@ nlohmann::json to_json(const ViewfinderReport& report) {
   return out;
 }
 
-Result<nlohmann::json> run(const RunArguments& arguments) {
-  MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
+/// All but the pixel of --focus, which needs the view.
+Result<session::RunOptions> parse_options(const RunArguments& arguments, const Clock& clock) {
   session::RunOptions options;
   if (!arguments.out.empty()) options.out = arguments.out;
   options.output.format = arguments.format == "video"  ? output::OutputFormat::kVideo
@@ -95,6 +95,7 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   options.output.layers = arguments.layers;
   options.output.inspect = arguments.inspect;
   options.baselines = arguments.baselines;
+  options.judge = !arguments.page.serves;
   if (!arguments.stream.empty()) options.streams.emplace_back().uri = arguments.stream;
   if (!arguments.frames.empty()) {
     MIXRIG_ASSIGN(options.frames, parse_range(arguments.frames, "--frames"));
@@ -106,37 +107,40 @@ Result<nlohmann::json> run(const RunArguments& arguments) {
   if (arguments.no_watch || watches) options.watch_room = watches;
   options.changes.watch = model::watch_options(arguments.change_after_s);
   options.changes.accept_all = arguments.accept_changes;
-  options.changes.requests = &CountSignals::count();
   if (!arguments.save_room.empty()) options.save_room = arguments.save_room;
   if (arguments.page.takes_osc && !arguments.page.serves)
     return Error{ErrorCode::kUsage, "--osc-in needs --page: both work on one state of the run"};
-  const StopOnSignal signals;
-  const CountSignals accept_requests;
-  SystemClock clock;
   options.epoch_ns = Duration(std::chrono::system_clock::now().time_since_epoch()).count() -
                      clock.now().time_since_epoch().count();
-  session_arguments.clock = &clock;
-  session_arguments.stop = options.stop = &StopOnSignal::flag();
+  return options;
+}
+
+Result<nlohmann::json> run(const RunArguments& arguments) {
+  MIXRIG_ASSIGN(session::SessionOptions session_arguments, session_options(arguments.session));
+  SystemClock clock;
+  MIXRIG_ASSIGN(session::RunOptions options, parse_options(arguments, clock));
+  const StopOnSignal signals;
+  output::RunOrders orders(StopOnSignal::flag());
+  const LearnOnSignal learn_signal(orders);
+  session_arguments.clock = &clock, session_arguments.stop = &orders.stop();
   MIXRIG_ASSIGN(const auto session, session::open_session(session_arguments));
   MIXRIG_TRY(check_extras(session->scene));
-  options.extras = run_extras();
-  output::RunControls controls{.stop = StopOnSignal::flag(), .learn = CountSignals::count()};
-  options.controls = &controls;
-  options.changes.scan_left = &controls.scan_left;
+  session::RunParts parts;
+  parts.extras = run_extras(), parts.orders = &orders, parts.stop = &orders.stop();
   PageRun page;
   if (arguments.page.serves) {
-    MIXRIG_ASSIGN(page, open_page(arguments.page, *session, clock, controls, options));
+    MIXRIG_ASSIGN(page, open_page(arguments.page, *session, clock, parts));
   }
   if (arguments.follow_scene && !arguments.page.serves)
-    options.scene = std::make_shared<session::SceneFollower>(*session, false);
+    parts.scene = std::make_shared<session::SceneFollower>(*session, false);
   if (!arguments.focus.empty()) {
-    MIXRIG_ASSIGN(controls.focus_at, parse_focus(arguments.focus, *session));
+    MIXRIG_ASSIGN(options.focus_px, parse_focus(arguments.focus, *session));
   }
   ViewfinderReport shown;
-  MIXRIG_TRY(open_view(arguments, *session, controls, clock, shown, options));
-  if (auto service = make_service_sink(clock)) options.sinks.push_back(std::move(service));
+  MIXRIG_TRY(open_view(arguments, *session, clock, shown, parts));
+  if (auto service = make_service_sink(clock)) parts.sinks.push_back(std::move(service));
   MIXRIG_ASSIGN(const session::RunReport report,
-                session::run(*session, std::move(options), clock, progress_bar()));
+                session::run(*session, options, clock, progress_bar(), std::move(parts)));
   std::fputs(session::to_table(report).c_str(), stdout);
   nlohmann::json json = session::to_json(report);
   if (!arguments.view.empty()) json["viewfinder"] = to_json(shown);

@@ -26,7 +26,7 @@ void add_page_options(Command command, PageArguments& arguments) {
 }
 
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
-                          output::RunControls& controls, session::RunOptions& options) {
+                          session::RunParts& parts) {
   MIXRIG_ASSIGN(const page::Listen listen, page::parse_listen(arguments.listen));
   std::optional<page::Listen> osc;
   if (arguments.takes_osc) {
@@ -34,15 +34,14 @@ Result<PageRun> open_page(const PageArguments& arguments, session::Session& sess
   }
   const bool live = session.source->info().is_live();
   if (!live) session.source = session::played(std::move(session.source), clock);
-  options.judge = false;
-  options.scene = std::make_shared<session::SceneFollower>(session, true);
+  parts.scene = std::make_shared<session::SceneFollower>(session, true);
   PageRun run;
   run.desk = std::make_unique<session::OperatorDesk>(
-      session, options.scene, controls, clock,
+      session, parts.scene, *parts.orders, clock,
       session::DeskOptions{.takes = arguments.takes, .live = live});
-  MIXRIG_ASSIGN(run.server, page::Server::start(*run.desk, controls, clock, listen, osc));
-  options.sinks.push_back(run.desk->make_sink());
-  options.sinks.push_back(run.server->make_sink());
+  MIXRIG_ASSIGN(run.server, page::Server::start(*run.desk, *parts.orders, clock, listen, osc));
+  parts.sinks.push_back(run.desk->make_sink());
+  parts.sinks.push_back(run.server->make_sink());
   std::fprintf(stderr, "page: %s\n", run.server->url().c_str());
   if (osc) std::fprintf(stderr, "osc: %s\n", run.server->osc_text().c_str());
   return run;

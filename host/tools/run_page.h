@@ -29,10 +29,11 @@ struct PageRun {
   std::unique_ptr<page::Server> server;
 };
 
-/// A recording is played at its rate from now on, again and again, and is not judged. Adds sinks
-/// and the scene's follower to `options`; says on stderr where the page is. `session`, `clock`
-/// and `controls` outlive it. Errors: those of page::parse_listen and page::Server::start.
+/// A recording is played at its rate from now on, again and again. Adds sinks
+/// and the scene's follower to `parts`, which have the orders; says on stderr where the page is.
+/// `session`, `clock` and the orders outlive it. Errors: those of page::parse_listen and
+/// page::Server::start.
 Result<PageRun> open_page(const PageArguments& arguments, session::Session& session, Clock& clock,
-                          output::RunControls& controls, session::RunOptions& options);
+                          session::RunParts& parts);
 
 }  // namespace mixrig::tools

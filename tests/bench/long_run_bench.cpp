@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   const SystemClock clock;
   double at_1000_mb = 0;
   const auto report =
-      session::run(session, std::move(options), clock, [&](std::string_view what, int done, int) {
+      session::run(session, options, clock, [&](std::string_view what, int done, int) {
         if (what == "frames" && done == 1000) at_1000_mb = test::resident_mb();
       });
   if (!report) return std::fprintf(stderr, "%s\n", report.error().context.c_str()), 1;
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   std::printf(
       "%llu frames, %.3f ms a frame; resident %.2f MB after 1000 frames, %.2f MB at the end: %+.2f "
       "MB\n",
-      static_cast<unsigned long long>(report->frame_ms.count()), report->frame_ms.mean(),
-      at_1000_mb, end_mb, end_mb - at_1000_mb);
+      static_cast<unsigned long long>(report->frames.frame_ms.count()),
+      report->frames.frame_ms.mean(), at_1000_mb, end_mb, end_mb - at_1000_mb);
   return 0;
 }

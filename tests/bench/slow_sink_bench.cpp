@@ -66,15 +66,15 @@ int bench(const char* scene, const std::string& rig, int seconds) {
   words.stop = &stop;
   const auto session = session::open_session(words);
   if (!session) return std::fprintf(stderr, "%s\n", session.error().context.c_str()), 1;
-  session::RunOptions options;
-  options.stop = &stop;
-  options.sinks.push_back(std::make_unique<SleepySink>());
-  options.sinks.push_back(std::make_unique<WatchingSink>());
+  session::RunParts parts;
+  parts.stop = &stop;
+  parts.sinks.push_back(std::make_unique<SleepySink>());
+  parts.sinks.push_back(std::make_unique<WatchingSink>());
   std::thread timer([&] {
     std::this_thread::sleep_for(std::chrono::seconds(seconds));
     stop = true;
   });
-  const auto report = session::run(**session, std::move(options), clock, {});
+  const auto report = session::run(**session, {}, clock, {}, std::move(parts));
   timer.join();
   if (!report) return std::fprintf(stderr, "%s\n", report.error().context.c_str()), 1;
   std::fputs(session::to_table(*report).c_str(), stdout);

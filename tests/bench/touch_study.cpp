@@ -334,9 +334,9 @@ Result<void> study(int argc, char** argv) {
   std::vector<Seen> seen;
   session::RunOptions run_options;
   run_options.judge = false, run_options.watch_room = false;
-  run_options.sinks.push_back(
-      std::make_unique<StudySink>(boxes, session->setup.noise, found, seen));
-  MIXRIG_TRY(session::run(*session, std::move(run_options), clock, {}));
+  session::RunParts parts;
+  parts.sinks.push_back(std::make_unique<StudySink>(boxes, session->setup.noise, found, seen));
+  MIXRIG_TRY(session::run(*session, run_options, clock, {}, std::move(parts)));
   constexpr double kToBelieve_s = 0.3;  // who is in a box when they appear
   judge(frames, first, boxes, found, seen, (first - 1) / studio::kFrameRate_hz + kToBelieve_s);
   return {};

@@ -162,11 +162,11 @@ class MocapRun : public CommandTest {
     poses_.clear();
     StreamedTake* const streamed = source.get();
     session->source = std::move(source);
-    session::RunOptions run;
+    session::RunParts parts;
     auto sink = std::make_unique<Composited>(poses_);
     streamed->set_sink(sink.get());
-    run.sinks.push_back(std::move(sink));
-    auto report = session::run(*session, std::move(run), clock, {});
+    parts.sinks.push_back(std::move(sink));
+    auto report = session::run(*session, {}, clock, {}, std::move(parts));
     sent_ = streamed->sent();
     return report;
   }
@@ -194,7 +194,7 @@ fs::path MocapRun::take_;
 void MocapRun::follows_the_hand() {
   const auto report = run_with({});
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->frame_ms.count(), 40U);
+  EXPECT_EQ(report->frames.frame_ms.count(), 40U);
   EXPECT_EQ(report->pose.frames.lost(), 0U);
   EXPECT_LT(value(*report, "shift_mm", "rms"), kNoise_mm);
   EXPECT_LT(value(*report, "turn_deg", "rms"), kNoise_deg);

@@ -89,13 +89,13 @@ class TrackedRig : public TrackedTake {
     options.backend = {render::Backend::kCpu, 2};
     options.clock = &clock, options.stop = &stop;
     MIXRIG_ASSIGN(const auto session, session::open_session(options));
-    session::RunOptions run;
+    session::RunParts parts;
     auto sink = std::make_unique<Composited>(poses_);
     const Composited& composited = *sink;
-    run.sinks.push_back(std::move(sink));
+    parts.sinks.push_back(std::move(sink));
     std::atomic<bool> done = false;
     std::thread time([&] { crank(clock, *session, composited, due_of(path("take")), done); });
-    auto report = session::run(*session, std::move(run), clock, {});
+    auto report = session::run(*session, {}, clock, {}, std::move(parts));
     done = true;
     time.join();
     return report;

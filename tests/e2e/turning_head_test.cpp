@@ -280,10 +280,10 @@ class TurningHead : public ::testing::Test {
 };
 
 TEST_F(TurningHead, TheObjectStaysInTheRoom) {
-  session::RunOptions options;
-  options.sinks.push_back(std::make_unique<ColumnSink>(frames_, composited_));
+  session::RunParts parts;
+  parts.sinks.push_back(std::make_unique<ColumnSink>(frames_, composited_));
   std::thread world([&] { swing(); });
-  const auto report = session::run(session_, std::move(options), clock_, {});
+  const auto report = session::run(session_, {}, clock_, {}, std::move(parts));
   done_ = true;
   world.join();
   ASSERT_TRUE(report) << report.error().context;

@@ -108,11 +108,13 @@ Result<Plan> make_plan(Session& session, const PlanOptions& options, const Clock
     sink->watch_touch(std::move(touch));
   }
   RunOptions run_options;
-  run_options.frames = options.frames, run_options.stop = options.stop;
+  run_options.frames = options.frames;
   run_options.judge = false, run_options.true_people = true;
   run_options.watch_room = false;
-  run_options.sinks.push_back(std::move(sink));
-  MIXRIG_TRY(run(session, std::move(run_options), clock, progress));
+  RunParts parts;
+  parts.stop = options.stop;
+  parts.sinks.push_back(std::move(sink));
+  MIXRIG_TRY(run(session, run_options, clock, progress, std::move(parts)));
   if (!plan.people.first_pose)
     return Error{ErrorCode::kData, "plan: no frame has a pose of the camera"};
   const std::vector<plan::RoomPoint> points = room_points(session, *plan.people.first_pose);

@@ -56,7 +56,7 @@ Result<RunReport> run_rung(const Rung& rung, const BenchOptions& options, const 
                                                   rung.view_size, rung.backend}));
   RunOptions run_options;
   run_options.baselines = true;
-  return run(*session, std::move(run_options), clock, progress);
+  return run(*session, run_options, clock, progress);
 }
 
 std::string cell(const std::optional<double>& value, int width, int digits) {
@@ -77,7 +77,7 @@ double key_wrong_pct(const Rung& rung) {
 }
 
 /// The median shows the steady state of a rung; the slow first frame affects only p95.
-double p50_ms(const Rung& rung) { return rung.report.frame_ms.quantile(0.5); }
+double p50_ms(const Rung& rung) { return rung.report.frames.frame_ms.quantile(0.5); }
 
 }  // namespace
 
@@ -141,7 +141,7 @@ std::string to_table(const std::vector<Rung>& rungs) {
       "PSNR dB", "iou", "PSNR dB");
   for (const Rung& rung : rungs) {
     out += fmt::format("{:<13} {:<15} {:>8.1f} {:>8.1f}", rung.knob, rung.name, p50_ms(rung),
-                       rung.report.frame_ms.quantile(0.95));
+                       rung.report.frames.frame_ms.quantile(0.95));
     out += error_columns(*rung.report.error);
     if (rung.knob != "depth camera") continue;
     for (const BaselineErrors& b : rung.report.baselines)

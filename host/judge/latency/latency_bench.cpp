@@ -105,8 +105,9 @@ Result<void> read_motion(const LatencyOptions& options, const std::vector<double
   RunOptions run_options;
   run_options.frames = FrameRange{1, static_cast<int>(times_s.size())};
   run_options.judge = false;
-  run_options.sinks.push_back(std::make_unique<MotionSink>(times_s, bench));
-  MIXRIG_TRY(run(*session, std::move(run_options), clock, {}));
+  RunParts parts;
+  parts.sinks.push_back(std::make_unique<MotionSink>(times_s, bench));
+  MIXRIG_TRY(run(*session, run_options, clock, {}, std::move(parts)));
   bench.log.reserve(times_s.size());
   return {};
 }
@@ -152,15 +153,15 @@ Result<std::unique_ptr<LatencyBench>> prepare_latency(const LatencyOptions& opti
 }
 
 Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::CompositeSink> sink,
-                                  output::RunControls& controls, const Clock& clock) {
+                                  output::RunOrders& orders, const Clock& clock) {
   RunOptions options;
-  options.stop = &controls.stop;
-  options.controls = &controls;
   options.judge = false;
-  options.sinks.push_back(std::move(sink));
+  RunParts parts;
+  parts.orders = &orders, parts.stop = &orders.stop();
+  parts.sinks.push_back(std::move(sink));
   LatencyReport report;
   report.period_ms = 1e3 / bench.session->source->info().rate_hz;
-  MIXRIG_ASSIGN(report.run, run(*bench.session, std::move(options), clock, {}));
+  MIXRIG_ASSIGN(report.run, run(*bench.session, options, clock, {}, std::move(parts)));
   if (bench.log.frames.empty())
     return Error{ErrorCode::kData, "no frame was shown: the delay is not known"};
   std::vector<measure::Sample> seen;

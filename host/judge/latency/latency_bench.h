@@ -15,7 +15,7 @@
 #include "hal/base/result.h"
 #include "host/judge/measure/delay.h"
 #include "host/output/report/bars.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 #include "host/output/sink/shown_log.h"
 #include "host/run/loop/run.h"
 #include "host/run/session/session.h"
@@ -58,7 +58,7 @@ std::unique_ptr<output::CompositeSink> make_log_sink(output::ShownLog& log, cons
 /// Plays and composites the take, with `sink` filling bench.log. Errors: those of run(); kData
 /// where nothing was shown.
 Result<LatencyReport> run_latency(LatencyBench& bench, std::unique_ptr<output::CompositeSink> sink,
-                                  output::RunControls& controls, const Clock& clock);
+                                  output::RunOrders& orders, const Clock& clock);
 
 nlohmann::json to_json(const LatencyReport& report);
 std::string to_table(const LatencyReport& report);

@@ -165,11 +165,12 @@ Result<MarkerReport> measure_marker(const MarkerOptions& options, Clock& clock,
   const auto frames = static_cast<std::size_t>(std::ceil(options.duration_s * rate_hz));
   MarkerLog log(frames);
   RunOptions run_options;
-  run_options.stop = &stop;
   run_options.judge = false;
   run_options.frames = FrameRange{1, static_cast<int>(frames)};
-  run_options.sinks.push_back(make_marker_sink(log, options.region, *session->source, clock));
-  MIXRIG_TRY(run(*session, std::move(run_options), clock, {}));
+  RunParts parts;
+  parts.stop = &stop;
+  parts.sinks.push_back(make_marker_sink(log, options.region, *session->source, clock));
+  MIXRIG_TRY(run(*session, run_options, clock, {}, std::move(parts)));
   const std::vector<double> switches_s = switches_of(log.ticks, lamp, kMasterTick);
   const auto delay =
       measure::delay_of_marker(switches_s, log.seen, report.exposure_s, kMostMarkerDelay_s);

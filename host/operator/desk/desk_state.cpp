@@ -87,13 +87,13 @@ std::vector<page::StreamState> streams_of(const Session& session) {
   return states;
 }
 
-page::FocusState focus_of(const std::optional<scene::FocusSettings>& focus, int clicked,
-                          Size view) {
+page::FocusState focus_of(const std::optional<scene::FocusSettings>& focus,
+                          const std::optional<glm::ivec2>& clicked, Size view) {
   page::FocusState state;
   if (!focus) return state;
   state.on = true, state.f_number = focus->f_number;
   std::optional<std::pair<int, int>> pixel = focus->pixel;
-  if (clicked >= 0) pixel = {clicked & 0xFFFF, clicked >> 16};
+  if (clicked) pixel = {clicked->x, clicked->y};
   if (pixel)
     state.at =
         Eigen::Vector2d((pixel->first + 0.5) / view.width, (pixel->second + 0.5) / view.height);

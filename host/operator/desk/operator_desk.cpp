@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/operator/desk/operator_desk.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,15 +36,15 @@ class DeskSink final : public output::CompositeSink {
 }  // namespace
 
 OperatorDesk::OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
-                           output::RunControls& controls, Clock& clock, DeskOptions options)
+                           output::RunOrders& orders, Clock& clock, DeskOptions options)
     : session_(session),
-      controls_(controls),
+      orders_(orders),
       clock_(clock),
       options_(std::move(options)),
       scene_(session, std::move(follower)),
       recorder_(session, options_.takes),
       sweep_(session, scene_, clock) {
-  controls_.records_takes = true, controls_.recording = false;
+  orders_.tell([](output::RunState& run) { run.records_takes = true, run.recording = false; });
 }
 
 std::unique_ptr<output::CompositeSink> OperatorDesk::make_sink() {
@@ -57,7 +56,7 @@ render::OutputMask OperatorDesk::wanted() const {
 }
 
 void OperatorDesk::see(const output::CompositePtr& composite) {
-  obey_record_key();
+  obey_record_orders();
   recorder_.write(composite);
   const HostTime now = clock_.now();
   const std::lock_guard lock(mutex_);
@@ -84,6 +83,7 @@ OperatorDesk::Frames OperatorDesk::frames() const {
 page::State OperatorDesk::state() const {
   const Frames f = frames();
   const SeenFrom* from = f.from ? &*f.from : nullptr;
+  const output::RunState run = orders_.state();
   page::State state;
   state.scene = session_.scene.path.string();
   state.source = session_.source->info().name;
@@ -95,36 +95,34 @@ page::State OperatorDesk::state() const {
   if (f.count > 0) state.since_frame_s = seconds(clock_.now() - f.finished);
   state.pose = f.pose, state.objects_shown = f.objects_shown;
   state.recording = recorder_.state();
-  state.background_possible = controls_.can_learn;
+  state.background_possible = run.can_learn;
   state.background = state.background_possible
                          ? "what changed in the room and stands still can become background"
                          : "the background of this run is not watched";
-  state.scan = scan_state();
+  state.scan = scan_state(run);
   state.disk_free_gb = free_gb(recorder_.folder());
   state.calibration = calibration_of(session_, zoomed_, focused_);
   state.streams = streams_of(session_), state.cameras = cameras_of(session_);
   state.sweep = sweep_.state();
-  state.focus = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px);
+  state.focus = focus_of(scene_.focus(), run.focus_px, session_.setup.view.size_px);
   state.objects = scene_.objects(from), state.lamps = scene_.lamps(from);
   state.log = recent_log_lines();
   return state;
 }
 
 Result<void> OperatorDesk::learn_background() {
-  if (!controls_.can_learn)
+  if (!orders_.state().can_learn)
     return Error{ErrorCode::kUnsupported,
                  "the background of this run is not watched: its camera or lens moves without a "
                  "scanned room, or it was started with --no-watch"};
-  ++controls_.learn;
-  return {};
+  return orders_.give(output::LearnChanges{});
 }
 
-page::ScanState OperatorDesk::scan_state() const {
+page::ScanState OperatorDesk::scan_state(const output::RunState& run) {
   page::ScanState state;
-  const int left = controls_.scan_left;
-  state.possible = controls_.can_scan;
-  state.total = left > 0 ? output::RunControls::kScanLooks : 0;
-  state.done = state.total - std::max(left, 0);
+  state.possible = run.can_scan;
+  state.total = run.scan_left > 0 ? output::kScanLooks : 0;
+  state.done = state.total - run.scan_left;
   if (!state.possible)
     state.why_not =
         "the room can be learned here only of one view that is watched: where the camera "
@@ -133,31 +131,34 @@ page::ScanState OperatorDesk::scan_state() const {
 }
 
 Result<void> OperatorDesk::scan_room(bool on) {
-  const page::ScanState now = scan_state();
+  const page::ScanState now = scan_state(orders_.state());
   if (!now.possible) return Error{ErrorCode::kUnsupported, now.why_not};
   if (!on && now.total == 0) return Error{ErrorCode::kData, "the room is not being learned"};
-  controls_.scan_left = on ? output::RunControls::kScanLooks : 0;
-  return {};
+  return orders_.give(output::LearnRoom{on});
 }
 
 /// Null: ends the recording.
 Result<void> OperatorDesk::record(const page::StartRecording* start) {
   const std::lock_guard lock(record_mutex_);
   auto done = start != nullptr ? recorder_.start(start->name, start->notes) : recorder_.stop();
-  controls_.recording = told_recording_ = recorder_.is_on();
+  tell_recording();
   return done;
 }
 
-/// A key begins or ends a recording by the controls; a fault that has ended one is told to them.
-void OperatorDesk::obey_record_key() {
+/// Those of keys; a fault that has ended a recording is told, too.
+void OperatorDesk::obey_record_orders() {
   const std::unique_lock lock(record_mutex_, std::try_to_lock);
   if (!lock) return;  // one begins or ends now
-  const bool wanted = controls_.recording;
-  if (wanted != told_recording_ && wanted != recorder_.is_on()) {
-    const auto done = wanted ? recorder_.start("", "") : recorder_.stop();
+  while (const auto order = orders_.take<output::Record>()) {
+    if (order->on == recorder_.is_on()) continue;
+    const auto done = order->on ? recorder_.start("", "") : recorder_.stop();
     if (!done) log_warning("session", "recording: " + to_line(done.error()));
   }
-  controls_.recording = told_recording_ = recorder_.is_on();
+  tell_recording();
+}
+
+void OperatorDesk::tell_recording() {
+  orders_.tell([on = recorder_.is_on()](output::RunState& run) { run.recording = on; });
 }
 
 Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
@@ -186,9 +187,10 @@ Result<void> OperatorDesk::set_camera(const page::SetCamera& set) {
 /// With what was clicked in a window of the run.
 Result<void> OperatorDesk::save() {
   MIXRIG_TRY(scene_.save());
-  if (controls_.focus_at < 0 || !controls_.can_focus) return {};
-  return scene_.apply(page::SetFocus{
-      .at = focus_of(scene_.focus(), controls_.focus_at, session_.setup.view.size_px).at});
+  const output::RunState run = orders_.state();
+  if (!run.focus_px || !run.can_focus) return {};
+  return scene_.apply(
+      page::SetFocus{.at = focus_of(scene_.focus(), run.focus_px, session_.setup.view.size_px).at});
 }
 
 Result<void> OperatorDesk::apply(const page::Command& command) {

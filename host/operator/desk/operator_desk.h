@@ -15,7 +15,7 @@
 #include "host/operator/desk/scene_desk.h"
 #include "host/operator/page/operator.h"
 #include "host/output/sink/composite_sink.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 
 namespace mixrig::session {
 
@@ -24,12 +24,12 @@ struct DeskOptions {
   bool live = false;            ///< devices; else a recording that is played
 };
 
-/// Knows of the run what its sinks are given. `session`, `controls` and `clock` outlive it; it
-/// outlives its sink. The controls' `recording` is that of its recorder, whoever changes it.
+/// Knows of the run what its sinks are given. `session`, `orders` and `clock` outlive it; it
+/// outlives its sink. RunState::recording is that of its recorder, whoever changes it.
 class OperatorDesk final : public page::Operator {
  public:
   OperatorDesk(const Session& session, std::shared_ptr<SceneFollower> follower,
-               output::RunControls& controls, Clock& clock, DeskOptions options);
+               output::RunOrders& orders, Clock& clock, DeskOptions options);
 
   page::State state() const override;
   Result<void> apply(const page::Command& command) override;
@@ -53,22 +53,22 @@ class OperatorDesk final : public page::Operator {
     std::optional<SeenFrom> from;
   };
   Frames frames() const;
-  page::ScanState scan_state() const;
+  static page::ScanState scan_state(const output::RunState& run);
   Result<void> learn_background();
   Result<void> scan_room(bool on);
   Result<void> record(const page::StartRecording* start);
-  void obey_record_key();
+  void obey_record_orders();
+  void tell_recording();
   Result<void> set_camera(const page::SetCamera& set);
   Result<void> save();
 
   const Session& session_;
-  output::RunControls& controls_;
+  output::RunOrders& orders_;
   const Clock& clock_;
   const DeskOptions options_;
   SceneDesk scene_;
   CompositeRecorder recorder_;
-  std::mutex record_mutex_;      ///< guards what follows; held while a recording begins or ends
-  bool told_recording_ = false;  ///< as the controls were told last
+  std::mutex record_mutex_;                             ///< while a recording begins or ends
   std::atomic<bool> zoomed_ = false, focused_ = false;  ///< in this run
   mutable std::mutex mutex_;                            ///< guards what follows
   Frames frames_;

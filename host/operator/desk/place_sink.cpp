@@ -8,36 +8,41 @@
 namespace mixrig::session {
 
 PlaceSink::PlaceSink(const Session& session, std::shared_ptr<SceneFollower> follower,
-                     output::RunControls& controls)
-    : controls_(controls), desk_(session, std::move(follower)) {
-  controls_.objects = static_cast<int>(session.scene.objects.size());
+                     output::RunOrders& orders)
+    : orders_(orders), desk_(session, std::move(follower)) {
+  orders_.tell([objects = static_cast<int>(session.scene.objects.size())](output::RunState& run) {
+    run.objects = objects;
+  });
 }
 
 render::OutputMask PlaceSink::wanted(int /*number*/) const {
-  return controls_.place_at >= 0 ? render::kMatte : 0;
+  return orders_.waits<output::PlaceObject>() ? render::kMatte : 0;
 }
 
-Result<void> PlaceSink::place(const output::Composite& composite, int px) {
+Result<void> PlaceSink::place(const output::Composite& composite,
+                              const output::PlaceObject& order) {
   const SeenFrom from{composite.world_from_target, composite.view};
   const auto objects = desk_.objects(nullptr);
-  const auto index = static_cast<std::size_t>(controls_.place_object);
-  controls_.objects = static_cast<int>(objects.size());
+  orders_.tell(
+      [count = static_cast<int>(objects.size())](output::RunState& run) { run.objects = count; });
+  const auto index = static_cast<std::size_t>(order.object);
   if (index >= objects.size())
     return Error{ErrorCode::kNotFound, "the scene has no such object any more"};
   const Size size = from.view.size_px;
-  const Eigen::Vector2d at((px % 65536 + 0.5) / size.width, (px / 65536 + 0.5) / size.height);
+  const Eigen::Vector2d at((order.pixel.x + 0.5) / size.width, (order.pixel.y + 0.5) / size.height);
   return desk_.apply(page::SetObject{.name = objects[index].name, .onto = at}, &from);
 }
 
 Result<void> PlaceSink::write(const output::CompositePtr& composite) {
-  const int px = controls_.place_at.exchange(-1);
-  if (px < 0) return {};
-  const auto placed = place(*composite, px);
+  const auto order = orders_.take<output::PlaceObject>();
+  if (!order) return {};
+  const auto placed = place(*composite, *order);
   if (!placed) log_warning("place", to_line(placed.error()));
-  controls_.place_said = placed ? "placed"
-                         : placed.error().code == ErrorCode::kData
-                             ? "nothing can stand there: the log says why"
-                             : "not placed: the log says why";
+  const output::Placement told = placed ? output::Placement::kPlaced
+                                 : placed.error().code == ErrorCode::kData
+                                     ? output::Placement::kNoSurface
+                                     : output::Placement::kFailed;
+  orders_.tell([told](output::RunState& run) { ++run.placements, run.placed = told; });
   return {};
 }
 

@@ -7,17 +7,17 @@
 
 #include "host/operator/desk/scene_desk.h"
 #include "host/output/sink/composite_sink.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 
 namespace mixrig::session {
 
-/// Obeys the controls' place_at with the view of the next frame; the scene file is written, and the
-/// run follows it. Errors of a placement are logged and told by place_said, and are none of the
-/// sink. `session` and `controls` outlive it.
+/// Obeys output::PlaceObject with the view of the next frame; the scene file is written, and the
+/// run follows it. Errors of a placement are logged and told by RunState::placed, and are none of
+/// the sink. `session` and `orders` outlive it.
 class PlaceSink final : public output::CompositeSink {
  public:
   PlaceSink(const Session& session, std::shared_ptr<SceneFollower> follower,
-            output::RunControls& controls);
+            output::RunOrders& orders);
 
   std::string_view name() const override { return "place"; }
   /// Only frames that an object is to be placed with.
@@ -26,9 +26,9 @@ class PlaceSink final : public output::CompositeSink {
   Result<void> finish() override { return {}; }
 
  private:
-  Result<void> place(const output::Composite& composite, int px);
+  Result<void> place(const output::Composite& composite, const output::PlaceObject& order);
 
-  output::RunControls& controls_;
+  output::RunOrders& orders_;
   SceneDesk desk_;
 };
 

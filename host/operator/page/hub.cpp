@@ -42,17 +42,17 @@ void Hub::end_peer(std::shared_ptr<WebrtcPeer> peer) {
 }
 
 nlohmann::json Hub::state() const {
-  return to_json(op.state(), {controls.view, controls.frozen, static_cast<int>(sockets.size())});
+  const output::RunState run = orders.state();
+  return to_json(op.state(), {run.view, run.frozen, static_cast<int>(sockets.size())});
 }
 
 void Hub::act(Action action, std::function<void(Result<void>)> done) {
-  if (const auto* select = std::get_if<SelectView>(&action)) controls.view = select->view;
-  if (const auto* freeze = std::get_if<Freeze>(&action)) controls.frozen = freeze->on;
-  auto* command = std::get_if<Command>(&action);
-  if (command == nullptr) {
+  if (const auto* order = std::get_if<output::RunOrder>(&action)) {
+    auto given = orders.give(*order);
     tell();
-    return done({});
+    return done(std::move(given));
   }
+  auto* command = std::get_if<Command>(&action);
   constexpr int kMostAtWork = 64;
   if (at_work >= kMostAtWork)
     return done(Error{ErrorCode::kData, "64 changes wait to be made: send them more slowly"});

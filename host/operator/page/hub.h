@@ -17,7 +17,7 @@
 #include "host/operator/page/request.h"
 #include "host/operator/page/route.h"
 #include "host/operator/page/state_json.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 
 namespace mixrig::page {
 
@@ -41,11 +41,11 @@ class Outlet {
 };
 
 struct Hub {
-  Hub(Operator& run, output::RunControls& run_controls, const Clock& host_clock)
+  Hub(Operator& run, output::RunOrders& run_orders, const Clock& host_clock)
       : op(run),
-        controls(run_controls),
+        orders(run_orders),
         clock(host_clock),
-        pictures(std::make_shared<Pictures>(run_controls.frozen)) {}
+        pictures(std::make_shared<Pictures>(run_orders)) {}
 
   /// Of the run and the page, now.
   nlohmann::json state() const;
@@ -59,7 +59,7 @@ struct Hub {
   void end_peer(std::shared_ptr<WebrtcPeer> peer);
 
   Operator& op;
-  output::RunControls& controls;
+  output::RunOrders& orders;
   const Clock& clock;
   const std::shared_ptr<Pictures> pictures;
   Guard guard;

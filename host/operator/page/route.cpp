@@ -177,13 +177,13 @@ Result<Action> select_view(const Body& body) {
   const auto text = body.text("view", 16);
   const auto view = view_named(text.value_or(""));
   if (!view) body.fail("view", "is one of composite, plate, key, depth, light and matte");
-  return body.done(Action(SelectView{view.value_or(View::kComposite)}));
+  return body.done(Action(output::RunOrder(output::ShowView{view.value_or(View::kComposite)})));
 }
 
 Result<Action> freeze(const Body& body) {
   const auto on = body.boolean("on");
   if (!on) body.fail("on", "is missing: give true or false");
-  return body.done(Action(Freeze{on.value_or(false)}));
+  return body.done(Action(output::RunOrder(output::FreezePictures{on.value_or(false)})));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "hal/base/result.h"
 #include "host/operator/page/operator.h"
 #include "host/operator/page/request.h"
+#include "host/output/sink/run_orders.h"
 #include "host/output/sink/views.h"
 
 namespace mixrig::page {
@@ -33,13 +34,6 @@ struct WatchPicture {
   View view = View::kComposite;
 };
 struct OpenEvents {};
-/// Of output::RunControls.
-struct SelectView {
-  View view = View::kComposite;
-};
-struct Freeze {
-  bool on = false;
-};
 /// A model as body, up to kMostUpload bytes.
 struct Upload {
   std::string name;
@@ -55,7 +49,7 @@ struct Change {
 
 using Route =
     std::variant<Answer, GetFile, GetState, GetPicture, WatchPicture, OpenEvents, Upload, Change>;
-using Action = std::variant<Command, SelectView, Freeze>;
+using Action = std::variant<Command, output::RunOrder>;
 
 inline constexpr std::size_t kMostBody = std::size_t{64} << 10;
 inline constexpr std::size_t kMostUpload = std::size_t{64} << 20;

@@ -78,8 +78,7 @@ Result<Listen> parse_osc_listen(std::string_view text) {
 }
 
 struct Server::Impl {
-  Impl(Operator& run, output::RunControls& controls, const Clock& clock)
-      : hub(run, controls, clock) {}
+  Impl(Operator& run, output::RunOrders& orders, const Clock& clock) : hub(run, orders, clock) {}
   ~Impl();
 
   Result<void> open(const Listen& listen);
@@ -183,10 +182,10 @@ Server::Impl::~Impl() {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
-Result<std::unique_ptr<Server>> Server::start(Operator& run, output::RunControls& controls,
+Result<std::unique_ptr<Server>> Server::start(Operator& run, output::RunOrders& orders,
                                               const Clock& clock, const Listen& listen,
                                               const std::optional<Listen>& osc_in) {
-  auto impl = std::make_unique<Impl>(run, controls, clock);
+  auto impl = std::make_unique<Impl>(run, orders, clock);
   MIXRIG_TRY(impl->open(listen));
   if (osc_in) MIXRIG_TRY(impl->open_osc(*osc_in));
   Impl* const all = impl.get();

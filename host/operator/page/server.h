@@ -12,7 +12,7 @@
 #include "hal/base/result.h"
 #include "host/operator/page/operator.h"
 #include "host/output/sink/composite_sink.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 
 namespace mixrig::page {
 
@@ -33,9 +33,9 @@ Result<Listen> parse_osc_listen(std::string_view text);
 /// another one a token is needed, which url() has.
 class Server {
  public:
-  /// With `osc_in` it takes OSC there too. `run` and `clock` outlive it, `controls` its sink too.
+  /// With `osc_in` it takes OSC there too. `run` and `clock` outlive it, `orders` its sink too.
   /// Errors: kUsage for an address that this machine does not have; kIo where the port is taken.
-  static Result<std::unique_ptr<Server>> start(Operator& run, output::RunControls& controls,
+  static Result<std::unique_ptr<Server>> start(Operator& run, output::RunOrders& orders,
                                                const Clock& clock, const Listen& listen,
                                                const std::optional<Listen>& osc_in = {});
   /// Ends all connections, and a command that is at work.

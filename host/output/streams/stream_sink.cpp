@@ -41,12 +41,12 @@ struct StreamSink::Graph {
 };
 
 StreamSink::StreamSink(const scene::StreamOut& out, Size view, double rate_hz, bool transparent,
-                       RoomBehind behind, StreamOutReport& report)
-    : out_(out),
-      view_(view),
-      rate_hz_(rate_hz),
-      picture_(out, transparent, std::move(behind)),
-      report_(report) {}
+                       RoomBehind behind)
+    : out_(out), view_(view), rate_hz_(rate_hz), picture_(out, transparent, std::move(behind)) {
+  report_.uri = out.uri;
+  report_.picture = output::name(out.picture);
+  report_.size = stream_size(out.picture, view);
+}
 StreamSink::~StreamSink() = default;
 
 Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double rate_hz) {
@@ -56,12 +56,12 @@ Result<void> StreamSink::check(const scene::StreamOut& out, Size view, double ra
 
 Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& out, Size view,
                                                        double rate_hz, bool transparent,
-                                                       RoomBehind behind, StreamOutReport& report,
+                                                       RoomBehind behind,
                                                        std::optional<Duration> day_at_zero) {
   MIXRIG_ASSIGN(const StreamPlan plan, plan_stream(out, view, rate_hz));
   MIXRIG_TRY(take::check_elements(needs_of(plan), "stream_out \"" + out.uri + "\""));
   std::unique_ptr<StreamSink> sink(
-      new StreamSink(out, view, rate_hz, transparent, std::move(behind), report));
+      new StreamSink(out, view, rate_hz, transparent, std::move(behind)));
   MIXRIG_ASSIGN(take::Pipeline pipeline, take::Pipeline::launch(plan.description, out.uri));
   const take::GstElementPtr end(pipeline.element("end"));
   for (const auto& [key, value] : plan.texts)
@@ -72,9 +72,6 @@ Result<std::unique_ptr<StreamSink>> StreamSink::create(const scene::StreamOut& o
   sink->graph_.reset(new Graph{std::move(pipeline), std::move(source), plan.waits, plan.i420});
   constexpr double kSlowest_hz = 0.5;
   if (plan.timecode && rate_hz >= kSlowest_hz) sink->timecode_.emplace(rate_hz, day_at_zero);
-  report.uri = out.uri;
-  report.picture = output::name(out.picture);
-  report.size = stream_size(out.picture, view);
   if (!plan.caps.empty())
     log_info("output", "stream_out \"" + out.uri + "\": its reader must be told " + plan.caps);
   return sink;

@@ -30,22 +30,23 @@ class StreamSink final : public CompositeSink {
   /// the Debian package of a plug-in that is missing.
   static Result<void> check(const scene::StreamOut& out, Size view, double rate_hz);
   /// Timecode begins at the time of day, of which `day_at_zero` is that at host time 0, else at 0.
-  /// `report` is complete after finish(), and must outlive the sink. Errors: of check(); kIo where
-  /// the end cannot be opened.
+  /// Errors: of check(); kIo where the end cannot be opened.
   static Result<std::unique_ptr<StreamSink>> create(const scene::StreamOut& out, Size view,
                                                     double rate_hz, bool transparent,
-                                                    RoomBehind behind, StreamOutReport& report,
+                                                    RoomBehind behind,
                                                     std::optional<Duration> day_at_zero = {});
   ~StreamSink() override;
   std::string_view name() const override { return "stream"; }
   render::OutputMask wanted(int) const override { return picture_.wanted(); }
   Result<void> write(const CompositePtr& composite) override;
   Result<void> finish() override;
+  /// After finish().
+  const StreamOutReport& report() const { return report_; }
 
  private:
   struct Graph;  ///< of GStreamer
   StreamSink(const scene::StreamOut& out, Size view, double rate_hz, bool transparent,
-             RoomBehind behind, StreamOutReport& report);
+             RoomBehind behind);
   /// False where the picture has to be left out.
   bool has_room();
 
@@ -53,7 +54,7 @@ class StreamSink final : public CompositeSink {
   const Size view_;
   const double rate_hz_;
   StreamPicture picture_;
-  StreamOutReport& report_;
+  StreamOutReport report_;
   std::unique_ptr<Graph> graph_;
   std::vector<std::uint8_t> drawn_;          ///< before it becomes I420
   std::optional<TimecodeCounter> timecode_;  ///< where the format has a place for it

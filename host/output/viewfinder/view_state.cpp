@@ -2,6 +2,7 @@
 #include "host/output/viewfinder/view_state.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mixrig::viewfinder {
 namespace {
@@ -39,6 +40,14 @@ Request press(char key, ViewState& state) {
     default:
       return Request::kNone;
   }
+}
+
+RunNews follow(const output::RunState& run, ViewState& state) {
+  RunNews news;
+  news.view = run.view != std::exchange(state.view, run.view);
+  news.frozen = run.frozen != std::exchange(state.frozen, run.frozen);
+  if (run.placements != std::exchange(state.placements, run.placements)) news.placed = run.placed;
+  return news;
 }
 
 Freshness freshness(Duration since_last, double rate_hz) {

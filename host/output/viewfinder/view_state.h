@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "hal/base/clock.h"
+#include "host/output/sink/run_orders.h"
 #include "host/output/viewfinder/picture.h"
 
 namespace mixrig::viewfinder {
@@ -33,6 +34,7 @@ struct ViewState {
   /// Warnings of a lost pose are on from the start; nothing covers the picture otherwise.
   std::array<bool, kOverlays> overlays{false, false, false, true};
   bool frozen = false;
+  std::uint32_t placements = 0;  ///< as RunState::placements, told on the screen
 
   bool on(Overlay overlay) const { return overlays[static_cast<std::size_t>(overlay)]; }
 };
@@ -67,6 +69,16 @@ inline constexpr std::array<KeyHelp, 20> kKeys{{{'1', "composite"},
 /// Changes the state by a key (lower case, or kEscape); other keys do nothing. Gives what it asks
 /// of the run.
 Request press(char key, ViewState& state);
+
+/// What others than the keys have changed.
+struct RunNews {
+  bool view = false, frozen = false;
+  std::optional<output::Placement> placed;  ///< of the last order to place that was obeyed
+
+  bool any() const { return view || frozen || placed; }
+};
+/// Takes over what the run tells; each thing is news once.
+RunNews follow(const output::RunState& run, ViewState& state);
 
 /// How new a picture is.
 enum class Freshness : std::uint8_t {

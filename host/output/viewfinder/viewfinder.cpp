@@ -41,7 +41,7 @@ class Viewfinder::Loop {
       const bool over = owner_.over_;  // read before the queue
       auto handed = owner_.queue_.pop(over ? Duration(0) : kLook);
       if (!handed && over) return {};
-      const bool changed = follow_controls();
+      const bool changed = follow_run();
       const bool keys = handle_keys() || changed;
       const HostTime now = owner_.clock_.now();
       if (handed) take(*handed, now);
@@ -54,11 +54,12 @@ class Viewfinder::Loop {
   }
 
  private:
-  bool follow_controls();
+  bool follow_run();
   bool handle_keys();
   void choose_object();
   void clicked(Window::Click click);
   void obey(Request request);
+  void give(const output::RunOrder& order, std::string_view done = {});
   void say(std::string_view words);
   void take(const Handed& handed, HostTime now);
   void ask_devices(HostTime now);
@@ -89,22 +90,26 @@ void Viewfinder::Loop::say(std::string_view words) {
   message_until_ = owner_.clock_.now() + kMessage;
 }
 
+/// Says `done`, or why the run does not get the order.
+void Viewfinder::Loop::give(const output::RunOrder& order, std::string_view done) {
+  const auto given = owner_.orders_.give(order);
+  if (!given) return say(given.error().context);
+  if (!done.empty()) say(done);
+}
+
 void Viewfinder::Loop::obey(Request request) {
-  output::RunControls& controls = owner_.controls_;
+  const output::RunState run = owner_.orders_.state();
   switch (request) {
     case Request::kQuit:
-      controls.stop = true;
-      return say("ending");
+      return give(output::StopRun{}, "ending");
     case Request::kLearn:
-      if (!controls.can_learn) return say("the background of this run is not watched");
-      ++controls.learn;
-      return say("what changed in the room becomes background");
+      if (!run.can_learn) return say("the background of this run is not watched");
+      return give(output::LearnChanges{}, "what changed in the room becomes background");
     case Request::kRecord:
-      if (!controls.can_record) return say("nothing to record to: start with --out DIR or --page");
-      controls.recording = !controls.recording;
-      return say(controls.recording       ? "recording"
-                 : controls.records_takes ? "recording ended"
-                                          : "recording paused");
+      if (!run.can_record) return say("nothing to record to: start with --out DIR or --page");
+      return give(output::Record{!run.recording}, !run.recording      ? "recording"
+                                                  : run.records_takes ? "recording ended"
+                                                                      : "recording paused");
     case Request::kPlace:
       return choose_object();
     case Request::kFullScreen:
@@ -116,7 +121,7 @@ void Viewfinder::Loop::obey(Request request) {
 
 /// The next one with each press, none after the last.
 void Viewfinder::Loop::choose_object() {
-  const int objects = owner_.controls_.objects;
+  const int objects = owner_.orders_.state().objects;
   if (objects == 0) return say("no object can be placed in this run");
   placing_ = placing_ + 1 < objects ? placing_ + 1 : -1;
   if (placing_ < 0) return say("nothing is placed");
@@ -126,33 +131,25 @@ void Viewfinder::Loop::choose_object() {
 
 /// The view is shown pixel by pixel.
 void Viewfinder::Loop::clicked(Window::Click click) {
-  output::RunControls& controls = owner_.controls_;
   const Size size = drawn_.picture.size;
   if (click.x < 0 || click.y < 0 || click.x >= size.width || click.y >= size.height) return;
-  const int px = click.x + 65536 * click.y;
-  if (placing_ >= 0) {
-    controls.place_object = std::exchange(placing_, -1);
-    controls.place_at = px;
-    return say("placing");
-  }
-  if (!controls.can_focus) return say("the scene has no [focus]");
-  controls.focus_at = px;
-  say("what was clicked is sharp");
+  const glm::ivec2 pixel(click.x, click.y);
+  if (placing_ >= 0)
+    return give(output::PlaceObject{std::exchange(placing_, -1), pixel}, "placing");
+  if (!owner_.orders_.state().can_focus) return say("the scene has no [focus]");
+  give(output::FocusAt{pixel}, "what was clicked is sharp");
 }
 
-/// True where somebody else has changed what is shown.
-bool Viewfinder::Loop::follow_controls() {
-  const View view = owner_.controls_.view;
-  const bool frozen = owner_.controls_.frozen;
-  const char* const placed = owner_.controls_.place_said.exchange(nullptr);
-  if (placed != nullptr) say(placed);
-  const bool changed = view != state_.view || frozen != state_.frozen || placed != nullptr;
-  if (view != state_.view) screen_.forget_range();
-  state_.view = view, state_.frozen = frozen;
-  return changed;
+/// True where the run tells something new.
+bool Viewfinder::Loop::follow_run() {
+  const RunNews news = follow(owner_.orders_.state(), state_);
+  if (news.view) screen_.forget_range();
+  if (news.placed) say(output::text(*news.placed));
+  return news.any();
 }
 
 bool Viewfinder::Loop::handle_keys() {
+  const ViewState before = state_;
   const Keys& keys = window_.poll();
   const auto click = window_.click();
   for (const char key : keys) {
@@ -161,10 +158,9 @@ bool Viewfinder::Loop::handle_keys() {
   }
   if (click) clicked(*click);  // the last key chose what it does
   owner_.reads_pixels_ = state_.on(Overlay::kZebra) || state_.on(Overlay::kPeaking);
-  if (keys.empty()) return click.has_value();
-  owner_.controls_.view = state_.view;
-  owner_.controls_.frozen = state_.frozen;
-  return true;
+  if (state_.view != before.view) give(output::ShowView{state_.view});
+  if (state_.frozen != before.frozen) give(output::FreezePictures{state_.frozen});
+  return !keys.empty() || click.has_value();
 }
 
 void Viewfinder::Loop::take(const Handed& handed, HostTime now) {
@@ -190,7 +186,8 @@ void Viewfinder::Loop::ask_devices(HostTime now) {
 void Viewfinder::Loop::find_facts(HostTime now) {
   facts_.since_last = live_ ? now - last_arrival_ : Duration(0);  // a recording has no pace
   facts_.shown_hz = rate_.rate_hz(now);
-  facts_.recording = owner_.controls_.can_record && owner_.controls_.recording;
+  const output::RunState run = owner_.orders_.state();
+  facts_.recording = run.can_record && run.recording;
   if (now >= message_until_) facts_.message.clear();
   facts_.age.reset(), facts_.without_depth.reset();
   if (composite_ == nullptr) return;
@@ -223,19 +220,19 @@ void Viewfinder::Loop::count_shown(const Handed& handed) {
 }
 
 Viewfinder::Viewfinder(const ViewfinderOptions& options, const capture::CaptureSource& source,
-                       output::RunControls& controls, const Clock& clock, ViewfinderReport& report)
-    : options_(options), source_(source), controls_(controls), clock_(clock), report_(report) {
-  controls.view = options.view;
+                       output::RunOrders& orders, const Clock& clock, ViewfinderReport& report)
+    : options_(options), source_(source), orders_(orders), clock_(clock), report_(report) {
+  orders.tell([&](output::RunState& run) { run.view = options.view; });
 }
 
 Viewfinder::~Viewfinder() { stop(); }
 
 Result<std::unique_ptr<Viewfinder>> Viewfinder::create(const ViewfinderOptions& options,
                                                        const capture::CaptureSource& source,
-                                                       output::RunControls& controls,
+                                                       output::RunOrders& orders,
                                                        const Clock& clock,
                                                        ViewfinderReport& report) {
-  std::unique_ptr<Viewfinder> made(new Viewfinder(options, source, controls, clock, report));
+  std::unique_ptr<Viewfinder> made(new Viewfinder(options, source, orders, clock, report));
   std::promise<std::optional<Error>> opened;
   auto answer = opened.get_future();
   // SDL wants one thread for a window's whole life.
@@ -263,7 +260,7 @@ void Viewfinder::stop() {
 }
 
 render::OutputMask Viewfinder::wanted(int) const {
-  const render::OutputMask images = images_of(controls_.view);
+  const render::OutputMask images = images_of(orders_.state().view);
   const bool stays = images == render::kColor && share_.display != nullptr && !reads_pixels_;
   return stays ? render::kGpuColor : images;
 }

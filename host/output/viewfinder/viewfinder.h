@@ -14,7 +14,7 @@
 #include "hal/base/quantile_sketch.h"
 #include "host/capture/capture/capture_source.h"
 #include "host/output/sink/composite_sink.h"
-#include "host/output/sink/run_controls.h"
+#include "host/output/sink/run_orders.h"
 #include "host/output/sink/shown_log.h"
 #include "host/output/viewfinder/view_state.h"
 
@@ -38,18 +38,18 @@ struct ViewfinderReport {
   measure::QuantileSketch delay_ms;  ///< live: mid-exposure to shown
 };
 
-/// Shows the view of the controls, and tells them what keys change. write() hands the composite to
-/// the thread that owns the window, and does not wait for it; that
-/// thread draws, shows, handles keys, and goes on while no composite comes: a picture that is old
-/// says so. Closing the window ends the run as Ctrl-C does.
+/// Shows the view that the run's state has, and gives the orders of keys. write() hands the
+/// composite to the thread that owns the window, and does not wait for it; that thread draws,
+/// shows, handles keys, and goes on while no composite comes: a picture that is old says so.
+/// Closing the window ends the run as Ctrl-C does.
 class Viewfinder final : public output::CompositeSink {
  public:
-  /// Opens the window. Source, controls, clock and report must outlive the sink. The source is
+  /// Opens the window. Source, orders, clock and report must outlive the sink. The source is
   /// asked for the state of its devices twice a second. Errors: those of Window::open.
   static Result<std::unique_ptr<Viewfinder>> create(const ViewfinderOptions& options,
                                                     const capture::CaptureSource& source,
-                                                    output::RunControls& controls,
-                                                    const Clock& clock, ViewfinderReport& report);
+                                                    output::RunOrders& orders, const Clock& clock,
+                                                    ViewfinderReport& report);
   ~Viewfinder() override;
 
   /// What the run's compositors share with the window, so that their composites need not be read
@@ -72,12 +72,12 @@ class Viewfinder final : public output::CompositeSink {
   class Loop;
 
   Viewfinder(const ViewfinderOptions& options, const capture::CaptureSource& source,
-             output::RunControls& controls, const Clock& clock, ViewfinderReport& report);
+             output::RunOrders& orders, const Clock& clock, ViewfinderReport& report);
   void stop();
 
   const ViewfinderOptions options_;
   const capture::CaptureSource& source_;
-  output::RunControls& controls_;
+  output::RunOrders& orders_;
   const Clock& clock_;
   ViewfinderReport& report_;
   std::atomic<bool> reads_pixels_ = false;  ///< of the composite, to draw marks of them

@@ -129,10 +129,10 @@ std::string pose_text(const Session& session, const capture::Capture& first) {
 }
 
 void add_times(const RunReport& report, std::vector<PassLine>& passes) {
-  for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
+  for (std::size_t i = 0; i < report.frames.stage_ms.size(); ++i)
     for (PassLine& pass : passes)
       if (pass.name == render::name(static_cast<render::Stage>(i)))
-        pass.p50_ms = report.stage_ms[i].quantile(0.5);
+        pass.p50_ms = report.frames.stage_ms[i].quantile(0.5);
   // Transfers cost something on a GPU only.
   std::erase_if(passes, [](const PassLine& pass) {
     return pass.p50_ms < 0.005 && (pass.name == "upload" || pass.name == "readback");
@@ -198,14 +198,14 @@ std::vector<BufferLine> buffers_of(const Session& session, const render::Tables&
 Result<Explanation> explain(Session& session, int frames, RunExtras extras, const Clock& clock,
                             const ProgressFn& progress) {
   RunOptions options;
-  options.extras = std::move(extras);
   FrameRange range = session.default_frames();
   if (range.first <= range.second) {
     range.second = std::min(range.second, range.first + frames - 1);
     options.frames = range;
   }
   options.judge = false;
-  MIXRIG_ASSIGN(const RunReport report, run(session, std::move(options), clock, progress));
+  MIXRIG_ASSIGN(const RunReport report,
+                run(session, options, clock, progress, {.extras = std::move(extras)}));
   capture::Capture first;
   MIXRIG_ASSIGN(const bool there, session.source->read(range.first, first));
   if (!there) return Error{ErrorCode::kData, "the source has no frame to composite"};
@@ -216,10 +216,10 @@ Result<Explanation> explain(Session& session, int frames, RunExtras extras, cons
   Explanation out;
   out.scene = session.scene.path.string();
   out.source = session.source->info().name;
-  out.backend = report.backend;
-  out.renderer = report.renderer;
-  out.frames = static_cast<int>(report.frame_ms.count());
-  out.frame_p50_ms = report.frame_ms.quantile(0.5);
+  out.backend = report.compositor.backend;
+  out.renderer = report.compositor.renderer;
+  out.frames = static_cast<int>(report.frames.frame_ms.count());
+  out.frame_p50_ms = report.frames.frame_ms.quantile(0.5);
   out.rss_mb = report.rss_mb;
   out.calibration = session.calibration.where + ": " + session.calibration.why;
   out.camera = pose_text(session, first);

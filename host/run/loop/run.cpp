@@ -20,7 +20,6 @@
 #include "host/run/session/camera_pose.h"
 #include "host/run/session/quality.h"
 #include "host/run/sinks/run_sinks.h"
-#include "host/run/watchers/change_sink.h"
 
 namespace mixrig::session {
 namespace {
@@ -61,13 +60,14 @@ void swap_inspection(render::FrameOutput& a, render::FrameOutput& b) {
 /// The state of a run; one method per step of the frame loop.
 class Runner {
  public:
-  Runner(Session& session, RunOptions options, const Clock& clock)
+  Runner(Session& session, const RunOptions& options, const Clock& clock, RunParts parts)
       : session_(session),
-        options_(std::move(options)),
+        options_(options),
         clock_(clock),
-        sinks_(session_, options_, clock_, gate(), report_),
-        compositor_(session_, options_, report_),
-        poses_(session_, report_),
+        parts_(std::move(parts)),
+        sinks_(session_, options_, clock_, gate()),
+        compositor_(session_, options_, parts_.scene, parts_.orders),
+        poses_(session_),
         judge_(!session.setup.backdrop) {}
 
   Result<void> prepare(FrameRange range, const ProgressFn& progress);
@@ -94,14 +94,17 @@ class Runner {
   Result<void> inspect_and_deliver(output::Composite& composite, const capture::Truth* truth,
                                    render::OutputMask images, bool kept);
   Result<void> judge(const output::Composite& composite, const capture::Truth& truth);
+  void obey_record_orders();
   Result<void> add_last_to_sheet();
 
   Session& session_;
-  RunOptions options_;
+  const RunOptions& options_;
   const Clock& clock_;
+  RunParts parts_;
   WorkGate gate_;
-  RunReport report_;  ///< sinks write into it
   std::optional<PartialPath> folder_;
+  std::optional<QualityChoice> quality_;
+  FrameReport frames_;
   RunSinks sinks_;
   RunCompositor compositor_;
   RunPoses poses_;
@@ -122,14 +125,14 @@ Result<void> Runner::prepare(FrameRange range, const ProgressFn& progress) {
     MIXRIG_ASSIGN(folder_, make_partial_folder(*options_.out, kReportName));
     folder = folder_->path();
   }
-  MIXRIG_TRY(sinks_.open(range, folder));
+  MIXRIG_TRY(sinks_.open(range, folder, std::move(parts_.sinks), parts_.extras));
   // The background of a camera that moves is learned by its poses; one on the floor has its pose
   // from the background.
   const bool on_floor = session_.scene.pose_source == scene::PoseSource::kFloor;
   if (!on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
   MIXRIG_TRY(prepare_background(session_, progress));
   if (on_floor) MIXRIG_TRY(prepare_poses(session_, clock_));
-  MIXRIG_ASSIGN(report_.quality, follow_budget(session_, range.first, clock_));
+  MIXRIG_ASSIGN(quality_, follow_budget(session_, range.first, clock_));
   MIXRIG_TRY(sinks_.open_streams());
   poses_.open();
   // A live source may drop captures: it is read until enough were composited.
@@ -156,12 +159,9 @@ pose::FramePose Runner::pose_of_first(const capture::Capture& capture) {
 Result<void> Runner::open_compositor() {
   session_.setup.may_hide_objects = session_.poses->info().moves;
   MIXRIG_TRY(compositor_.open(sinks_.mover(), gate()));
-  if (options_.controls != nullptr) {
-    options_.controls->can_record = sinks_.has_files() || options_.controls->records_takes;
-    options_.controls->can_learn = compositor_.watches_room();
-    options_.controls->can_scan = compositor_.watches_room() && ChangeSink::can_scan(session_);
-    options_.controls->can_focus = session_.setup.focus.has_value();
-  }
+  if (parts_.orders != nullptr)
+    parts_.orders->tell(
+        [&](output::RunState& run) { run.can_record = sinks_.has_files() || run.records_takes; });
   return {};
 }
 
@@ -217,8 +217,7 @@ Result<bool> Runner::frame() {
     return false;
   }
   compositor_.follow_changes();
-  if (options_.controls != nullptr && !options_.controls->records_takes)
-    sinks_.set_recording(options_.controls->recording);
+  obey_record_orders();
   const int number = item->capture->number;
   const RunSinks::Wanted by_sinks = sinks_.wanted(number);
   const render::OutputMask images = wanted(by_sinks.all);
@@ -243,12 +242,18 @@ Result<bool> Runner::frame() {
   MIXRIG_TRY(compose_timed(composite, once ? images : images & render::kComposite));
   if (composite.images.wanted & render::kMatte) {
     composite.foreground_pct = foreground_pct(composite.images.matte);
-    report_.foreground_pct.add(composite.foreground_pct);
+    frames_.foreground_pct.add(composite.foreground_pct);
   }
 
   MIXRIG_TRY(inspect_and_deliver(composite, item->truth.get(), once ? 0 : images, kept));
   MIXRIG_TRY(compositor_.see(last_));
   return true;
+}
+
+/// Of the run's files; where takes are recorded, who does that obeys them.
+void Runner::obey_record_orders() {
+  if (parts_.orders == nullptr || parts_.orders->state().records_takes) return;
+  while (const auto order = parts_.orders->take<output::Record>()) sinks_.set_recording(order->on);
 }
 
 /// Makes those of `images`, and what judges need, that the composite lacks. Inspection images that
@@ -280,10 +285,10 @@ Result<void> Runner::compose_timed(output::Composite& composite, render::OutputM
   MIXRIG_TRY(compositor_.compose(composite, wanted, composite.images));
   composite.frame_ms = static_cast<float>(milliseconds(clock_.now() - begin));
   compositor_.count_plate(*composite.capture);
-  report_.frame_ms.add(composite.frame_ms);
-  if (live()) report_.latency_ms.add(milliseconds(clock_.now() - composite.capture->mid_exposure));
+  frames_.frame_ms.add(composite.frame_ms);
+  if (live()) frames_.latency_ms.add(milliseconds(clock_.now() - composite.capture->mid_exposure));
   const render::StageTimes& times = compositor_.stage_times();
-  for (std::size_t i = 0; i < times.size(); ++i) report_.stage_ms[i].add(times[i]);
+  for (std::size_t i = 0; i < times.size(); ++i) frames_.stage_ms[i].add(times[i]);
   return {};
 }
 
@@ -308,37 +313,40 @@ Result<void> Runner::add_last_to_sheet() {
 }
 
 Result<RunReport> Runner::finish(std::string ended) {
+  RunReport report;
   const std::uint64_t dropped = feed_->dropped();
-  report_.before_ready = feed_->late();
+  report.before_ready = feed_->late();
   feed_.reset();
-  if (report_.frame_ms.count() == 0)
+  if (frames_.frame_ms.count() == 0)
     return Error{ErrorCode::kData, "no frame was composited (" + ended + "): nothing was written"};
-  report_.ended = std::move(ended);
-  report_.live = session_.source->report();
-  if (report_.live) report_.live->dropped_sets += dropped;
-  if (judges()) report_.error = judge_.errors();
-  if (baselines_) report_.baselines = baselines_->errors();
+  report.ended = std::move(ended);
+  report.frames = frames_, report.quality = quality_;
+  report.live = session_.source->report();
+  if (report.live) report.live->dropped_sets += dropped;
+  if (judges()) report.error = judge_.errors();
+  if (baselines_) report.baselines = baselines_->errors();
   if (sinks_.empty_sheet() != nullptr) MIXRIG_TRY(add_last_to_sheet());
-  poses_.finish();
-  MIXRIG_TRY(compositor_.finish());
+  report.pose = poses_.report();
+  MIXRIG_ASSIGN(report.compositor, compositor_.finish());
   inspection_ = {};
   composites_ = {};
   MIXRIG_TRY(sinks_.finish());
-  report_.extras = options_.extras;
-  report_.rss_mb = peak_rss_mb();
-  if (!folder_) return std::move(report_);
-  MIXRIG_TRY(write_file(folder_->path() / kReportName, to_json(report_).dump(2) + "\n"));
+  report.sinks = sinks_.reports(), report.stream_outs = sinks_.stream_reports();
+  report.extras = parts_.extras;
+  report.rss_mb = peak_rss_mb();
+  if (!folder_) return report;
+  MIXRIG_TRY(write_file(folder_->path() / kReportName, to_json(report).dump(2) + "\n"));
   MIXRIG_TRY(folder_->commit());
-  return std::move(report_);
+  return report;
 }
 
 }  // namespace
 
-Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
-                      const ProgressFn& progress) {
+Result<RunReport> run(Session& session, const RunOptions& options, const Clock& clock,
+                      const ProgressFn& progress, RunParts parts) {
   MIXRIG_ASSIGN(const FrameRange range, range_of(session, options));
-  const std::atomic<bool>* stop = options.stop;
-  Runner runner(session, std::move(options), clock);
+  const std::atomic<bool>* stop = parts.stop;
+  Runner runner(session, options, clock, std::move(parts));
   MIXRIG_TRY(runner.prepare(range, progress));
   const auto stopped = [&] { return stop != nullptr && *stop; };
   for (int number = range.first; !stopped(); ++number) {

@@ -12,7 +12,6 @@
 #include "hal/base/result.h"
 #include "host/output/files/files_sink.h"
 #include "host/output/sink/composite_sink.h"
-#include "host/output/sink/run_controls.h"
 #include "host/run/controls/run_options.h"
 #include "host/run/report/run_report.h"
 #include "host/run/session/session.h"
@@ -34,7 +33,7 @@ namespace mixrig::session {
 /// source without truth or of a scene that has none (Baselines::open); kData where a frame cannot
 /// be read, or where the source ended or was stopped before the first frame; kIo; those of the back
 /// end and of the sinks.
-Result<RunReport> run(Session& session, RunOptions options, const Clock& clock,
-                      const ProgressFn& progress);
+Result<RunReport> run(Session& session, const RunOptions& options, const Clock& clock,
+                      const ProgressFn& progress, RunParts parts = {});
 
 }  // namespace mixrig::session

@@ -6,6 +6,7 @@
 
 #include "hal/base/log.h"
 #include "host/room/background/frame_lens.h"
+#include "host/run/watchers/change_sink.h"
 
 namespace mixrig::session {
 namespace {
@@ -37,10 +38,13 @@ double depth_delay_s(const capture::Capture& capture) {
 
 }  // namespace
 
-RunCompositor::RunCompositor(const Session& session, RunOptions& options, RunReport& report)
+RunCompositor::RunCompositor(const Session& session, const RunOptions& options,
+                             std::shared_ptr<SceneFollower> follower, output::RunOrders* orders)
     : session_(session),
       options_(options),
-      report_(report),
+      follower_(std::move(follower)),
+      orders_(orders),
+      focus_px_(options.focus_px),
       keeper_(session, live()),
       light_keeper_(session, live()),
       look_keeper_(session, live()),
@@ -50,44 +54,58 @@ Result<void> RunCompositor::open(ObjectMover* mover, WorkGate* gate) {
   mover_ = mover, wanted_focus_ = session_.scene.focus;
   MIXRIG_ASSIGN(compositor_, make_compositor(session_.setup, session_.backend));
   if (options_.save_room) MIXRIG_TRY(check_save(session_, *options_.save_room));
-  if (!options_.scene && live()) options_.scene = std::make_shared<SceneFollower>(session_, true);
-  if (options_.watch_room.value_or(live())) MIXRIG_TRY(keeper_.open(options_.changes, gate));
+  if (!follower_ && live()) follower_ = std::make_shared<SceneFollower>(session_, true);
+  if (options_.watch_room.value_or(live()))
+    MIXRIG_TRY(keeper_.open(options_.changes, orders_, gate));
   if (session_.scene.light.follow) MIXRIG_TRY(light_keeper_.open(gate));
   look_keeper_.open(gate);
   no_depth_m_.reset(session_.setup.tof.size_px());
-  report_.backend = backend_of(*compositor_);
-  report_.renderer = compositor_->state().renderer;
-  report_.size = session_.setup.view.size_px;
+  renderer_ = compositor_->state().renderer;
+  backend_ = backend_of(*compositor_);
+  tell_possible();
   return {};
 }
 
 void RunCompositor::follow_changes() {
   exchange_.use(keeper_.take_learned());
-  if (options_.scene) use(options_.scene->take_edited());
+  while (orders_ != nullptr) {
+    const auto order = orders_->take<output::FocusAt>();
+    if (!order) break;
+    focus_px_ = order->pixel;
+  }
+  if (follower_) use(follower_->take_edited());
   exchange_.exchange(compositor_, last_pose_);
-  if (options_.controls != nullptr)
-    options_.controls->can_focus = exchange_.scene().focus.has_value();
+  tell_possible();
   light_keeper_.take_factors();
-  if (options_.scene) scene_differs_ = options_.scene->fill(exchange_.scene(), frame_scene_);
+  if (follower_) scene_differs_ = follower_->fill(exchange_.scene(), frame_scene_);
+}
+
+/// What an operator can ask of the compositor, and where it is sharp.
+void RunCompositor::tell_possible() const {
+  if (orders_ == nullptr) return;
+  const bool watches = keeper_.is_open();
+  orders_->tell([&](output::RunState& run) {
+    run.can_learn = watches, run.can_scan = watches && ChangeSink::can_scan(session_);
+    run.can_focus = exchange_.scene().focus.has_value(), run.focus_px = focus_px_;
+  });
 }
 
 /// What the scene says newly is sharp takes the place of what was clicked.
 void RunCompositor::use(EditedScenePtr edited) {
   if (!edited) return;
   const bool refocuses = !same_focus(wanted_focus_, edited->scene.focus);
-  if (refocuses && options_.controls != nullptr) options_.controls->focus_at = -1;
+  if (refocuses) focus_px_.reset();
   wanted_focus_ = edited->scene.focus;
   exchange_.use(std::move(edited));
 }
 
 /// That an operator chose, where the scene in use has a focus and the view that pixel.
 std::optional<glm::ivec2> RunCompositor::focus_pixel() const {
-  const int at = options_.controls != nullptr ? options_.controls->focus_at.load() : -1;
   const Size view = session_.setup.view.size_px;
-  const glm::ivec2 pixel(at & 0xFFFF, at >> 16);
-  if (at < 0 || !exchange_.scene().focus || pixel.x >= view.width || pixel.y >= view.height)
+  if (!focus_px_ || !exchange_.scene().focus || focus_px_->x >= view.width ||
+      focus_px_->y >= view.height)
     return std::nullopt;
-  return pixel;
+  return focus_px_;
 }
 
 void RunCompositor::move_objects(output::Composite& composite) {
@@ -132,7 +150,7 @@ Result<void> RunCompositor::compose(const output::Composite& composite, render::
 
 void RunCompositor::count_plate(const capture::Capture& capture) {
   if (!live()) return;
-  PlateReport& plates = report_.plates ? *report_.plates : report_.plates.emplace();
+  PlateReport& plates = plates_ ? *plates_ : plates_.emplace();
   const bool imported = compositor_->state().imported_plate;
   ++(imported ? plates.imported : plates.copied);
   if (imported) plates.layout = capture.picture->raw().layout;
@@ -158,28 +176,39 @@ Result<void> RunCompositor::see(const output::CompositePtr& composite) {
   return composite->capture->depth_m.empty() ? Result<void>() : keeper_.push(composite);
 }
 
-/// Versions of the scene that were read, by whether they were composited.
-SceneEdits RunCompositor::edits() const {
-  SceneEdits edits = options_.scene->edits();
-  edits.taken -= exchange_.refused_scenes(), edits.refused += exchange_.refused_scenes();
-  return edits;
+/// Of the parts, which have ended.
+CompositorReport RunCompositor::report() const {
+  CompositorReport report;
+  report.backend = backend_, report.renderer = renderer_;
+  report.size = session_.setup.view.size_px;
+  report.plates = plates_;
+  if (plates_) report.plates->why_copied = compositor_->state().why_copied;
+  if (light_keeper_.is_open()) report.light = light_keeper_.report();
+  report.look = look_keeper_.report();
+  report.swap_ms = exchange_.swap_ms();
+  if (follower_) {  // versions that were read, by whether they were composited
+    SceneEdits& edits = report.scene_edits.emplace(follower_->edits());
+    edits.taken -= exchange_.refused_scenes(), edits.refused += exchange_.refused_scenes();
+  }
+  if (keeper_.is_open()) {
+    report.room_changes = keeper_.report();
+    report.room_changes->swap_ms = exchange_.swap_ms();
+  }
+  return report;
 }
 
-Result<void> RunCompositor::finish() {
+Result<CompositorReport> RunCompositor::finish() {
   MIXRIG_TRY(keeper_.finish());
   MIXRIG_TRY(light_keeper_.finish());
-  if (light_keeper_.is_open()) report_.light = light_keeper_.report();
   MIXRIG_TRY(look_keeper_.finish());
-  report_.look = look_keeper_.report();
   exchange_.finish();
-  if (report_.plates) report_.plates->why_copied = compositor_->state().why_copied;
+  CompositorReport done = report();
   compositor_.reset();  // its buffers are not needed beside the sheet's
-  report_.swap_ms = exchange_.swap_ms();
-  if (options_.scene) report_.scene_edits = edits();
-  if (keeper_.is_open()) {
-    report_.room_changes = keeper_.report();
-    report_.room_changes->swap_ms = exchange_.swap_ms();
-  }
+  MIXRIG_TRY(save_room());
+  return done;
+}
+
+Result<void> RunCompositor::save_room() const {
   if (!options_.save_room) return {};
   if (keeper_.kept() != nullptr) return save_kept(session_, *keeper_.kept(), *options_.save_room);
   log_warning("session", "--save-room " + options_.save_room->string() +

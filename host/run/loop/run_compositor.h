@@ -23,15 +23,16 @@ namespace mixrig::session {
 /// For the compositing thread of one run.
 class RunCompositor {
  public:
-  /// All of them outlive it.
-  RunCompositor(const Session& session, RunOptions& options, RunReport& report);
+  /// `session` and `options` outlive it. `follower`: whose changes are composited; null: a live run
+  /// makes its own. `orders`: null, or it outlives this.
+  RunCompositor(const Session& session, const RunOptions& options,
+                std::shared_ptr<SceneFollower> follower, output::RunOrders* orders);
 
   /// `mover` moves objects; null: none does. Errors: those of the back end, of the watch, of a room
   /// that cannot be saved.
   Result<void> open(ObjectMover* mover, WorkGate* gate);
-  bool watches_room() const { return keeper_.is_open(); }
 
-  /// Before a frame: what was saved and learned counts from this one on.
+  /// Before a frame: what was saved, learned and ordered counts from this one on.
   void follow_changes();
   /// Poses of the objects of a frame, of which the camera's pose is set.
   void move_objects(output::Composite& composite);
@@ -45,22 +46,26 @@ class RunCompositor {
   bool is_edited() const { return exchange_.is_edited(); }
   /// For the watch of the room. Errors: those of an earlier frame of it.
   Result<void> see(const output::CompositePtr& composite);
-  /// Ends the watch, reports, saves the room where that was asked for, frees the compositor.
-  Result<void> finish();
+  /// Ends the watch, saves the room where that was asked for, frees the compositor. Once.
+  Result<CompositorReport> finish();
 
  private:
   bool live() const { return session_.is_live(); }
   void place_moved_objects();
-  SceneEdits edits() const;
+  void tell_possible() const;
+  CompositorReport report() const;
+  Result<void> save_room() const;
   void share_plates();
   void use(EditedScenePtr edited);
   std::optional<glm::ivec2> focus_pixel() const;
   std::optional<render::FrameLight> frame_light();
 
   const Session& session_;
-  RunOptions& options_;
-  RunReport& report_;
+  const RunOptions& options_;
+  std::shared_ptr<SceneFollower> follower_;
+  output::RunOrders* const orders_;
   std::optional<scene::FocusSettings> wanted_focus_;  ///< of the newest scene
+  std::optional<glm::ivec2> focus_px_;                ///< that an operator chose
   ObjectMover* mover_ = nullptr;
   RoomKeeper keeper_;
   LightKeeper light_keeper_;
@@ -72,6 +77,8 @@ class RunCompositor {
   std::optional<geometry::Pose> last_pose_;   ///< of the camera
   FrameTimes times_;                          ///< for the physics
   std::unique_ptr<render::Compositor> compositor_;
+  std::string backend_, renderer_;                         ///< of the first compositor
+  std::optional<PlateReport> plates_;                      ///< of live devices
   render::PlateNeed asked_ = render::PlateNeed::kDecoded;  ///< of the source
   Image<float> no_depth_m_;  ///< of captures without: unknown everywhere
 };

@@ -40,15 +40,11 @@ double plate_exposure_s(const Session& session) {
 }  // namespace
 
 void RunPoses::open() {
-  const pose::FramePoseOptions options = frame_pose_options(session_.scene);
-  poses_.emplace(*session_.poses, options);
-  report_.pose.source = session_.poses->info().name;
-  report_.pose.latency_s = session_.poses->info().latency_s;
-  report_.pose.when_lost = options.when_lost;
+  poses_.emplace(*session_.poses, frame_pose_options(session_.scene));
   slip_.emplace(contact_points(session_.setup.objects), session_.setup.view);
   lens_.emplace(session_.setup,
                 session_.background && session_.rooms.empty() ? &*session_.background : nullptr);
-  if (has_true_poses(session_)) report_.pose.error.emplace();
+  if (has_true_poses(session_)) error_.emplace();
   motion_ = PlateMotion(plate_exposure_s(session_));
 }
 
@@ -59,12 +55,11 @@ void RunPoses::set(output::Composite& composite) {
   composite.objects_shown = known.objects_shown;
   composite.motion = motion_.next(known.camera, composite.capture->time_s);
   if (known.camera.ok()) {
-    report_.pose.age_ms.add(1e3 * known.camera.age_s);
-    if (report_.pose.error)
-      report_.pose.error->add(composite.world_from_target, composite.capture->world_from_target);
+    age_ms_.add(1e3 * known.camera.age_s);
+    if (error_) error_->add(composite.world_from_target, composite.capture->world_from_target);
     return;
   }
-  if (report_.pose.error) report_.pose.error->skip();
+  if (error_) error_->skip();
   if (std::exchange(warned_lost_, true)) return;
   log_warning("session", fmt::format("frame {}: the camera's pose is lost ({}): virtual objects "
                                      "are {}; frames.csv and the report say where",
@@ -112,12 +107,19 @@ void RunPoses::watch_camera(const geometry::Pose& world_from_target) {
               "wrongly away from the first pose");
 }
 
-void RunPoses::finish() {
-  report_.pose.frames = poses_->counts();
-  report_.pose.faults = session_.poses->faults();
-  report_.pose.slip = slip_->report();
-  report_.lens = lens_->report();
-  report_.pose.stream = session_.poses->stream();
+PoseReport RunPoses::report() const {
+  PoseReport report;
+  report.source = session_.poses->info().name;
+  report.when_lost = frame_pose_options(session_.scene).when_lost;
+  report.latency_s = session_.poses->info().latency_s;
+  report.frames = poses_->counts();
+  report.faults = session_.poses->faults();
+  report.stream = session_.poses->stream();
+  report.error = error_;
+  report.age_ms = age_ms_;
+  report.slip = slip_->report();
+  report.lens = lens_->report();
+  return report;
 }
 
 }  // namespace mixrig::session

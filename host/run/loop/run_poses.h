@@ -17,8 +17,8 @@ namespace mixrig::session {
 /// For the compositing thread of one run.
 class RunPoses {
  public:
-  /// Both outlive it.
-  RunPoses(const Session& session, RunReport& report) : session_(session), report_(report) {}
+  /// `session` outlives it.
+  explicit RunPoses(const Session& session) : session_(session) {}
 
   /// Once the session's poses and background are prepared.
   void open();
@@ -27,21 +27,22 @@ class RunPoses {
   /// What errors of the pose and of the lens do to the frame. `judges`: the source has true poses
   /// that count; `truth`: null where there is none.
   void watch(output::Composite& composite, bool judges, const capture::Truth* truth);
-  /// Writes the report.
-  void finish();
+  /// After open(): of the frames so far.
+  PoseReport report() const;
 
  private:
   void watch_slip(output::Composite& composite, bool judges, const capture::Truth* truth);
   void watch_camera(const geometry::Pose& world_from_target);
 
   const Session& session_;
-  RunReport& report_;
   std::optional<pose::FramePoses> poses_;
   PlateMotion motion_;
   std::optional<SlipWatch> slip_;
   std::optional<LensWatch> lens_;
   std::optional<geometry::Pose> first_pose_;
   bool warned_ = false, warned_lost_ = false;
+  std::optional<PoseErrors> error_;  ///< where the true poses are known
+  measure::QuantileSketch age_ms_;   ///< of frames with a pose
 };
 
 }  // namespace mixrig::session

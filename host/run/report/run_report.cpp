@@ -65,6 +65,12 @@ double quantile(const measure::QuantileSketch& sketch, double q) {
   return rounded(sketch.quantile(q), 3);
 }
 
+nlohmann::json three_quantiles(const measure::QuantileSketch& sketch) {
+  return {{"p50", quantile(sketch, 0.5)},
+          {"p95", quantile(sketch, 0.95)},
+          {"p99", quantile(sketch, 0.99)}};
+}
+
 bool ran(const measure::QuantileSketch& times_ms) { return times_ms.max() > 0.0; }
 
 std::string live_line(const capture::SourceReport& live) {
@@ -263,6 +269,64 @@ nlohmann::json to_json(const PlateReport& plates) {
   return {{"imported", plates.imported}, {"copied", plates.copied}, {"how", text(plates)}};
 }
 
+/// Times have the names of their keys; stages that ran alone.
+void add_frames(const FrameReport& frames, nlohmann::json& out) {
+  out["frames"] = frames.frame_ms.count();
+  out["stage_ms"] = nlohmann::json::object();
+  for (std::size_t i = 0; i < frames.stage_ms.size(); ++i) {
+    const measure::QuantileSketch& times = frames.stage_ms[i];
+    if (!ran(times)) continue;
+    out["stage_ms"][std::string(render::name(static_cast<render::Stage>(i)))] = {
+        {"p50", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
+  }
+  out["frame_ms"] = three_quantiles(frames.frame_ms);
+  out["foreground_pct"] = {{"mean", rounded(frames.foreground_pct.mean())},
+                           {"p50", quantile(frames.foreground_pct, 0.5)},
+                           {"max", rounded(frames.foreground_pct.max())}};
+}
+
+nlohmann::json edits_json(const SceneEdits& edits, const measure::QuantileSketch& swap_ms) {
+  nlohmann::json swaps;  // null where no compositor was exchanged
+  if (swap_ms.count() > 0) swaps = {{"p50", quantile(swap_ms, 0.5)}, {"max", quantile(swap_ms, 1)}};
+  return {{"taken", edits.taken}, {"refused", edits.refused}, {"swap_ms", swaps}};
+}
+
+void add_compositor(const CompositorReport& compositor, nlohmann::json& out) {
+  out["backend"] = compositor.backend;
+  out["renderer"] = compositor.renderer;
+  out["size"] = text(compositor.size);
+  if (compositor.plates) out["camera_pictures"] = to_json(*compositor.plates);
+  if (compositor.light) out["light"] = to_json(*compositor.light);
+  if (compositor.look) out["look"] = to_json(*compositor.look);
+  if (compositor.room_changes) out["room_changes"] = to_json(*compositor.room_changes);
+  if (compositor.scene_edits)
+    out["scene_edits"] = edits_json(*compositor.scene_edits, compositor.swap_ms);
+}
+
+nlohmann::json live_json(const RunReport& report) {
+  nlohmann::json out = report::to_json(*report.live);
+  out["left_out"] = report.live->left_out;
+  out["without_depth"] = report.live->without_depth;
+  out["held_depth"] = report.live->held_depth;
+  out["longest_gap_s"] = rounded(report.live->longest_gap_s, 3);
+  out["before_ready"] = report.before_ready;
+  out["latency_ms"] = three_quantiles(report.frames.latency_ms);
+  return out;
+}
+
+std::string times_table(const FrameReport& frames) {
+  std::string out = fmt::format("  {:<12} {:>8} {:>8}\n", "stage", "p50 ms", "p95 ms");
+  const auto row = [&](std::string_view what, const measure::QuantileSketch& times) {
+    out += fmt::format("  {:<12} {:>8.2f} {:>8.2f}\n", what, times.quantile(0.5),
+                       times.quantile(0.95));
+  };
+  for (std::size_t i = 0; i < frames.stage_ms.size(); ++i)
+    if (ran(frames.stage_ms[i]))
+      row(render::name(static_cast<render::Stage>(i)), frames.stage_ms[i]);
+  row("frame", frames.frame_ms);
+  return out;
+}
+
 }  // namespace
 
 std::string text(const PlateReport& plates) {
@@ -278,7 +342,7 @@ std::string text(const PlateReport& plates) {
 }
 
 double fps(const RunReport& report) {
-  const double mean_ms = report.frame_ms.mean();
+  const double mean_ms = report.frames.frame_ms.mean();
   return mean_ms > 0.0 ? 1e3 / mean_ms : 0.0;
 }
 
@@ -291,37 +355,14 @@ nlohmann::json to_json(const measure::Errors& errors) {
 
 nlohmann::json to_json(const RunReport& report) {
   nlohmann::json out;
-  out["frames"] = report.frame_ms.count();
   out["fps"] = rounded(fps(report));
-  out["backend"] = report.backend;
-  out["renderer"] = report.renderer;
-  out["size"] = text(report.size);
   out["ended"] = report.ended;
-  if (report.live) {
-    out["live"] = report::to_json(*report.live);
-    out["live"]["left_out"] = report.live->left_out;
-    out["live"]["without_depth"] = report.live->without_depth;
-    out["live"]["held_depth"] = report.live->held_depth;
-    out["live"]["longest_gap_s"] = rounded(report.live->longest_gap_s, 3);
-    out["live"]["before_ready"] = report.before_ready;
-    out["live"]["latency_ms"] = {{"p50", quantile(report.latency_ms, 0.5)},
-                                 {"p95", quantile(report.latency_ms, 0.95)},
-                                 {"p99", quantile(report.latency_ms, 0.99)}};
-  }
-  if (report.plates) out["camera_pictures"] = to_json(*report.plates);
+  add_frames(report.frames, out);
+  add_compositor(report.compositor, out);
+  if (report.live) out["live"] = live_json(report);
   if (report.quality) out["quality"] = to_json(*report.quality);
   out["pose"] = to_json(report.pose);
-  if (report.lens) out["lens"] = to_json(*report.lens);
-  if (report.light) out["light"] = to_json(*report.light);
-  if (report.look) out["look"] = to_json(*report.look);
-  if (report.room_changes) out["room_changes"] = to_json(*report.room_changes);
-  if (report.scene_edits)
-    out["scene_edits"] = {{"taken", report.scene_edits->taken},
-                          {"refused", report.scene_edits->refused},
-                          {"swap_ms", report.swap_ms.count() == 0
-                                          ? nlohmann::json(nullptr)
-                                          : nlohmann::json{{"p50", quantile(report.swap_ms, 0.5)},
-                                                           {"max", quantile(report.swap_ms, 1)}}}};
+  if (report.pose.lens) out["lens"] = to_json(*report.pose.lens);
   for (const auto& extra : report.extras) extra->add_to(out);
   for (const output::StreamOutReport& stream : report.stream_outs)
     out["stream_out"].push_back(to_json(stream));
@@ -329,20 +370,7 @@ nlohmann::json to_json(const RunReport& report) {
   for (const output::SinkReport& sink : report.sinks)
     out["sinks"].push_back(
         {{"name", sink.name}, {"written", sink.written}, {"dropped", sink.dropped}});
-  out["stage_ms"] = nlohmann::json::object();
-  for (std::size_t i = 0; i < report.stage_ms.size(); ++i) {
-    const measure::QuantileSketch& times = report.stage_ms[i];
-    if (!ran(times)) continue;
-    out["stage_ms"][std::string(render::name(static_cast<render::Stage>(i)))] = {
-        {"p50", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
-  }
-  out["frame_ms"] = {{"p50", quantile(report.frame_ms, 0.5)},
-                     {"p95", quantile(report.frame_ms, 0.95)},
-                     {"p99", quantile(report.frame_ms, 0.99)}};
   out["rss_mb"] = rounded(report.rss_mb);
-  out["foreground_pct"] = {{"mean", rounded(report.foreground_pct.mean())},
-                           {"p50", quantile(report.foreground_pct, 0.5)},
-                           {"max", rounded(report.foreground_pct.max())}};
   if (report.error) out["error"] = to_json(*report.error);
   for (const BaselineErrors& b : report.baselines)
     out["baselines"][measure::name(b.baseline)] = to_json(b.errors);
@@ -350,24 +378,17 @@ nlohmann::json to_json(const RunReport& report) {
 }
 
 std::string to_table(const RunReport& report) {
-  std::string out = fmt::format("{} frames, {}, {} ({})\n", report.frame_ms.count(),
-                                text(report.size), report.backend, report.renderer);
-  out += fmt::format("  {:<12} {:>8} {:>8}\n", "stage", "p50 ms", "p95 ms");
-  const auto row = [&](std::string_view what, const measure::QuantileSketch& times) {
-    out += fmt::format("  {:<12} {:>8.2f} {:>8.2f}\n", what, times.quantile(0.5),
-                       times.quantile(0.95));
-  };
-  for (std::size_t i = 0; i < report.stage_ms.size(); ++i)
-    if (ran(report.stage_ms[i]))
-      row(render::name(static_cast<render::Stage>(i)), report.stage_ms[i]);
-  row("frame", report.frame_ms);
+  const CompositorReport& compositor = report.compositor;
+  std::string out = fmt::format("{} frames, {}, {} ({})\n", report.frames.frame_ms.count(),
+                                text(compositor.size), compositor.backend, compositor.renderer);
+  out += times_table(report.frames);
   out += fmt::format("  {:.1f} fps, {:.0f} MB\n", fps(report), report.rss_mb);
-  if (report.plates) out += "  camera pictures: " + text(*report.plates) + "\n";
+  if (compositor.plates) out += "  camera pictures: " + text(*compositor.plates) + "\n";
   if (report.ended != "frames") out += "  ended: " + report.ended + "\n";
   if (report.live) out += live_line(*report.live);
   out += pose_line(report.pose);
-  if (report.lens) out += lens_line(*report.lens);
-  if (report.room_changes) out += to_lines(*report.room_changes);
+  if (report.pose.lens) out += lens_line(*report.pose.lens);
+  if (compositor.room_changes) out += to_lines(*compositor.room_changes);
   for (const auto& extra : report.extras) out += extra->lines();
   out += sink_lines(report.sinks);
   return report.error ? out + error_table(report) : out;

@@ -30,7 +30,7 @@
 
 namespace mixrig::session {
 
-/// Poses of the frames.
+/// Poses of the frames, and the lens.
 struct PoseReport {
   std::string source;  ///< as PoseSourceInfo::name
   pose::WhenLost when_lost = pose::WhenLost::kFreeze;
@@ -41,6 +41,7 @@ struct PoseReport {
   std::optional<PoseErrors> error;  ///< where the true poses are known
   measure::QuantileSketch age_ms;   ///< frames with a pose
   SlipReport slip;
+  std::optional<LensReport> lens;  ///< of a lens that zooms
 };
 
 /// How the camera's pictures came into the compositor.
@@ -53,31 +54,41 @@ struct PlateReport {
 /// "imported (DMABUF, yuyv)", "copied: the driver offers no ...".
 std::string text(const PlateReport& plates);
 
-struct RunReport {
+/// What the loop measures of each frame.
+struct FrameReport {
+  measure::QuantileSketch frame_ms;  ///< decoded frame to finished composite, every frame
+  std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
+  measure::QuantileSketch latency_ms;      ///< live: mid-exposure to finished composite
+  measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
+};
+
+/// The compositor, and what it followed.
+struct CompositorReport {
   std::string backend;   ///< "cpu" or "gles"
   std::string renderer;  ///< as Compositor::renderer
   Size size;
-  std::optional<QualityChoice> quality;  ///< where the scene has a budget
-  measure::QuantileSketch frame_ms;      ///< decoded frame to finished composite, every frame
-  std::array<measure::QuantileSketch, static_cast<std::size_t>(render::Stage::kCount)> stage_ms;
-  measure::QuantileSketch foreground_pct;  ///< pixels with matte >= 0.5, a frame
-  std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
-  std::optional<capture::SourceReport> live;  ///< of live devices
-  measure::QuantileSketch latency_ms;         ///< live: mid-exposure to finished composite
-  std::optional<PlateReport> plates;          ///< of live devices
-  std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
-                                              ///< late when the first frame could be made
-  PoseReport pose;
-  std::optional<LensReport> lens;  ///< of a lens that zooms
-  std::vector<output::SinkReport> sinks;
-  double rss_mb = 0;                              ///< peak
+  std::optional<PlateReport> plates;              ///< of live devices
   std::optional<LightReport> light;               ///< where the lamps were followed
   std::optional<LookReport> look;                 ///< where plates were measured again
   std::optional<RoomChangesReport> room_changes;  ///< where the background was watched
   std::optional<SceneEdits> scene_edits;          ///< where the scene was followed
   measure::QuantileSketch swap_ms;                ///< of a frame that exchanged the compositor
-  RunExtras extras;                               ///< tell their own parts
+};
+
+/// What each part of a run told, put together when it has ended.
+struct RunReport {
+  std::string ended = "frames";  ///< why it ended: "frames", "stopped", "end of the source"
+  FrameReport frames;
+  CompositorReport compositor;
+  PoseReport pose;
+  std::optional<QualityChoice> quality;       ///< where the scene has a budget
+  std::optional<capture::SourceReport> live;  ///< of live devices
+  std::uint64_t before_ready = 0;             ///< live: captures not composited, since they were
+                                              ///< late when the first frame could be made
+  std::vector<output::SinkReport> sinks;
   std::vector<output::StreamOutReport> stream_outs;
+  RunExtras extras;   ///< tell their own parts
+  double rss_mb = 0;  ///< peak
   std::optional<measure::Errors> error;
   std::vector<BaselineErrors> baselines;  ///< none where they were not wanted
 };

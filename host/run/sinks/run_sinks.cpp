@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "host/output/sheet/sheet_sink.h"
-#include "host/output/streams/stream_sink.h"
 #include "host/output/streams/timecode.h"
 
 namespace mixrig::session {
@@ -22,10 +21,6 @@ std::vector<int> sheet_frames(FrameRange range, int rows) {
 
 }  // namespace
 
-RunSinks::RunSinks(const Session& session, RunOptions& options, const Clock& clock, WorkGate* gate,
-                   RunReport& report)
-    : session_(session), options_(options), clock_(clock), gate_(gate), report_(report) {}
-
 double RunSinks::rate_hz() const {
   const double rate_hz = session_.source->info().rate_hz;
   return rate_hz > 0 ? rate_hz : 25;
@@ -42,18 +37,20 @@ output::SinkThread* RunSinks::add(std::unique_ptr<output::CompositeSink> sink) {
   return sinks_.back().get();
 }
 
-Result<void> RunSinks::open(FrameRange range, const std::optional<std::filesystem::path>& folder) {
+Result<void> RunSinks::open(FrameRange range, const std::optional<std::filesystem::path>& folder,
+                            std::vector<std::unique_ptr<output::CompositeSink>> sinks,
+                            const RunExtras& extras) {
   if (folder) MIXRIG_TRY(open_files(range, *folder));
-  for (auto& sink : options_.sinks) add(std::move(sink));
+  for (auto& sink : sinks) add(std::move(sink));
   MIXRIG_TRY(check_streams());
-  return open_extras(folder);
+  return open_extras(folder, extras);
 }
 
 Result<void> RunSinks::open_files(FrameRange range, const std::filesystem::path& folder) {
   const capture::SourceInfo& info = session_.source->info();
-  options_.output.alpha = is_transparent();
-  MIXRIG_ASSIGN(auto files,
-                output::FilesSink::create(folder, info, session_.setup.view, options_.output));
+  output::OutputOptions output = options_.output;
+  output.alpha = is_transparent();
+  MIXRIG_ASSIGN(auto files, output::FilesSink::create(folder, info, session_.setup.view, output));
   files_ = add(std::move(files));
   sheet_ = add(std::make_unique<output::SheetSink>(
       folder / "contact_sheet.png", session_.scene.path.filename().string() + " in " + info.name,
@@ -62,12 +59,10 @@ Result<void> RunSinks::open_files(FrameRange range, const std::filesystem::path&
 }
 
 Result<void> RunSinks::check_streams() {
-  auto& streams = options_.streams;
-  streams.insert(streams.begin(), session_.scene.stream_outs.begin(),
-                 session_.scene.stream_outs.end());
-  for (const scene::StreamOut& out : streams)
+  streams_ = session_.scene.stream_outs;
+  streams_.insert(streams_.end(), options_.streams.begin(), options_.streams.end());
+  for (const scene::StreamOut& out : streams_)
     MIXRIG_TRY(output::StreamSink::check(out, session_.setup.view.size_px, rate_hz()));
-  report_.stream_outs.resize(streams.size());
   return {};
 }
 
@@ -76,21 +71,21 @@ Result<void> RunSinks::open_streams() {
   std::optional<Duration> day;  // of live pictures; a recording counts from its beginning
   if (live() && options_.epoch_ns)
     day = output::local_day_at_zero(*options_.epoch_ns, clock_.now());
-  for (std::size_t i = 0; i < options_.streams.size(); ++i) {
-    const scene::StreamOut& out = options_.streams[i];
+  for (const scene::StreamOut& out : streams_) {
     output::RoomBehind behind;
     if (out.picture == scene::StreamOut::Picture::kStereo && !setup.backdrop)
       behind = output::room_behind(setup.background);
-    MIXRIG_ASSIGN(auto sink,
-                  output::StreamSink::create(out, setup.view.size_px, rate_hz(), is_transparent(),
-                                             std::move(behind), report_.stream_outs[i], day));
+    MIXRIG_ASSIGN(auto sink, output::StreamSink::create(out, setup.view.size_px, rate_hz(),
+                                                        is_transparent(), std::move(behind), day));
+    stream_sinks_.push_back(sink.get());
     add(std::move(sink));
   }
   return {};
 }
 
-Result<void> RunSinks::open_extras(const std::optional<std::filesystem::path>& folder) {
-  for (const auto& extra : options_.extras) {
+Result<void> RunSinks::open_extras(const std::optional<std::filesystem::path>& folder,
+                                   const RunExtras& extras) {
+  for (const auto& extra : extras) {
     MIXRIG_ASSIGN(auto sinks, extra->open({session_, clock_, folder, options_.epoch_ns}));
     ObjectMover* const mover = extra->mover();
     if (mover != nullptr) mover_ = mover;
@@ -138,11 +133,20 @@ Result<void> RunSinks::deliver(const output::CompositePtr& composite) {
 }
 
 Result<void> RunSinks::finish() {
-  for (const auto& sink : sinks_) {
-    MIXRIG_TRY(sink->finish());
-    report_.sinks.push_back(sink->report());
-  }
+  for (const auto& sink : sinks_) MIXRIG_TRY(sink->finish());
   return {};
+}
+
+std::vector<output::SinkReport> RunSinks::reports() const {
+  std::vector<output::SinkReport> reports;
+  for (const auto& sink : sinks_) reports.push_back(sink->report());
+  return reports;
+}
+
+std::vector<output::StreamOutReport> RunSinks::stream_reports() const {
+  std::vector<output::StreamOutReport> reports;
+  for (const output::StreamSink* sink : stream_sinks_) reports.push_back(sink->report());
+  return reports;
 }
 
 }  // namespace mixrig::session

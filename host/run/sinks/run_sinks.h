@@ -10,8 +10,8 @@
 #include "hal/base/clock.h"
 #include "hal/base/work_gate.h"
 #include "host/output/sink/sink_thread.h"
+#include "host/output/streams/stream_sink.h"
 #include "host/run/controls/run_options.h"
-#include "host/run/report/run_report.h"
 #include "host/run/session/session.h"
 
 namespace mixrig::session {
@@ -19,13 +19,16 @@ namespace mixrig::session {
 /// Sinks of one run, each in a thread of its own. For the compositing thread.
 class RunSinks {
  public:
-  /// All of them outlive it. `options.streams` becomes those of the scene and of the options.
-  RunSinks(const Session& session, RunOptions& options, const Clock& clock, WorkGate* gate,
-           RunReport& report);
+  /// All of them outlive it.
+  RunSinks(const Session& session, const RunOptions& options, const Clock& clock, WorkGate* gate)
+      : session_(session), options_(options), clock_(clock), gate_(gate) {}
 
-  /// All but the streams; `folder` of the run's files, none where it is absent. Errors: those of
-  /// the sinks, each before the first frame.
-  Result<void> open(FrameRange range, const std::optional<std::filesystem::path>& folder);
+  /// All but the streams; `folder` of the run's files, none where it is absent. `sinks` are added,
+  /// and those of the extras, which outlive this. Errors: those of the sinks, each before the first
+  /// frame.
+  Result<void> open(FrameRange range, const std::optional<std::filesystem::path>& folder,
+                    std::vector<std::unique_ptr<output::CompositeSink>> sinks,
+                    const RunExtras& extras);
   /// After the background: what a stereo pair shows behind people is of it.
   Result<void> open_streams();
   bool has_files() const { return files_ != nullptr; }
@@ -46,8 +49,11 @@ class RunSinks {
   Result<void> deliver(const output::CompositePtr& composite);
   /// A sheet to which no frame was delivered; null: there is none.
   output::SinkThread* empty_sheet() { return sheet_has_rows_ ? nullptr : sheet_; }
-  /// Completes all of them and reports each. Errors: those of the sinks.
+  /// Completes all of them. Errors: those of the sinks.
   Result<void> finish();
+  /// After finish(): of each sink, and of each stream.
+  std::vector<output::SinkReport> reports() const;
+  std::vector<output::StreamOutReport> stream_reports() const;
 
  private:
   bool live() const { return session_.is_live(); }
@@ -57,15 +63,17 @@ class RunSinks {
   output::SinkThread* add(std::unique_ptr<output::CompositeSink> sink);
   Result<void> open_files(FrameRange range, const std::filesystem::path& folder);
   Result<void> check_streams();
-  Result<void> open_extras(const std::optional<std::filesystem::path>& folder);
+  Result<void> open_extras(const std::optional<std::filesystem::path>& folder,
+                           const RunExtras& extras);
 
   const Session& session_;
-  RunOptions& options_;
+  const RunOptions& options_;
   const Clock& clock_;
   WorkGate* const gate_;
-  RunReport& report_;             ///< sinks write into it
-  ObjectMover* mover_ = nullptr;  ///< of one of options_.extras
+  ObjectMover* mover_ = nullptr;           ///< of one of the extras
+  std::vector<scene::StreamOut> streams_;  ///< of the scene and of the options
   std::vector<std::unique_ptr<output::SinkThread>> sinks_;
+  std::vector<const output::StreamSink*> stream_sinks_;  ///< of sinks_
   output::SinkThread* files_ = nullptr;            ///< one of sinks_; none without an output folder
   output::SinkThread* sheet_ = nullptr;            ///< one of sinks_; none without an output folder
   std::vector<output::SinkThread*> before_moves_;  ///< of sinks_, those of the mover's extra

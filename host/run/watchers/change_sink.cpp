@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "hal/base/log.h"
-#include "host/output/sink/run_controls.h"
 
 namespace mixrig::session {
 namespace {
@@ -72,14 +71,16 @@ bool ChangeSink::can_scan(const Session& session) {
 }
 
 Result<std::unique_ptr<ChangeSink>> ChangeSink::create(const Session& session,
-                                                       const ChangeOptions& options) {
-  std::unique_ptr<ChangeSink> sink(new ChangeSink(session, options));
+                                                       const ChangeOptions& options,
+                                                       output::RunOrders* orders) {
+  std::unique_ptr<ChangeSink> sink(new ChangeSink(session, options, orders));
   MIXRIG_TRY(sink->open());
   return sink;
 }
 
-ChangeSink::ChangeSink(const Session& session, const ChangeOptions& options)
-    : session_(session), options_(options), small_(session.setup) {
+ChangeSink::ChangeSink(const Session& session, const ChangeOptions& options,
+                       output::RunOrders* orders)
+    : session_(session), options_(options), orders_(orders), small_(session.setup) {
   small_.view = resized(session.setup.view, watch_size(session.setup.view.size_px));
   kept_frames_.reserve(kLearnFrames);
 }
@@ -157,8 +158,8 @@ void ChangeSink::tell() {
 
 /// Frames to learn from, where there is something to accept.
 Result<void> ChangeSink::collect(const output::Composite& composite) {
-  const int requests = options_.requests != nullptr ? options_.requests->load() : 0;
-  const bool asked = requests != std::exchange(requests_done_, requests);
+  bool asked = false;
+  while (orders_ != nullptr && orders_->take<output::LearnChanges>()) asked = true;
   if (!watch_->any_open()) {
     if (asked) log_warning("session", "nothing that changed in the room waits to be accepted");
     collecting_ = false;
@@ -194,21 +195,28 @@ void ChangeSink::hand_out(std::shared_ptr<KeptBackground> next) {
   learned_ = std::move(next);
 }
 
+/// The last one counts; a scan that is ordered while one is at work begins anew.
+Result<void> ChangeSink::obey_scan_orders() {
+  while (const auto order = orders_->take<output::LearnRoom>()) {
+    scan_.reset(), scan_views_.reset();
+    scan_left_ = order->on ? output::kScanLooks : 0;
+  }
+  if (scan_left_ == 0 || scan_) return {};
+  MIXRIG_ASSIGN(scan_views_, FrameViews::make(session_.setup, {render::Backend::kCpu, 1}));
+  scan_.emplace(session_.setup.view, output::kScanLooks);
+  return {};
+}
+
 /// One look at the whole room, while a scan is asked for.
 Result<void> ChangeSink::scan(const output::Composite& composite) {
-  int left = options_.scan_left != nullptr ? options_.scan_left->load() : 0;
-  if (left <= 0) {
-    scan_.reset(), scan_views_.reset();
-    return {};
-  }
-  if (!scan_) {
-    MIXRIG_ASSIGN(scan_views_, FrameViews::make(session_.setup, {render::Backend::kCpu, 1}));
-    scan_.emplace(session_.setup.view, output::RunControls::kScanLooks);
-  }
+  if (orders_ == nullptr) return {};
+  MIXRIG_TRY(obey_scan_orders());
+  if (!scan_) return {};
   MIXRIG_ASSIGN(const render::FrameOutput* const seen, scan_views_->of(*composite.capture));
   MIXRIG_TRY(scan_->add(seen->warped_depth_m, seen->color));
-  if (left == 1) use_scan();
-  (void)options_.scan_left->compare_exchange_strong(left, left - 1);  // else it was ended
+  if (scan_left_ == 1) use_scan();
+  --scan_left_;
+  orders_->tell([left = scan_left_](output::RunState& run) { run.scan_left = left; });
   return {};
 }
 

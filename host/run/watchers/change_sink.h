@@ -9,6 +9,7 @@
 
 #include "hal/base/clock.h"
 #include "host/output/sink/composite_sink.h"
+#include "host/output/sink/run_orders.h"
 #include "host/room/background/frame_views.h"
 #include "host/room/changes/room_watch.h"
 #include "host/run/session/kept_background.h"
@@ -31,9 +32,11 @@ class ChangeSink final : public output::CompositeSink {
   static bool can_watch(const Session& session);
   /// Whether all of it can be learned anew: one view, of a camera that stands still.
   static bool can_scan(const Session& session);
-  /// `session` is ready to composite and must outlive it. Precondition: can_watch().
+  /// `session` is ready to composite. It obeys output::LearnChanges and output::LearnRoom of
+  /// `orders`; null: nobody gives any. Both outlive it. Precondition: can_watch().
   static Result<std::unique_ptr<ChangeSink>> create(const Session& session,
-                                                    const ChangeOptions& options);
+                                                    const ChangeOptions& options,
+                                                    output::RunOrders* orders);
 
   std::string_view name() const override { return "room changes"; }
   render::OutputMask wanted(int /*number*/) const override { return render::kMatte; }
@@ -48,7 +51,7 @@ class ChangeSink final : public output::CompositeSink {
   const KeptBackground* kept() const { return kept_.get(); }
 
  private:
-  ChangeSink(const Session& session, const ChangeOptions& options);
+  ChangeSink(const Session& session, const ChangeOptions& options, output::RunOrders* orders);
   Result<void> open();
   void draw_background();
   Result<void> look(const output::Composite& composite);
@@ -56,11 +59,13 @@ class ChangeSink final : public output::CompositeSink {
   Result<void> collect(const output::Composite& composite);
   Result<void> learn();
   Result<void> scan(const output::Composite& composite);
+  Result<void> obey_scan_orders();
   void use_scan();
   void hand_out(std::shared_ptr<KeptBackground> next);
 
   const Session& session_;
   const ChangeOptions options_;
+  output::RunOrders* const orders_;
   SystemClock clock_;
   Crew crew_{1};
   render::CompositorSetup small_;  ///< in the size of the watch
@@ -75,7 +80,7 @@ class ChangeSink final : public output::CompositeSink {
   /// Of a scan: frames in the whole view.
   std::optional<FrameViews> scan_views_;
   std::optional<model::StaticBackgroundBuilder> scan_;
-  int requests_done_ = 0;
+  int scan_left_ = 0;  ///< looks until it is complete
   std::shared_ptr<KeptBackground> kept_;
   RoomChangesReport report_;
   std::mutex mutex_;

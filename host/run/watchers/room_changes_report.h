@@ -2,7 +2,6 @@
 // What a run looks for in the room, and what it found, as JSON and as lines of text.
 #pragma once
 
-#include <atomic>
 #include <string>
 #include <vector>
 
@@ -23,11 +22,7 @@ struct RoomChangesReport {
 };
 
 struct ChangeOptions {
-  bool accept_all = false;  ///< as soon as a change is certain
-  /// Counts the operator's requests to accept what has been found; may be null.
-  const std::atomic<int>* requests = nullptr;
-  /// output::RunControls::scan_left, counted down; may be null.
-  std::atomic<int>* scan_left = nullptr;
+  bool accept_all = false;  ///< as soon as a change is certain; else by output::LearnChanges
   model::WatchOptions watch;
 };
 

@@ -7,9 +7,10 @@
 
 namespace mixrig::session {
 
-Result<void> RoomKeeper::open(const ChangeOptions& options, WorkGate* gate) {
+Result<void> RoomKeeper::open(const ChangeOptions& options, output::RunOrders* orders,
+                              WorkGate* gate) {
   if (!ChangeSink::can_watch(session_)) return {};
-  MIXRIG_ASSIGN(auto sink, ChangeSink::create(session_, options));
+  MIXRIG_ASSIGN(auto sink, ChangeSink::create(session_, options, orders));
   watch_.open(std::move(sink), live_, gate);
   return {};
 }

@@ -18,8 +18,9 @@ class RoomKeeper {
  public:
   RoomKeeper(const Session& session, bool live) : session_(session), live_(live) {}
 
-  /// Does nothing where ChangeSink::can_watch() is false. Errors: those of ChangeSink::create().
-  Result<void> open(const ChangeOptions& options, WorkGate* gate);
+  /// Does nothing where ChangeSink::can_watch() is false. `orders`: null, or it outlives this.
+  /// Errors: those of ChangeSink::create().
+  Result<void> open(const ChangeOptions& options, output::RunOrders* orders, WorkGate* gate);
   bool is_open() const { return watch_.sink() != nullptr; }
   /// Gives one of five finished frames to the watch, and where a live run loses some, the next one
   /// that there is. Errors: those of an earlier one.

@@ -64,7 +64,7 @@ class StreamSinkTest : public ::testing::Test {
                                       Codec codec = Codec::kAuto) {
     scene::StreamOut out;
     out.uri = uri, out.picture = picture, out.codec = codec;
-    auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_, day_at_zero_);
+    auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, day_at_zero_);
     EXPECT_TRUE(sink) << sink.error().context;
     return sink ? *std::move(sink) : nullptr;
   }
@@ -82,8 +82,8 @@ class StreamSinkTest : public ::testing::Test {
     for (int i = 1; i <= 10; ++i) ASSERT_TRUE(sink->write(bars_frame(i)));
     const auto done = sink->finish();
     ASSERT_TRUE(done) << done.error().context;
-    EXPECT_EQ(report_.frames, 10U);
-    EXPECT_EQ(report_.dropped, 0U);
+    EXPECT_EQ(sink->report().frames, 10U);
+    EXPECT_EQ(sink->report().dropped, 0U);
   }
   /// Sends frames until the receiver ends; their number is bounded by the test's limit.
   void send_to(StreamSink& sink, test::ChildProcess& receiver) {
@@ -118,7 +118,6 @@ class StreamSinkTest : public ::testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  StreamOutReport report_;
   std::optional<Duration> day_at_zero_;
   std::atomic<bool> gone_ = false;
 };
@@ -134,7 +133,6 @@ TEST_F(StreamSinkTest, TimecodeIsThatOfMidExposure) {
     return test::read_bytes(text);
   };
   const auto write = [&](const std::string& file, Codec codec) {
-    report_ = {};
     const auto sink = sink_of(file, Picture::kFill, codec);
     ASSERT_TRUE(sink);
     for (const int i : {1, 2, 4}) ASSERT_TRUE(sink->write(bars_frame(i)));
@@ -161,11 +159,9 @@ TEST_F(StreamSinkTest, AFileKeepsColourAlphaAndDepthExactly) {
   write_file(folder_ / "fill.mkv", Picture::kFill);
   EXPECT_EQ(worst_of_bars(decoded(folder_ / "fill.mkv", "rgb24"), 9), 0);
 
-  report_ = {};
   write_file(folder_ / "alpha.mkv", Picture::kAlpha);
   const std::string bgra = decoded(folder_ / "alpha.mkv", "bgra");
   ASSERT_EQ(bgra.size(), 10 * 4 * area);
-  report_ = {};
   write_file(folder_ / "depth.mkv", Picture::kDepth);
   const std::string gray = decoded(folder_ / "depth.mkv", "gray16le");
   ASSERT_EQ(gray.size(), 10 * 2 * area);
@@ -265,13 +261,13 @@ TEST_F(StreamSinkTest, AReceiverThatIsNotThereOrTakesNothingCostsPicturesAlone) 
   ASSERT_TRUE(sink);
   for (int i = 1; i <= 100; ++i) ASSERT_TRUE(sink->write(bars_frame(i)));
   ASSERT_TRUE(sink->finish());
-  EXPECT_EQ(report_.frames + report_.dropped, 100U);
+  EXPECT_EQ(sink->report().frames + sink->report().dropped, 100U);
 }
 
 TEST_F(StreamSinkTest, AFileThatCannotBeWrittenIsOneLine) {
   scene::StreamOut out;
   out.uri = "/nowhere/at/all.mkv";
-  const auto sink = StreamSink::create(out, kBars, kBars_hz, false, {}, report_);
+  const auto sink = StreamSink::create(out, kBars, kBars_hz, false, {});
   bool failed = !sink;
   for (int i = 1; !failed && i <= 10; ++i) failed = !(*sink)->write(bars_frame(i));
   if (!failed) failed = !(*sink)->finish();

@@ -61,9 +61,9 @@ TEST(OscCommands, AreThoseOfThePage) {
   osc_command<StartSweep>("/mixrig/sweep");
   osc_command<CancelSweep>("/mixrig/sweep", {0.0});
   const auto view = action_of(OscReceived{"/mixrig/view", {std::string("key")}}, made_state());
-  EXPECT_EQ(std::get<SelectView>(**view).view, View::kKey);
+  EXPECT_EQ(std::get<output::ShowView>(std::get<output::RunOrder>(**view)).view, View::kKey);
   const auto freeze = action_of(OscReceived{"/mixrig/freeze", {}}, made_state());
-  EXPECT_TRUE(std::get<Freeze>(**freeze).on);
+  EXPECT_TRUE(std::get<output::FreezePictures>(std::get<output::RunOrder>(**freeze)).on);
   EXPECT_FALSE(action_of(OscReceived{"/mixrig/state", {}}, made_state())->has_value());
 }
 
@@ -128,15 +128,14 @@ class OscServer : public ::testing::Test {
     run_.set(state);
   }
   void start(const std::string& address = "127.0.0.1") {
-    auto server = Server::start(run_, controls_, clock_, {"127.0.0.1", 0}, Listen{address, 0});
+    auto server = Server::start(run_, orders_, clock_, {"127.0.0.1", 0}, Listen{address, 0});
     ASSERT_TRUE(server) << to_line(server.error());
     server_ = *std::move(server);
   }
   SystemClock clock_;
   FakeOperator run_;
   std::atomic<bool> stop_ = false;
-  std::atomic<int> learn_ = 0;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  output::RunOrders orders_{stop_};
   std::unique_ptr<Server> server_;
 };
 
@@ -149,7 +148,7 @@ TEST_F(OscServer, AButtonActsAndTheStateIsToldBack) {
   EXPECT_EQ(std::get<double>(one.next_of("/mixrig/lamp/key/on").arguments[0]), 0);
   one.send(stream::OscMessage("/mixrig/view").add(std::string_view("matte")).bytes());
   EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/view").arguments[0]), "matte");
-  EXPECT_EQ(controls_.view, View::kMatte);
+  EXPECT_EQ(orders_.state().view, View::kMatte);
   State recording = run_.state();
   recording.recording.on = true, recording.recording.name = "shot 1";
   run_.set(recording);
@@ -157,7 +156,7 @@ TEST_F(OscServer, AButtonActsAndTheStateIsToldBack) {
   EXPECT_EQ(std::get<std::string>(two.next_of("/mixrig/tally").arguments[0]), "record");
   two.send(stream::OscMessage("/mixrig/state").bytes());
   EXPECT_EQ(std::get<double>(two.next_of("/mixrig/freeze").arguments.at(0)), 0) << "told anew";
-  controls_.frozen = true;  // by a key of the viewfinder
+  ASSERT_TRUE(orders_.give(output::FreezePictures{true}));  // by a key of the viewfinder
   EXPECT_EQ(std::get<double>(two.next_of("/mixrig/freeze").arguments.at(0)), 1);
 }
 

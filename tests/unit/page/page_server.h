@@ -17,7 +17,7 @@ class PageServer : public ::testing::Test {
     state.scene = "scene.toml";
     state.lamps.push_back({.name = "lamp 1"});
     run_.set(state);
-    auto server = Server::start(run_, controls_, clock_, {"127.0.0.1", 0});
+    auto server = Server::start(run_, orders_, clock_, {"127.0.0.1", 0});
     if (server) server_ = *std::move(server);
     sink_ = server_->make_sink();
   }
@@ -66,8 +66,7 @@ class PageServer : public ::testing::Test {
   SystemClock clock_;
   FakeOperator run_;
   std::atomic<bool> stop_ = false;
-  std::atomic<int> learn_ = 0;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  output::RunOrders orders_{stop_};
   std::unique_ptr<Server> server_;
   std::unique_ptr<output::CompositeSink> sink_;
   unsigned noise_ = 1;

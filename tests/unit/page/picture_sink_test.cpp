@@ -31,8 +31,9 @@ Image<Rgb8> ramp() {
 }
 
 TEST(PagePictures, NothingIsMadeWhileNobodyLooks) {
-  std::atomic<bool> frozen = false;
-  auto pictures = std::make_shared<Pictures>(frozen);
+  std::atomic<bool> stop = false;
+  output::RunOrders orders(stop);
+  auto pictures = std::make_shared<Pictures>(orders);
   PictureSink sink(pictures);
   EXPECT_EQ(sink.wanted(1), 0U);
   ASSERT_TRUE(sink.write(composite_of(ramp(), 1)));
@@ -41,17 +42,18 @@ TEST(PagePictures, NothingIsMadeWhileNobodyLooks) {
   EXPECT_EQ(sink.wanted(1), render::kColor);
   pictures->look(View::kLight);
   EXPECT_EQ(sink.wanted(1), render::kColor | render::kLight);
-  frozen = true;
+  ASSERT_TRUE(orders.give(output::FreezePictures{true}));
   EXPECT_EQ(sink.wanted(1), 0U);
-  frozen = false;
+  ASSERT_TRUE(orders.give(output::FreezePictures{false}));
   pictures->look_away(View::kLight);
   pictures->look_away(View::kComposite);
   EXPECT_EQ(sink.wanted(1), 0U);
 }
 
 TEST(PagePictures, TheJpegShowsTheComposite) {
-  std::atomic<bool> frozen = false;
-  auto pictures = std::make_shared<Pictures>(frozen);
+  std::atomic<bool> stop = false;
+  output::RunOrders orders(stop);
+  auto pictures = std::make_shared<Pictures>(orders);
   PictureSink sink(pictures);
   pictures->look(View::kComposite);
   ASSERT_TRUE(sink.write(composite_of(ramp(), 5)));
@@ -72,8 +74,9 @@ TEST(PagePictures, TheJpegShowsTheComposite) {
 }
 
 TEST(PagePictures, EachViewIsMadeOfItsImage) {
-  std::atomic<bool> frozen = false;
-  auto pictures = std::make_shared<Pictures>(frozen);
+  std::atomic<bool> stop = false;
+  output::RunOrders orders(stop);
+  auto pictures = std::make_shared<Pictures>(orders);
   PictureSink sink(pictures);
   for (const View view : {View::kPlate, View::kDepth, View::kMatte, View::kKey})
     pictures->look(view);

@@ -111,12 +111,12 @@ TEST(PageAction, RecordingViewFreezeSceneBackground) {
   (void)command<StopRecording>(Method::kPost, "/api/v1/record/stop", "");
   (void)command<SaveScene>(Method::kPost, "/api/v1/scene/save", "");
   (void)command<LearnBackground>(Method::kPost, "/api/v1/background/learn", "{}");
-  EXPECT_EQ(
-      std::get<SelectView>(action(Method::kPut, "/api/v1/view", R"({"view":"light"})").value())
-          .view,
-      View::kLight);
-  EXPECT_TRUE(
-      std::get<Freeze>(action(Method::kPut, "/api/v1/freeze", R"({"on":true})").value()).on);
+  const auto order = [](const char* target, const char* body) {
+    return std::get<output::RunOrder>(action(Method::kPut, target, body).value());
+  };
+  EXPECT_EQ(std::get<output::ShowView>(order("/api/v1/view", R"({"view":"light"})")).view,
+            View::kLight);
+  EXPECT_TRUE(std::get<output::FreezePictures>(order("/api/v1/freeze", R"({"on":true})")).on);
 }
 
 TEST(PageAction, TheHeadIsSweptOverARoom) {

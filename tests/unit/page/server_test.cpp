@@ -237,9 +237,8 @@ TEST(PageServerAddress, ATokenIsNeededBeyondTheLoopback) {
   SystemClock clock;
   FakeOperator run;
   std::atomic<bool> stop = false;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = stop, .learn = learn};
-  const auto server = Server::start(run, controls, clock, {"0.0.0.0", 0});
+  output::RunOrders orders(stop);
+  const auto server = Server::start(run, orders, clock, {"0.0.0.0", 0});
   ASSERT_TRUE(server);
   const std::string url = (*server)->url();
   const std::size_t at = url.find("/?token=");
@@ -265,12 +264,11 @@ TEST(PageServerAddress, ATakenPortIsOneLine) {
   SystemClock clock;
   FakeOperator run;
   std::atomic<bool> stop = false;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = stop, .learn = learn};
-  const auto first = Server::start(run, controls, clock, {"127.0.0.1", 0});
+  output::RunOrders orders(stop);
+  const auto first = Server::start(run, orders, clock, {"127.0.0.1", 0});
   ASSERT_TRUE(first);
   EXPECT_EQ((*first)->url(), "http://127.0.0.1:" + std::to_string((*first)->port()) + "/");
-  const auto second = Server::start(run, controls, clock, {"127.0.0.1", (*first)->port()});
+  const auto second = Server::start(run, orders, clock, {"127.0.0.1", (*first)->port()});
   ASSERT_FALSE(second);
   EXPECT_NE(to_line(second.error()).find("choose another one by --page"), std::string::npos);
 }

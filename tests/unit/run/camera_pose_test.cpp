@@ -93,8 +93,9 @@ class CameraPoseTest : public ::testing::Test {
     options.frames = frames;
     options.out = std::move(out);
     options.output.format = output::OutputFormat::kNone;
-    options.sinks.push_back(std::make_unique<Watcher>(shown_));
-    return run(session_, std::move(options), clock_, {});
+    RunParts parts;
+    parts.sinks.push_back(std::make_unique<Watcher>(shown_));
+    return run(session_, options, clock_, {}, std::move(parts));
   }
   /// Column at which the object stands in frame `number`.
   static double expected_px(double time_s) {
@@ -346,7 +347,7 @@ TEST_F(CameraPoseTest, ATurningHeadStopsALiveRun) {
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_NE(report->ended.find("the head has turned by"), std::string::npos) << report->ended;
   // 0.012 rad a frame: the second one is the first that turned.
-  EXPECT_EQ(report->frame_ms.count(), 1U);
+  EXPECT_EQ(report->frames.frame_ms.count(), 1U);
 }
 
 TEST_F(CameraPoseTest, AHeadThatRestsOrIsFollowedByPosesOfTheTakeIsFine) {

@@ -16,7 +16,7 @@ namespace mixrig::session {
 namespace {
 
 constexpr int kEmpty = 3, kFrames = 8;
-constexpr int kBoxPixel = 32 + 65536 * 24, kWallPixel = 5 + 65536 * 5;
+const glm::ivec2 kBoxPixel(32, 24), kWallPixel(5, 5);
 
 using FramePictures = std::vector<std::vector<Rgb8>>;
 
@@ -45,13 +45,14 @@ class KeptPictures final : public output::CompositeSink {
 
 class FocusRun : public ::testing::Test {
  protected:
-  FocusRun() : stop_(false), learn_(0) {}
   void save(const std::string& focus) {
     path_ = folder_.write("scene.toml",
                           "[camera]\npose = \"identity\"\n[background]\nlearn = [1, 3]\n" + focus);
   }
-  /// The last picture; `between` is called before the third one.
-  std::vector<Rgb8> last_picture(int focus_at, std::function<void()> between = nullptr) {
+  /// The last picture of a run that is sharp there from its start; `between` is called before the
+  /// third one.
+  std::vector<Rgb8> last_picture(std::optional<glm::ivec2> focus_px = {},
+                                 std::function<void()> between = nullptr) {
     Session session;
     session.scene = scene::load_scene(path_).value();
     session.source = std::make_unique<test::BoxSource>(kEmpty, kFrames);
@@ -59,14 +60,14 @@ class FocusRun : public ::testing::Test {
     session.meshes = mesh_arrays(session.scene);
     set_scene(session.scene, session.meshes, session.setup);
     session.backend = {render::Backend::kCpu, 1};
-    controls_.focus_at = focus_at;
     RunOptions options;
-    options.judge = false, options.controls = &controls_;
-    options.scene = std::make_shared<SceneFollower>(session, false);
+    options.judge = false, options.focus_px = focus_px;
+    RunParts parts;
+    parts.orders = &orders_, parts.scene = std::make_shared<SceneFollower>(session, false);
     FramePictures kept;
-    options.sinks.push_back(std::make_unique<KeptPictures>(kept, std::move(between)));
+    parts.sinks.push_back(std::make_unique<KeptPictures>(kept, std::move(between)));
     const SystemClock clock;
-    const auto report = run(session, std::move(options), clock, {});
+    const auto report = run(session, options, clock, {}, std::move(parts));
     EXPECT_TRUE(report) << report.error().context;
     return kept.empty() ? std::vector<Rgb8>{} : kept.back();
   }
@@ -85,42 +86,44 @@ class FocusRun : public ::testing::Test {
 
   test::TemporaryFolder folder_;
   std::filesystem::path path_;
-  std::atomic<bool> stop_;
-  std::atomic<int> learn_;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  std::atomic<bool> stop_ = false;
+  output::RunOrders orders_{stop_};
 };
 
 TEST_F(FocusRun, AClickTakesThePlaceOfTheScenesDistance) {
   save("");
-  const auto sharp = last_picture(-1);
+  const auto sharp = last_picture();
   save(at_m("3.0"));
-  const auto wall = last_picture(-1);
-  EXPECT_TRUE(controls_.can_focus);
+  const auto wall = last_picture();
+  EXPECT_TRUE(orders_.state().can_focus);
   EXPECT_GT(most_difference(wall, sharp), 30) << "the edges of the box are blurred";
   EXPECT_LT(most_difference(last_picture(kBoxPixel), sharp), 10) << "only an even wall is";
   EXPECT_EQ(most_difference(last_picture(kWallPixel), wall), 0) << "the wall is at 3 m";
+  ASSERT_TRUE(orders_.give(output::FocusAt{kBoxPixel}));
+  EXPECT_TRUE(last_picture() == last_picture(kBoxPixel)) << "by an order";
+  EXPECT_FALSE(orders_.waits<output::FocusAt>());
 }
 
 TEST_F(FocusRun, WhatTheSceneSaysNewlyTakesThePlaceOfAClick) {
   save(at_m("3.0"));
-  const auto wall = last_picture(-1);
+  const auto wall = last_picture();
   EXPECT_FALSE(last_picture(kBoxPixel) == wall);
   save(at_m("2.0"));
   EXPECT_TRUE(last_picture(kBoxPixel, [&] { save(at_m("3.0")); }) == wall);
-  EXPECT_EQ(controls_.focus_at, -1);
+  EXPECT_FALSE(orders_.state().focus_px);
 }
 
 TEST_F(FocusRun, AFocusThatComesAndGoesWhileItRuns) {
   save("");
   const auto sharp = last_picture(kBoxPixel);
-  EXPECT_FALSE(controls_.can_focus);
+  EXPECT_FALSE(orders_.state().can_focus);
   save(at_m("3.0"));
-  const auto focused = last_picture(-1);
+  const auto focused = last_picture();
   EXPECT_FALSE(focused == sharp);
-  EXPECT_TRUE(last_picture(-1, [&] { save(""); }) == sharp);
+  EXPECT_TRUE(last_picture({}, [&] { save(""); }) == sharp);
   save("");
-  EXPECT_TRUE(last_picture(-1, [&] { save(at_m("3.0")); }) == focused);
-  EXPECT_TRUE(controls_.can_focus);
+  EXPECT_TRUE(last_picture({}, [&] { save(at_m("3.0")); }) == focused);
+  EXPECT_TRUE(orders_.state().can_focus);
 }
 
 }  // namespace

@@ -28,13 +28,12 @@ TEST(LongRun, ResidentMemoryStaysWhereItWasAfterAThousandFrames) {
   options.sheet_rows = 1;  // of 1.4 MB
   const SystemClock clock;
   double early_mb = 0, late_mb = 0;
-  const auto report =
-      run(session, std::move(options), clock, [&](std::string_view what, int done, int) {
-        if (what == "frames" && done == kFirst) early_mb = test::resident_mb();
-        if (what == "frames" && done == kLast) late_mb = test::resident_mb();
-      });
+  const auto report = run(session, options, clock, [&](std::string_view what, int done, int) {
+    if (what == "frames" && done == kFirst) early_mb = test::resident_mb();
+    if (what == "frames" && done == kLast) late_mb = test::resident_mb();
+  });
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->frame_ms.count(), static_cast<std::uint64_t>(kFrames - 5));
+  EXPECT_EQ(report->frames.frame_ms.count(), static_cast<std::uint64_t>(kFrames - 5));
   EXPECT_GT(early_mb, 1.0);
   EXPECT_LT(late_mb - early_mb, 3.0);
 }

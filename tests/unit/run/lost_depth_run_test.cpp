@@ -72,48 +72,46 @@ TEST(LostDepthRun, GoesOnWithoutAKeyAndKeysAgain) {
   session.setup = *setup_of(session.source->info(), std::nullopt);
   session.backend = {render::Backend::kCpu, 1};
   std::atomic<bool> stop = false;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = stop, .learn = learn};
-  RunOptions options;
-  options.controls = &controls;
-  options.stop = &stop;
-  options.sinks.push_back(std::make_unique<PhaseSink>(seen));
+  output::RunOrders orders(stop);
+  RunParts parts;
+  parts.orders = &orders, parts.stop = &stop;
+  parts.sinks.push_back(std::make_unique<PhaseSink>(seen));
   const SystemClock clock;
   std::thread end([&] {
     while (seen.phase != Phase::kOver && !stop) std::this_thread::yield();
     stop = true;
   });
-  const auto report = run(session, std::move(options), clock, {});
+  const auto report = run(session, {}, clock, {}, std::move(parts));
   stop = true;
   end.join();
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(seen.phase, Phase::kOver);
   EXPECT_GT(seen.without_depth, 3);
-  EXPECT_TRUE(controls.can_learn) << "a still background is watched in a live run";
-  EXPECT_FALSE(controls.can_record) << "there is no folder";
+  EXPECT_TRUE(orders.state().can_learn) << "a still background is watched in a live run";
+  EXPECT_FALSE(orders.state().can_record) << "there is no folder";
 }
 
 TEST(PausedRun, WritesTheFramesThatWereRecorded) {
   const test::TemporaryFolder folder;
   std::atomic<bool> stop = false;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = stop, .learn = learn};
+  output::RunOrders orders(stop);
   Session session;
   // A recording is read at most three frames ahead: 20 frames are paused from about the 8th on.
   session.source = std::make_unique<test::PosedSource>(20, [&](capture::Capture& capture) {
-    if (capture.number >= 8 && capture.number < 15) controls.recording = false;
-    if (capture.number >= 15) controls.recording = true;
+    if (capture.number != 8 && capture.number != 15) return;
+    EXPECT_TRUE(orders.give(output::Record{capture.number == 15}));
   });
   session.setup = *setup_of(session.source->info(), std::nullopt);
   session.backend = {render::Backend::kCpu, 1};
+  RunParts parts;
+  parts.orders = &orders;
   RunOptions options;
-  options.controls = &controls;
   options.out = folder / "out";
   const SystemClock clock;
-  const auto report = run(session, std::move(options), clock, {});
+  const auto report = run(session, options, clock, {}, std::move(parts));
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_TRUE(controls.can_record);
-  EXPECT_EQ(report->frame_ms.count(), 20U);
+  EXPECT_TRUE(orders.state().can_record);
+  EXPECT_EQ(report->frames.frame_ms.count(), 20U);
   ASSERT_EQ(report->sinks[0].name, "files");
   EXPECT_GE(report->sinks[0].written, 10U);
   EXPECT_LE(report->sinks[0].written, 16U);

@@ -157,31 +157,30 @@ class OperatorDeskTest : public Recorder {
     std::ofstream(folder_.path() / "scene.toml") << "[camera]\npose = \"take\"\n";
     session_.scene = scene::load_scene(folder_.path() / "scene.toml").value();
     desk_ = std::make_unique<OperatorDesk>(
-        session_, std::make_shared<SceneFollower>(session_, false), controls_, clock_,
+        session_, std::make_shared<SceneFollower>(session_, false), orders_, clock_,
         DeskOptions{.takes = folder_.path() / "takes"});
   }
   ManualClock clock_;
   std::atomic<bool> stop_ = false;
-  std::atomic<int> learn_ = 0;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  output::RunOrders orders_{stop_};
   std::unique_ptr<OperatorDesk> desk_;
 };
 
 TEST_F(OperatorDeskTest, AKeyAndThePageBeginAndEndTheSameRecording) {
-  EXPECT_TRUE(controls_.records_takes);
-  EXPECT_FALSE(controls_.recording);
+  EXPECT_TRUE(orders_.state().records_takes);
+  EXPECT_FALSE(orders_.state().recording);
   desk_->see(frame(1));
-  controls_.recording = true;  // the key
+  ASSERT_TRUE(orders_.give(output::Record{true}));  // the key
   desk_->see(frame(2));
   EXPECT_TRUE(desk_->state().recording.on);
   EXPECT_EQ(desk_->apply(page::StartRecording{}).error().code, ErrorCode::kData);
-  EXPECT_TRUE(controls_.recording);
+  EXPECT_TRUE(orders_.state().recording);
   ASSERT_TRUE(desk_->apply(page::StopRecording{}));
-  EXPECT_FALSE(controls_.recording) << "the key is told";
+  EXPECT_FALSE(orders_.state().recording) << "the key is told";
   ASSERT_TRUE(desk_->apply(page::StartRecording{"b", ""}));
-  EXPECT_TRUE(controls_.recording);
+  EXPECT_TRUE(orders_.state().recording);
   desk_->see(frame(3));
-  controls_.recording = false;
+  ASSERT_TRUE(orders_.give(output::Record{false}));
   desk_->see(frame(4));
   EXPECT_FALSE(desk_->state().recording.on);
   EXPECT_EQ(desk_->state().recording.folder, (folder_.path() / "takes/b").string());
@@ -189,10 +188,10 @@ TEST_F(OperatorDeskTest, AKeyAndThePageBeginAndEndTheSameRecording) {
 
 TEST_F(OperatorDeskTest, TheBackgroundIsLearnedWhereTheRunSaysThatItCan) {
   EXPECT_EQ(desk_->apply(page::LearnBackground{}).error().code, ErrorCode::kUnsupported);
-  controls_.can_learn = true;
+  orders_.tell([](output::RunState& run) { run.can_learn = true; });
   EXPECT_TRUE(desk_->state().background_possible);
   EXPECT_TRUE(desk_->apply(page::LearnBackground{}));
-  EXPECT_EQ(learn_, 1);
+  EXPECT_TRUE(orders_.take<output::LearnChanges>());
 }
 
 TEST_F(OperatorDeskTest, ARecordingHasNoCamerasToSet) {
@@ -230,10 +229,10 @@ TEST_F(OperatorDeskTest, WhatWasClickedInAWindowIsToldAndSaved) {
   session_.scene.focus.emplace().distance_m = 2;
   std::ofstream(folder_.path() / "scene.toml") << "[focus]\ndistance_m = 2.0\n";
   EXPECT_EQ(desk_->state().focus.distance_m, 2.0);
-  controls_.focus_at = 4 + 65536 * 2;
+  ASSERT_TRUE(orders_.give(output::FocusAt{{4, 2}}));
   ASSERT_TRUE(desk_->state().focus.at);
   EXPECT_NEAR(desk_->state().focus.at->x(), 4.5 / 16, 1e-9);
-  controls_.can_focus = true;  // told by the run
+  orders_.tell([](output::RunState& run) { run.can_focus = true; });
   ASSERT_TRUE(desk_->apply(page::SaveScene{}));
   const auto scene = scene::load_scene(folder_.path() / "scene.toml").value();
   EXPECT_EQ(scene.focus->pixel, std::pair(4, 2));

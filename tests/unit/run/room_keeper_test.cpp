@@ -47,20 +47,20 @@ class TimedBox final : public capture::CaptureSource {
 /// Keeps the share of foreground, and asks for the changes to be accepted at a frame.
 class Foreground final : public output::CompositeSink {
  public:
-  Foreground(std::vector<double>& pct, std::atomic<int>& requests, int asks_at)
-      : pct_(pct), requests_(requests), asks_at_(asks_at) {}
+  Foreground(std::vector<double>& pct, output::RunOrders& orders, int asks_at)
+      : pct_(pct), orders_(orders), asks_at_(asks_at) {}
   std::string_view name() const override { return "foreground"; }
   render::OutputMask wanted(int) const override { return render::kMatte; }
   Result<void> write(const output::CompositePtr& composite) override {
     pct_.push_back(composite->foreground_pct);
-    if (composite->capture->number == asks_at_) ++requests_;
-    return {};
+    if (composite->capture->number != asks_at_) return {};
+    return orders_.give(output::LearnChanges{});
   }
   Result<void> finish() override { return {}; }
 
  private:
   std::vector<double>& pct_;
-  std::atomic<int>& requests_;
+  output::RunOrders& orders_;
   const int asks_at_;
 };
 
@@ -70,7 +70,6 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
     std::string pattern = (fs::temp_directory_path() / "mixrig-keep-XXXXXX").string();
     root_ = mkdtemp(pattern.data());
     options_.changes.watch = model::watch_options(kSettle_s);
-    options_.changes.requests = &requests_;
     options_.watch_room = true;
   }
   ~RoomKeeperTest() override { fs::remove_all(root_); }
@@ -81,9 +80,10 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
     session.scene.background.learn = {1, kKeptEmpty};
     session.setup = *setup_of(session.source->info(), std::nullopt);
     session.backend = {GetParam(), 1};
-    options_.sinks.push_back(std::make_unique<Foreground>(pct_, requests_, asks_at));
+    parts_.sinks.push_back(std::make_unique<Foreground>(pct_, orders_, asks_at));
+    parts_.orders = &orders_;
     const SystemClock clock;
-    auto report = run(session, std::move(options_), clock, {});
+    auto report = run(session, options_, clock, {}, std::move(parts_));
     EXPECT_TRUE(report) << report.error().context;
     return report ? std::move(*report) : RunReport{};
   }
@@ -94,7 +94,9 @@ class RoomKeeperTest : public ::testing::TestWithParam<render::Backend> {
       100.0 * test::BoxSource::kSide * test::BoxSource::kSide / (64 * 48);
   fs::path root_;
   RunOptions options_;
-  std::atomic<int> requests_ = 0;
+  RunParts parts_;
+  std::atomic<bool> stop_ = false;
+  output::RunOrders orders_{stop_};
   std::vector<double> pct_;
 };
 
@@ -105,14 +107,14 @@ TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {
   options_.changes.accept_all = true;
   options_.save_room = root_ / "after";
   const RunReport report = run_it();
-  ASSERT_TRUE(report.room_changes);
-  ASSERT_EQ(report.room_changes->changes.size(), 1U);
-  const model::RoomChange& change = report.room_changes->changes[0];
+  ASSERT_TRUE(report.compositor.room_changes);
+  ASSERT_EQ(report.compositor.room_changes->changes.size(), 1U);
+  const model::RoomChange& change = report.compositor.room_changes->changes[0];
   EXPECT_EQ(change.kind, model::ChangeKind::kAppeared);
   EXPECT_TRUE(change.accepted);
   EXPECT_NEAR(change.center_m.z(), 2, 0.04) << "identity pose: z is ahead";
   EXPECT_NEAR(change.size_m.x(), 0.8, 0.15);
-  EXPECT_EQ(report.room_changes->accepted, 1);
+  EXPECT_EQ(report.compositor.room_changes->accepted, 1);
   ASSERT_EQ(pct_.size(), static_cast<std::size_t>(kKeptFrames - kKeptEmpty));
   EXPECT_NEAR(pct(0), kBox_pct, 1.0);
   EXPECT_NEAR(pct(60), kBox_pct, 1.0) << "certain, not yet learned";
@@ -127,9 +129,9 @@ TEST_P(RoomKeeperTest, WhatIsAcceptedIsBackgroundAndNoFrameIsLost) {
 TEST_P(RoomKeeperOnCpu, WithoutAnOrderItIsOnlyTold) {
   options_.save_room = root_ / "after";
   const RunReport report = run_it();
-  ASSERT_TRUE(report.room_changes);
-  ASSERT_EQ(report.room_changes->changes.size(), 1U);
-  EXPECT_FALSE(report.room_changes->changes[0].accepted);
+  ASSERT_TRUE(report.compositor.room_changes);
+  ASSERT_EQ(report.compositor.room_changes->changes.size(), 1U);
+  EXPECT_FALSE(report.compositor.room_changes->changes[0].accepted);
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
   EXPECT_FALSE(fs::exists(root_ / "after")) << "nothing to save";
   const nlohmann::json json = to_json(report).at("room_changes");
@@ -140,23 +142,22 @@ TEST_P(RoomKeeperOnCpu, WithoutAnOrderItIsOnlyTold) {
 
 TEST_P(RoomKeeperOnCpu, AnOrderWhileItRunsIsFollowed) {
   const RunReport report = run_it(false, 100);
-  ASSERT_TRUE(report.room_changes);
-  EXPECT_EQ(report.room_changes->accepted, 1);
+  ASSERT_TRUE(report.compositor.room_changes);
+  EXPECT_EQ(report.compositor.room_changes->accepted, 1);
   EXPECT_NEAR(pct(94), kBox_pct, 1.0) << "frame 99";
   EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
 }
 
 TEST_P(RoomKeeperOnCpu, AnOrderBeforeAnythingIsFoundIsNone) {
   const RunReport report = run_it(false, 10);
-  EXPECT_EQ(report.room_changes->accepted, 0);
+  EXPECT_EQ(report.compositor.room_changes->accepted, 0);
 }
 
 TEST_P(RoomKeeperTest, AScanLearnsAllOfTheRoomAnew) {
-  std::atomic<int> left = output::RunControls::kScanLooks;
-  options_.changes.scan_left = &left;
+  ASSERT_TRUE(orders_.give(output::LearnRoom{true}));
   options_.save_room = root_ / "after";
   const RunReport report = run_it();
-  EXPECT_EQ(left, 0);
+  EXPECT_EQ(orders_.state().scan_left, 0);
   EXPECT_NEAR(pct(60), kBox_pct, 1.0) << "still looking";
   EXPECT_LT(pct(kKeptFrames - kKeptEmpty - 1), 0.1 * kBox_pct);
   const auto saved = model::load_static_background(root_ / "after");
@@ -168,32 +169,33 @@ TEST_P(RoomKeeperTest, AScanLearnsAllOfTheRoomAnew) {
 /// Ends a scan after some frames.
 class EndsScan final : public output::CompositeSink {
  public:
-  explicit EndsScan(std::atomic<int>& left) : left_(left) {}
+  explicit EndsScan(output::RunOrders& orders) : orders_(orders) {}
   std::string_view name() const override { return "ends"; }
   render::OutputMask wanted(int) const override { return render::kMatte; }
   Result<void> write(const output::CompositePtr& composite) override {
-    if (composite->capture->number == 60) left_ = 0;
-    return {};
+    if (composite->capture->number != 60) return {};
+    return orders_.give(output::LearnRoom{false});
   }
   Result<void> finish() override { return {}; }
 
  private:
-  std::atomic<int>& left_;
+  output::RunOrders& orders_;
 };
 
 TEST_P(RoomKeeperOnCpu, AScanThatIsEndedChangesNothing) {
-  std::atomic<int> left = output::RunControls::kScanLooks;
-  options_.changes.scan_left = &left;
-  options_.sinks.push_back(std::make_unique<EndsScan>(left));
+  ASSERT_TRUE(orders_.give(output::LearnRoom{true}));
+  EXPECT_EQ(orders_.state().scan_left, output::kScanLooks) << "as it was asked for";
+  parts_.sinks.push_back(std::make_unique<EndsScan>(orders_));
   (void)run_it();
-  EXPECT_EQ(left, 0);
+  EXPECT_EQ(orders_.state().scan_left, 0);
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 
 TEST_P(RoomKeeperOnCpu, WhatSwaysIsNotAccepted) {
   options_.changes.accept_all = true;
   const RunReport report = run_it(true);
-  EXPECT_TRUE(report.room_changes->changes.empty()) << to_json(report).at("room_changes").dump();
+  EXPECT_TRUE(report.compositor.room_changes->changes.empty())
+      << to_json(report).at("room_changes").dump();
   EXPECT_NEAR(pct(kKeptFrames - kKeptEmpty - 1), kBox_pct, 1.0);
 }
 

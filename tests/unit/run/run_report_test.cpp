@@ -9,16 +9,16 @@ namespace {
 
 RunReport three_frames() {
   RunReport report;
-  report.backend = "cpu";
-  report.renderer = "cpu, 2 threads";
-  report.size = {1280, 1024};
+  report.compositor.backend = "cpu";
+  report.compositor.renderer = "cpu, 2 threads";
+  report.compositor.size = {1280, 1024};
   const auto fill = [](measure::QuantileSketch& sketch, std::initializer_list<double> samples) {
     for (double sample : samples) sketch.add(sample);
   };
-  fill(report.frame_ms, {10, 20, 30});
-  fill(report.stage_ms[static_cast<std::size_t>(render::Stage::kWarp)], {1, 2, 9});
-  fill(report.stage_ms[static_cast<std::size_t>(render::Stage::kUpload)], {0, 0, 0});
-  fill(report.foreground_pct, {0, 12.5, 33.333333});
+  fill(report.frames.frame_ms, {10, 20, 30});
+  fill(report.frames.stage_ms[static_cast<std::size_t>(render::Stage::kWarp)], {1, 2, 9});
+  fill(report.frames.stage_ms[static_cast<std::size_t>(render::Stage::kUpload)], {0, 0, 0});
+  fill(report.frames.foreground_pct, {0, 12.5, 33.333333});
   report.rss_mb = 123;
   return report;
 }
@@ -39,7 +39,7 @@ TEST(RunReport, SaysHowTheCamerasPicturesCameIn) {
   EXPECT_EQ(text(plates), "imported (DMABUF, yuyv), 10 of 40 copied: refused");
   RunReport report = three_frames();
   EXPECT_FALSE(to_json(report).contains("camera_pictures"));
-  report.plates = plates;
+  report.compositor.plates = plates;
   EXPECT_EQ(to_json(report)["camera_pictures"]["imported"], 30);
   EXPECT_NE(to_table(report).find("camera pictures: imported (DMABUF, yuyv)"), std::string::npos);
 }

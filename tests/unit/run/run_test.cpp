@@ -37,22 +37,14 @@ class RunTest : public ::testing::Test {
     options_.out = root_ / "out";
   }
   ~RunTest() override { fs::remove_all(root_); }
-  /// Options are moved into a run: each takes a copy of what the test has set.
-  RunOptions options() const {
-    RunOptions out;
-    out.out = options_.out;
-    out.output = options_.output;
-    out.frames = options_.frames;
-    out.stop = options_.stop;
-    out.baselines = options_.baselines;
-    return out;
-  }
-  Result<RunReport> run_it() { return run(session_, options(), clock_, {}); }
+  RunParts parts() const { return {.stop = stop_}; }
+  Result<RunReport> run_it() { return run(session_, options_, clock_, {}, parts()); }
 
   fs::path root_;
   Session session_;
   test::BoxSource* source_;
   RunOptions options_;
+  const std::atomic<bool>* stop_ = nullptr;
   TickingClock clock_;
 };
 
@@ -77,12 +69,12 @@ TEST_F(RunTest, ALearnedRoomCanBeLeftOut) {
 TEST_F(RunTest, KeysTheBoxAndJudgesIt) {
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->frame_ms.count(), 3U);
-  EXPECT_EQ(report->frame_ms.min(), 3);
-  EXPECT_EQ(report->frame_ms.max(), 3);
+  EXPECT_EQ(report->frames.frame_ms.count(), 3U);
+  EXPECT_EQ(report->frames.frame_ms.min(), 3);
+  EXPECT_EQ(report->frames.frame_ms.max(), 3);
   const double box_pct = 100.0 * test::BoxSource::kSide * test::BoxSource::kSide / (64 * 48);
-  ASSERT_EQ(report->foreground_pct.count(), 3U);
-  EXPECT_NEAR(report->foreground_pct.min(), box_pct, 1.0);
+  ASSERT_EQ(report->frames.foreground_pct.count(), 3U);
+  EXPECT_NEAR(report->frames.foreground_pct.min(), box_pct, 1.0);
   ASSERT_TRUE(report->error);
   EXPECT_GT(*report->error->key_iou, 0.95);
   EXPECT_EQ(report->error->order_wrong_pct, std::nullopt) << "nothing virtual here";
@@ -92,7 +84,7 @@ TEST_F(RunTest, JudgesBaselinesBesideIt) {
   options_.baselines = true;
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->frame_ms.max(), 3) << "outside the timed pass";
+  EXPECT_EQ(report->frames.frame_ms.max(), 3) << "outside the timed pass";
   ASSERT_EQ(report->baselines.size(), 4U);
   const auto& [plate, pasted, depth_key, ideal] = std::tie(
       report->baselines[0], report->baselines[1], report->baselines[2], report->baselines[3]);
@@ -142,7 +134,7 @@ TEST_F(RunTest, JudgesASmallerViewAtTheTruthsSize) {
   session_.setup = *setup_of(source_->info(), Size{32, 24});
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->size, (Size{32, 24}));
+  EXPECT_EQ(report->compositor.size, (Size{32, 24}));
   EXPECT_GT(*report->error->key_iou, 0.85);
 }
 
@@ -159,16 +151,16 @@ TEST_F(RunTest, EndsWholeWhereTheSourceEnds) {
   const auto report = run_it();
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->ended, "end of the source");
-  EXPECT_EQ(report->frame_ms.count(), 2U);
+  EXPECT_EQ(report->frames.frame_ms.count(), 2U);
   EXPECT_EQ(take::TakeReader::open(root_ / "out" / "composite")->info().frames, 2);
 }
 
 TEST_F(RunTest, AStopLeavesAWholeOutput) {
   std::atomic<bool> stop = false;
-  options_.stop = &stop;
-  const auto report = run(session_, options(), clock_, [&](std::string_view what, int done, int) {
-    stop = what == "frames" && done == 2;
-  });
+  stop_ = &stop;
+  const auto report = run(
+      session_, options_, clock_,
+      [&](std::string_view what, int done, int) { stop = what == "frames" && done == 2; }, parts());
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(report->ended, "stopped");
   EXPECT_EQ(take::TakeReader::open(root_ / "out" / "composite")->info().frames, 2);
@@ -176,7 +168,7 @@ TEST_F(RunTest, AStopLeavesAWholeOutput) {
 
 TEST_F(RunTest, AStopBeforeTheFirstFrameLeavesNothing) {
   std::atomic<bool> stop = true;
-  options_.stop = &stop;
+  stop_ = &stop;
   EXPECT_FALSE(run_it());
   EXPECT_TRUE(fs::is_empty(root_));
 }

@@ -273,31 +273,34 @@ TEST_F(Desk, AnObjectIsSetOnThePlaneThatIsSeenThere) {
 TEST_F(Desk, AClickOfTheViewfinderPlacesTheChosenObject) {
   put_up_wall(session_, from_);
   std::atomic<bool> stop = false;
-  std::atomic<int> learn = 0;
-  output::RunControls controls{.stop = stop, .learn = learn};
-  PlaceSink sink(session_, follower_, controls);
-  EXPECT_EQ(controls.objects, 1);
+  output::RunOrders orders(stop);
+  PlaceSink sink(session_, follower_, orders);
+  EXPECT_EQ(orders.state().objects, 1);
   EXPECT_EQ(sink.wanted(1), 0U) << "frames are its business only when something is to be placed";
   auto composite = std::make_shared<output::Composite>();
   composite->world_from_target = from_.world_from_view, composite->view = from_.view;
   ASSERT_TRUE(sink.write(composite));
   EXPECT_EQ(text(), kDeskScene);
-  controls.place_at = 60 + 65536 * 55;
+  ASSERT_TRUE(orders.give(output::PlaceObject{0, {60, 55}}));
   EXPECT_NE(sink.wanted(2), 0U);
   ASSERT_TRUE(sink.write(composite));
-  EXPECT_EQ(controls.place_at, -1);
-  EXPECT_STREQ(controls.place_said, "placed");
+  EXPECT_EQ(sink.wanted(3), 0U);
+  EXPECT_EQ(orders.state().placements, 1U);
+  EXPECT_EQ(output::text(orders.state().placed), "placed");
   const geometry::Pose pose = written().objects[0].world_from_object;
   EXPECT_LT((from_.view.project(inverse(from_.world_from_view) * pose.translation_m) -
              Eigen::Vector2d(60, 55))
                 .norm(),
             0.5);
   const std::string before = text();
-  controls.place_at = 3 + 65536 * 50;  // the hole
+  ASSERT_TRUE(orders.give(output::PlaceObject{0, {3, 50}}));  // the hole
   ASSERT_TRUE(sink.write(composite)) << "the run goes on";
-  EXPECT_NE(std::string(controls.place_said).find("nothing can stand there"), std::string::npos);
-  controls.place_object = 7, controls.place_at = 60 + 65536 * 55;
+  EXPECT_EQ(orders.state().placed, output::Placement::kNoSurface);
+  EXPECT_EQ(output::text(output::Placement::kNoSurface).substr(0, 23), "nothing can stand there");
+  ASSERT_TRUE(orders.give(output::PlaceObject{7, {60, 55}}));
   ASSERT_TRUE(sink.write(composite));
+  EXPECT_EQ(orders.state().placements, 3U);
+  EXPECT_EQ(orders.state().placed, output::Placement::kFailed);
   EXPECT_EQ(text(), before);
 }
 

@@ -89,11 +89,12 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
     session.backend = {GetParam(), 1};
     std::map<int, Pixels> kept;
     RunOptions options;
-    options.scene = follower_ = std::make_shared<SceneFollower>(session, false);
     options.judge = false;
-    options.sinks.push_back(std::make_unique<Pictures>(kept, std::move(change)));
+    RunParts parts;
+    parts.scene = follower_ = std::make_shared<SceneFollower>(session, false);
+    parts.sinks.push_back(std::make_unique<Pictures>(kept, std::move(change)));
     const SystemClock clock;
-    auto report = run(session, std::move(options), clock, {});
+    auto report = run(session, options, clock, {}, std::move(parts));
     EXPECT_TRUE(report) << report.error().context;
     if (report) report_ = *std::move(report);
     EXPECT_EQ(kept.size(), static_cast<std::size_t>(kLastFrame - kEmptyFrames)) << "no frame lost";
@@ -111,8 +112,8 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
     for (int number = kEditAt + 1; number <= kLastFrame; ++number)
       EXPECT_TRUE(kept.at(number) == after.at(number)) << to << number;
     EXPECT_FALSE(before.at(kLastFrame) == after.at(kLastFrame)) << "it can be seen: " << to;
-    EXPECT_EQ(report_.scene_edits->taken, 1U);
-    EXPECT_EQ(report_.scene_edits->refused, 0U);
+    EXPECT_EQ(report_.compositor.scene_edits->taken, 1U);
+    EXPECT_EQ(report_.compositor.scene_edits->refused, 0U);
   }
 
   test::TemporaryFolder folder_;
@@ -141,8 +142,8 @@ TEST_P(SceneFollowerOnCpu, AFileThatCannotBeReadIsLeftAlone) {
   const auto before = run_it();
   const auto kept = run_it([&] { save(kHead + "[[object]]\nname = 7\n"); });
   EXPECT_TRUE(kept == before);
-  EXPECT_EQ(report_.scene_edits->taken, 0U);
-  EXPECT_EQ(report_.scene_edits->refused, 1U);
+  EXPECT_EQ(report_.compositor.scene_edits->taken, 0U);
+  EXPECT_EQ(report_.compositor.scene_edits->refused, 1U);
   EXPECT_EQ(to_json(report_).at("scene_edits").at("refused"), 1);
   save(kHead + kThing);
   EXPECT_TRUE(run_it([&] { std::filesystem::remove(path_); }) == before);
@@ -156,8 +157,8 @@ TEST_P(SceneFollowerTest, ASceneThatCannotBeDrawnIsLeftAlone) {
   const auto kept = run_it([&] { save(lamps); });
   const bool is_drawn = GetParam() == render::Backend::kCpu;  // gles draws 32 lamps at most
   EXPECT_EQ(kept == before, !is_drawn);
-  EXPECT_EQ(report_.scene_edits->taken, is_drawn ? 1U : 0U);
-  EXPECT_EQ(report_.scene_edits->refused, is_drawn ? 0U : 1U);
+  EXPECT_EQ(report_.compositor.scene_edits->taken, is_drawn ? 1U : 0U);
+  EXPECT_EQ(report_.compositor.scene_edits->refused, is_drawn ? 0U : 1U);
 }
 
 TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
@@ -167,7 +168,7 @@ TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
   other.replace(other.find("learn = [1, 3]"), 14, "walls = \"open\"");
   const auto kept = run_it([&] { save(other); });
   EXPECT_TRUE(kept == before);
-  EXPECT_EQ(report_.scene_edits->taken, 1U);
+  EXPECT_EQ(report_.compositor.scene_edits->taken, 1U);
 }
 
 TEST_P(SceneFollowerTest, APreviewIsSeenAtOnceAndEndsWithTheNextSave) {
@@ -183,7 +184,7 @@ TEST_P(SceneFollowerTest, APreviewIsSeenAtOnceAndEndsWithTheNextSave) {
   EXPECT_TRUE(kept.at(kEditAt) == before.at(kEditAt));
   EXPECT_TRUE(kept.at(kEditAt + 1) == after.at(kEditAt + 1));
   EXPECT_TRUE(kept.at(kLastFrame) == after.at(kLastFrame));
-  EXPECT_EQ(report_.scene_edits->taken, 0U);
+  EXPECT_EQ(report_.compositor.scene_edits->taken, 0U);
   const auto again = run_it([&] {
     follower_->preview_object("thing", {Eigen::Quaterniond::Identity(), {0, 0, 2.9}});
     follower_->preview_lamp("key", {0.1F, 0.1F, 0.1F});

@@ -99,13 +99,13 @@ TEST(SinkRun, ASinkThatIsStuckLosesItsOwnFramesOnly) {
   session.source = std::make_unique<PacedSource>(kFrames, fast, slow);
   session.setup = *setup_of(session.source->info(), std::nullopt);
   session.backend = {render::Backend::kCpu, 1};
-  RunOptions options;
-  options.sinks.push_back(std::make_unique<CountingSink>(slow, "slow"));
-  options.sinks.push_back(std::make_unique<CountingSink>(fast, "fast"));
+  RunParts parts;
+  parts.sinks.push_back(std::make_unique<CountingSink>(slow, "slow"));
+  parts.sinks.push_back(std::make_unique<CountingSink>(fast, "fast"));
   const ManualClock clock;  // at the exposure of every capture: none is late
-  const auto report = run(session, std::move(options), clock, {});
+  const auto report = run(session, {}, clock, {}, std::move(parts));
   ASSERT_TRUE(report) << report.error().context;
-  EXPECT_EQ(report->frame_ms.count(), static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(report->frames.frame_ms.count(), static_cast<std::uint64_t>(kFrames));
   EXPECT_EQ(report->ended, "end of the source");
   ASSERT_EQ(report->sinks.size(), 2U);
   EXPECT_EQ(report->sinks[1].written, static_cast<std::uint64_t>(kFrames));
@@ -174,10 +174,10 @@ TEST(SinkRun, ImagesThatOnlyJudgesNeedDoNotWaitForASink) {
   session.source = std::make_unique<WallSource>();
   session.setup = *setup_of(session.source->info(), std::nullopt);
   session.backend = {render::Backend::kCpu, 1};
-  RunOptions options;
-  options.sinks.push_back(std::make_unique<DepthSink>(true, inspected_mm));
-  options.sinks.push_back(std::make_unique<DepthSink>(false, colored_mm));
-  const auto report = run(session, std::move(options), ManualClock(), {});
+  RunParts parts;
+  parts.sinks.push_back(std::make_unique<DepthSink>(true, inspected_mm));
+  parts.sinks.push_back(std::make_unique<DepthSink>(false, colored_mm));
+  const auto report = run(session, {}, ManualClock(), {}, std::move(parts));
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(inspected_mm, std::vector<long>(3, 3000));
   EXPECT_EQ(colored_mm, (std::vector<long>{0, 3000, 0, 3000, 0, 3000}));

@@ -46,8 +46,9 @@ TEST(WarmUpRun, BeginsWithACaptureThatIsNotLate) {
   session.backend = {render::Backend::kCpu, 1};
   RunOptions options;
   options.watch_room = false;
-  options.sinks.push_back(std::make_unique<FirstFrameSink>(first));
-  const auto report = run(session, std::move(options), clock, {});
+  RunParts parts;
+  parts.sinks.push_back(std::make_unique<FirstFrameSink>(first));
+  const auto report = run(session, options, clock, {}, std::move(parts));
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(first, 5) << "40 ms late is a period";
   EXPECT_LE(report->before_ready, 4U);
@@ -65,12 +66,13 @@ TEST(WarmUpRun, KeepsTheLastCaptureThatThereIs) {
   session.backend = {render::Backend::kCpu, 1};
   RunOptions options;
   options.watch_room = false;
-  options.sinks.push_back(std::make_unique<FirstFrameSink>(first));
-  const auto report = run(session, std::move(options), clock, {});
+  RunParts parts;
+  parts.sinks.push_back(std::make_unique<FirstFrameSink>(first));
+  const auto report = run(session, options, clock, {}, std::move(parts));
   ASSERT_TRUE(report) << report.error().context;
   EXPECT_EQ(first, 1);
   EXPECT_EQ(report->before_ready, 0U);
-  EXPECT_EQ(report->frame_ms.count(), 1U) << "the warming up is no frame";
+  EXPECT_EQ(report->frames.frame_ms.count(), 1U) << "the warming up is no frame";
 }
 
 }  // namespace

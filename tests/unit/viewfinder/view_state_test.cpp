@@ -36,6 +36,20 @@ TEST(ViewStateTest, EachOverlayHasItsKeyAndOnlyThePoseIsWatchedFromTheStart) {
   }
 }
 
+TEST(ViewStateTest, WhatTheRunTellsIsNewsOnce) {
+  ViewState state;
+  output::RunState run;
+  EXPECT_FALSE(follow(run, state).any());
+  run.view = View::kMatte, run.frozen = true;
+  run.placements = 1, run.placed = output::Placement::kNoSurface;
+  const RunNews news = follow(run, state);
+  EXPECT_TRUE(news.view && news.frozen);
+  EXPECT_EQ(news.placed, output::Placement::kNoSurface);
+  EXPECT_EQ(state.view, View::kMatte);
+  EXPECT_TRUE(state.frozen);
+  EXPECT_FALSE(follow(run, state).any());
+}
+
 TEST(ViewStateTest, OtherKeysAskTheRun) {
   ViewState state;
   EXPECT_EQ(press('b', state), Request::kLearn);

@@ -40,7 +40,7 @@ class ViewfinderTest : public ::testing::Test {
   std::unique_ptr<Viewfinder> open(View view = View::kComposite, bool live = true) {
     source_ = std::make_unique<FakeSource>(live);
     auto made = Viewfinder::create({.title = "test", .view = view, .picture_px = kMadeSize},
-                                   *source_, controls_, clock_, report_);
+                                   *source_, orders_, clock_, report_);
     EXPECT_TRUE(made) << (made ? "" : to_line(made.error()));
     return made ? *std::move(made) : nullptr;
   }
@@ -52,8 +52,7 @@ class ViewfinderTest : public ::testing::Test {
   }
   SystemClock clock_;
   std::atomic<bool> stop_ = false;
-  std::atomic<int> learn_ = 0;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  output::RunOrders orders_{stop_};
   ViewfinderReport report_;
   std::unique_ptr<FakeSource> source_;
 };
@@ -84,7 +83,7 @@ TEST_F(ViewfinderTest, TheLogOfAMeasurementHoldsWhatWasShownWhen) {
   log.empty.reset(kMadeSize, {0, 0, 0});
   log.reserve(4);
   auto sink = Viewfinder::create({.title = "test", .picture_px = kMadeSize, .log = &log}, *source_,
-                                 controls_, clock_, report_);
+                                 orders_, clock_, report_);
   ASSERT_TRUE(sink) << to_line(sink.error());
   auto made = made_composite(7, clock_.now());
   made->images.color.reset(kMadeSize, {0, 0, 0});
@@ -134,13 +133,16 @@ TEST_F(ViewfinderTest, LearnAndRecordOnlyWhereTheRunCan) {
   ASSERT_TRUE(sink);
   press(SDLK_b), press(SDLK_r), press(SDLK_2);
   ASSERT_TRUE(test::comes_true([&] { return sink->wanted(1) == render::kMatte; }));
-  EXPECT_EQ(learn_, 0);
-  EXPECT_TRUE(controls_.recording);
-  controls_.can_learn = controls_.can_record = true;
+  EXPECT_FALSE(orders_.waits<output::LearnChanges>() || orders_.waits<output::Record>());
+  orders_.tell([](output::RunState& run) { run.can_learn = run.can_record = true; });
   press(SDLK_b), press(SDLK_r);
-  EXPECT_TRUE(test::comes_true([&] { return learn_ == 1 && !controls_.recording; }));
+  EXPECT_TRUE(test::comes_true([&] { return orders_.waits<output::Record>(); }));
+  EXPECT_TRUE(orders_.take<output::LearnChanges>());
+  EXPECT_FALSE(orders_.state().recording) << "as it was asked for";
   press(SDLK_r);
-  EXPECT_TRUE(test::comes_true([&] { return controls_.recording.load(); }));
+  EXPECT_TRUE(test::comes_true([&] { return orders_.state().recording; }));
+  EXPECT_FALSE(orders_.take<output::Record>()->on);
+  EXPECT_TRUE(orders_.take<output::Record>()->on);
 }
 
 TEST_F(ViewfinderTest, OAndAClickAskForAnObjectToBePlaced) {
@@ -148,15 +150,15 @@ TEST_F(ViewfinderTest, OAndAClickAskForAnObjectToBePlaced) {
   ASSERT_TRUE(sink);
   ASSERT_TRUE(sink->write(made_composite(1, clock_.now())));
   press(SDLK_o), press(SDLK_2);  // the run has told of no object
-  ASSERT_TRUE(test::comes_true([&] { return controls_.view == View::kPlate; }));
+  ASSERT_TRUE(test::comes_true([&] { return orders_.state().view == View::kPlate; }));
   EXPECT_TRUE(click());
-  controls_.objects = 2;
+  orders_.tell([](output::RunState& run) { run.objects = 2; });
   press(SDLK_o), press(SDLK_o);
-  EXPECT_TRUE(test::comes_true([&] { return click() && controls_.place_at == 12 + 65536 * 34; }));
-  EXPECT_EQ(controls_.place_object, 1);
-  EXPECT_EQ(controls_.focus_at, -1);
-  controls_.place_said = "placed";  // by the run
-  EXPECT_TRUE(test::comes_true([&] { return controls_.place_said == nullptr; }));
+  EXPECT_TRUE(test::comes_true([&] { return click() && orders_.waits<output::PlaceObject>(); }));
+  const auto order = orders_.take<output::PlaceObject>();
+  EXPECT_EQ(order->pixel, glm::ivec2(12, 34));
+  EXPECT_EQ(order->object, 1);
+  EXPECT_FALSE(orders_.state().focus_px);
   EXPECT_TRUE(sink->finish());
 }
 
@@ -165,8 +167,9 @@ TEST_F(ViewfinderTest, AClickChoosesWhatIsSharpWhereTheSceneHasAFocus) {
   ASSERT_TRUE(sink);
   ASSERT_TRUE(sink->write(made_composite(1, clock_.now())));
   EXPECT_TRUE(click());
-  controls_.can_focus = true;  // told by the run
-  EXPECT_TRUE(test::comes_true([&] { return click() && controls_.focus_at == 12 + 65536 * 34; }));
+  orders_.tell([](output::RunState& run) { run.can_focus = true; });
+  EXPECT_TRUE(test::comes_true([&] { return click() && orders_.state().focus_px; }));
+  EXPECT_EQ(orders_.state().focus_px, glm::ivec2(12, 34));
   EXPECT_TRUE(sink->finish());
 }
 
@@ -187,7 +190,7 @@ TEST_F(ViewfinderTest, WithoutAScreenItIsAnErrorThatSaysWhatToDo) {
   ASSERT_EQ(setenv("SDL_VIDEODRIVER", "no_such_driver", 1), 0);
   source_ = std::make_unique<FakeSource>(true);
   const auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize}, *source_,
-                                       controls_, clock_, report_);
+                                       orders_, clock_, report_);
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::kDevice);
   EXPECT_NE(made.error().context.find("set DISPLAY"), std::string::npos) << made.error().context;

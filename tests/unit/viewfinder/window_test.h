@@ -32,7 +32,7 @@ class WindowTest : public ::testing::Test {
     setenv("SDL_VIDEODRIVER", driver, 1);
     setenv("SDL_RENDER_DRIVER", renderer, 1);
     auto made = Viewfinder::create({.title = "test", .picture_px = kMadeSize, .shares = shares},
-                                   source_, controls_, clock_, report_);
+                                   source_, orders_, clock_, report_);
     ASSERT_TRUE(made) << to_line(made.error());
     sink_ = *std::move(made);
   }
@@ -80,8 +80,7 @@ class WindowTest : public ::testing::Test {
   };
   Devices source_;
   std::atomic<bool> stop_ = false;
-  std::atomic<int> learn_ = 0;
-  output::RunControls controls_{.stop = stop_, .learn = learn_};
+  output::RunOrders orders_{stop_};
   test::SteppedClock clock_;
   ViewfinderReport report_;
   std::unique_ptr<Viewfinder> sink_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "host/output/datagrams/osc.h"
 #include "host/operator/page/json_body.h"
+#include "host/output/datagrams/osc.h"
 
 namespace mixrig::page {
 namespace {
@@ -113,7 +113,7 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
   if (verb == "record") return record_action(message, state.at("recording").at("on").get<bool>());
   if (verb == "freeze") {
     MIXRIG_ASSIGN(const bool on, switch_of(message, state.at("freeze").get<bool>()));
-    return Action(Freeze{on});
+    return Action(output::RunOrder(output::FreezePictures{on}));
   }
   if (verb == "scan") {
     MIXRIG_ASSIGN(const bool on, switch_of(message, state.at("scan").at("total").get<int>() > 0));
@@ -130,7 +130,7 @@ Result<Action> simple_action(const OscReceived& message, const std::string& verb
       message.arguments.empty() ? nullptr : std::get_if<std::string>(&message.arguments.front());
   const auto view = name != nullptr ? view_named(*name) : std::nullopt;
   if (!view) return not_so(message, "give composite, plate, key, depth, light or matte");
-  return Action(SelectView{*view});
+  return Action(output::RunOrder(output::ShowView{*view}));
 }
 
 /// /mixrig/focus/on, at, distance_m, f_number.

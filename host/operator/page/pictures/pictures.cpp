@@ -6,7 +6,7 @@
 namespace mixrig::page {
 
 render::OutputMask Pictures::wanted() const {
-  if (frozen_) return 0;
+  if (frozen()) return 0;
   // The plate comes with every composite.
   constexpr std::array<render::OutputMask, kViews> kNeeds{render::kColor, render::kMatte,
                                                           render::kState, render::kMixedDepth,

@@ -13,6 +13,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/image.h"
+#include "host/output/sink/run_orders.h"
 #include "host/output/sink/views.h"
 #include "host/render/contract/compositor.h"
 
@@ -35,8 +36,8 @@ using TakePicture = std::function<void(ImageView<const Rgb8>, int frame, HostTim
 /// Any threads. Holds one picture a view; older ones live while a client is being sent them.
 class Pictures {
  public:
-  /// While `frozen`, which must outlive it, the pictures stay as they are.
-  explicit Pictures(const std::atomic<bool>& frozen) : frozen_(frozen) {}
+  /// While the run's pictures are frozen, they stay as they are. `orders` must outlive it.
+  explicit Pictures(const output::RunOrders& orders) : orders_(orders) {}
 
   /// While somebody looks at a view, pictures of it are made.
   void look(View view) { ++lookers_[index(view)]; }
@@ -60,7 +61,7 @@ class Pictures {
   /// set_on_new({}) it is not called any more.
   void set_on_new(std::function<void(View)> on_new);
 
-  bool frozen() const { return frozen_; }
+  bool frozen() const { return orders_.state().frozen; }
 
  private:
   static std::size_t index(View view) { return static_cast<std::size_t>(view); }
@@ -71,7 +72,7 @@ class Pictures {
   };
 
   std::array<std::atomic<int>, kViews> lookers_{}, taken_{};
-  const std::atomic<bool>& frozen_;
+  const output::RunOrders& orders_;
   mutable std::mutex mutex_;  ///< guards what follows
   std::array<PicturePtr, kViews> newest_;
   std::function<void(View)> on_new_;
