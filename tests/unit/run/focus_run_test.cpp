@@ -100,7 +100,8 @@ TEST_F(FocusRun, AClickTakesThePlaceOfTheScenesDistance) {
   EXPECT_LT(most_difference(last_picture(kBoxPixel), sharp), 10) << "only an even wall is";
   EXPECT_EQ(most_difference(last_picture(kWallPixel), wall), 0) << "the wall is at 3 m";
   ASSERT_TRUE(orders_.give(output::FocusAt{kBoxPixel}));
-  EXPECT_TRUE(last_picture() == last_picture(kBoxPixel)) << "by an order";
+  const auto ordered = last_picture();
+  EXPECT_TRUE(ordered == last_picture(kBoxPixel));
   EXPECT_FALSE(orders_.waits<output::FocusAt>());
 }
 
