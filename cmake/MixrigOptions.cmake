@@ -62,6 +62,7 @@ target_compile_options(mixrig_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overread>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+target_compile_definitions(mixrig_options INTERFACE MIXRIG_VERSION="${PROJECT_VERSION}")
 if(MIXRIG_WERROR)
   target_compile_options(mixrig_options INTERFACE -Werror)
   # Told by the optimiser, after inlining: what it says changes with processor and flags.
