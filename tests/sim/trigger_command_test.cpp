@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command `mixrig trigger` against the firmware in its own process.
-#include <cstdio>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -15,13 +14,13 @@
 namespace mixrig::test {
 namespace {
 
-/// The process behind a socket or a pty.
+/// The process behind a socket. FlashCommand opens a pty.
 class SimProcess {
  public:
-  explicit SimProcess(bool pty)
-      : port_((pty ? "" : "unix:") + (folder_ / "line").string()),
-        child_({MIXRIG_TRIGGER_SIM, pty ? "--pty" : "--socket", folder_ / "line"},
-               2 * kCommandLimit_s, folder_ / "log") {
+  SimProcess()
+      : port_("unix:" + (folder_ / "line").string()),
+        child_({MIXRIG_TRIGGER_SIM, "--socket", folder_ / "line"}, 2 * kCommandLimit_s,
+               folder_ / "log") {
     up_ = wait_until([this] { return std::filesystem::exists(folder_ / "line"); });
   }
   const std::string& port() const { return port_; }
@@ -35,7 +34,7 @@ class SimProcess {
   bool up_ = false;
 };
 
-class TriggerCommand : public ::testing::TestWithParam<bool> {
+class TriggerCommand : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(sim_.up()); }
   Outcome trigger(std::vector<std::string> arguments) {
@@ -57,10 +56,10 @@ class TriggerCommand : public ::testing::TestWithParam<bool> {
     EXPECT_TRUE(outcome.says(text)) << outcome.err;
   }
 
-  SimProcess sim_{GetParam()};
+  SimProcess sim_;
 };
 
-TEST_P(TriggerCommand, status_of_a_fresh_controller_has_no_faults) {
+TEST_F(TriggerCommand, status_of_a_fresh_controller_has_no_faults) {
   const Outcome outcome = trigger({"status", "--self-test"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* text : {"firmware 0.1.0", "idle", "no faults", "self-test passed"})
@@ -70,11 +69,9 @@ TEST_P(TriggerCommand, status_of_a_fresh_controller_has_no_faults) {
   EXPECT_EQ(json["version"], "0.1.0");
   EXPECT_EQ(json["channels"].size(), 0u);
   EXPECT_EQ(json["faults"]["tick_missed"], 0);
-  std::printf("round trip of status over a %s: %.2f ms\n", GetParam() ? "pty" : "socket",
-              json["round_trip_ms"].get<double>());
 }
 
-TEST_P(TriggerCommand, channels_are_set_keep_running_without_the_host_and_stop) {
+TEST_F(TriggerCommand, channels_are_set_keep_running_without_the_host_and_stop) {
   EXPECT_EQ(report({"set", "0", "--divider", "4"})["channels"].size(), 1u);
   const auto channels =
       report({"set", "3", "--divider", "10", "--phase", "2.5", "--width", "5", "--active-low"});
@@ -92,7 +89,7 @@ TEST_P(TriggerCommand, channels_are_set_keep_running_without_the_host_and_stop) 
   EXPECT_EQ(report({"set", "0", "--divider", "0"})["channels"].size(), 1u);
 }
 
-TEST_P(TriggerCommand, monitor_reports_ticks_and_clock) {
+TEST_F(TriggerCommand, monitor_reports_ticks_and_clock) {
   report({"set", "0", "--divider", "2"});
   report({"start"});
   const auto json = report({"monitor", "--seconds", "1"});
@@ -104,7 +101,7 @@ TEST_P(TriggerCommand, monitor_reports_ticks_and_clock) {
   EXPECT_TRUE(ticks.says("channels 0001")) << ticks.out;
 }
 
-TEST_P(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
+TEST_F(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
   expect_refusal(trigger({"set", "16", "--divider", "1"}), 2, "channels 0 to 15");
   expect_refusal(trigger({"set", "0", "--divider", "601"}), 2, "0 (off) to 600");
   expect_refusal(trigger({"set", "0", "--divider", "1", "--phase", "0.05"}), 2, "steps of 0.1");
@@ -114,9 +111,6 @@ TEST_P(TriggerCommand, wrong_values_are_usage_and_change_nothing) {
   expect_refusal(trigger({}), 2, "trigger");
   EXPECT_EQ(report({"status"})["channels"].size(), 0u);
 }
-
-INSTANTIATE_TEST_SUITE_P(Lines, TriggerCommand, ::testing::Bool(),
-                         [](const auto& pty) { return pty.param ? "pty" : "socket"; });
 
 TEST(TriggerCommandAlone, a_missing_port_is_one_error_line) {
   for (const char* port : {"unix:/nonexistent/socket", "/nonexistent/tty"}) {
@@ -175,24 +169,6 @@ TEST(TriggerCommandAlone, firmware_of_another_version_is_refused_and_named) {
         << outcome.err;
   }
 }
-
-TriggerUnderTest make_sim_process() {
-  struct Bench {
-    SystemClock clock;
-    SimProcess sim{false};
-  };
-  auto bench = std::make_shared<Bench>();
-  auto stream = device::open_byte_stream(bench->sim.port());
-  if (!stream) return {};
-  auto opened = device::McuTrigger::open(*std::move(stream), bench->clock, bench->sim.port());
-  if (!opened) return {};
-  (*opened)->link().retry.tries = 64;
-  return {bench, *std::move(opened)};
-}
-
-INSTANTIATE_TEST_SUITE_P(SimProcess, TriggerContract,
-                         ::testing::Values(TriggerMaker{"socket", make_sim_process}),
-                         [](const auto& maker) { return maker.param.name; });
 
 }  // namespace
 }  // namespace mixrig::test

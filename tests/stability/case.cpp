@@ -112,7 +112,9 @@ std::vector<std::string> faults_of(const Row& row) {
     if (answers > 0) fault(std::to_string(answers) + " confident answers to what has none");
     return faults;
   }
-  if (row.expect == Expect::kCareful) {
+  if (row.expect == Expect::kRobust && row.refused > 0)
+    fault(std::to_string(row.refused) + " refusals of what can be answered");
+  if (row.expect == Expect::kCareful || row.expect == Expect::kRobust) {
     // Noise that lets one in p trials through to an answer has -2 ln p of chi-squared by itself.
     const double share = static_cast<double>(answers) / (answers + row.refused);
     const double chosen = answers > 0 ? -2 * std::log(share) * answers / row.dof : 0;

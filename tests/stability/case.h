@@ -26,6 +26,7 @@ struct Trial {
 
 enum class Expect {
   kAnswer,   ///< ok or weak in every trial; efficient and consistent
+  kRobust,   ///< ok or weak in every trial, not overconfident: an outlier is left out
   kCareful,  ///< an answer or a refusal, but no overconfident answer: the border to degeneracy
   kRefusal   ///< degenerate in every trial
 };
@@ -40,6 +41,17 @@ struct Case {
   double at = NAN;
 };
 
+/// Adds cases of one estimator, whose scenes differ from `Scene{}` as their names say.
+template <typename Scene>
+auto case_adder(std::vector<Case>& cases, const std::string& estimator,
+                Trial (*run)(const Scene&, std::uint64_t, Residuals&)) {
+  return [&cases, estimator, run](const std::string& name, Expect expect, const Scene& scene,
+                                  const std::string& axis = {}, double at = NAN) {
+    cases.push_back({estimator, name, expect,
+                     [scene, run](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },
+                     axis, at});
+  };
+}
 /// Number of runs: 200 suffice to distinguish 1.1 of the bound from 1.0.
 struct Effort {
   int trials = 200;
@@ -72,6 +84,7 @@ Row measure(const Case& c, const Effort& effort);
 /// - an answer: any refusal; error over 1.1 of the bound (more where the trials are too few for
 /// it);
 ///   NEES outside its 99.9 % interval; over 1e-3 sigma from the minimum in 50 digits;
+/// - robust: any refusal, and what careful finds;
 /// - careful: NEES over twice its 95 % limit, higher where few are answered, because the
 ///   noise selects them.
 std::vector<std::string> faults_of(const Row& row);

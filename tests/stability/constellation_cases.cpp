@@ -75,12 +75,7 @@ Trial run(const ConstellationScene& scene, std::uint64_t seed, Residuals& residu
 }  // namespace
 
 void add_constellation_cases(std::vector<Case>& cases) {
-  const auto add = [&](const std::string& name, Expect expect, const ConstellationScene& scene,
-                       const std::string& axis = {}, double at = NAN) {
-    cases.push_back({"match_constellation", name, expect,
-                     [scene](std::uint64_t seed, Residuals& r) { return run(scene, seed, r); },
-                     axis, at});
-  };
+  const auto add = case_adder<ConstellationScene>(cases, "match_constellation", run);
   add("five markers", Expect::kAnswer, {});
   add("one missing", Expect::kAnswer, {.missing = 1});
   add("one missing, four foreign", Expect::kAnswer, {.missing = 1, .foreign = 4});

@@ -56,7 +56,6 @@ std::size_t bench(const std::filesystem::path& folder, const Effort& effort) {
   write(folder / "estimation.txt", table);
   write(folder / "estimation.md", to_summary(report));
   write(folder / "estimation.json", to_json(report).dump(2) + "\n");
-  write(folder / "estimation_cases.svg", cases_svg(report));
   write(folder / "estimation_sweeps.svg", sweeps_svg(report));
   std::fputs(table.c_str(), stdout);
   if (!report.faults.empty())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plots of the suite, as SVG drawn by cairo.
+// The plot of the suite, as SVG drawn by cairo.
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +18,7 @@ enum Ink : unsigned {
   kBlack = 0x000000,
   kBound = 0x223366,
   kNees = 0xcc3333,
-  kInterval = 0x99aabb,
   kGrid = 0xcccccc,
-  kUnity = 0x999999,
   kOk = 0x44aa44,
   kWeak = 0xeebb44,
   kRefused = 0xaaaaaa
@@ -120,20 +118,6 @@ void draw_verdicts(Page& page, const Row& row, double x, double y, double width,
   bar(row.refused, kRefused);
 }
 
-/// One line of the plot of cases: name, measures, verdicts, time.
-void draw_case(Page& page, const Row& r, double left, double unit, double y) {
-  const auto x = [&](double value) { return left + unit * shown_at(value); };
-  page.text(left - 8, y + 4, r.estimator + ": " + r.name, Align::kRight);
-  if (!std::isnan(r.nees)) {
-    page.line(x(r.low), y, x(r.high), y, kInterval, 5);
-    page.dot(x(r.nees), y, kNees);
-  }
-  if (!std::isnan(r.over_bound)) page.diamond(x(r.over_bound), y, kBound);
-  const double right = left + kMost * unit;
-  draw_verdicts(page, r, right + 12, y - 5, 60, 10);
-  page.text(right + 135, y + 4, fmt::format("{:.1f} us", r.micros), Align::kRight);
-}
-
 using Sweep = std::vector<Row>;
 
 std::vector<Sweep> sweeps_of(const Report& report) {
@@ -170,35 +154,18 @@ void draw_panel(Page& page, const Sweep& sweep, double x0, double y0) {
   page.text(x0 + kWidth / 2, y0 + kHeight + 48, sweep.front().axis, Align::kMiddle);
 }
 
-std::string legend(const std::string& interval) {
-  return "blue diamond: error / Cramer-Rao bound; red dot: NEES / degree of freedom" + interval +
-         "; bar: ok (green), weak (yellow), refused (grey)";
+std::string legend() {
+  return "blue diamond: error / Cramer-Rao bound; red dot: NEES / degree of freedom; "
+         "bar: ok (green), weak (yellow), refused (grey)";
 }
 
 }  // namespace
-
-std::string cases_svg(const Report& report) {
-  constexpr double kRow = 16, kLeft = 370, kUnit = 180, kTop = 40;
-  const auto rows = std::count_if(report.rows.begin(), report.rows.end(),
-                                  [](const Row& row) { return row.axis.empty(); });
-  const double bottom = kTop + kRow * static_cast<double>(rows);
-  Page page(kLeft + kMost * kUnit + 155, bottom + 10);
-  page.text(20, 18, legend(" with its 95 % interval"), Align::kLeft);
-  double y = kTop;
-  for (const Row& row : report.rows) {
-    if (!row.axis.empty()) continue;
-    draw_case(page, row, kLeft, kUnit, y);
-    y += kRow;
-  }
-  page.line(kLeft + kUnit, 28, kLeft + kUnit, bottom, kUnity, 1);
-  return page.finish();
-}
 
 std::string sweeps_svg(const Report& report) {
   constexpr double kAcross = 420, kDown = 240;
   const auto sweeps = sweeps_of(report);
   Page page(2 * kAcross + 20, 40 + kDown * static_cast<double>((sweeps.size() + 1) / 2));
-  page.text(20, 18, legend(""), Align::kLeft);
+  page.text(20, 18, legend(), Align::kLeft);
   for (std::size_t i = 0; i < sweeps.size(); ++i)
     draw_panel(page, sweeps[i], 50 + kAcross * static_cast<double>(i % 2),
                60 + kDown * static_cast<double>(i / 2));

@@ -46,9 +46,7 @@ Report run_suite(const Effort& effort, const std::function<void(int, int)>& prog
 std::string to_table(const Report& report);
 /// One line an estimator, as Markdown: the table of docs/estimation.md.
 std::string to_summary(const Report& report);
-/// Error over the bound, NEES with its interval, verdicts and time of every case, as SVG.
-std::string cases_svg(const Report& report);
-/// The same along every sweep into a degeneracy, as SVG.
+/// Error over the bound, NEES and verdicts along every sweep into a degeneracy, as SVG.
 std::string sweeps_svg(const Report& report);
 
 }  // namespace mixrig::estimation_bench

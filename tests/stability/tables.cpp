@@ -18,7 +18,17 @@ std::string figures_of(const Row& r) {
 }
 
 const char* name_of(Expect expect) {
-  return expect == Expect::kAnswer ? "answer" : expect == Expect::kCareful ? "careful" : "refusal";
+  switch (expect) {
+    case Expect::kAnswer:
+      return "answer";
+    case Expect::kRobust:
+      return "robust";
+    case Expect::kCareful:
+      return "careful";
+    case Expect::kRefusal:
+      return "refusal";
+  }
+  return "";
 }
 
 /// Least and greatest of some figures.

@@ -66,52 +66,14 @@ TEST_F(FlirPtuTest, TheEmulatedUnitStandsStillForACallerWhoseTimeIsEarlier) {
   EXPECT_EQ(unit_.position(now)[0], 10);
 }
 
-TEST_F(FlirPtuTest, MovesToTheNearestStepAndArrives) {
-  const PanTiltAngles target{0.3001, -0.2003};
-  ASSERT_TRUE(head_->move_to(target));
-  ASSERT_TRUE(await_position(*head_, target, clock_, 10s));
-  EXPECT_EQ(unit_.position(clock_.now())[0], std::lround(target.pan_rad / kStepRad));
-  EXPECT_EQ(unit_.position(clock_.now())[1], std::lround(target.tilt_rad / kStepRad));
-}
-
 TEST_F(FlirPtuTest, MinusOneIsAPositionLikeAnyOther) {
   ASSERT_TRUE(head_->move_to({-kStepRad, -kStepRad}));
   ASSERT_TRUE(await_position(*head_, {-kStepRad, -kStepRad}, clock_, 1s));
   EXPECT_EQ(pan_steps(*head_->sample()), -1);
 }
 
-TEST_F(FlirPtuTest, TargetBeyondTheRangeMovesNothing) {
-  const auto moved = head_->move_to({3.0, 0});
-  ASSERT_FALSE(moved);
-  EXPECT_EQ(moved.error().code, ErrorCode::kUsage);
-  EXPECT_FALSE(head_->move_to({0, std::nan("")}));
-  clock_.advance(5s);
-  EXPECT_EQ(unit_.position(clock_.now())[0], 0);
-}
-
 TEST_F(FlirPtuTest, BothEndsOfTheRangeCanBeReached) {
   EXPECT_TRUE(head_->move_to({head_->info().maximum.pan_rad, head_->info().minimum.tilt_rad}));
-}
-
-TEST_F(FlirPtuTest, HaltStopsAtThePresentPosition) {
-  ASSERT_TRUE(head_->move_to({2.0, 0}));
-  clock_.advance(500ms);
-  ASSERT_TRUE(head_->halt());
-  const long where = unit_.position(clock_.now())[0];
-  EXPECT_GT(where, 100);
-  clock_.advance(10s);
-  EXPECT_NEAR(static_cast<double>(unit_.position(clock_.now())[0]), static_cast<double>(where),
-              1.0);
-}
-
-TEST_F(FlirPtuTest, SpeedIsSetInRadiansPerSecond) {
-  ASSERT_TRUE(head_->set_motion({.speed_rad_s = 100 * kStepRad, .acceleration_rad_s2 = 1}));
-  ASSERT_TRUE(head_->move_to({1000 * kStepRad, 0}));
-  const HostTime begin = clock_.now();
-  const long from = unit_.position(begin)[0];
-  clock_.advance(2s);
-  EXPECT_NEAR(static_cast<double>(unit_.position(clock_.now())[0] - from), 200, 2);
-  EXPECT_FALSE(head_->set_motion({.speed_rad_s = 1e-9}));
 }
 
 TEST_F(FlirPtuTest, TenThousandCommandsAreAnsweredCorrectlyWithLimitReportsInsideReplies) {
@@ -235,13 +197,6 @@ TEST_F(FlirPtuTest, StalledHeadIsReportedWithItsDistance) {
   ASSERT_FALSE(waited);
   EXPECT_EQ(waited.error().code, ErrorCode::kTimeout);
   EXPECT_NE(waited.error().context.find("-0.5000 rad (pan)"), std::string::npos);
-}
-
-TEST_F(FlirPtuTest, UnpluggedLineIsADeviceError) {
-  line_->unplugged = true;
-  const auto sample = head_->sample();
-  ASSERT_FALSE(sample);
-  EXPECT_EQ(sample.error().code, ErrorCode::kDevice);
 }
 
 TEST_F(FlirPtuTest, RefusedCommandReportsTheUnitsText) {

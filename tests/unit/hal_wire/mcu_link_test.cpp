@@ -26,14 +26,6 @@ struct Link : ::testing::Test {
   void say_hello() { ASSERT_TRUE(link.ask(protocol::Hello{protocol::kTableHash})); }
 };
 
-TEST_F(Link, hello_and_status_are_answered) {
-  say_hello();
-  const auto status = link.ask(protocol::Status{});
-  ASSERT_TRUE(status) << to_line(status.error());
-  EXPECT_EQ(status->state, protocol::State::kIdle);
-  EXPECT_EQ(link.health().resent, 0u);
-}
-
 TEST_F(Link, cut_line_times_out_with_one_line) {
   stream.line.cut = true;
   const HostTime before = clock.now();
@@ -45,13 +37,6 @@ TEST_F(Link, cut_line_times_out_with_one_line) {
             "power, or flash it with BOOT0 held");
   EXPECT_LE(clock.now() - before, milliseconds(2100));
   EXPECT_EQ(link.health().unanswered, 1u);
-}
-
-TEST_F(Link, refusals_are_errors_with_a_reason) {
-  const auto reply = link.ask(protocol::Start{});
-  ASSERT_FALSE(reply);
-  EXPECT_EQ(reply.error().code, ErrorCode::kDevice);
-  EXPECT_NE(reply.error().context.find("was reset since the last hello"), std::string::npos);
 }
 
 TEST_F(Link, one_percent_of_bytes_damaged_loses_no_command) {

@@ -53,14 +53,6 @@ struct Trigger : ::testing::Test {
   }
 };
 
-TEST_F(Trigger, info_describes_the_controller) {
-  EXPECT_EQ(trigger->info().uri, "mcu:test");
-  EXPECT_EQ(trigger->info().version, "0.1.0");
-  EXPECT_EQ(trigger->info().channels, 16);
-  EXPECT_EQ(trigger->info().reset_cause, "power");
-  EXPECT_EQ(trigger->info().slot, std::chrono::microseconds(100));
-}
-
 TEST_F(Trigger, channel_reads_back) {
   ASSERT_TRUE(trigger->configure(5, {4, milliseconds(2), std::chrono::microseconds(700), true}));
   const auto got = trigger->channel(5);
@@ -73,38 +65,6 @@ TEST_F(Trigger, channel_reads_back) {
   EXPECT_EQ(trigger->channel(5)->divider, 0);
 }
 
-TEST_F(Trigger, impossible_channels_are_refused_before_they_are_sent) {
-  const std::uint64_t sent = trigger->link().health().commands;
-  const Duration ms = milliseconds(1);
-  for (const auto& [index, channel] : std::vector<std::pair<int, TriggerChannel>>{
-           {16, {1, {}, ms, false}},
-           {-1, {1, {}, ms, false}},
-           {0, {601, {}, ms, false}},
-           {0, {-1, {}, ms, false}},
-           {0, {1, {}, {}, false}},
-           {0, {1, -ms, ms, false}},
-           {0, {1, {}, std::chrono::microseconds(150), false}},
-           {0, {1, 5 * ms, 5 * ms, false}},
-           {0, {1, {}, seconds(100), false}}}) {
-    const auto result = trigger->configure(index, channel);
-    ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::kUsage);
-  }
-  EXPECT_EQ(trigger->link().health().commands, sent);
-}
-
-TEST_F(Trigger, ticks_arrive_in_order_with_times_10_ms_apart) {
-  ASSERT_TRUE(trigger->configure(0, {4, {}, milliseconds(1), false}));
-  ASSERT_TRUE(trigger->start());
-  const auto ticks = listen(seconds(5));
-  ASSERT_GE(ticks.size(), 498u);
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    ASSERT_EQ(ticks[i].tick, i);
-    ASSERT_EQ(ticks[i].at - ticks[0].at, milliseconds(10) * static_cast<long>(i));
-    ASSERT_EQ(ticks[i].channels, i % 4 == 0 ? 1u : 0u);
-  }
-}
-
 TEST_F(Trigger, times_continue_past_the_wrap_of_32_bits) {
   clock.advance(std::chrono::minutes(71));
   ASSERT_TRUE(trigger->status());
@@ -115,23 +75,6 @@ TEST_F(Trigger, times_continue_past_the_wrap_of_32_bits) {
     ASSERT_EQ(ticks[i].at - ticks[i - 1].at, milliseconds(10));
   }
   EXPECT_GT(ticks.back().at.time_since_epoch(), std::chrono::microseconds(0x100000000));
-}
-
-TEST_F(Trigger, host_gone_for_an_hour_finds_it_running) {
-  ASSERT_TRUE(trigger->configure(0, {4, {}, milliseconds(1), false}));
-  ASSERT_TRUE(trigger->start());
-  listen(seconds(1));
-  stream->line.cut = true;
-  std::array<std::uint8_t, 1> byte;
-  for (int i = 0; i < 60; ++i) ASSERT_TRUE(stream->read(byte, std::chrono::minutes(1)));
-  stream->line.cut = false;
-  const auto status = trigger->status();
-  ASSERT_TRUE(status);
-  EXPECT_EQ(status->state, TriggerState::kRunning);
-  EXPECT_NEAR(static_cast<double>(status->tick), 360'100, 10);
-  EXPECT_EQ(fault(*status, "host_lost"), 1u);
-  EXPECT_GE(status->silence_max, seconds(3599));
-  EXPECT_EQ(fault(*status, "tick_missed"), 0u);
 }
 
 TEST_F(Trigger, reset_during_a_run_is_reported_counted_and_recovered_from) {
