@@ -297,6 +297,20 @@ TEST(Background, MoreModelsThanThereIsRoomForAreRefused) {
   EXPECT_NE(compositor.error().context.find("5 background models"), std::string::npos);
 }
 
+TEST(Background, NormalsOfAllFacesAreInAxesOfTheCamera) {
+  Modelled m;
+  const FaceModel faces(m.scene);
+  m.setup.background_models = {faces.model()};
+  const DrawnBackground drawn(m, {});
+  // Of the back wall, left and right of the middle.
+  for (const int x : {110, 210}) {
+    const auto n = drawn.tables.background_normal.at(x, 110);
+    EXPECT_NEAR(n.x, 0, 5) << x;
+    EXPECT_NEAR(n.y, 0, 5) << x;
+    EXPECT_NEAR(n.z, -127, 5) << x;
+  }
+}
+
 TEST(Background, FacesThatDoNotFitTheirPicturesAreRefused) {
   const AnalyticScene scene;
   const FaceModel faces(scene);
@@ -338,6 +352,19 @@ TEST(Background, LimitAndNormalsAreThoseOfAStillBackgroundAtTheSamePose) {
   std::sort(limit_error.begin(), limit_error.end());
   EXPECT_LT(limit_error[limit_error.size() * 95 / 100], 0.01F);
   EXPECT_LT(other_normals, static_cast<int>(limit_error.size() / 100));
+}
+
+TEST(Background, NormalsTurnWithTheCamera) {
+  const Modelled m;
+  const geometry::Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                              {0, 0, 0}};
+  const DrawnBackground drawn(m, turned);
+  // The back wall faces -z of the world.
+  const Eigen::Vector3d expected = turned.rotation.inverse() * -Eigen::Vector3d::UnitZ();
+  const auto n = drawn.tables.background_normal.at(100, 110);
+  EXPECT_NEAR(n.x, 127 * expected.x(), 5);
+  EXPECT_NEAR(n.y, 127 * expected.y(), 5);
+  EXPECT_NEAR(n.z, 127 * expected.z(), 5);
 }
 
 TEST(Background, ThreadsDoNotChangeIt) {
@@ -385,6 +412,15 @@ TEST(Background, AMovedCameraKeysAsWellAsAStillOne) {
   const Key frozen = keyed(still, m.scene, aside);
   EXPECT_GT(followed.found, at_rest.found - 0.03);
   EXPECT_LT(frozen.found, 0.8) << "the test can tell a followed background from a frozen one";
+}
+
+TEST(Background, DrawingAllocatesNothing) {
+  const Modelled m;
+  DrawnBackground drawn(m, {});
+  const long before = allocations;
+  drawn.background.draw(drawn.crew, moved({0.05, 0, 0}), drawn.tables);
+  drawn.background.draw_color(100, 100, 100);
+  EXPECT_EQ(allocations, before);
 }
 
 /// A post of no more than its foot and its way up, on the floor of the scene, and a lamp.
@@ -452,6 +488,15 @@ TEST(Background, AMirrorIsTheWallAroundItForMixAndLightAndNotForTheKey) {
   EXPECT_NEAR(drawn.background.light_depth_m().row(y)[x], m.scene.back_z_m, 0.03);
   EXPECT_LT(1 / drawn.tables.key_limit_w.at(x, y), 3);
   EXPECT_NEAR(drawn.background.view().depth_m.row(y)[250], m.scene.back_z_m, 0.03);
+}
+
+TEST(Background, DrawingPlanesForLightAllocatesNothing) {
+  Modelled m;
+  const LitPost post(m);
+  DrawnBackground drawn(m, {});
+  const long before = allocations;
+  drawn.background.draw(drawn.crew, moved({0.05, 0, 0}), drawn.tables);
+  EXPECT_EQ(allocations, before);
 }
 
 TEST(Background, ASetupWithTwoBackgroundsIsRefused) {

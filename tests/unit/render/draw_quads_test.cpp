@@ -102,6 +102,50 @@ TEST(DrawQuads, agree_with_double_precision_away_from_the_sides) {
   EXPECT_GT(outside, 100000);
 }
 
+TEST(DrawQuads, any_number_at_once_draws_the_same_bits) {
+  const std::vector<Quad> quads = random_quads(100);
+  const Image<float> one_by_one = drawn(quads, 1);
+  for (int at_once = 2; at_once <= QuadBatch::kCapacity; ++at_once)
+    expect_same(drawn(quads, at_once), one_by_one);
+}
+
+TEST(DrawQuads, bands_draw_what_the_whole_view_does_and_leave_other_rows) {
+  const std::vector<Quad> quads = random_quads(QuadBatch::kCapacity);
+  QuadBatch batch;
+  for (const Quad& quad : quads) batch.push(quad);
+  const Image<float> whole = drawn(quads);
+  for (int split = 4; split <= kQuadsView.height - 4; split += 3) {
+    Image<float> view_w = empty_view();
+    draw_quads(batch, false, {0, split, kQuadsView.width, split - 4}, view_w);
+    for (int y = split; y < kQuadsView.height; ++y)
+      for (int x = 0; x < kQuadsView.width; ++x) ASSERT_EQ(view_w.at(x, y), 0);
+    draw_quads(batch, false, {split, kQuadsView.height, kQuadsView.width, kQuadsView.height},
+               view_w);
+    expect_same(view_w, whole);
+  }
+}
+
+TEST(DrawQuads, neighbours_leave_no_crack_and_mark_cut_cells) {
+  // A grid of cells with sides through pixel centres and between them.
+  Image<float> view_w = empty_view();
+  QuadBatch batch;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) {
+      const auto vertex = [](int i, int j) {
+        return Vertex{3 + 2.5F * static_cast<float>(i), 2 + 3.25F * static_cast<float>(j), 0.5F};
+      };
+      batch.push({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+      if (!batch.full()) continue;
+      draw_quads(batch, true, kAll, view_w);
+      batch.count = 0;
+    }
+  for (int y = 2; y <= 28; ++y)
+    for (int x = 3; x <= 23; ++x) {
+      EXPECT_NEAR(view_w.at(x, y), 0.5F, 1e-6F) << x << "," << y;
+      EXPECT_TRUE(render::cpu::from_cut_cell(view_w.at(x, y)));
+    }
+}
+
 TEST(DrawQuads, rows_end_with_the_box_however_long_a_register_is) {
   // The lower side lies 1e-4 px above row 9: within the border of the sides, outside the box.
   const Image<float> view_w = drawn({{{{4, 4, 1}, {9, 4, 1}, {9, 8.9999F, 1}, {4, 8.9999F, 1}}}});

@@ -110,6 +110,12 @@ TEST(Shadow, point_lamp_casts_the_projection_of_its_caster) {
   for (const float x : {-1.05F, 1.05F, 1.5F, 40.0F}) EXPECT_EQ(lit.seen(x, 2), 1) << x;
 }
 
+TEST(Shadow, falls_on_the_far_side_of_a_slanting_lamp) {
+  const Lit lit(point_lamp({-1, 0, 2}));  // the shadow reaches from 0 to 2 m
+  EXPECT_EQ(lit.seen(1, 2), 0);
+  EXPECT_EQ(lit.seen(-0.5F, 2), 1);
+}
+
 TEST(Shadow, what_lies_before_the_caster_is_lit) {
   const Lit lit(point_lamp({0, 0, 2}));
   EXPECT_EQ(lit.seen(0, 2, 0.5F), 1);
@@ -195,6 +201,15 @@ TEST(Shadow, lamp_inside_its_caster_gives_finite_light) {
     const float seen = lit.seen(x, 2);
     EXPECT_TRUE(seen >= 0 && seen <= 1);
   }
+}
+
+TEST(Shadow, a_point_is_lit_alike_in_every_lane) {
+  render::Lamp lamp = point_lamp({0, 0, 2});
+  lamp.size_m = {0.4, 0.4};
+  const Lit lit(lamp);
+  for (const float x : {0.0F, 0.9F, 1.0F, 1.1F, 1.6F})
+    for (int lane = 1; lane < kLanes; ++lane)
+      EXPECT_EQ(lit.seen_by(lane, {x, 2, 2}, {0, -1, 0}), lit.seen(x, 2)) << x << "," << lane;
 }
 
 TEST(Shadow, points_that_are_not_wanted_change_no_other) {
@@ -294,6 +309,53 @@ TEST(Shadow, what_is_surely_lit_sees_all_of_the_lamp) {
   }
   EXPECT_GT(lit_boxes, 3000);
   EXPECT_GT(shadowed_points, 3000);
+}
+
+TEST(Shadow, boxes_away_from_the_shadow_are_surely_lit) {
+  const Lit lit(point_lamp({0, 0, 2}));  // shadow of +-1 m on the floor
+  const render::LampParams& lamp = lit.preparer.params().lamps[0];
+  const auto may_be = [&](float x_m, float y_m, float z_m) {
+    return may_be_shadowed(lamp, lit.maps[0],
+                           corners(glm::vec2(x_m, y_m) / z_m, 0.02F, z_m, 1.01F * z_m));
+  };
+  EXPECT_TRUE(may_be(0, 2, 2));
+  EXPECT_TRUE(may_be(0.9F, 2, 2));
+  EXPECT_FALSE(may_be(1.25F, 2, 2));
+  EXPECT_FALSE(may_be(-1.3F, 2, 2));
+  EXPECT_FALSE(may_be(0, 0.8F, 2)) << "between lamp and caster";
+}
+
+TEST(Shadow, largest_w_holds_every_texel_of_its_rectangle_and_little_else) {
+  std::minstd_rand random(3);
+  for (const int size : {64, 100, 256}) {
+    render::cpu::ShadowMap map;
+    map.w.reset({size, size});
+    std::uniform_int_distribution<int> texel(0, size - 1);
+    for (int i = 0; i < size / 8; ++i)
+      map.w.at(texel(random), texel(random)) = 0.1F + static_cast<float>(i);
+    map.drawn = {0, 0, size, size};
+    render::cpu::find_largest(map);
+    std::uniform_real_distribution<float> anywhere(-8, static_cast<float>(size) + 8);
+    const auto largest = [&](glm::vec2 low, glm::vec2 high) {
+      float out = 0;
+      for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+          const glm::vec2 at(x, y);
+          if (glm::clamp(at, low, high) == at) out = std::max(out, map.w.at(x, y));
+        }
+      return out;
+    };
+    for (int k = 0; k < 1000; ++k) {
+      const glm::vec2 a(anywhere(random), anywhere(random)), b(anywhere(random), anywhere(random));
+      const glm::vec2 low = glm::min(a, b), high = glm::max(a, b);
+      const float found = render::cpu::largest_w(map, low.x, low.y, high.x, high.y);
+      ASSERT_GE(found, largest(low, high)) << size << "," << k;
+      // Windows of a square as long as the longer side, and whole cells.
+      const float side = std::max(high.x - low.x, high.y - low.y) + render::cpu::kCellTexels;
+      ASSERT_LE(found, largest(low - side, high + side)) << size << "," << k;
+    }
+    EXPECT_EQ(render::cpu::largest_w(map, -9, -9, -1, 500), 0);
+  }
 }
 
 /// A floor 2 m below the camera seen by pixel rows below the horizon.

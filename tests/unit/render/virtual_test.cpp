@@ -100,6 +100,12 @@ TEST(Virtual, back_faces_are_culled_unless_double_sided) {
   EXPECT_LT(both.layer.normal.at(15, 15).z, 0) << "the normal turns to the camera";
 }
 
+TEST(Virtual, object_behind_the_camera_draws_nothing) {
+  const DrawnObjects d(square(0.5F, -2), kBack, true);
+  EXPECT_TRUE(d.rect.empty());
+  EXPECT_EQ(d.area(), 0);
+}
+
 TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
   // 1 m below the camera, from 5 m behind to 5 m before it, seen from above.
   const DrawnObjects d({{-9, 1, -5}, {9, 1, -5}, {9, 1, 5}, {-9, 1, 5}}, {0, 1, 2, 0, 2, 3}, true);
@@ -108,6 +114,13 @@ TEST(Virtual, floor_through_the_camera_plane_is_cut_not_mirrored) {
     const float expected = (static_cast<float>(y) + 0.375F - 15.5F) / 32;
     EXPECT_NEAR(d.layer.w.at(16, y), expected > 0.2F ? expected : 0, 1e-5F) << y;
   }
+}
+
+TEST(Virtual, nearest_triangle_wins) {
+  std::vector<glm::vec3> p = square(0.5F, 2);
+  for (const glm::vec3& q : square(0.5F, 3)) p.push_back(q);
+  const DrawnObjects d(p, {4, 6, 5, 4, 7, 6, 0, 2, 1, 0, 3, 2});
+  EXPECT_NEAR(d.layer.w.at(15, 15), 0.5F, 1e-6F);
 }
 
 TEST(Virtual, texture_is_perspective_correct_and_repeats) {
@@ -209,6 +222,115 @@ TEST(Virtual, many_small_triangles_agree_with_rays) {
       }
     EXPECT_GT(judged, static_cast<int>(view.area()) / 2);
     EXPECT_GT(mixed, view.width > 10 ? 10 : 0);
+  }
+}
+
+/// Triangles at random with all that a mesh may have, drawn a register of pixels at a time or one
+/// by one.
+struct Drawn {
+  Drawn(const render::CompositorSetup& setup, bool in_lanes) {
+    render::FramePreparer preparer(setup);
+    preparer.update({});
+    Crew crew(1);
+    const Size view = setup.view.size_px;
+    render::cpu::VirtualScratch scratch(preparer.params(), view, crew.threads());
+    fitting = std::count(scratch.fits.begin(), scratch.fits.end(), true);
+    if (!in_lanes) scratch.fits.assign(scratch.fits.size(), false);
+    layer.reset(view, true, true);
+    render::cpu::draw_virtual(crew, preparer.params(), scratch, layer);
+  }
+  std::ptrdiff_t fitting = 0;  ///< meshes
+  render::cpu::VirtualLayer layer;
+};
+
+TEST(Virtual, registers_of_pixels_show_what_single_ones_do) {
+  std::minstd_rand random(5);
+  const auto between = [&](float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random);
+  };
+  const auto any_color = [&](int, int) {
+    const auto byte = [&] { return static_cast<std::uint8_t>(between(0, 255.9F)); };
+    return Rgb8{byte(), byte(), byte()};
+  };
+  const auto small = make_image<Rgb8>({2, 1}, any_color),
+             large = make_image<Rgb8>({37, 23}, any_color);
+  constexpr int kMeshes = 6, kTriangles = 40;
+  std::vector<std::vector<glm::vec3>> positions(kMeshes), normals(kMeshes);
+  std::vector<std::vector<glm::vec2>> uv(kMeshes);
+  std::vector<std::uint32_t> indices(3 * kTriangles);
+  std::iota(indices.begin(), indices.end(), 0U);
+  for (const Size view : {Size{5, 30}, Size{70, 40}}) {
+    render::CompositorSetup setup = plain_setup(view, 32, {4, 4}, 4);
+    render::VirtualObject object;
+    for (std::size_t m = 0; m < kMeshes; ++m) {
+      // Texels from much larger than a pixel to much smaller, and places no texture has.
+      const float repeats = m < 2 ? 0.3F : m < 4 ? 2 : 50;
+      positions[m].clear(), normals[m].clear(), uv[m].clear();
+      for (int i = 0; i < kTriangles; ++i) {
+        const glm::vec3 center(between(-1.2F, 1.2F), between(-0.8F, 0.8F), between(0.5F, 4));
+        for (int k = 0; k < 3; ++k) {
+          const auto offset = [&] { return between(-0.5F, 0.5F); };
+          positions[m].push_back(center + glm::vec3(offset(), offset(), offset()));
+          normals[m].push_back(glm::normalize(glm::vec3(offset(), offset(), -1)));
+          uv[m].emplace_back(between(-repeats, repeats), i == 7 ? 3e6F : between(-1, repeats));
+        }
+      }
+      render::MeshView mesh{positions[m],
+                            normals[m],
+                            uv[m],
+                            indices,
+                            glm::vec3(between(0, 1), between(0, 1), 1),
+                            m % 2 ? small : large,
+                            m > 1};
+      if (m == 3) mesh.texture = {}, mesh.uv = {};
+      if (m == 4) mesh.gloss = {.metallic = 0.7F, .roughness = 0.3F, .specular = 0.5F};
+      if (m == 5) mesh.emission = glm::vec3(0.2F);  // by single pixels
+      object.meshes.push_back(mesh);
+    }
+    setup.objects.push_back(object);
+    const Drawn lanes(setup, true), single(setup, false);
+    ASSERT_EQ(lanes.fitting, kMeshes - 1);
+    int covered = 0, far_off = 0;
+    std::size_t two_surfaces = 0;
+    for (int y = 0; y < view.height; ++y)
+      for (int x = 0; x < view.width; ++x) {
+        const auto &a = lanes.layer, &b = single.layer;
+        ASSERT_EQ(a.coverage.at(x, y), b.coverage.at(x, y)) << x << "," << y;
+        ASSERT_EQ(a.w.at(x, y), b.w.at(x, y)) << x << "," << y;
+        if (a.coverage.at(x, y) == 0) continue;
+        ++covered;
+        const auto c = a.color.at(x, y), d = b.color.at(x, y);
+        for (const int off : {c.r - d.r, c.g - d.g, c.b - d.b}) {
+          // Where a triangle is seen edge-on with fifty repeats, rounding moves it by texels'
+          // parts.
+          ASSERT_NEAR(off, 0, 655) << x << "," << y;
+          far_off += std::abs(off) > 20;
+        }
+        const auto n = a.normal.at(x, y), o = b.normal.at(x, y);
+        for (const int off : {n.x - o.x, n.y - o.y, n.z - o.z}) ASSERT_NEAR(off, 0, 1);
+        const auto g = a.gloss.at(x, y), h = b.gloss.at(x, y);
+        ASSERT_NEAR(g.metallic, h.metallic, 1);
+        ASSERT_NEAR(g.roughness, h.roughness, 1);
+        ASSERT_NEAR(g.specular, h.specular, 1);
+        ASSERT_EQ(a.emission.at(x, y).g, b.emission.at(x, y).g);
+        ASSERT_EQ(n.w, o.w) << "samples";
+      }
+    for (int y = 0; y < view.height; ++y) {
+      const auto a = lanes.layer.others.row(y), b = single.layer.others.row(y);
+      ASSERT_EQ(a.size(), b.size()) << y;
+      two_surfaces += a.size();
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(a[i].x, b[i].x);
+        ASSERT_EQ(a[i].w, b[i].w);
+        ASSERT_EQ(a[i].normal.w, b[i].normal.w);
+        ASSERT_NEAR(a[i].albedo.g, b[i].albedo.g, 655);
+        ASSERT_NEAR(a[i].gloss.roughness, b[i].gloss.roughness, 1);
+        ASSERT_EQ(a[i].emission.g, b[i].emission.g);
+      }
+    }
+    EXPECT_GT(two_surfaces, 20U);
+    EXPECT_GT(covered, view.area() / 2);
+    EXPECT_LT(far_off, covered / 50);
   }
 }
 
