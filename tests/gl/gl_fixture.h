@@ -8,6 +8,7 @@
 
 #include "host/render/gles/gl/egl_context.h"
 #include "host/render/gles/gl/gl_texture.h"
+#include "tests/support/image_of.h"
 
 namespace mixrig::test {
 
@@ -46,15 +47,6 @@ inline Image<glm::vec4> read(const render::gles::Texture& texture) {
       out.at(x, y) = {p[0], p[1], p[2], p[3]};
     }
   return out;
-}
-
-/// A picture from a function of (x, y).
-template <typename T, typename Function>
-Image<T> make_image(Size size, Function value) {
-  Image<T> image(size);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) image.at(x, y) = value(x, y);
-  return image;
 }
 
 }  // namespace mixrig::test

@@ -43,6 +43,7 @@ class InFlight : public testing::TestWithParam<const char*> {
     EXPECT_TRUE(made) << made.error().context;
     return made ? std::move(*made) : nullptr;
   }
+  static constexpr Size kView{160, 120}, kTof{64, 48};
   /// The room from a place of its own for each number.
   static render::FrameInput frame(const RoomSetup& room, int number) {
     render::FrameInput input = room.frame();
@@ -52,7 +53,7 @@ class InFlight : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(InFlight, frames_come_out_in_order_and_as_compose_makes_them) {
-  const RoomSetup room({});
+  const RoomSetup room({kView, kTof});
   const auto one = make(room), two = make(room);
   ASSERT_TRUE(one && two);
   ASSERT_TRUE(two->submit(frame(room, 0), render::kAll));
@@ -70,7 +71,7 @@ TEST_P(InFlight, frames_come_out_in_order_and_as_compose_makes_them) {
 }
 
 TEST_P(InFlight, frames_may_want_different_images) {
-  const RoomSetup room({});
+  const RoomSetup room({kView, kTof});
   const auto compositor = make(room);
   ASSERT_TRUE(compositor);
   FrameOutput all, color, depth;
@@ -87,7 +88,8 @@ TEST_P(InFlight, frames_may_want_different_images) {
 }
 
 TEST_P(InFlight, each_image_alone_is_the_same_and_the_others_stay_empty) {
-  const RoomSetup room({}), bare({.objects = false}), unlearned({.background = false});
+  const RoomSetup room({kView, kTof}), bare({kView, kTof, false}),
+      unlearned({.view = kView, .tof = kTof, .background = false});
   for (const RoomSetup* scene : {&room, &bare, &unlearned}) {
     const auto compositor = make(*scene);
     ASSERT_TRUE(compositor);
@@ -109,7 +111,7 @@ TEST_P(InFlight, each_image_alone_is_the_same_and_the_others_stay_empty) {
 }
 
 TEST_P(InFlight, images_that_are_not_wanted_stay_as_they_were) {
-  const RoomSetup room({});
+  const RoomSetup room({kView, kTof});
   const auto compositor = make(room);
   ASSERT_TRUE(compositor);
   FrameOutput output;
@@ -122,7 +124,7 @@ TEST_P(InFlight, images_that_are_not_wanted_stay_as_they_were) {
 }
 
 TEST_P(InFlight, too_many_and_none_are_errors_that_lose_nothing) {
-  const RoomSetup room({});
+  const RoomSetup room({kView, kTof});
   const auto compositor = make(room);
   ASSERT_TRUE(compositor);
   FrameOutput first, output;

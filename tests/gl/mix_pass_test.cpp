@@ -78,47 +78,6 @@ class MixPassTest : public GlTest {
   glm::vec4 shaded{0.1F, 0.3F, 0.05F, 1};  // premultiplied
 };
 
-TEST_F(MixPassTest, virtual_before_the_wall_hides_it) {
-  const Out out = draw();
-  EXPECT_NEAR(out.color.r, srgb_byte(0.1F), 1);
-  EXPECT_NEAR(out.color.g, srgb_byte(0.3F), 1);
-  EXPECT_EQ(out.color.a, 0);
-  EXPECT_NEAR(out.mixed_m, 3, 1e-5F);
-  EXPECT_EQ(out.segmented_m, 0);
-  EXPECT_EQ(out.layer, static_cast<int>(render::Layer::kVirtual));
-}
-
-TEST_F(MixPassTest, virtual_behind_the_wall_is_hidden_but_may_touch_it) {
-  virtual_m = 4.1F;
-  EXPECT_NEAR(draw().color.r, 188, 1);
-  EXPECT_NEAR(draw().mixed_m, 4, 1e-5F);
-  virtual_m = 4.01F;  // within the slack of learned depth
-  EXPECT_EQ(draw().layer, static_cast<int>(render::Layer::kVirtual));
-}
-
-TEST_F(MixPassTest, unknown_depth_never_occludes) {
-  wall_m = 0;
-  w = 0;
-  EXPECT_EQ(draw().layer, static_cast<int>(render::Layer::kVirtual));
-}
-
-TEST_F(MixPassTest, person_before_hides_the_object_and_behind_is_hidden) {
-  matte = 255;
-  w = 0.5F;
-  const Out before = draw();
-  EXPECT_NEAR(before.color.g, 188, 1);
-  EXPECT_EQ(before.color.a, 255);
-  EXPECT_NEAR(before.mixed_m, 2, 1e-5F);
-  EXPECT_NEAR(before.segmented_m, 2, 1e-5F);
-  EXPECT_EQ(before.layer, static_cast<int>(render::Layer::kPerson));
-  virtual_m = 1.5F;
-  const Out behind = draw();
-  EXPECT_NEAR(behind.color.g, srgb_byte(0.3F), 1);
-  EXPECT_NEAR(behind.mixed_m, 1.5F, 1e-5F);
-  EXPECT_NEAR(behind.segmented_m, 2, 1e-5F);
-  EXPECT_EQ(behind.layer, static_cast<int>(render::Layer::kVirtual));
-}
-
 TEST_F(MixPassTest, half_covered_pixel_of_a_person_is_matted_with_the_learned_wall) {
   matte = 51;  // 0.2
   w = 0.5F;

@@ -8,6 +8,8 @@
 namespace mixrig::test {
 namespace {
 
+constexpr Size kSmallView{160, 120}, kSmallTof{64, 48};
+
 template <typename T>
 bool is_same(const Image<T>& a, const Image<T>& b) {
   bool same = a.size() == b.size();
@@ -87,14 +89,14 @@ void add_object_to_set(RoomSetup& room) {
 }
 
 TEST(HiddenObjects, leave_a_still_camera_s_frame_as_without_them) {
-  RoomSetup room(RoomSetup::Options{});
+  RoomSetup room({kSmallView, kSmallTof});
   room.put_mirror();
   room.setup.people_cast_shadows = true;
   expect_hidden_as_without(room, room.frame());
 }
 
 TEST(HiddenObjects, leave_a_moving_camera_s_frame_as_without_them) {
-  RoomSetup room(RoomSetup::Options{});
+  RoomSetup room({kSmallView, kSmallTof});
   room.put_mirror();
   room.draw_background_for_each_pose();
   room.setup.light.contact = true;
@@ -102,7 +104,7 @@ TEST(HiddenObjects, leave_a_moving_camera_s_frame_as_without_them) {
 }
 
 TEST(HiddenObjects, leave_the_set) {
-  RoomSetup room({.box_m = {0.4, 0.9, 3.2}});
+  RoomSetup room({.view = kSmallView, .tof = kSmallTof, .box_m = {0.4, 0.9, 3.2}});
   add_object_to_set(room);
   const render::FrameInput frame = volume_frame(room);
   room.setup.backdrop.emplace();
@@ -112,7 +114,7 @@ TEST(HiddenObjects, leave_the_set) {
 }
 
 TEST(HiddenObjects, leave_the_set_before_a_room_that_is_drawn_for_each_pose) {
-  RoomSetup room(RoomSetup::Options{});
+  RoomSetup room({kSmallView, kSmallTof});
   add_object_to_set(room);
   room.draw_background_for_each_pose();
   room.setup.backdrop.emplace();
@@ -120,7 +122,7 @@ TEST(HiddenObjects, leave_the_set_before_a_room_that_is_drawn_for_each_pose) {
 }
 
 TEST(HiddenObjects, are_one_line_where_the_compositor_always_shows_them) {
-  RoomSetup room(RoomSetup::Options{});
+  RoomSetup room({kSmallView, kSmallTof});
   Pair pair = make_pair(room);
   render::FrameInput frame = room.frame();
   frame.objects_shown = false;

@@ -69,13 +69,5 @@ TEST(ChooseCalibration, ByPrecedenceWithTheReason) {
   }
 }
 
-TEST(ChooseCalibration, TheOptionWinsOverEachSingleOne) {
-  for (const CalibrationCandidates& c :
-       {CalibrationCandidates{.option = "o", .scene = "s", .source = ""},
-        CalibrationCandidates{.option = "o", .scene = "", .source = "r"},
-        CalibrationCandidates{.option = "o", .scene = "", .source = "", .reported = true}})
-    EXPECT_EQ(choose_calibration(c).file, "o");
-}
-
 }  // namespace
 }  // namespace mixrig::calibration_file

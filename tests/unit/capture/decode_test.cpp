@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "host/math/image_io/image_io.h"
+#include "tests/support/each_pixel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::capture {
@@ -33,33 +34,6 @@ device::Frame frame(PixelFormat format, Size size, std::span<const std::uint8_t>
 /// As a camera that tells nothing of its colours.
 Result<void> usual(const device::Frame& frame, Image<Rgb8>& out) {
   return ColorDecoder().decode(frame, out);
-}
-
-void expect_near(Rgb8 a, Rgb8 b) {
-  EXPECT_NEAR(a.r, b.r, 2);
-  EXPECT_NEAR(a.g, b.g, 2);
-  EXPECT_NEAR(a.b, b.b, 2);
-}
-
-// The colour bars of ITU-R BT.601 in 8-bit limited range, by the recommendation's own equations.
-TEST(Decode, YuyvGivesTheColourBars) {
-  // red (81, 90, 240), green (145, 54, 34): one pair each
-  const std::vector<std::uint8_t> bytes = {81, 90, 81, 240, 145, 54, 145, 34};
-  Image<Rgb8> out;
-  ASSERT_TRUE(usual(frame(PixelFormat::kYuyv, {4, 1}, bytes), out));
-  expect_near(out.at(0, 0), {255, 0, 0});
-  expect_near(out.at(1, 0), {255, 0, 0});
-  expect_near(out.at(3, 0), {0, 255, 0});
-}
-
-TEST(Decode, Nv12GivesBlueWhiteAndBlack) {
-  // 4x2: left pair blue (41, 240, 110), right pair white over black (235/16, 128, 128)
-  const std::vector<std::uint8_t> bytes = {41, 41, 235, 235, 41, 41, 16, 16, 240, 110, 128, 128};
-  Image<Rgb8> out;
-  ASSERT_TRUE(usual(frame(PixelFormat::kNv12, {4, 2}, bytes), out));
-  expect_near(out.at(0, 1), {0, 0, 255});
-  expect_near(out.at(2, 0), {255, 255, 255});
-  expect_near(out.at(3, 1), {0, 0, 0});
 }
 
 struct Matrix {
@@ -162,17 +136,15 @@ TEST(Decode, AFlatColourBehindEveryBayerPatternIsThatColour) {
         Pattern{PixelFormat::kBayerGbrg16, 0, 1}, Pattern{PixelFormat::kBayerBggr16, 1, 1}}) {
     const bool wide = device::row_bytes(p.format, 1) == 2;
     std::vector<std::uint8_t> bytes;
-    for (int y = 0; y < 6; ++y)
-      for (int x = 0; x < 7; ++x) {
-        const bool row = y % 2 == p.red_y, column = x % 2 == p.red_x;
-        if (wide) bytes.push_back(0x55);
-        bytes.push_back(row && column ? 200 : row != column ? 100 : 50);
-      }
+    for (const auto [x, y] : test::each_pixel({0, 0}, {7, 6})) {
+      const bool row = y % 2 == p.red_y, column = x % 2 == p.red_x;
+      if (wide) bytes.push_back(0x55);
+      bytes.push_back(row && column ? 200 : row != column ? 100 : 50);
+    }
     Image<Rgb8> out;
     ASSERT_TRUE(usual(frame(p.format, {7, 6}, bytes), out));
-    for (int y = 0; y < 6; ++y)
-      for (int x = 0; x < 7; ++x)
-        EXPECT_EQ(out.at(x, y), (Rgb8{200, 100, 50})) << name(p.format) << x << y;
+    for (const auto [x, y] : test::each_pixel({0, 0}, {7, 6}))
+      EXPECT_EQ(out.at(x, y), (Rgb8{200, 100, 50})) << name(p.format) << x << y;
   }
 }
 
@@ -256,22 +228,20 @@ TEST(Decode, BlackLevelAndGainsMakeABayerSensorsGreyCardGrey) {
                         .gains = {1.6, 1, 2}});
   const double sensed[] = {kLight / 1.6, kLight, kLight / 2};
   std::vector<std::uint8_t> bytes;
-  for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 5; ++x) {
-      const int color = y % 2 == 0 ? (x % 2 == 0 ? 0 : 1) : (x % 2 == 0 ? 1 : 2);
-      const double step = kBlack + sensed[color] * (kFull - kBlack);
-      const auto wide = static_cast<unsigned>(std::lround(step / kFull * 65535));
-      bytes.push_back(static_cast<std::uint8_t>(wide));
-      bytes.push_back(static_cast<std::uint8_t>(wide >> 8));
-    }
+  for (const auto [x, y] : test::each_pixel({0, 0}, {5, 4})) {
+    const int color = y % 2 == 0 ? (x % 2 == 0 ? 0 : 1) : (x % 2 == 0 ? 1 : 2);
+    const double step = kBlack + sensed[color] * (kFull - kBlack);
+    const auto wide = static_cast<unsigned>(std::lround(step / kFull * 65535));
+    bytes.push_back(static_cast<std::uint8_t>(wide));
+    bytes.push_back(static_cast<std::uint8_t>(wide >> 8));
+  }
   Image<Rgb8> out;
   ASSERT_TRUE(decoder.decode(frame(PixelFormat::kBayerRggb16, {5, 4}, bytes), out));
-  for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 5; ++x) {
-      EXPECT_NEAR(out.at(x, y).r, srgb(kLight), 1.5) << x << y;
-      EXPECT_NEAR(out.at(x, y).g, srgb(kLight), 1.5) << x << y;
-      EXPECT_NEAR(out.at(x, y).b, srgb(kLight), 1.5) << x << y;
-    }
+  for (const auto [x, y] : test::each_pixel({0, 0}, {5, 4})) {
+    EXPECT_NEAR(out.at(x, y).r, srgb(kLight), 1.5) << x << y;
+    EXPECT_NEAR(out.at(x, y).g, srgb(kLight), 1.5) << x << y;
+    EXPECT_NEAR(out.at(x, y).b, srgb(kLight), 1.5) << x << y;
+  }
 }
 
 TEST(Decode, LimitedGreyIsStretched) {
@@ -307,16 +277,15 @@ TEST(Decode, ShortFramesAndDepthAreRefused) {
 TEST(ColorDecoder, AMirroredCamerasPicturesAreTurnedBack) {
   const test::TemporaryFolder folder;
   Image<Rgb8> sent({5, 2}), seen;
-  for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 5; ++x)
-      sent.at(x, y) = {static_cast<std::uint8_t>(40 * x), static_cast<std::uint8_t>(y), 7};
+  for (const auto [x, y] : test::each_pixel({0, 0}, {5, 2}))
+    sent.at(x, y) = {static_cast<std::uint8_t>(40 * x), static_cast<std::uint8_t>(y), 7};
   ASSERT_TRUE(image_io::write_png(folder.path() / "p.png", std::as_const(sent).view()));
   std::ifstream in(folder.path() / "p.png", std::ios::binary);
   const std::vector<std::uint8_t> file{std::istreambuf_iterator<char>(in), {}};
   const device::Frame f = frame(PixelFormat::kMjpeg, sent.size(), file);
   ASSERT_TRUE(ColorDecoder({.mirrored = true}).decode(f, seen));
-  for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 5; ++x) EXPECT_EQ(seen.at(x, y), sent.at(4 - x, y));
+  for (const auto [x, y] : test::each_pixel({0, 0}, {5, 2}))
+    EXPECT_EQ(seen.at(x, y), sent.at(4 - x, y));
   ASSERT_TRUE(ColorDecoder().decode(f, seen));
   EXPECT_EQ(seen.at(1, 1), sent.at(1, 1));
 }

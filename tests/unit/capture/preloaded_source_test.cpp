@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/refusal.h"
+
 namespace mixrig::capture {
 namespace {
 
@@ -72,9 +74,8 @@ TEST(RepeatedSourceTest, GoesOnInTimeAfterTheLast) {
 
 TEST(PreloadedSourceTest, RefusesWhatHasNoEndOrCannotBeRead) {
   int reads = 0;
-  const auto endless = preloaded(std::make_unique<Numbered>(kEndless, reads));
-  ASSERT_FALSE(endless);
-  EXPECT_EQ(endless.error().code, ErrorCode::kUsage);
+  EXPECT_TRUE(
+      test::refused(preloaded(std::make_unique<Numbered>(kEndless, reads)), {}, ErrorCode::kUsage));
   EXPECT_EQ(reads, 0);
   const auto broken = preloaded(std::make_unique<Numbered>(20, reads));
   ASSERT_FALSE(broken);

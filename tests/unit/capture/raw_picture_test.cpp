@@ -10,6 +10,7 @@
 
 #include "host/capture/capture/camera_picture.h"
 #include "host/capture/capture/capture.h"
+#include "tests/support/each_pixel.h"
 
 namespace mixrig::capture {
 namespace {
@@ -38,8 +39,8 @@ int differing(const ColorSettings& settings, const device::Frame& frame) {
   Image<Rgb8> decoded;
   if (!raw || !decoder.decode(frame, decoded)) return -1;
   int count = 0;
-  for (int y = 0; y < decoded.height(); ++y)
-    for (int x = 0; x < decoded.width(); ++x) count += !(pixel_of(*raw, x, y) == decoded.at(x, y));
+  for (const auto [x, y] : test::each_pixel(decoded))
+    count += !(pixel_of(*raw, x, y) == decoded.at(x, y));
   return count;
 }
 
@@ -56,11 +57,10 @@ std::vector<ColorEncoding> yuv_encodings() {
 TEST(RawPicture, EveryYuvValueBecomesWhatTheDecoderMakesOfIt) {
   constexpr int kSteps = 52;
   std::vector<std::uint8_t> bytes;
-  for (int u = 0; u < kSteps; ++u)
-    for (int v = 0; v < kSteps; ++v)
-      for (int y = 0; y < 256; y += 2)
-        for (const int value : {y, 5 * u, y + 1, 5 * v})
-          bytes.push_back(static_cast<std::uint8_t>(value));
+  for (const auto [v, u] : test::each_pixel({0, 0}, {kSteps, kSteps}))
+    for (int y = 0; y < 256; y += 2)
+      for (const int value : {y, 5 * u, y + 1, 5 * v})
+        bytes.push_back(static_cast<std::uint8_t>(value));
   for (const ColorEncoding& encoding : yuv_encodings())
     EXPECT_EQ(differing({.encoding = encoding},
                         frame_of(PixelFormat::kYuyv, {256, kSteps * kSteps}, bytes, 512)),

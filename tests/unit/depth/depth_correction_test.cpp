@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/each_pixel.h"
+
 namespace mixrig::depth {
 namespace {
 
@@ -30,18 +32,16 @@ TEST(DepthCorrection, UndoesASensorsLawAlongTheRay) {
     const DepthCorrection correction(error_of_law(), kTof, is_distance);
     Image<float> depth({32, 24});
     for (double true_m = 0.6; true_m < 5.5; true_m += 0.37) {
-      for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 32; ++x) {
-          // By hand: a pixel's ray is longer than its depth by this factor.
-          const double ray = is_distance ? 1 : std::hypot((x - 15) / 28.0, (y - 12) / 29.0, 1.0);
-          depth.at(x, y) = static_cast<float>((true_m + law_m(true_m)) / ray);
-        }
+      for (const auto [x, y] : test::each_pixel({0, 0}, {32, 24})) {
+        // By hand: a pixel's ray is longer than its depth by this factor.
+        const double ray = is_distance ? 1 : std::hypot((x - 15) / 28.0, (y - 12) / 29.0, 1.0);
+        depth.at(x, y) = static_cast<float>((true_m + law_m(true_m)) / ray);
+      }
       correction.apply(depth, {});
-      for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 32; ++x) {
-          const double ray = is_distance ? 1 : std::hypot((x - 15) / 28.0, (y - 12) / 29.0, 1.0);
-          ASSERT_NEAR(depth.at(x, y) * ray, true_m, 2e-5) << x << " " << y;
-        }
+      for (const auto [x, y] : test::each_pixel({0, 0}, {32, 24})) {
+        const double ray = is_distance ? 1 : std::hypot((x - 15) / 28.0, (y - 12) / 29.0, 1.0);
+        ASSERT_NEAR(depth.at(x, y) * ray, true_m, 2e-5) << x << " " << y;
+      }
     }
   }
 }

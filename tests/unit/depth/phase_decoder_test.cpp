@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/each_pixel.h"
 #include "tests/support/kinect2_pictures.h"
 
 namespace mixrig::depth {
@@ -30,9 +31,8 @@ struct Scene {
   Scene() {
     for (std::size_t f = 0; f < 3; ++f) {
       offsets[f].reset(device::kKinect2Depth);
-      for (int y = 0; y < 424; ++y)
-        for (int x = 0; x < 512; ++x)
-          offsets[f].at(x, y) = static_cast<std::uint16_t>(3000 * (f + 1) + 7 * x + y);
+      for (const auto [x, y] : test::each_pixel({0, 0}, {512, 424}))
+        offsets[f].at(x, y) = static_cast<std::uint16_t>(3000 * (f + 1) + 7 * x + y);
     }
   }
   void put(int x, int y, const std::vector<Surface>& surfaces) {
@@ -47,8 +47,7 @@ struct Scene {
       }
   }
   void fill(int x0, int x1, const std::function<std::vector<Surface>(int x, int y)>& at) {
-    for (int y = 100; y < 112; ++y)
-      for (int x = x0; x < x1; ++x) put(x, y, at(x, y));
+    for (const auto [x, y] : test::each_pixel({x0, 100}, {x1, 112})) put(x, y, at(x, y));
   }
   void decode() { PhaseDecoder(kinect2_phase_camera(lens, offsets)).decode(pictures.bytes, out); }
 };
@@ -62,17 +61,17 @@ TEST(PhaseDecoder, FindsDistancesOverTheWholeRange) {
     });
   scene.decode();
   for (std::size_t i = 0; i < ways_m.size(); ++i)
-    for (int y = 102; y < 110; ++y)
-      for (int x = 40 * static_cast<int>(i) + 22; x < 40 * static_cast<int>(i) + 38; ++x) {
-        ASSERT_EQ(scene.out.state.at(x, y), PixelState::kGood) << ways_m[i];
-        // The light source is 45 mm left of the lens: |P| + |P - source| is twice the way.
-        const double u = (x - 255.5) / 365, v = (y - 211.5) / 365, s = std::hypot(1, u, v);
-        const double r = static_cast<double>(scene.out.distance_m.at(x, y)),
-                     to_source = std::hypot(r * u / s + 0.045, r * v / s, r / s);
-        ASSERT_NEAR(0.5 * (r + to_source), ways_m[i], 0.002) << x << " " << y;
-        ASSERT_NEAR(scene.out.amplitude.at(x, y), 4 * 1500, 60);
-        ASSERT_GT(scene.out.confidence.at(x, y), kLeastConfidence);
-      }
+    for (const auto [x, y] : test::each_pixel({40 * static_cast<int>(i) + 22, 102},
+                                              {40 * static_cast<int>(i) + 38, 110})) {
+      ASSERT_EQ(scene.out.state.at(x, y), PixelState::kGood) << ways_m[i];
+      // The light source is 45 mm left of the lens: |P| + |P - source| is twice the way.
+      const double u = (x - 255.5) / 365, v = (y - 211.5) / 365, s = std::hypot(1, u, v);
+      const double r = static_cast<double>(scene.out.distance_m.at(x, y)),
+                   to_source = std::hypot(r * u / s + 0.045, r * v / s, r / s);
+      ASSERT_NEAR(0.5 * (r + to_source), ways_m[i], 0.002) << x << " " << y;
+      ASSERT_NEAR(scene.out.amplitude.at(x, y), 4 * 1500, 60);
+      ASSERT_GT(scene.out.confidence.at(x, y), kLeastConfidence);
+    }
 }
 
 TEST(PhaseDecoder, TellsDarkSaturatedAndMixedApart) {

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/each_pixel.h"
+
 namespace mixrig::depth {
 namespace {
 
@@ -19,8 +21,8 @@ geometry::CameraModel wide_tof() { return {{{80, 60}, 50, 50, 39.5, 29.5}, {}}; 
 struct Pictures {
   Image<float> z_m{{80, 60}}, amplitude{{80, 60}};
   Pictures() {
-    for (int y = 0; y < 60; ++y)
-      for (int x = 0; x < 80; ++x) put(x, y, std::min(4.0, 1.2 / std::max(0.01, (y - 29.5) / 50)));
+    for (const auto [x, y] : test::each_pixel({0, 0}, {80, 60}))
+      put(x, y, std::min(4.0, 1.2 / std::max(0.01, (y - 29.5) / 50)));
   }
   static double ray(int x, int y) { return std::hypot(1, (x - 39.5) / 50, (y - 29.5) / 50); }
   /// A surface at `z`, measured modulo the range.
@@ -33,18 +35,17 @@ struct Pictures {
 
 TEST(WrappedDepth, IsUnknownAndAllElseStays) {
   Pictures seen;
-  for (int y = 10; y < 20; ++y)
-    for (int x = 30; x < 50; ++x) seen.put(x, y, 8.2);  // in a mirror: measured as 1 m or so
-  for (int y = 40; y < 50; ++y)
-    for (int x = 60; x < 70; ++x) seen.put(x, y, 1.5, 0.02);  // black cloth
+  for (const auto [x, y] : test::each_pixel({30, 10}, {50, 20}))
+    seen.put(x, y, 8.2);  // in a mirror: measured as 1 m or so
+  for (const auto [x, y] : test::each_pixel({60, 40}, {70, 50}))
+    seen.put(x, y, 1.5, 0.02);  // black cloth
   const Pictures before = seen;
   WrappedDepth wrapped(wide_tof(), false);
   EXPECT_EQ(wrapped.remove(seen.z_m, seen.amplitude), 200);
-  for (int y = 0; y < 60; ++y)
-    for (int x = 0; x < 80; ++x) {
-      const bool mirror = y >= 10 && y < 20 && x >= 30 && x < 50;
-      EXPECT_EQ(seen.z_m.at(x, y), mirror ? 0 : before.z_m.at(x, y)) << x << ' ' << y;
-    }
+  for (const auto [x, y] : test::each_pixel({0, 0}, {80, 60})) {
+    const bool mirror = y >= 10 && y < 20 && x >= 30 && x < 50;
+    EXPECT_EQ(seen.z_m.at(x, y), mirror ? 0 : before.z_m.at(x, y)) << x << ' ' << y;
+  }
   EXPECT_EQ(wrapped.remove(seen.z_m, seen.amplitude), 0);
 }
 
@@ -53,8 +54,8 @@ TEST(WrappedDepth, CountsDistancesAlongTheRay) {
   // median by its distance, below by its z.
   for (const bool is_distance : {false, true}) {
     Pictures seen;
-    for (int y = 0; y < 60; ++y)
-      for (int x = 0; x < 80; ++x) seen.z_m.at(x, y) = 2, seen.amplitude.at(x, y) = 100;
+    for (const auto [x, y] : test::each_pixel({0, 0}, {80, 60}))
+      seen.z_m.at(x, y) = 2, seen.amplitude.at(x, y) = 100;
     seen.amplitude.at(0, 0) = is_distance ? 2.9F : 2.2F;
     WrappedDepth wrapped(wide_tof(), is_distance);
     EXPECT_EQ(wrapped.remove(seen.z_m, seen.amplitude), is_distance ? 1 : 0);

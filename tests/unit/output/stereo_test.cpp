@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/each_pixel.h"
+
 namespace mixrig::output {
 namespace {
 
@@ -35,13 +37,12 @@ struct Pictures {
   Image<Rgb8> color{kStereoView}, wall{kStereoView};
   Image<float> depth{kStereoView}, wall_depth{kStereoView};
   Pictures() {
-    for (int y = 0; y < kStereoView.height; ++y)
-      for (int x = 0; x < kStereoView.width; ++x) {
-        color.at(x, y) = seen(x, 0, 3, true), wall.at(x, y) = seen(x, 0, 3, false);
-        depth.at(x, y) =
-            static_cast<float>(on_near((x - 79.5) / kFx_px * kNear_m) ? kNear_m : kWall_m);
-        wall_depth.at(x, y) = static_cast<float>(kWall_m);
-      }
+    for (const auto [x, y] : test::each_pixel(kStereoView)) {
+      color.at(x, y) = seen(x, 0, 3, true), wall.at(x, y) = seen(x, 0, 3, false);
+      depth.at(x, y) =
+          static_cast<float>(on_near((x - 79.5) / kFx_px * kNear_m) ? kNear_m : kWall_m);
+      wall_depth.at(x, y) = static_cast<float>(kWall_m);
+    }
   }
 };
 
@@ -56,10 +57,9 @@ TEST(StereoPair, IsWhatBothEyesSeeAlsoBehindTheEdge) {
   const auto counts = pair.draw({in.color, in.depth}, {in.wall, in.wall_depth}, out);
   ASSERT_EQ(out.size(), (Size{320, 4}));
   int wrong = 0;
-  for (int eye = 0; eye < 2; ++eye)
-    for (int x = 4; x < kStereoView.width - 4; ++x)
-      wrong +=
-          difference(out.at(eye * 160 + x, 1), seen(x, eye == 0 ? -0.0325 : 0.0325, 3, true)) > 12;
+  for (const auto [x, eye] : test::each_pixel({4, 0}, {kStereoView.width - 4, 2}))
+    wrong +=
+        difference(out.at(eye * 160 + x, 1), seen(x, eye == 0 ? -0.0325 : 0.0325, 3, true)) > 12;
   // Each eye has two edges, which lie on whole pixels by chance alone.
   EXPECT_LE(wrong, 8);
   EXPECT_GT(counts.behind, 0U);

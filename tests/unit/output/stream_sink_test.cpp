@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/child_process.h"
+#include "tests/support/each_pixel.h"
 #include "tests/support/progress.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/udp_listener.h"
@@ -46,11 +47,10 @@ CompositePtr bars_frame(int number) {
   composite->view = {kBars, 300, 300, 159.5, 47.5};
   auto& images = composite->images;
   images.color.reset(kBars), images.matte.reset(kBars), images.mixed_depth_m.reset(kBars);
-  for (int y = 0; y < kBars.height; ++y)
-    for (int x = 0; x < kBars.width; ++x) {
-      images.color.at(x, y) = bar(x), images.matte.at(x, y) = key_at(x, y);
-      images.mixed_depth_m.at(x, y) = 1e-3F * static_cast<float>(depth_mm(x, y));
-    }
+  for (const auto [x, y] : test::each_pixel(kBars)) {
+    images.color.at(x, y) = bar(x), images.matte.at(x, y) = key_at(x, y);
+    images.mixed_depth_m.at(x, y) = 1e-3F * static_cast<float>(depth_mm(x, y));
+  }
   return composite;
 }
 
@@ -102,14 +102,13 @@ class StreamSinkTest : public ::testing::Test {
   static int worst_of_bars(const std::string& rgb, std::size_t frame) {
     int worst = 0;
     const std::size_t at = frame * 3 * static_cast<std::size_t>(kBars.area());
-    for (int y = 8; y < kBars.height - 8; ++y)
-      for (int x = 0; x < kBars.width; ++x) {
-        if (x % 40 < 8 || x % 40 > 31) continue;
-        const std::size_t i = at + 3 * static_cast<std::size_t>(y * kBars.width + x);
-        const Rgb8 c = bar(x);
-        for (const auto& [k, v] : {std::pair{0, c.r}, {1, c.g}, {2, c.b}})
-          worst = std::max(worst, std::abs(static_cast<std::uint8_t>(rgb[i + k]) - v));
-      }
+    for (const auto [x, y] : test::each_pixel({0, 8}, {kBars.width, kBars.height - 8})) {
+      if (x % 40 < 8 || x % 40 > 31) continue;
+      const std::size_t i = at + 3 * static_cast<std::size_t>(y * kBars.width + x);
+      const Rgb8 c = bar(x);
+      for (const auto& [k, v] : {std::pair{0, c.r}, {1, c.g}, {2, c.b}})
+        worst = std::max(worst, std::abs(static_cast<std::uint8_t>(rgb[i + k]) - v));
+    }
     return worst;
   }
   static std::string any_port() {
@@ -166,15 +165,14 @@ TEST_F(StreamSinkTest, AFileKeepsColourAlphaAndDepthExactly) {
   const std::string gray = decoded(folder_ / "depth.mkv", "gray16le");
   ASSERT_EQ(gray.size(), 10 * 2 * area);
   int wrong_alpha = 0, wrong_depth = 0;
-  for (int y = 0; y < kBars.height; ++y)
-    for (int x = 0; x < kBars.width; ++x) {
-      const std::size_t i = 9 * area + static_cast<std::size_t>(y * kBars.width + x);
-      wrong_alpha += static_cast<std::uint8_t>(bgra[4 * i + 3]) != key_at(x, y) ||
-                     static_cast<std::uint8_t>(bgra[4 * i]) != bar(x).b;
-      const unsigned low = static_cast<std::uint8_t>(gray[2 * i]),
-                     high = static_cast<std::uint8_t>(gray[2 * i + 1]);
-      wrong_depth += (low | high << 8) != depth_mm(x, y);
-    }
+  for (const auto [x, y] : test::each_pixel(kBars)) {
+    const std::size_t i = 9 * area + static_cast<std::size_t>(y * kBars.width + x);
+    wrong_alpha += static_cast<std::uint8_t>(bgra[4 * i + 3]) != key_at(x, y) ||
+                   static_cast<std::uint8_t>(bgra[4 * i]) != bar(x).b;
+    const unsigned low = static_cast<std::uint8_t>(gray[2 * i]),
+                   high = static_cast<std::uint8_t>(gray[2 * i + 1]);
+    wrong_depth += (low | high << 8) != depth_mm(x, y);
+  }
   EXPECT_EQ(wrong_alpha, 0);
   EXPECT_EQ(wrong_depth, 0);
 }
@@ -246,13 +244,12 @@ TEST_F(StreamSinkTest, GStreamerReceivesSharedMemory) {
   ASSERT_EQ(gray.size(), 4U * 2 * static_cast<std::size_t>(kBars.area()))
       << test::read_bytes(folder_ / "log");
   int wrong = 0;
-  for (int y = 0; y < kBars.height; ++y)
-    for (int x = 0; x < kBars.width; ++x) {
-      const std::size_t i = 2 * static_cast<std::size_t>(y * kBars.width + x);
-      const unsigned low = static_cast<std::uint8_t>(gray[i]),
-                     high = static_cast<std::uint8_t>(gray[i + 1]);
-      wrong += (low | high << 8) != depth_mm(x, y);
-    }
+  for (const auto [x, y] : test::each_pixel(kBars)) {
+    const std::size_t i = 2 * static_cast<std::size_t>(y * kBars.width + x);
+    const unsigned low = static_cast<std::uint8_t>(gray[i]),
+                   high = static_cast<std::uint8_t>(gray[i + 1]);
+    wrong += (low | high << 8) != depth_mm(x, y);
+  }
   EXPECT_EQ(wrong, 0);
 }
 

@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/plate/correct.h"
-
+// What pass correct makes of depth pictures made by hand, by the back end of this program.
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "tests/unit/render/back_end.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
 namespace {
 
-using render::cpu::kDown;
-using render::cpu::kRight;
 constexpr Size kCorrectSize{16, 12};
+constexpr int kRight = 1, kDown = 2, kDownRight = 4, kDownLeft = 8;
+
+/// Of a camera of ideal rays, 100 px of focal length.
+struct Corrected {
+  explicit Corrected(const Image<float>& depth_m, const render::CorrectParams& params = {}) {
+    render::Tables tables = render::make_tables(plain_setup({8, 8}, 8, depth_m.size(), 100));
+    tables.correct = params;
+    corrected = correct_depth(tables, depth_m);
+  }
+  float z(int x, int y) const { return corrected.z_m.at(x, y); }
+  int links(int x, int y) const { return corrected.links.at(x, y); }
+  CorrectedDepth corrected;
+};
 
 TEST(Correct, bad_values_are_unknown_but_for_those_beside_three_samples) {
   const float bad[] = {0,
@@ -65,6 +76,17 @@ TEST(Correct, silhouette_is_cut_and_keeps_both_depths) {
     EXPECT_FLOAT_EQ(c.z(7, y), 1.5F);
     EXPECT_FLOAT_EQ(c.z(8, y), 3.0F);
   }
+  EXPECT_EQ(c.links(4, 4), kRight + kDown + kDownRight + kDownLeft);
+  EXPECT_EQ(c.links(7, 4), kDown + kDownLeft);
+  EXPECT_EQ(c.links(8, 4), kRight + kDown + kDownRight);
+  EXPECT_EQ(c.links(15, 4), kDown + kDownLeft) << "the picture ends";
+  EXPECT_EQ(c.links(4, 11), kRight);
+}
+
+TEST(Correct, where_the_lens_has_no_ray_depth_is_unknown) {
+  render::Tables tables = render::make_tables(plain_setup({8, 8}, 8, kCorrectSize, 100));
+  tables.tof_ray.reset(kCorrectSize, glm::vec2(std::numeric_limits<float>::quiet_NaN()));
+  EXPECT_EQ(correct_depth(tables, Image<float>(kCorrectSize, 2.0F)).z_m.at(3, 2), 0);
 }
 
 TEST(Correct, a_sample_between_two_surfaces_is_no_plane) {

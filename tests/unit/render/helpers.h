@@ -4,19 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/cpu/plate/correct.h"
 #include "host/render/cpu/plate/plate.h"
 #include "host/render/tables/prepare.h"
+#include "tests/support/image_of.h"
 
 namespace mixrig::test {
-
-template <typename T, typename Make>
-Image<T> make_image(Size size, Make&& make) {
-  Image<T> image(size);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) image.at(x, y) = make(x, y);
-  return image;
-}
 
 /// A linear colour, 0 to 1, as the plate of the CPU holds it.
 inline render::cpu::Rgbx16 linear16(Rgbf c) {
@@ -40,25 +32,5 @@ inline render::CompositorSetup plain_setup(Size view, double view_f_px, Size tof
   setup.noise = {0.002F, 0.001F, 0.0005F};
   return setup;
 }
-
-/// Pass correct on a z image of ideal rays.
-struct Corrected {
-  explicit Corrected(const Image<float>& depth_m, const render::CorrectParams& params = {},
-                     double f_px = 100)
-      : grid(depth_m.size()) {
-    const render::CompositorSetup setup = plain_setup({8, 8}, 8, depth_m.size(), f_px);
-    tables = render::make_tables(setup);
-    Crew crew(1);
-    render::cpu::correct(crew, params, tables.tof_ray, depth_m, grid);
-  }
-  float z(int x, int y) const {
-    return grid.z_m.at(x + render::cpu::kFrame, y + render::cpu::kFrame);
-  }
-  int links(int x, int y) const {
-    return grid.links.at(x + render::cpu::kFrame, y + render::cpu::kFrame);
-  }
-  render::Tables tables;
-  render::cpu::TofGrid grid;
-};
 
 }  // namespace mixrig::test

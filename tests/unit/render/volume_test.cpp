@@ -66,12 +66,6 @@ struct OnFloor {
   Image<std::uint8_t> matte;
 };
 
-TEST(Volume, an_empty_floor_shows_nobody) {
-  OnFloor scene;
-  scene.run();
-  EXPECT_EQ(scene.people(), 0);
-}
-
 TEST(Volume, noise_of_the_floor_shows_nobody) {
   OnFloor scene;
   const render::NoiseParams noise = render::noise_params(scene.setup.noise);
@@ -330,13 +324,6 @@ TEST(PeopleShadow, falls_where_the_person_stands_before_the_lamp) {
   for (const float u : {-0.2F, 0.0F, 0.2F}) EXPECT_EQ(person.seen(8 * u, 0, 8), 0) << u;
   for (const float u : {-0.32F, 0.32F}) EXPECT_EQ(person.seen(8 * u, 0, 8), 1) << u;
   EXPECT_EQ(person.seen(0, 0, 1.5F), 1);  // before the person
-}
-
-TEST(PeopleShadow, nobody_casts_none) {
-  Standing person;
-  person.matte.fill(0);
-  person.draw();
-  EXPECT_EQ(person.seen(0, 0, 8), 1);
 }
 
 TEST(PeopleShadow, darkens_a_virtual_surface_and_leaves_no_trace) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/render/cpu/warp/warp.h"
-
+// Where the warp puts depth, by formula, by the back end of this program.
 #include <cmath>
 
+#include "tests/unit/render/back_end.h"
 #include "tests/unit/render/helpers.h"
 
 namespace mixrig::test {
@@ -11,24 +11,15 @@ namespace {
 constexpr Size kWarpTof{8, 8}, kWarpView{32, 32};
 
 /// ToF pixel x lands at u = 4 x + 1.5 of the view where the cameras stand at one place.
-struct Warped {
-  explicit Warped(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
-                  int threads = 1, Size view = kWarpView, double view_f_px = 32) {
-    render::CompositorSetup setup = plain_setup(view, view_f_px, depth_m.size(), 8);
-    setup.target_from_tof = target_from_tof;
-    const render::Tables tables = render::make_tables(setup);
-    Crew crew(threads);
-    render::cpu::TofGrid grid(depth_m.size());
-    render::cpu::WarpScratch scratch(depth_m.size());
-    w.reset({view.width + render::cpu::kViewMargin, view.height + render::cpu::kViewMargin}, 7.0F);
-    render::cpu::correct(crew, tables.correct, tables.tof_ray, depth_m, grid);
-    render::cpu::warp(crew, tables, grid, scratch, w);
-  }
-  Image<float> w;
-};
+WarpedDepth warped_depth(const Image<float>& depth_m, const geometry::Pose& target_from_tof = {},
+                         int threads = 1, Size view = kWarpView, double view_f_px = 32) {
+  render::CompositorSetup setup = plain_setup(view, view_f_px, depth_m.size(), 8);
+  setup.target_from_tof = target_from_tof;
+  return warp_depth(render::make_tables(setup), depth_m, threads);
+}
 
 TEST(Warp, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
-  const Warped warped(Image<float>(kWarpTof, 2.0F));
+  const WarpedDepth warped = warped_depth(Image<float>(kWarpTof, 2.0F));
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const bool inside = x >= 2 && x <= 29 && y >= 2 && y <= 29;
@@ -38,7 +29,7 @@ TEST(Warp, plane_fills_what_the_tof_camera_sees_and_nothing_else) {
 
 TEST(Warp, tilted_plane_is_exact_between_samples) {
   const auto plane = [](double ray_x, double ray_y) { return 0.5 + 0.05 * ray_x - 0.03 * ray_y; };
-  const Warped warped(make_image<float>(kWarpTof, [&](int x, int y) {
+  const WarpedDepth warped = warped_depth(make_image<float>(kWarpTof, [&](int x, int y) {
     return static_cast<float>(1 / plane((x - 3.5) / 8, (y - 3.5) / 8));
   }));
   // One ToF pixel in from the border, where smoothing has neighbours on all sides.
@@ -48,17 +39,19 @@ TEST(Warp, tilted_plane_is_exact_between_samples) {
 }
 
 TEST(Warp, step_lies_half_a_tof_pixel_past_the_samples) {
-  const Warped warped(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
+  const WarpedDepth warped =
+      warped_depth(make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 2.0F : 1.0F; }));
   // Samples 3 and 4 land at 13.5 and 17.5: each owns two view pixels of the cut cell.
   const float expected[] = {0.5F, 0.5F, 0.5F, 1.0F, 1.0F, 1.0F};
   for (int x = 13; x <= 18; ++x) {
     EXPECT_NEAR(warped.w.at(x, 15), expected[x - 13], 1e-6F) << x;
-    EXPECT_EQ(render::cpu::from_cut_cell(warped.w.at(x, 15)), x >= 14 && x <= 17) << x;
+    EXPECT_EQ(warped.cut.at(x, 15), x >= 14 && x <= 17) << x;
   }
 }
 
 TEST(Warp, pole_of_one_sample_keeps_its_width) {
-  const Warped warped(make_image<float>(kWarpTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
+  const WarpedDepth warped =
+      warped_depth(make_image<float>(kWarpTof, [](int x, int) { return x == 4 ? 1.0F : 3.0F; }));
   int width = 0;
   for (int x = 0; x < 32; ++x) width += warped.w.at(x, 15) > 0.9F;
   EXPECT_EQ(width, 4);
@@ -68,7 +61,7 @@ TEST(Warp, nearest_surface_wins_and_gaps_stay_unknown) {
   // The ToF camera stands 0.25 m to the left: a point at z moves left by 32 x 0.25 / z pixels.
   geometry::Pose pose;
   pose.translation_m = {-0.25, 0, 0};
-  const Warped warped(
+  const WarpedDepth warped = warped_depth(
       make_image<float>(kWarpTof, [](int x, int) { return x >= 3 && x <= 4 ? 1.0F : 4.0F; }), pose);
   // Near: samples 3 and 4, 13.5 .. 17.5, moved by 8 px, with 1.2 quarters of a cell towards what
   // they cover and 0.2 towards what they open: 3.1 .. 9.9.
@@ -87,7 +80,7 @@ TEST(Warp, reach_is_more_over_what_the_tof_camera_sees_and_less_over_what_it_doe
     geometry::Pose pose;
     pose.translation_m.x() = moves_px / (256 * (1 - 0.25));
     const auto depth = make_image<float>(kWarpTof, [](int x, int) { return x < 4 ? 1.0F : 4.0F; });
-    const Warped warped(depth, pose, 1, {256, 256}, 256);
+    const WarpedDepth warped = warped_depth(depth, pose, 1, {256, 256}, 256);
     int x = 255;
     while (x > 0 && warped.w.at(x, 128) < 0.9F) --x;
     return x - 256 * pose.translation_m.x();
@@ -102,12 +95,13 @@ TEST(Warp, reach_is_more_over_what_the_tof_camera_sees_and_less_over_what_it_doe
 /// measured in columns 3 and 4; 0 is no measurement. Midway is 15.5.
 float border_with(float third_m, float fourth_m) {
   const Size tof{8, 8}, view{256, 256};  // a ToF pixel spans 32 px
-  const Warped warped(make_image<float>(tof,
-                                        [&](int x, int) {
-                                          if (x == 3) return third_m;
-                                          return x == 4 ? fourth_m : x < 4 ? 2.0F : 4.0F;
-                                        }),
-                      {}, 1, view, 256);
+  const WarpedDepth warped =
+      warped_depth(make_image<float>(tof,
+                                     [&](int x, int) {
+                                       if (x == 3) return third_m;
+                                       return x == 4 ? fourth_m : x < 4 ? 2.0F : 4.0F;
+                                     }),
+                   {}, 1, view, 256);
   int x = 255;
   while (x > 0 && warped.w.at(x, 128) < 0.4F) --x;
   // What lies beside it is the far surface: nothing is unknown, or between the two.
@@ -137,10 +131,10 @@ TEST(Warp, noise_and_stray_values_at_a_step_move_no_border) {
 TEST(Warp, surface_seen_from_behind_or_behind_the_camera_draws_nothing) {
   geometry::Pose pose;
   pose.translation_m = {0, 0, -3};
-  const Warped behind(Image<float>(kWarpTof, 2.0F), pose);
+  const WarpedDepth behind = warped_depth(Image<float>(kWarpTof, 2.0F), pose);
   pose.translation_m = {0, 0, 4};
   pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()));
-  const Warped opposite(Image<float>(kWarpTof, 2.0F), pose);
+  const WarpedDepth opposite = warped_depth(Image<float>(kWarpTof, 2.0F), pose);
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       EXPECT_EQ(behind.w.at(x, y), 0.0F);
@@ -156,15 +150,16 @@ TEST(Warp, threads_do_not_change_a_bit) {
   const auto depth = make_image<float>(tof, [](int x, int y) {
     return (x / 7 + y / 5) % 2 ? 1.0F + 0.02F * static_cast<float>(x) : 3.0F;
   });
-  const Warped one(depth, pose, 1, view), three(depth, pose, 3, view);
+  const WarpedDepth one = warped_depth(depth, pose, 1, view);
+  const WarpedDepth three = warped_depth(depth, pose, 3, view);
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) EXPECT_EQ(one.w.at(x, y), three.w.at(x, y));
 }
 
 TEST(Warp, single_pixels_of_either_camera_do_no_harm) {
-  const Warped tof(Image<float>({1, 1}, 2.0F));
+  const WarpedDepth tof = warped_depth(Image<float>({1, 1}, 2.0F));
   EXPECT_EQ(tof.w.at(15, 15), 0.0F);
-  const Warped view(Image<float>(kWarpTof, 2.0F), {}, 1, {1, 1});
+  const WarpedDepth view = warped_depth(Image<float>(kWarpTof, 2.0F), {}, 1, {1, 1});
   EXPECT_NEAR(view.w.at(0, 0), 0.5F, 1e-6F);
 }
 

@@ -7,6 +7,7 @@
 
 #include "host/output/report/canvas.h"
 #include "host/output/report/plot.h"
+#include "tests/support/each_pixel.h"
 
 namespace mixrig::report {
 namespace {
@@ -73,8 +74,8 @@ TEST(Canvas, DrawsEachShapeByItself) {
   canvas.text({2, 38}, "x", 10, {});
   canvas.dot({70, 5}, 3, {});
   const Image<Rgb8> out = canvas.finish();
-  for (int y = 0; y < 40; ++y)
-    for (int x = 20; x < 60; ++x) ASSERT_EQ(out.at(x, y), (Rgb8{255, 255, 255})) << x << ' ' << y;
+  for (const auto [x, y] : test::each_pixel({20, 0}, {60, 40}))
+    ASSERT_EQ(out.at(x, y), (Rgb8{255, 255, 255})) << x << ' ' << y;
   EXPECT_EQ(out.at(70, 5), Rgb8{});
   EXPECT_EQ(out.at(90, 10), Rgb8{});
 }
@@ -83,8 +84,7 @@ TEST(Plot, DrawsItsPointsAndSurvivesNone) {
   const Plot plot{"t", "x", "y", {{"s", {{1, 2, "a"}, {3, 4, "b"}}}, {"none", {}}}};
   const Image<Rgb8> out = draw(plot, {320, 240});
   int colored = 0;
-  for (int y = 0; y < out.height(); ++y)
-    for (int x = 0; x < out.width(); ++x) colored += out.at(x, y) == Rgb8{31, 119, 180};
+  for (const auto [x, y] : test::each_pixel(out)) colored += out.at(x, y) == Rgb8{31, 119, 180};
   EXPECT_GT(colored, 50);
   EXPECT_EQ(draw({}, {100, 80}).size(), (Size{100, 80}));
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/capture/calibration_file/calibration.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::session {
@@ -18,10 +19,8 @@ TEST(RigCamera, IsTheOneOfTheFileWithItsPlace) {
                            .covariance = {},
                            .origin = {}});
   ASSERT_TRUE(calibration_file::write_calibration(path, known));
-  const auto without_place = rig_camera(path, "fisheye");
-  ASSERT_FALSE(without_place);
-  EXPECT_EQ(without_place.error().code, ErrorCode::kData);
-  EXPECT_NE(without_place.error().context.find("mixrig calibrate rig"), std::string::npos);
+  EXPECT_TRUE(
+      test::refused(rig_camera(path, "fisheye"), {"mixrig calibrate rig"}, ErrorCode::kData));
 
   known.poses.push_back({.name = "fisheye",
                          .target_from = {Eigen::Quaterniond::Identity(), {0.07, 0.08, 0.01}},

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,7 @@
 namespace mixrig::session {
 namespace {
 
-constexpr int kEmptyFrames = 3, kLastFrame = 12, kEditAt = 7;
+constexpr int kEmptyFrames = 3, kLastFrame = 9, kEditAt = 7;
 
 using Pixels = std::vector<Rgb8>;
 
@@ -101,12 +102,17 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
     return kept;
   }
 
+  /// Of a run with this scene from beginning to end; what is saved then.
+  const std::map<int, Pixels>& pictures_of(const std::string& text) {
+    save(text);
+    const auto [found, is_new] = of_text_.try_emplace(text);
+    if (is_new) found->second = run_it();
+    return found->second;
+  }
+
   /// A run in which the scene is saved anew shows the old one, then the new one.
   void expect_followed(const std::string& from, const std::string& to) {
-    save(to);
-    const auto after = run_it();
-    save(from);
-    const auto before = run_it();
+    const auto &after = pictures_of(to), &before = pictures_of(from);
     const auto kept = run_it([&] { save(to); });
     EXPECT_TRUE(kept.at(kEditAt) == before.at(kEditAt)) << to;
     for (int number = kEditAt + 1; number <= kLastFrame; ++number)
@@ -118,6 +124,7 @@ class SceneFollowerTest : public ::testing::TestWithParam<render::Backend> {
 
   test::TemporaryFolder folder_;
   std::filesystem::path path_;
+  std::map<std::string, std::map<int, Pixels>> of_text_;
   std::shared_ptr<SceneFollower> follower_;
   RunReport report_;
 };
@@ -138,8 +145,7 @@ TEST_P(SceneFollowerTest, WhatIsSavedIsComposited) {
 }
 
 TEST_P(SceneFollowerOnCpu, AFileThatCannotBeReadIsLeftAlone) {
-  save(kHead + kThing);
-  const auto before = run_it();
+  const auto& before = pictures_of(kHead + kThing);
   const auto kept = run_it([&] { save(kHead + "[[object]]\nname = 7\n"); });
   EXPECT_TRUE(kept == before);
   EXPECT_EQ(report_.compositor.scene_edits->taken, 0U);
@@ -152,8 +158,7 @@ TEST_P(SceneFollowerOnCpu, AFileThatCannotBeReadIsLeftAlone) {
 TEST_P(SceneFollowerTest, ASceneThatCannotBeDrawnIsLeftAlone) {
   std::string lamps = kHead + kThing;
   for (int i = 0; i < 40; ++i) lamps += "[[light.lamp]]\nposition_m = [0, 0.5, 0.5]\n";
-  save(kHead + kThing);
-  const auto before = run_it();
+  const auto& before = pictures_of(kHead + kThing);
   const auto kept = run_it([&] { save(lamps); });
   const bool is_drawn = GetParam() == render::Backend::kCpu;  // gles draws 32 lamps at most
   EXPECT_EQ(kept == before, !is_drawn);
@@ -162,8 +167,7 @@ TEST_P(SceneFollowerTest, ASceneThatCannotBeDrawnIsLeftAlone) {
 }
 
 TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
-  save(kHead + kThing);
-  const auto before = run_it();
+  const auto& before = pictures_of(kHead + kThing);
   std::string other = kHead + kThing;
   other.replace(other.find("learn = [1, 3]"), 14, "walls = \"open\"");
   const auto kept = run_it([&] { save(other); });
@@ -173,10 +177,7 @@ TEST_P(SceneFollowerOnCpu, WhatARunTakesOnceStays) {
 
 TEST_P(SceneFollowerTest, APreviewIsSeenAtOnceAndEndsWithTheNextSave) {
   const std::string moved = kHead + object("thing", "position_m = [0.3, 0, 2.5]");
-  save(moved);
-  const auto after = run_it();
-  save(kHead + kThing);
-  const auto before = run_it();
+  const auto &after = pictures_of(moved), &before = pictures_of(kHead + kThing);
   const auto kept = run_it([&] {
     follower_->preview_object("thing", {Eigen::Quaterniond::Identity(), {0.3, 0, 2.5}});
     follower_->preview_object("nobody", {});
@@ -194,8 +195,7 @@ TEST_P(SceneFollowerTest, APreviewIsSeenAtOnceAndEndsWithTheNextSave) {
 }
 
 TEST_P(SceneFollowerTest, ALampIsDimmedAtOnce) {
-  save(kHead + "intensity = 0.25\n" + kThing);
-  const auto after = run_it();
+  const auto& after = pictures_of(kHead + "intensity = 0.25\n" + kThing);
   save(kHead + kThing);
   const auto kept = run_it([&] { follower_->preview_lamp("key", {0.25F, 0.25F, 0.25F}); });
   EXPECT_TRUE(kept.at(kLastFrame) == after.at(kLastFrame));

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/refusal.h"
+
 namespace mixrig::session {
 namespace {
 
@@ -42,9 +44,7 @@ TEST(FastClockTest, RunsSoManyTimesAsFast) {
 
 TEST(SoakTest, RefusesWhatIsNoSoak) {
   const std::atomic<bool> stop = false;
-  const auto brief = soak({.duration_s = 0.1}, stop, {});
-  ASSERT_FALSE(brief);
-  EXPECT_EQ(brief.error().code, ErrorCode::kUsage);
+  EXPECT_TRUE(test::refused(soak({.duration_s = 0.1}, stop, {}), {}, ErrorCode::kUsage));
   EXPECT_FALSE(soak({.speed = 0.5}, stop, {}));
 }
 

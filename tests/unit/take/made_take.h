@@ -5,6 +5,7 @@
 #include <random>
 
 #include "host/capture/take/take.h"
+#include "tests/support/each_pixel.h"
 
 namespace mixrig::take {
 
@@ -35,16 +36,14 @@ inline capture::Capture made_frame(int number) {
   frame.plate.reset(kColorSize);
   frame.depth_m.reset(kDepthSize);
   frame.amplitude.reset(kDepthSize);
-  for (int y = 0; y < kColorSize.height; ++y)
-    for (int x = 0; x < kColorSize.width; ++x)
-      frame.plate.at(x, y) = {static_cast<std::uint8_t>(random()),
-                              static_cast<std::uint8_t>(random()),
-                              static_cast<std::uint8_t>(random())};
-  for (int y = 0; y < kDepthSize.height; ++y)
-    for (int x = 0; x < kDepthSize.width; ++x) {
-      frame.depth_m.at(x, y) = static_cast<float>(random() % 8000) * 0.001F;
-      frame.amplitude.at(x, y) = static_cast<float>(random() % 65536);
-    }
+  for (const auto [x, y] : test::each_pixel(kColorSize))
+    frame.plate.at(x, y) = {static_cast<std::uint8_t>(random()),
+                            static_cast<std::uint8_t>(random()),
+                            static_cast<std::uint8_t>(random())};
+  for (const auto [x, y] : test::each_pixel(kDepthSize)) {
+    frame.depth_m.at(x, y) = static_cast<float>(random() % 8000) * 0.001F;
+    frame.amplitude.at(x, y) = static_cast<float>(random() % 65536);
+  }
   frame.world_from_target = {
       Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * number, Eigen::Vector3d::UnitZ())),
       {1.0 * number, 2, 3}};

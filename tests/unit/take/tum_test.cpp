@@ -7,6 +7,7 @@
 #include "host/capture/take/trajectory.h"
 #include "host/capture/take/tum_folder.h"
 #include "host/math/image_io/image_io.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mixrig::take {
@@ -109,9 +110,7 @@ TEST_F(TumFolder, ATakeTomlBesideTheListsBringsItsOwnCalibration) {
 
 TEST_F(TumFolder, WithoutAnyPairItIsNoTake) {
   folder_.write("tum/depth.txt", "99 depth/a.png\n");
-  const auto reader = TakeReader::open(folder_ / "tum");
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, ErrorCode::kData);
+  EXPECT_TRUE(test::refused(TakeReader::open(folder_ / "tum"), {}, ErrorCode::kData));
 }
 
 }  // namespace

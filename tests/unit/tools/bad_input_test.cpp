@@ -11,18 +11,35 @@ namespace {
 
 constexpr const char* kRun = "run scene.toml --source take:take --out out --backend cpu";
 
+using Spoil = std::function<void(const TinyTake&)>;
+
 struct Row {
   const char* name;
-  std::function<void(const TinyTake&)> spoil;
   std::string words;
   int status;
   std::vector<std::string> contains;  ///< each must be in the error line
-  std::string environment;
+  Spoil spoil = [](const TinyTake&) {};
+  std::string environment = {};
 };
 
 void PrintTo(const Row& row, std::ostream* out) { *out << row.words; }
 
-void nothing(const TinyTake&) {}
+Spoil cut(const char* file, std::size_t bytes) {
+  return [=](const TinyTake& t) { t.cut(file, bytes); };
+}
+Spoil edit(const char* file, const char* from, const char* to) {
+  return [=](const TinyTake& t) { t.edit(file, from, to); };
+}
+Spoil write(const char* file, const char* text) {
+  return [=](const TinyTake& t) { t.text(file, text); };
+}
+/// A folder with a file of somebody else.
+Spoil theirs(const std::string& folder) {
+  return [=](const TinyTake& t) {
+    fs::create_directory(t.path(folder));
+    t.text(folder + "/thesis.tex", "mine");
+  };
+}
 
 /// Folders a, b and c with the least that a scanned room has.
 void two_rooms(const TinyTake& t) {
@@ -58,325 +75,172 @@ void joined_room(const TinyTake& t) {
 std::vector<Row> rows_of_extras() {
   std::vector<Row> all;
 #ifdef MIXRIG_EXTRA_PEOPLE
-  for (const Row& row : std::initializer_list<Row>{
-           {"PlanBox",
-            nothing,
-            "plan scene.toml --source take:take out --box 1,2",
-            2,
-            {"--box", "0.5,0.5,1"},
-            ""},
-           {"PlanBoxOfNothing",
-            nothing,
-            "plan scene.toml --source take:take out --box 0,1,1",
-            2,
-            {"--box"},
-            ""},
-           {"PlanMissingTake", nothing, "plan scene.toml --source take:no out", 2, {"no"}, ""},
-       })
-    all.push_back(row);
-#endif
-#ifdef MIXRIG_EXTRA_STUDIO
-  for (const Row& row : std::initializer_list<Row>{
-           {"OptionOfABoard",
-            nothing,
-            "studio out --bend 3",
-            2,
-            {"--bend", "--scenario board"},
-            ""},
-           {"OptionOfASweep",
-            nothing,
-            "studio out --scenario board --overlap 0.3",
-            2,
-            {"--overlap", "--scenario sweep"},
-            ""},
-           {"EndlessNumber", nothing, "studio out --zoom inf", 2, {"inf", "finite"}, ""},
-           {"RefocusOfOneNumber",
-            nothing,
-            "studio out --refocus 6",
-            2,
-            {"'6'", "SECONDS,METRES"},
-            ""},
-           {"RefocusTooNear", nothing, "studio out --refocus 6,0.01", 2, {"0.1 to 100 m"}, ""},
-           {"RefocusOfASharpLens",
-            nothing,
-            "studio out --plain --refocus 6,1",
-            2,
-            {"\"defocus\""},
-            ""},
-       })
-    all.push_back(row);
-  const std::pair<const char*, const char*> sources[] = {
-      {"studio:wolk", "wolk"},
-      {"studio:walk,x", "seed"},
-      {"studio:walk,1,kinect2,9,64", "WxH"},
-      {"studio:walk,1,kinect2,9,64x48,64x48,1", "at most"}};
-  for (const auto& [source, contains] : sources)
-    all.push_back({"StudioSource",
-                   nothing,
-                   std::string("run scene.toml --out out --source ") + source,
-                   2,
-                   {contains},
-                   ""});
+  const std::string plan = "plan scene.toml --source take:";
+  all.push_back({"PlanBox", plan + "take out --box 1,2", 2, {"--box", "0.5,0.5,1"}});
+  all.push_back({"PlanBoxOfNothing", plan + "take out --box 0,1,1", 2, {"--box"}});
+  all.push_back({"PlanMissingTake", plan + "no out", 2, {"no"}});
 #else
-  all.push_back({"StudioLeftOut",
-                 nothing,
-                 "run scene.toml --out out --source studio",
-                 1,
-                 {"\"studio\"", "MIXRIG_EXTRAS"},
-                 ""});
-#endif
-#ifndef MIXRIG_EXTRA_PEOPLE
   all.push_back({"PeopleLeftOut",
-                 [](const TinyTake& t) {
-                   t.edit("scene.toml", "[camera]", "[people]\nfollow = true\n[camera]");
-                 },
                  kRun,
                  1,
                  {"scene.toml: people", "MIXRIG_EXTRAS"},
-                 ""});
+                 edit("scene.toml", "[camera]", "[people]\nfollow = true\n[camera]")});
+#endif
+#ifdef MIXRIG_EXTRA_STUDIO
+  for (const auto& [words, contains] :
+       {std::pair<const char*, std::vector<std::string>>{"studio out --bend 3",
+                                                         {"--bend", "--scenario board"}},
+        {"studio out --scenario board --overlap 0.3", {"--overlap", "--scenario sweep"}},
+        {"studio out --zoom inf", {"inf", "finite"}},
+        {"studio out --refocus 6", {"'6'", "SECONDS,METRES"}},
+        {"studio out --refocus 6,0.01", {"0.1 to 100 m"}},
+        {"studio out --plain --refocus 6,1", {"\"defocus\""}},
+        {"run scene.toml --out out --source studio:wolk", {"wolk"}},
+        {"run scene.toml --out out --source studio:walk,x", {"seed"}},
+        {"run scene.toml --out out --source studio:walk,1,kinect2,9,64", {"WxH"}},
+        {"run scene.toml --out out --source studio:walk,1,kinect2,9,64x48,64x48,1", {"at most"}}})
+    all.push_back({"Studio", words, 2, contains});
+#else
+  all.push_back({"StudioLeftOut",
+                 "run scene.toml --out out --source studio",
+                 1,
+                 {"\"studio\"", "MIXRIG_EXTRAS"}});
 #endif
 #ifndef MIXRIG_EXTRA_MAP
-  all.push_back(
-      {"MapLeftOut", nothing, "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}, ""});
+  all.push_back({"MapLeftOut", "track --map map --take take", 1, {"\"map\"", "MIXRIG_EXTRAS"}});
 #endif
   return all;
 }
 
+constexpr const char* kModelWithoutBuffer =
+    R"({"asset":{"version":"2.0"},"buffers":[{"uri":"crate.bin","byteLength":36}],)"
+    R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
+    R"("componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":)"
+    R"([{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]})";
+
+void crate_without_buffer(const TinyTake& t) {
+  t.text("crate.gltf", kModelWithoutBuffer);
+  t.text("scene.toml", t.text_of("scene.toml") +
+                           "[[object]]\nname = \"crate\"\nmodel = \"crate.gltf\"\n"
+                           "position_m = [0.0, 0.0, 0.0]\n");
+}
+void broken_calibration(const TinyTake& t) {
+  t.text("take/c.toml", "format = 1\n[camera]\n");
+  t.edit("take/take.toml", "name = ", "calibration = \"c.toml\"\nname = ");
+}
+void no_frames(const TinyTake& t) {
+  for (int stream = 0; stream < 2; ++stream) t.edit("take/take.toml", "count = 4", "count = 0");
+}
+void floor_without_background(const TinyTake& t) {
+  t.edit("scene.toml", "\"identity\"", "\"floor\"");
+  t.edit("scene.toml", "[background]\nlearn = [1, 3]\n", "");
+}
+void one_marker(const TinyTake& t) {
+  theirs("theirs")(t);
+  t.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
+}
+
 std::vector<Row> rows() {
+  const std::string run = kRun, no_out = "run scene.toml --source ";
+  const std::string calibrated = "scan --static take --frames 1-3 out --backend cpu --calibration ";
   std::vector<Row> all{
-      {"MissingScene", nothing, "run no.toml --source take:take --out out", 2, {"no.toml"}, ""},
-      {"MissingTake", nothing, "run scene.toml --source take:no --out out", 2, {"no"}, ""},
-      {"UnknownSource",
-       nothing,
-       "run scene.toml --source tape:x --out out",
-       2,
-       {"tape:x", "take:DIR"},
-       ""},
-      {"MissingCalibration",
-       nothing,
-       std::string(kRun) + " --calibration no.toml",
-       2,
-       {"no.toml"},
-       ""},
+      {"MissingScene", "run no.toml --source take:take --out out", 2, {"no.toml"}},
+      {"MissingTake", no_out + "take:no --out out", 2, {"no"}},
+      {"UnknownSource", no_out + "tape:x --out out", 2, {"tape:x", "take:DIR"}},
+      {"MissingCalibration", run + " --calibration no.toml", 2, {"no.toml"}},
       {"CalibrationOfOtherCameras",
-       [](const TinyTake& t) {
-         t.text("c.toml",
-                "format = 1\n[cameras.left]\nmodel = \"pinhole\"\nsize_px = [32, 24]\n"
-                "fx = 30\nfy = 30\ncx = 15.5\ncy = 11.5\n");
-       },
-       "scan --static take --frames 1-3 out --backend cpu --calibration c.toml",
+       calibrated + "c.toml",
        2,
        {"c.toml", "\"target\"", "left"},
-       ""},
-      {"BrokenCalibrationOfATake",
-       [](const TinyTake& t) {
-         t.text("take/c.toml", "format = 1\n[camera]\n");
-         t.edit("take/take.toml", "name = ", "calibration = \"c.toml\"\nname = ");
-       },
-       kRun,
-       2,
-       {"take/c.toml", "camera"},
-       ""},
+       write("c.toml",
+             "format = 1\n[cameras.left]\nmodel = \"pinhole\"\nsize_px = [32, 24]\n"
+             "fx = 30\nfy = 30\ncx = 15.5\ncy = 11.5\n")},
+      {"BrokenCalibrationOfATake", kRun, 2, {"take/c.toml", "camera"}, broken_calibration},
       {"OldCalibrationYaml",
-       [](const TinyTake& t) { t.text("old.yaml", "format: 1\ncameras:\n  target:\n"); },
-       std::string(kRun) + " --calibration old.yaml",
+       run + " --calibration old.yaml",
        2,
        {"old.yaml", "calibration.toml"},
-       ""},
-      {"TruncatedColor",
-       [](const TinyTake& t) { t.cut("take/color/000004.png", 60); },
-       kRun,
-       1,
-       {"000004.png"},
-       ""},
-      {"TruncatedDepth",
-       [](const TinyTake& t) { t.cut("take/depth/000002.png", 60); },
-       kRun,
-       1,
-       {"000002.png"},
-       ""},
-      {"EmptyPicture",
-       [](const TinyTake& t) { t.cut("take/color/000004.png", 0); },
-       kRun,
-       1,
-       {"000004.png"},
-       ""},
+       write("old.yaml", "format: 1\ncameras:\n  target:\n")},
+      {"TruncatedColor", kRun, 1, {"000004.png"}, cut("take/color/000004.png", 60)},
+      {"TruncatedDepth", kRun, 1, {"000002.png"}, cut("take/depth/000002.png", 60)},
+      {"EmptyPicture", kRun, 1, {"000004.png"}, cut("take/color/000004.png", 0)},
       {"MissingPicture",
-       [](const TinyTake& t) { fs::remove(t.path("take/color/000004.png")); },
        kRun,
        1,
        {"000004.png"},
-       ""},
+       [](const TinyTake& t) { fs::remove(t.path("take/color/000004.png")); }},
       {"SizeAgainstCalibration",
-       [](const TinyTake& t) {
-         t.edit("take/take.toml", "size_px = [32, 24]", "size_px = [32, 20]");
-       },
        kRun,
        1,
        {"32x24", "32x20"},
-       ""},
-      {"ZeroLength",
-       [](const TinyTake& t) {
-         t.edit("take/take.toml", "count = 4", "count = 0");
-         t.edit("take/take.toml", "count = 4", "count = 0");
-       },
-       kRun,
-       2,
-       {"take"},
-       ""},
+       edit("take/take.toml", "size_px = [32, 24]", "size_px = [32, 20]")},
+      {"ZeroLength", kRun, 2, {"take"}, no_frames},
       {"BracketWithoutExposure",
-       nothing,
        "lights --take take --bracket long.png,0",
        2,
-       {"long.png,0", "PICTURE,EXPOSURE"},
-       ""},
+       {"long.png,0", "PICTURE,EXPOSURE"}},
       {"BracketWithoutTake",
-       nothing,
        "lights --model room --bracket long.png,1 short.png,0.01",
        2,
-       {"--bracket needs --take"},
-       ""},
+       {"--bracket needs --take"}},
       {"SingularRotation",
-       [](const TinyTake& t) {
-         t.edit("take/take.toml", "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]",
-                "[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]");
-       },
        kRun,
        2,
        {"rotation"},
-       ""},
-      {"NegativeFocalLength",
-       [](const TinyTake& t) { t.edit("take/take.toml", "fx = 30.0", "fx = -30.0"); },
-       kRun,
-       2,
-       {"fx"},
-       ""},
-      {"NotToml",
-       [](const TinyTake& t) { t.text("scene.toml", "[camera\n"); },
-       kRun,
-       2,
-       {"scene.toml:1"},
-       ""},
+       edit("take/take.toml", "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]",
+            "[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]")},
+      {"NegativeFocalLength", kRun, 2, {"fx"}, edit("take/take.toml", "fx = 30.0", "fx = -30.0")},
+      {"NotToml", kRun, 2, {"scene.toml:1"}, write("scene.toml", "[camera\n")},
       {"UnknownKey",
-       [](const TinyTake& t) { t.edit("scene.toml", "threshold_m", "treshold_m"); },
        kRun,
        2,
        {"scene.toml:8", "treshold_m", "threshold_m"},
-       ""},
-      {"GltfWithoutItsBuffer",
-       [](const TinyTake& t) {
-         t.text(
-             "crate.gltf",
-             R"({"asset":{"version":"2.0"},"buffers":[{"uri":"crate.bin","byteLength":36}],)"
-             R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
-             R"("componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":)"
-             R"([{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]})");
-         t.text("scene.toml", t.text_of("scene.toml") +
-                                  "[[object]]\nname = \"crate\"\nmodel = \"crate.gltf\"\n"
-                                  "position_m = [0.0, 0.0, 0.0]\n");
-       },
-       kRun,
-       2,
-       {"crate.bin"},
-       ""},
+       edit("scene.toml", "threshold_m", "treshold_m")},
+      {"GltfWithoutItsBuffer", kRun, 2, {"crate.bin"}, crate_without_buffer},
       {"LearnedFramesThatAreNotThere",
-       [](const TinyTake& t) { t.edit("scene.toml", "[1, 3]", "[1, 9]"); },
        kRun,
        2,
        {"background.learn", "1-9", "1-4"},
-       ""},
-      {"FloorWithoutBackground",
-       [](const TinyTake& t) {
-         t.edit("scene.toml", "\"identity\"", "\"floor\"");
-         t.edit("scene.toml", "[background]\nlearn = [1, 3]\n", "");
-       },
-       kRun,
-       2,
-       {"floor"},
-       ""},
-      {"FramesOutOfRange", nothing, std::string(kRun) + " --frames 3-9", 2, {"3-9", "1-4"}, ""},
-      {"FramesThatAreNoRange", nothing, std::string(kRun) + " --frames 4-x", 2, {"4-x"}, ""},
-      {"SizeThatIsNone", nothing, std::string(kRun) + " --size 640", 2, {"640"}, ""},
-      {"OutIsAFile", [](const TinyTake& t) { t.text("out", "mine"); }, kRun, 2, {"out"}, ""},
-      {"OutIsAFolderOfOthers",
-       [](const TinyTake& t) {
-         fs::create_directory(t.path("out"));
-         t.text("out/thesis.tex", "mine");
-       },
-       kRun,
-       2,
-       {"out"},
-       ""},
-      {"JsonIntoNoFolder", nothing, std::string(kRun) + " --json no/report.json", 2, {"no"}, ""},
-      {"JsonOverAFolder",
-       [](const TinyTake& t) {
-         fs::create_directory(t.path("theirs"));
-         t.text("theirs/thesis.tex", "mine");
-       },
-       "info take --json theirs",
-       2,
-       {"theirs", "folder"},
-       ""},
+       edit("scene.toml", "[1, 3]", "[1, 9]")},
+      {"FloorWithoutBackground", kRun, 2, {"floor"}, floor_without_background},
+      {"FramesOutOfRange", run + " --frames 3-9", 2, {"3-9", "1-4"}},
+      {"FramesThatAreNoRange", run + " --frames 4-x", 2, {"4-x"}},
+      {"SizeThatIsNone", run + " --size 640", 2, {"640"}},
+      {"OutIsAFile", kRun, 2, {"out"}, write("out", "mine")},
+      {"OutIsAFolderOfOthers", kRun, 2, {"out"}, theirs("out")},
+      {"JsonIntoNoFolder", run + " --json no/report.json", 2, {"no"}},
+      {"JsonOverAFolder", "info take --json theirs", 2, {"theirs", "folder"}, theirs("theirs")},
       {"TrajectoryOverAFolder",
-       [](const TinyTake& t) {
-         fs::create_directory(t.path("theirs"));
-         t.text("theirs/thesis.tex", "mine");
-         t.text("m.csv", "frame,t_s,id,x_m,y_m,z_m,qx,qy,qz,qw\n1,0,1,0,0,0,0,0,0,1\n");
-       },
        "track --mocap m.csv --up z --out theirs",
        2,
        {"theirs", "folder"},
-       ""},
-      {"EmptyOut", nothing, std::string(kRun) + " --out ''", 2, {"--out", "empty"}, ""},
-      {"SizeOfMoreThanTheMemory",
-       nothing,
-       std::string(kRun) + " --size 16384x16384",
-       2,
-       {"16384x16384", "7680x4320"},
-       ""},
-      {"WatchAndNot", nothing, std::string(kRun) + " --watch --no-watch", 2, {"--no-watch"}, ""},
-      {"StreamWithoutAPort",
-       nothing,
-       std::string(kRun) + " --stream srt://host",
-       2,
-       {"srt://host", "HOST:PORT"},
-       ""},
-      {"RecordOverATake", nothing, "record take", 2, {"'take'", "--force"}, ""},
-      {"NotANumber", nothing, std::string(kRun) + " --change-after nan", 2, {"nan"}, ""},
-      {"ScanOfFramesThatAreNotThere",
-       nothing,
-       "scan --static take --frames 1-9 bg",
-       2,
-       {"1-9", "1-4"},
-       ""},
-      {"ScanOfTooFewFrames", nothing, "scan --static take --frames 1-2 bg", 1, {"3"}, ""},
-      {"ScanOfNothing", nothing, "scan bg", 2, {"--take", "--static"}, ""},
-      {"ScanOfASweepWithoutCalibration", nothing, "scan --take take bg", 2, {"--calibration"}, ""},
-      {"MergeWithoutOut", two_rooms, "scan --merge a b", 2, {"2 to 4", "OUT"}, ""},
-      {"MergeOfThreeRoomsWithoutOut", two_rooms, "scan --merge a b c", 2, {"OUT 'c'"}, ""},
-      {"MergeOfARoomWithItself", two_rooms, "scan --merge a ./a out", 2, {"'./a'", "twice"}, ""},
-      {"MergeIntoARoom", two_rooms, "scan --merge a b a", 2, {"OUT is 'a'"}, ""},
-      {"MergeOfAJoinedRoom", joined_room, "scan --merge j a out", 2, {"'j'", "joined"}, ""},
-      {"MergeOfNoRoom", two_rooms, "scan --merge a take out", 2, {"'take'", "not a scanned"}, ""},
-      {"MergeOfNothing", two_rooms, "scan --merge no a out", 2, {"'no'", "not a scanned"}, ""},
-      {"MergeOfFive", two_rooms, "scan --merge a b d e f out", 2, {"2 to 4"}, ""},
-      {"MergeNearWhat", two_rooms, "scan --merge a b out --near 1", 2, {"x y z yaw"}, ""},
-      {"NearWithoutMerge", nothing, "scan --static take out --near 1", 2, {"--merge"}, ""},
-      {"InfoOfNothing", nothing, "info no", 2, {"no"}, ""},
-      {"InfoOfATruncatedTake",
-       [](const TinyTake& t) { t.cut("take/depth/000001.png", 60); },
-       "info take",
-       1,
-       {"000001.png"},
-       ""},
-      {"ExplainWithoutASource", nothing, "explain scene.toml", 2, {"--source"}, ""},
+       one_marker},
+      {"EmptyOut", run + " --out ''", 2, {"--out", "empty"}},
+      {"SizeOfMoreThanTheMemory", run + " --size 16384x16384", 2, {"16384x16384", "7680x4320"}},
+      {"WatchAndNot", run + " --watch --no-watch", 2, {"--no-watch"}},
+      {"StreamWithoutAPort", run + " --stream srt://host", 2, {"srt://host", "HOST:PORT"}},
+      {"RecordOverATake", "record take", 2, {"'take'", "--force"}},
+      {"NotANumber", run + " --change-after nan", 2, {"nan"}},
+      {"ScanOfFramesThatAreNotThere", "scan --static take --frames 1-9 bg", 2, {"1-9", "1-4"}},
+      {"ScanOfTooFewFrames", "scan --static take --frames 1-2 bg", 1, {"3"}},
+      {"ScanOfNothing", "scan bg", 2, {"--take", "--static"}},
+      {"ScanOfASweepWithoutCalibration", "scan --take take bg", 2, {"--calibration"}},
+      {"MergeWithoutOut", "scan --merge a b", 2, {"2 to 4", "OUT"}, two_rooms},
+      {"MergeOfThreeRoomsWithoutOut", "scan --merge a b c", 2, {"OUT 'c'"}, two_rooms},
+      {"MergeOfARoomWithItself", "scan --merge a ./a out", 2, {"'./a'", "twice"}, two_rooms},
+      {"MergeIntoARoom", "scan --merge a b a", 2, {"OUT is 'a'"}, two_rooms},
+      {"MergeOfAJoinedRoom", "scan --merge j a out", 2, {"'j'", "joined"}, joined_room},
+      {"MergeOfNoRoom", "scan --merge a take out", 2, {"'take'", "not a scanned"}, two_rooms},
+      {"MergeOfNothing", "scan --merge no a out", 2, {"'no'", "not a scanned"}, two_rooms},
+      {"MergeOfFive", "scan --merge a b d e f out", 2, {"2 to 4"}, two_rooms},
+      {"MergeNearWhat", "scan --merge a b out --near 1", 2, {"x y z yaw"}, two_rooms},
+      {"NearWithoutMerge", "scan --static take out --near 1", 2, {"--merge"}},
+      {"InfoOfNothing", "info no", 2, {"no"}},
+      {"InfoOfATruncatedTake", "info take", 1, {"000001.png"}, cut("take/depth/000001.png", 60)},
+      {"ExplainWithoutASource", "explain scene.toml", 2, {"--source"}},
   };
-  all.push_back({"AbsentEgl",
-                 nothing,
-                 "run scene.toml --source take:take --out out --backend gles",
-                 1,
-                 {"EGL"},
-                 "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent"});
+  all.push_back({"AbsentEgl", no_out + "take:take --out out --backend gles", 1, {"EGL"}});
+  all.back().environment = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
   for (Row& row : rows_of_extras()) all.push_back(std::move(row));
   return all;
 }
