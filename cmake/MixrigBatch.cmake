@@ -69,7 +69,7 @@ endfunction()
 
 # Folders whose modules are compiled as one target: small modules spend most of their time on the headers
 # that all of them include. What a module may include is then not checked by the compiler, but by house.includes.
-set(MIXRIG_COMPILE_GROUPS hal host/capture host/room host/output host/run host/operator extras/people extras/broadcast)
+set(MIXRIG_COMPILE_GROUPS hal host/capture host/room host/output host/run extras/people extras/broadcast)
 # Eigen's templates take longer in one unit than in two; hal/linux has the headers of many libraries.
 set(MIXRIG_COMPILED_ALONE hal/linux hal/fake host/room/scan host/room/lamps)
 

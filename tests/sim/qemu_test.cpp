@@ -270,5 +270,17 @@ TEST(QemuTest, is_not_reset_while_triggers_run_and_is_when_they_stopped) {
   EXPECT_EQ(board.qemu.wait(), 0);  // -no-reboot: a reset ends it
 }
 
+test::TriggerUnderTest make_qemu() {
+  auto board = std::make_shared<Board>();
+  auto trigger = std::move(board->trigger);
+  return {board, std::move(trigger)};
+}
+
 }  // namespace
 }  // namespace mixrig::device
+
+namespace mixrig::test {
+INSTANTIATE_TEST_SUITE_P(Qemu, TriggerContract,
+                         ::testing::Values(TriggerMaker{"stm32f405", device::make_qemu}),
+                         [](const auto& maker) { return maker.param.name; });
+}  // namespace mixrig::test

@@ -9,7 +9,6 @@
 #include "hal/linux/serial_byte_stream.h"
 #include "hal/wire/trigger/mcu_trigger.h"
 #include "run_command.h"
-#include "tests/unit/hal_device/trigger_contract.h"
 
 namespace mixrig::test {
 namespace {
