@@ -30,7 +30,7 @@ float owner_z(float z, vec2 near, vec2 far) {
   return share * z_near * z_near >= (1.0 - share) * z_far * z_far ? z_near : z_far;
 }
 
-// Element n / 2 of the n known neighbours in ascending order; 0 for fewer than five.
+// Element n / 2 of the n known neighbours in ascending order; 0 for fewer than least_known.
 float median(float around[8], int known) {
   if (known < least_known) return 0.0;
   for (int i = 0; i < 8; ++i) {

@@ -121,6 +121,21 @@ TEST(Correct, lonely_pixel_and_hole_of_one_pixel_take_the_median) {
   }
 }
 
+TEST(Correct, median_of_eight_is_the_fifth_in_ascending_order) {
+  const auto filled = [](int near_in_column) {  // neighbours in the column of the hole, 1 or 2
+    return Corrected(make_image<float>(kCorrectSize,
+                                       [&](int x, int y) {
+                                         if (x == 5 && y == 5) return 0.0F;
+                                         const bool is_near =
+                                             x < 5 || (x == 5 && y < 5 + 6 * (near_in_column - 1));
+                                         return is_near ? 2.0F : 4.0F;
+                                       }))
+        .z(5, 5);
+  };
+  EXPECT_FLOAT_EQ(filled(2), 2.0F) << "five are near";
+  EXPECT_FLOAT_EQ(filled(1), 4.0F) << "four are near";
+}
+
 TEST(Correct, hole_beside_three_samples_is_filled_and_beside_two_stays) {
   const Corrected c(make_image<float>(kCorrectSize, [](int x, int y) {
     return (x == 4 && y == 4) || (x == 5 && y == 4) || (x == 4 && y == 5) ? 2.0F : 0.0F;
