@@ -59,6 +59,7 @@ measure::Errors Judge::errors() const {
   measure::Errors errors = measure::errors_of(sums_);
   errors.matte_flicker = flicker_.still();
   errors.matte_dtssd = flicker_.all();
+  errors.scraps = measure::scraps_of(scraps_.sums());
   if (room_shown_) errors.look = measure::look_of(look_);
   if (!room_shown_) {
     errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
@@ -104,6 +105,7 @@ Result<void> Judge::add_judged(const measure::ResultImages& result,
                                const measure::TruthImages& truth) {
   MIXRIG_TRY(measure::add_frame(result, truth, sums_));
   flicker_.add(result.matte, truth.matte);
+  scraps_.add(result.layer, result.matte, truth);
   if (room_shown_) measure::add_look(result, truth, look_);
   return {};
 }

@@ -7,6 +7,7 @@
 #include "host/judge/measure/errors.h"
 #include "host/judge/measure/flicker.h"
 #include "host/judge/measure/look.h"
+#include "host/judge/measure/scraps.h"
 #include "host/render/contract/compositor.h"
 
 namespace mixrig::session {
@@ -27,6 +28,8 @@ class Judge {
   /// The same of any composite.
   Result<void> add(const capture::Truth& truth, const measure::ResultImages& composite);
   measure::Errors errors() const;
+  /// The largest wrong piece of the last frame, in pixels of the truth; 0 pixels: none.
+  const measure::Piece& worst_scrap() const { return scraps_.worst(); }
 
  private:
   Result<void> add_in_size(measure::ResultImages result, const measure::TruthImages& truth);
@@ -36,6 +39,7 @@ class Judge {
   measure::ErrorSums sums_;
   measure::MatteFlicker flicker_;
   measure::LookSums look_;
+  measure::ScrapJudge scraps_;
   Image<std::uint8_t> own_layer_;
 };
 

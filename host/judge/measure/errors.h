@@ -88,6 +88,11 @@ struct Errors {
     std::optional<double> real_noise, virtual_noise;
     std::optional<double> real_sharpness, virtual_sharpness, outline_sharpness;
   } look;
+  /// Wrong pieces a frame, by ScrapJudge; `largest_px` is that of all frames.
+  struct Scraps {
+    std::optional<double> person_through_object, object_through_person, room_through, over_room;
+    std::optional<double> pixels, largest_px, changed_pixels, specks, ghost_pixels;
+  } scraps;
 };
 inline constexpr double kEqualPsnr_db = 100.0;
 

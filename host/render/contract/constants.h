@@ -37,6 +37,13 @@ inline constexpr float kSmoothPart = 0.5F;
 inline constexpr int kLeastSupporters = 2;
 /// A hole is filled if so many of its eight neighbours are known: those of a corner.
 inline constexpr int kLeastKnown = 3;
+/// A stray piece has nothing but unknown pixels and surfaces farther than this factor around it. A
+/// pixel that saw two surfaces can be a whole period of the modulation too near: at 120 MHz 1.25 m.
+inline constexpr float kStrayGap = 1.2F;
+/// ToF pixels: a stray piece lies within so many of each of its pixels, along rows and columns.
+inline constexpr int kStrayReachPx = 10;
+/// Square metres: a piece that is larger is a thing. A hand has about 0.01.
+inline constexpr float kStrayAreaM2 = 0.002F;
 
 // --- warp
 /// w of a cut cell's corner is at least this part of its vertex' w: gradients at borders are noisy

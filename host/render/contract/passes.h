@@ -59,6 +59,8 @@ struct CorrectParams {
   float step_min_m = 0.04F;      ///< and at least this
   float step_bends = 6.0F;       ///< or this many mean bends: noise on dark surfaces
   float bends_part = kSteepest;  ///< largest part of the depth that the bends make of it
+  /// Pixels of a stray piece at one metre, at most: at z they are this / z^2. 0: none is looked for.
+  float stray_px_m2 = 0;
 };
 
 /// ToF grid to view as a mesh.

@@ -99,6 +99,10 @@ float bends_part(const geometry::CameraModel& tof) {
   return std::min(kSteepest, kSteepestSlope / static_cast<float>(tof.pinhole.fx_px));
 }
 
+float stray_px_m2(const geometry::CameraModel& tof) {
+  return kStrayAreaM2 * static_cast<float>(tof.pinhole.fx_px * tof.pinhole.fy_px);
+}
+
 void set_view(const CompositorSetup& setup, Tables& tables) {
   tables.warp.camera_from_tof = glm::mat4(to_glm(setup.target_from_tof.matrix()));
   tables.warp.view.focal_px = glm::vec2(setup.view.fx_px, setup.view.fy_px);
@@ -191,6 +195,7 @@ Tables make_tables(const CompositorSetup& setup) {
   t.correct.depth_is_distance = setup.depth_is_distance;
   t.correct.noise = noise_params(setup.noise);
   t.correct.bends_part = bends_part(setup.tof);
+  t.correct.stray_px_m2 = stray_px_m2(setup.tof);
   set_view(setup, t);
 
   t.has_background = !setup.background.depth_m.empty();

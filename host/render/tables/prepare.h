@@ -68,6 +68,8 @@ Image<glm::vec2> tof_rays(const geometry::CameraModel& tof);
 
 /// CorrectParams::bends_part of a depth camera. Pure.
 float bends_part(const geometry::CameraModel& tof);
+/// CorrectParams::stray_px_m2 of a depth camera. Pure.
+float stray_px_m2(const geometry::CameraModel& tof);
 
 /// Precondition: validate(setup) holds.
 Tables make_tables(const CompositorSetup& setup);

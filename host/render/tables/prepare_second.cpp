@@ -55,6 +55,7 @@ SecondTables make_second_tables(const CompositorSetup& setup) {
   t.tof.correct.depth_is_distance = second.depth_is_distance;
   t.tof.correct.noise = noise_params(second.noise);
   t.tof.correct.bends_part = bends_part(second.model);
+  t.tof.correct.stray_px_m2 = stray_px_m2(second.model);
   set_view(setup, t);
   const geometry::Pose second_from_first =
       geometry::inverse(second.target_from_tof) * setup.target_from_tof;

@@ -10,55 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/output/report/rig_json.h"
+#include "host/run/report/error_report.h"
 #include "host/run/watchers/room_changes_report.h"
 
 namespace mixrig::session {
 namespace {
-
-using NamedError = std::pair<const char*, std::optional<double>>;
-
-std::array<NamedError, 18> named(const measure::Errors& e) {
-  return {{{"depth_mae_mm", e.depth_mae_mm},
-           {"depth_bad_pct", e.depth_bad_pct},
-           {"hidden_pct", e.hidden_pct},
-           {"hidden_bad_pct", e.hidden_bad_pct},
-           {"hidden_wrong_pct", e.hidden_wrong_pct},
-           {"band_bad_pct", e.band_bad_pct},
-           {"mixed_bad_pct", e.mixed_bad_pct},
-           {"mixed_hidden_wrong_pct", e.mixed_hidden_wrong_pct},
-           {"key_iou", e.key_iou},
-           {"matte_mse", e.matte_mse},
-           {"matte_flicker", e.matte_flicker},
-           {"matte_dtssd", e.matte_dtssd},
-           {"order_wrong_pct", e.order_wrong_pct},
-           {"light_rmse", e.light_rmse},
-           {"light_shadow_rmse", e.light_shadow_rmse},
-           {"color_psnr_db", e.color_psnr_db},
-           {"object_rmse", e.object_rmse},
-           {"object_psnr_db", e.object_psnr_db}}};
-}
-
-std::array<NamedError, 5> named(const measure::Errors::Contested& e) {
-  return {{{"pixels_pct", e.pixels_pct},
-           {"key_iou", e.key_iou},
-           {"matte_mse", e.matte_mse},
-           {"light_rmse", e.light_rmse},
-           {"color_psnr_db", e.color_psnr_db}}};
-}
-
-std::array<NamedError, 5> named(const measure::Errors::Look& e) {
-  return {{{"real_noise", e.real_noise},
-           {"virtual_noise", e.virtual_noise},
-           {"real_sharpness", e.real_sharpness},
-           {"virtual_sharpness", e.virtual_sharpness},
-           {"outline_sharpness", e.outline_sharpness}}};
-}
-
-double rounded(double value, int digits = 4) {
-  if (value == 0.0 || !std::isfinite(value)) return value;
-  const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * scale) / scale;
-}
 
 /// Three digits: the accuracy of the sketch.
 double quantile(const measure::QuantileSketch& sketch, double q) {
@@ -115,10 +71,6 @@ nlohmann::json to_json(const capture::PoseFaults& faults) {
           {"clock_steps", faults.clock_steps},   {"refused", faults.refused},
           {"packets_lost", faults.packets_lost}, {"packets_late", faults.packets_late},
           {"packets_bad", faults.packets_bad}};
-}
-
-nlohmann::json or_null(const std::optional<double>& value) {
-  return value ? nlohmann::json(rounded(*value)) : nlohmann::json();
 }
 
 nlohmann::json to_json(const SlipReport::Measured& slip) {
@@ -217,40 +169,6 @@ std::string pose_line(const PoseReport& report) {
   return line + slip_line(report.slip);
 }
 
-template <std::size_t N>
-nlohmann::json errors_json(const std::array<NamedError, N>& errors) {
-  nlohmann::json out = nlohmann::json::object();
-  for (const auto& [key, value] : errors) out[key] = or_null(value);
-  return out;
-}
-
-/// A row for each measure, a column for each composite: the report's own first.
-template <typename Measures>
-std::string error_rows(const RunReport& report, const char* prefix, const Measures& measures) {
-  std::vector<decltype(named(measures(*report.error)))> columns{named(measures(*report.error))};
-  for (const BaselineErrors& b : report.baselines) columns.push_back(named(measures(b.errors)));
-  std::string out;
-  for (std::size_t i = 0; i < columns.front().size(); ++i) {
-    out += fmt::format("  {:<23}", std::string(prefix) + columns.front()[i].first);
-    for (const auto& column : columns)
-      out += column[i].second ? fmt::format(" {:>10.4g}", *column[i].second)
-                              : fmt::format(" {:>10}", "-");
-    out += "\n";
-  }
-  return out;
-}
-
-std::string error_table(const RunReport& report) {
-  std::string out = "  error against truth";
-  if (!report.baselines.empty()) out += fmt::format("    {:>12}", "mixrig");
-  for (const BaselineErrors& b : report.baselines)
-    out += fmt::format(" {:>10}", measure::name(b.baseline));
-  out += "\n";
-  out += error_rows(report, "", [](const measure::Errors& e) { return e; });
-  out += error_rows(report, "contested ", [](const measure::Errors& e) { return e.contested; });
-  return out + error_rows(report, "look ", [](const measure::Errors& e) { return e.look; });
-}
-
 nlohmann::json to_json(const output::StreamOutReport& stream) {
   nlohmann::json out{{"uri", stream.uri},
                      {"picture", stream.picture},
@@ -346,13 +264,6 @@ double fps(const RunReport& report) {
   return mean_ms > 0.0 ? 1e3 / mean_ms : 0.0;
 }
 
-nlohmann::json to_json(const measure::Errors& errors) {
-  nlohmann::json out = errors_json(named(errors));
-  out["contested"] = errors_json(named(errors.contested));
-  out["look"] = errors_json(named(errors.look));
-  return out;
-}
-
 nlohmann::json to_json(const RunReport& report) {
   nlohmann::json out;
   out["fps"] = rounded(fps(report));
@@ -391,7 +302,7 @@ std::string to_table(const RunReport& report) {
   if (compositor.room_changes) out += to_lines(*compositor.room_changes);
   for (const auto& extra : report.extras) out += extra->lines();
   out += sink_lines(report.sinks);
-  return report.error ? out + error_table(report) : out;
+  return report.error ? out + error_table(*report.error, report.baselines) : out;
 }
 
 double peak_rss_mb() {

@@ -95,9 +95,7 @@ struct RunReport {
 
 /// One over the mean frame time; 0 without frames.
 double fps(const RunReport& report);
-/// An error measure without a pixel to judge becomes null.
 nlohmann::json to_json(const RunReport& report);
-nlohmann::json to_json(const measure::Errors& errors);
 /// The same as a text table: stages with median and 95th percentile, then the errors.
 std::string to_table(const RunReport& report);
 

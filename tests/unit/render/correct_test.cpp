@@ -169,6 +169,52 @@ TEST(Correct, noise_of_a_wall_shrinks_and_cuts_nothing) {
   EXPECT_LT(cut, n / 100);
 }
 
+/// A wall 4 m away, seen by 365 px of focal length, with what lies at `near_m` before it.
+template <typename IsNear>
+Corrected wall_with(float near_m, const IsNear& is_near) {
+  render::CorrectParams params;
+  params.stray_px_m2 = render::kStrayAreaM2 * 365 * 365;
+  return Corrected(
+      make_image<float>({64, 64}, [&](int x, int y) { return is_near(x, y) ? near_m : 4.0F; }),
+      params);
+}
+int near_px(const Corrected& c) {
+  int count = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) count += c.z(x, y) > 0 && c.z(x, y) < 3.5F;
+  return count;
+}
+
+TEST(Correct, piece_a_period_too_near_is_dropped) {
+  // As a Kinect v2 puts the border of a leg that moves: 2x10 pixels at 4 m less 1.87 m.
+  const auto is_near = [](int x, int y) { return x >= 30 && x < 32 && y >= 25 && y < 35; };
+  EXPECT_EQ(near_px(wall_with(2.13F, is_near)), 0);
+}
+
+TEST(Correct, two_such_pieces_beside_each_other_are_both_dropped) {
+  const auto is_near = [](int x, int y) {
+    return (x >= 26 && x < 28 && y >= 25 && y < 35) || (x >= 36 && x < 39 && y >= 26 && y < 30);
+  };
+  EXPECT_EQ(near_px(wall_with(2.13F, is_near)), 0);
+}
+
+TEST(Correct, things_stay_that_are_large_long_or_not_far_before_the_wall) {
+  const auto hand = [](int x, int y) { return x >= 28 && x < 37 && y >= 28 && y < 37; };
+  EXPECT_EQ(near_px(wall_with(2.13F, hand)), 81) << "9x9 pixels at 2.13 m are 5x5 cm";
+  const auto pole = [](int x, int) { return x == 31 || x == 32; };
+  EXPECT_GE(near_px(wall_with(2.13F, pole)), 2 * 60);
+  const auto pole_end = [](int x, int y) { return (x == 31 || x == 32) && y > 20; };
+  EXPECT_GE(near_px(wall_with(2.13F, pole_end)), 2 * 42);
+  const auto slanting = [](int x, int y) {
+    return std::abs(2 * (x - 32) - (y - 20)) < 4 && y > 20;
+  };
+  const Corrected slants = wall_with(2.13F, slanting);
+  EXPECT_GT(slants.z(33, 22), 0) << "the end of a stick";
+  EXPECT_LT(slants.z(33, 22), 3);
+  const auto small = [](int x, int y) { return x >= 30 && x < 33 && y >= 30 && y < 33; };
+  EXPECT_GT(near_px(wall_with(3.4F, small)), 0) << "a surface 0.6 m before the wall";
+}
+
 TEST(Correct, picture_of_one_pixel_has_no_links) {
   const Corrected c(Image<float>({1, 1}, 2.0F));
   EXPECT_EQ(c.links(0, 0), 0);

@@ -9,14 +9,12 @@
 #include <limits>
 
 #include "hal/base/order_statistics.h"
+#include "host/render/cpu/plate/stray_pieces.h"
 
 namespace mixrig::render::cpu {
 namespace {
 
 using Stride = std::ptrdiff_t;
-
-/// No surface that a ToF camera sees well is so steep that neighbours lie further apart, in parts
-/// of their depth.
 
 /// The four axes of a pixel's neighbours: right, down, down-right, down-left.
 constexpr std::array<Stride, 4> axes(Stride stride) { return {1, stride, stride + 1, stride - 1}; }
@@ -230,7 +228,10 @@ void correct_depth(Crew& crew, const CorrectParams& params, const Image<glm::vec
   const int width = depth_m.size.width, height = depth_m.size.height;
   const Stride stride = grid.z_m.stride();  // of all float grids
   sweep(crew, height, [&](int y) {
-    z_row(depth_m.row(y), tof_ray.row(y), params.depth_is_distance, width, inner(grid.raw_z_m, y));
+    z_row(depth_m.row(y), tof_ray.row(y), params.depth_is_distance, width, inner(grid.z_m, y));
+  });
+  sweep(crew, height, [&](int y) {
+    drop_stray_pieces(params, inner(grid.z_m, y), stride, y, depth_m.size, inner(grid.raw_z_m, y));
   });
   sweep(crew, height,
         [&](int y) { bend_row(inner(grid.raw_z_m, y), stride, width, inner(grid.bend_m, y)); });

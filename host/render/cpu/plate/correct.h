@@ -13,7 +13,7 @@ inline constexpr int kFrame = 2;
 /// The ToF grid between the sweeps; pixel (x, y) lies at (x + kFrame, y + kFrame).
 struct TofGrid {
   explicit TofGrid(Size tof_size);
-  Image<float> raw_z_m;       ///< 0 unknown
+  Image<float> raw_z_m;       ///< 0 unknown, also where a piece is stray
   Image<float> bend_m;        ///< least second difference of raw_z_m along an axis
   Image<float> step_m;        ///< least depth step around a pixel
   Image<float> clean_z_m;     ///< without stray pixels

@@ -17,7 +17,7 @@ class CorrectPass {
   void draw_depth() const;
   void link(const Texture& z_m) const { run_into(link_.target, link_, {&z_m, &step_}); }
   const Texture& tof_ray() const { return ray_; }
-  /// GL_R32F, metres, 0 unknown: as measured.
+  /// GL_R32F, metres, 0 unknown: as measured, without stray pieces.
   const Texture& raw_z_m() const { return raw_z_; }
   /// The same, but for what belongs to another surface; that smoothed.
   const Texture& clean_z_m() const { return clean_z_; }
@@ -28,7 +28,7 @@ class CorrectPass {
 
  private:
   Texture depth_, ray_, raw_z_, bend_, clean_z_, step_, z_, vertices_;
-  Step to_z_, find_bend_, clean_, smooth_, link_;
+  Step to_z_, drop_stray_, find_bend_, clean_, smooth_, link_;
 };
 
 }  // namespace mixrig::render::gles
