@@ -15,9 +15,6 @@ namespace {
 
 using Stride = std::ptrdiff_t;
 
-/// No surface that a ToF camera sees well is so steep that neighbours lie further apart, in parts
-/// of their depth.
-
 /// The four axes of a pixel's neighbours: right, down, down-right, down-left.
 constexpr std::array<Stride, 4> axes(Stride stride) { return {1, stride, stride + 1, stride - 1}; }
 
@@ -108,7 +105,7 @@ bool is_supported(const float* p, Stride stride, float step_m) {
   return supporters >= kLeastSupporters;
 }
 
-/// Median of the known among the eight neighbours; 0 for fewer than five.
+/// Median of the known among the eight neighbours; 0 for fewer than kLeastKnown.
 float median_around(const float* p, Stride stride) {
   std::array<float, 8> known{};
   std::size_t count = 0;
