@@ -1,6 +1,6 @@
 #version 310 es
 // SPDX-License-Identifier: Apache-2.0
-// Pass mix: the composite, after README.md of host/render.
+// Pass mix: the composite, after docs/method/compositor.md.
 //   plate, learned      linear light; learned is the background's colour
 //   room                a texel a block: the background's colour around where none was learned
 //   backdrop            linear: what is seen instead of the background

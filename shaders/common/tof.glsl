@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass correct, what its sweeps share (README.md of host/render). Depths are z in metres, 0 unknown.
+// Pass correct, what its sweeps share (docs/method/compositor.md). Depths are z in metres, 0 unknown.
 // Needs common/constants.glsl.
 const ivec2 axes[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(-1, 1));
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The compositor: what it needs once, what it takes and gives per frame. Two back ends draw the
-// same passes (host/render/README.md): cpu and gles.
+// same passes (docs/method/compositor.md): cpu and gles.
 #pragma once
 
 #include <array>

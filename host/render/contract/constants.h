@@ -15,7 +15,7 @@ inline constexpr float kPersonMatte = 0.5F;
 /// A pixel shows an object from this share on: more than two of its four samples.
 inline constexpr float kVirtualShare = 0.51F;
 
-// --- correct (README.md). All parts are of the depth unless said otherwise.
+// --- correct. All parts are of the depth unless said otherwise.
 /// Metres: no depth camera measures farther; what claims to is unknown.
 inline constexpr float kFarthestM = 1e4F;
 /// A step is at most this part, however noisy the pixel: otherwise dark surfaces would swallow

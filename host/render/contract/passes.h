@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One parameter struct a pass, shared by both back ends; README.md describes the passes.
+// One parameter struct a pass, shared by both back ends; docs/method/compositor.md
+// describes the passes.
 // Lengths in metres, "camera" means the target camera's axes (x right, y down, z forward).
 #pragma once
 

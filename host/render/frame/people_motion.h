@@ -63,7 +63,7 @@ class ClusterMotion {
 
 /// Share of the matte before where the plate is the same; and by how much the roots of light, of
 /// 255, differ in the mean over channels and 3x3 pixels where it is a share of 1/e of that: some
-/// times the noise of a sensor. README.md, "key, steady".
+/// times the noise of a sensor. docs/method/compositor.md, "Refine".
 inline constexpr float kBeforeShare = 0.7F;
 inline constexpr float kAlike = 8;
 

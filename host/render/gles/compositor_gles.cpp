@@ -56,7 +56,7 @@ Result<void> GlesCompositor::submit(const FrameInput& given, OutputMask wanted) 
   return {};
 }
 
-/// The passes, in the order of host/render/README.md.
+/// The passes, in the order of docs/method/compositor.md.
 Result<void> GlesCompositor::draw(const FrameInput& input, const ImportedPlanes* planes,
                                   Frame& frame) {
   StageTimer& timer = *frame.timer;

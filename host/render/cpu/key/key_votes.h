@@ -24,7 +24,7 @@ class KeyVotes {
   static constexpr int kMostBlocks = 16;
 
   /// Writes the matte of the blocks bx0 .. bx1 - 1, at most kMostBlocks, of row `by`.
-  /// README.md, "key".
+  /// docs/method/compositor.md, "Key".
   void decide(const KeyInput& input, int bx0, int bx1, int by, KeyScratch& scratch,
               Image<std::uint8_t>& matte);
 

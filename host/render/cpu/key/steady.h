@@ -19,8 +19,8 @@ struct FrameBefore {
   int reach_px = 1;  ///< of a depth camera's pixel: measured background all around stays
 };
 
-/// Changes the matte of blocks where votes decided; `state` is that before votes. README.md, "key,
-/// steady".
+/// Changes the matte of blocks where votes decided; `state` is that before votes.
+/// docs/method/compositor.md, "Refine".
 void join_before(Crew& crew, const Image<Rgbx16>& plate, const BlockPlanes& blocks,
                  const Image<std::uint8_t>& state, const FrameBefore& before,
                  Image<std::uint8_t>& matte);

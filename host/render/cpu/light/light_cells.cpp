@@ -163,7 +163,7 @@ bool blur_allows_cells(const PinholeParams& view, const std::vector<LampParams>&
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const LampParams& lamp = lamps[k];
     if (!holds(maybe, k) || maps[k].empty()) continue;
-    // Casters are searched within so much of a surface (README.md, light).
+    // Casters are searched within so much of a surface (docs/method/compositor.md, "Light").
     const float depth_m = transform(lamp.lamp_from_camera, at_m).z;
     if (!(lamp.radius_m * (depth_m / lamp.casters_near_m - 1) >= cell_m)) return false;
   }

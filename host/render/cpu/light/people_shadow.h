@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass shadow: what people hide from the lamps. The depth camera sees their front alone, so each
 // block of the view that shows a person is a ball behind the measured surface, as thick as the
-// silhouette is wide there (README.md).
+// silhouette is wide there (docs/method/compositor.md, "Light").
 #pragma once
 
 #include <vector>

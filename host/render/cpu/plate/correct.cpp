@@ -106,7 +106,7 @@ bool is_supported(const float* p, Stride stride, float step_m) {
   return supporters >= kLeastSupporters;
 }
 
-/// Median of the known among the eight neighbours; 0 for fewer than five.
+/// Median of the known among the eight neighbours; 0 for fewer than kLeastKnown.
 float median_around(const float* p, Stride stride) {
   std::array<float, 8> known{};
   std::size_t count = 0;
