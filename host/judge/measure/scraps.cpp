@@ -81,7 +81,7 @@ Piece ScrapJudge::take_piece(int x, int y) {
 
 void ScrapJudge::add_piece(const Piece& piece) {
   if (piece.pixels < least_scrap_px(wrong_.size())) {
-    ++sums_.specks;
+    sums_.specks += piece.kind != Scrap::kOverRoom;
     return;
   }
   ++sums_.scraps[static_cast<std::size_t>(piece.kind)];

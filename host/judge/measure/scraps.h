@@ -19,8 +19,9 @@ enum class Scrap : std::uint8_t {
 };
 inline constexpr int kScrapKinds = 4;
 
-/// A connected piece of at least this many pixels at 1280x1024 is a scrap, a smaller one a speck;
-/// in proportion to the picture's area at other sizes, and at least 2.
+/// A connected piece of at least this many pixels at 1280x1024 is a scrap, a smaller one a speck,
+/// unless it is over the room: where an object stands on the floor, truth itself is uncertain. In
+/// proportion to the picture's area at other sizes, and at least 2.
 inline constexpr double kLeastScrap_px = 12;
 /// A matte between these shares, further than kBand_px from the true border, is a ghost.
 inline constexpr int kGhostLeast = 26, kGhostMost = 229;  ///< of 255: 0.1 and 0.9
