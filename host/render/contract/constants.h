@@ -243,8 +243,8 @@ inline constexpr int kMostLamps = 32;
 inline constexpr int kContactInside = 19;
 inline constexpr int kContactOutside = 6;
 inline constexpr int kContactNodes = 32;
-/// Share of the light of an object's sides that real surfaces get. It is below 1 because the shadows
-/// on these sides are not known.
+/// Share of the light of an object's sides that real surfaces get. It is below 1 because the
+/// shadows on these sides are not known.
 inline constexpr float kSentPart = 0.5F;
 /// Most objects with such a grid: OpenGL ES has 3D textures of 256 layers.
 inline constexpr int kMostContacts = 8;
