@@ -44,7 +44,7 @@ Report run_suite(const Effort& effort, const std::function<void(int, int)>& prog
 
 /// The tables that `estimation_bench` prints.
 std::string to_table(const Report& report);
-/// One line an estimator, as Markdown: the table of docs/estimation.md.
+/// One line an estimator, as Markdown: the table of docs/results/estimation.md.
 std::string to_summary(const Report& report);
 /// Error over the bound, NEES and verdicts along every sweep into a degeneracy, as SVG.
 std::string sweeps_svg(const Report& report);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The depth filters of paper C, section 2.3.3: a window around each pixel. Rungs to hold the
-// compositor's own correction against (docs/depth_filters.md), not a part of it.
+// compositor's own correction against (docs/method/depth.md), not a part of it.
 #pragma once
 
 #include "hal/base/image.h"

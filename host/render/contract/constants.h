@@ -250,8 +250,8 @@ inline constexpr int kMostLamps = 32;
 inline constexpr int kContactInside = 19;
 inline constexpr int kContactOutside = 6;
 inline constexpr int kContactNodes = 32;
-/// What a real surface gets of the light of an object's sides: their own shadows are not known. Of
-/// walk 7, talk 8 and edges 5 light_rmse is least at a half (docs/lights.md).
+/// Share of the light of an object's sides that real surfaces get. It is below 1 because the
+/// shadows on these sides are not known.
 inline constexpr float kSentPart = 0.5F;
 /// Most objects with such a grid: OpenGL ES has 3D textures of 256 layers.
 inline constexpr int kMostContacts = 8;

@@ -27,7 +27,7 @@ struct MarkerBlob {
 /// Connected bright regions (8-neighbours) with their centres of mass, weights being grey value
 /// minus threshold. Covariance 2x2 of the centre in px^2. A blob that is cut by the border, too
 /// small, too large or too long is returned as degenerate, with the reason.
-/// Bias of the centre by radius and phase: docs/estimation.md. In scan order.
+/// Bias of the centre by radius and phase: docs/results/estimation.md. In scan order.
 std::vector<Estimate<MarkerBlob>> find_marker_blobs(ImageView<const std::uint8_t> picture,
                                                     const BlobOptions& options = {});
 
