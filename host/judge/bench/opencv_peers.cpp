@@ -231,7 +231,7 @@ std::vector<Peer> key_peers(const PeerSetup& setup) {
   return peers;
 }
 
-/// Best of their grids (docs/bench.md): in a suite of the studio on walk 7, of pairs on the three.
+/// Best of their grids (docs/results/bench.md): in a suite of the studio on walk 7, of pairs on the three.
 bool is_best(const std::string& suite, const std::string& name) {
   constexpr std::array kStudio{"rgbd::registerDepth, dilated, 1/2 size",
                                "MOG2 threshold 16 median 5",
