@@ -88,7 +88,7 @@ class Help:
     def of(self, path):
         """(subcommands, options) of a list of subcommands; options None where there is no such one."""
         if path not in self.known:
-            done = subprocess.run([self.program, *path, "--help"], capture_output=True, text=True, timeout=60)
+            done = subprocess.run([self.program, *path, "--help"], capture_output=True, text=True, timeout=300)
             text = done.stdout + done.stderr
             after = text.partition("\nSubcommands:\n")[2]
             usage = re.search(r"^Usage: \S+ ?(.*)$", text, re.MULTILINE)
