@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Seeds of the virtual studio, in one place. Nothing may be tuned on a seed above kLastTuned, nor a
 // default, threshold or bound chosen by looking at one: such seeds are held out, and are what tests
-// of whole runs and published figures use. docs/figures/make.py reads this file.
+// of whole runs and published figures use. docs/results/make.py reads this file.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +11,10 @@ namespace mixrig::test::seeds {
 
 inline constexpr int kLastTuned = 1000;
 
-/// Of the figures in docs/figures: held out, and for comparison tuned.
+/// Seeds of the figures in docs/results: held out, and for comparison those that may be tuned on.
 inline constexpr std::array kFigures{1101, 1102};
 inline constexpr std::array kTunedFigures{7};
-/// Of the figures with an estimated calibration: boards and takes of one rig.
+/// Seeds of the figures with an estimated calibration: boards and takes of one rig.
 inline constexpr std::array kCalibratedFigures{1101};
 
 /// Of tests of whole runs.

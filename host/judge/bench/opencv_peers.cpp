@@ -231,7 +231,8 @@ std::vector<Peer> key_peers(const PeerSetup& setup) {
   return peers;
 }
 
-/// Best of their grids (docs/bench.md): in a suite of the studio on walk 7, of pairs on the three.
+/// Whether a setting is the best of its grid (docs/results/bench.md): for a suite of the studio on
+/// walk 7, for pairs of colour and disparity on all three.
 bool is_best(const std::string& suite, const std::string& name) {
   constexpr std::array kStudio{"rgbd::registerDepth, dilated, 1/2 size",
                                "MOG2 threshold 16 median 5",

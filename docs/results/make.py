@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the page of figures (docs/figures/README.md with plots and pictures) and the table of
-figures in README.md: every scenario and depth camera of the virtual studio, plain composites beside
-the compositor, the judged look and the plain one, true and estimated calibration, true and wrong
-lamps.
+"""Makes the page of figures, docs/results/figures.md, with plots and pictures: every scenario and
+depth camera of the virtual studio, plain composites beside the compositor, the judged look and the
+plain one, true and estimated calibration, true and wrong lamps.
 
-    docs/figures/make.py --mixrig build/release/host/tools/mixrig
+    docs/results/make.py --mixrig build/release/host/tools/mixrig
 
 Takes and runs are kept in --cache and used again."""
 import argparse
@@ -79,14 +78,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--mixrig", default=ROOT / "build/release/host/tools/mixrig")
     parser.add_argument("--cache", default=ROOT / "out/figures")
-    parser.add_argument("--out", default=ROOT / "docs/figures", type=Path)
+    parser.add_argument("--out", default=ROOT / "docs/results", type=Path)
     parser.add_argument("--seeds", type=int, help="only the first N of the list")
     parser.add_argument("--tuned", action="store_true",
                         help="the seeds that may be tuned on; give another --out")
     parser.add_argument("--takes", action="store_true",
                         help="only renders the takes, so that the runs can be timed on an idle machine")
     arguments = parser.parse_args()
-    if arguments.tuned and arguments.out.resolve() == (ROOT / "docs/figures").resolve():
+    if arguments.tuned and arguments.out.resolve() == (ROOT / "docs/results").resolve():
         sys.exit("make.py: the page shows held-out seeds: give --tuned another --out")
     chosen = seeds("kTunedFigures" if arguments.tuned else "kFigures")[:arguments.seeds]
     calibrated = chosen[:1] if arguments.tuned else seeds("kCalibratedFigures")
@@ -96,13 +95,11 @@ def main():
         return
     arguments.out.mkdir(parents=True, exist_ok=True)
     pictures = worst_pictures(shop, runs, arguments.out)
-    command = " ".join(["docs/figures/make.py"] + (["--tuned"] if arguments.tuned else []))
+    command = " ".join(["docs/results/make.py"] + (["--tuned"] if arguments.tuned else []))
     page = Page(runs, chosen, calibrated, pictures,
                 f"{machine()}, cpu back end; commit {commit()}; up to {shop.load():.0f} "
                 f"processes running beside; made by `{command}`")
     page.write(arguments.out)
-    if not arguments.tuned:
-        page.write_readme_table(ROOT / "README.md")
 
 
 if __name__ == "__main__":

@@ -38,8 +38,7 @@ class Workshop:
 
     def __init__(self, mixrig, cache, only_takes=False, log=print):
         self.mixrig, self.only_takes, self.log = Path(mixrig).resolve(), only_takes, log
-        studio = sorted(p for room in ("studio", "studio_io")
-                        for p in (ROOT / "host" / room).rglob("*.[ch]*"))
+        studio = sorted((ROOT / "studio").rglob("*.[ch]*"))
         self.takes = Path(cache).resolve() / ("takes-" + digest(studio))
         self.runs = Path(cache).resolve() / ("runs-" + digest([self.mixrig]))
         for folder in (self.takes, self.runs):

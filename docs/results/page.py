@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of figures and the table in README.md, from the reports of the runs."""
+"""The page of figures, from the reports of the runs."""
+import textwrap
 from statistics import mean
 
 from svg import Series, plot
@@ -31,6 +32,12 @@ def average(values):
 
 def cell(value, digits):
     return "-" if value is None else f"{value:.{digits}f}"
+
+
+def wrapped(words, indent=""):
+    """Lines of at most 120 characters."""
+    return textwrap.fill(words, 120, subsequent_indent=indent, break_long_words=False,
+                         break_on_hyphens=False) + "\n"
 
 
 def table(header, rows):
@@ -79,8 +86,8 @@ class Page:
         judged = frames or (f"{FRAMES[STILL[0]] // 2} judged frames (moving camera: "
                             f"{FRAMES[MOVING[0]] // 2})")
         many = "seeds" if len(seeds) > 1 else "seed"
-        return (f"*{many} {', '.join(map(str, seeds))}; {judged} of each take after as many "
-                f"empty ones, {size}; {self.machine}; {words}*\n\n")
+        return wrapped(f"*{many} {', '.join(map(str, seeds))}; {judged} of each take after as many "
+                       f"empty ones, {size}; {self.machine}; {words}*") + "\n"
 
     def rig_tables(self):
         out = ""
@@ -184,8 +191,9 @@ class Page:
         out = ""
         for key in dict.fromkeys(k for k, _, _ in lines):
             mine = sorted(((by, words) for k, by, words in lines if k == key), reverse=True)
-            out += f"- `{key}`, {len(mine)} of {len(self.of('true', SCENARIOS, RIGS))} takes, " \
-                   f"farthest beyond: {'; '.join(words for _, words in mine[:5])}.\n"
+            out += wrapped(
+                f"- `{key}`, {len(mine)} of {len(self.of('true', SCENARIOS, RIGS))} takes, "
+                f"farthest beyond: {'; '.join(words for _, words in mine[:5])}.", "  ")
         return out or "Every take is within the bounds of the tests.\n"
 
     def picture_section(self):
@@ -227,8 +235,8 @@ class Page:
     def write(self, out):
         for name, drawing in self.plots().items():
             (out / name).write_text(drawing)
-        text = (ROOT / "docs/figures/page.md").read_text()
-        faults = ROOT / "docs/figures/faults.md"
+        text = (ROOT / "docs/results/page.md").read_text()
+        faults = ROOT / "docs/results/faults.md"
         for mark, words in {
                 "RIGS": self.rig_tables(), "CALIBRATION": self.calibration_section(),
                 "LOOKS": self.look_section(), "LAMPS": self.lamp_section(), "BOUNDS": self.broken_bounds(),
@@ -238,21 +246,4 @@ class Page:
                 + self.speed_section(),
                 "FAULTS": faults.read_text() if faults.exists() else ""}.items():
             text = text.replace(f"<!-- {mark} -->\n", words)
-        (out / "README.md").write_text(text)
-
-    def write_readme_table(self, readme):
-        begin, end = "<!-- docs/figures/make.py begins -->\n", "<!-- docs/figures/make.py ends -->\n"
-        rows = []
-        for rig in RIGS:
-            for name, group in (("still", STILL), ("moves", MOVING)):
-                rows.append([rig, name] + columns_of(self.of("true", group, [rig])))
-        made = (self.conditions(
-            f"scenarios {', '.join(STILL)} (camera still) and {', '.join(MOVING)} (it moves); true "
-            "calibration, true lamps; means over the takes", self.chosen) +
-                table(["depth camera", "camera"] + [c[0] for c in COLUMNS], rows) + "\n" +
-                self.conditions("still camera, true calibration, true lamps, without a video "
-                                "encoder", self.chosen[:1], f"{FULL_FRAMES // 2} judged frames",
-                                FULL_SIZE) + self.speed_section())
-        before, _, rest = readme.read_text().partition(begin)
-        after = rest.partition(end)[2]
-        readme.write_text(before + begin + made + end + after)
+        (out / "figures.md").write_text(text)
