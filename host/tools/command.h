@@ -24,6 +24,8 @@ struct Context {
 /// Every subcommand of this build, those of its extras too (commands.cpp).
 void add_commands(Command app, Context& context);
 
+/// `mixrig help-pages DIR`, hidden: man pages, shell completions and docs/reference/commands.md.
+void add_help_pages_command(Command app, Context& context);
 void add_run_command(Command app, Context& context);
 void add_explain_command(Command app, Context& context);
 void add_info_command(Command app, Context& context);

@@ -32,13 +32,68 @@ Option add(CLI::App* app, const std::string& name, T& value, const std::string& 
   return Option(app->add_option(name, value, about));
 }
 
+bool is_hidden(const CLI::App& app) { return app.get_group().empty(); }
+
+/// Splits what CLI11 says of a type and its checks: "TEXT:{auto,gles,cpu}", "INT:INT in [0 - 256]".
+void read_type(const std::string& text, OptionText& option) {
+  const std::size_t colon = text.find(':');
+  option.type = text.substr(0, colon);
+  if (colon == std::string::npos) return;
+  std::string check = text.substr(colon + 1);
+  const std::size_t open = check.find(" in [");
+  if (check.starts_with("{") && check.ends_with("}")) {
+    check = check.substr(1, check.size() - 2);
+    for (std::size_t comma = check.find(','); comma != std::string::npos; comma = check.find(',')) {
+      option.values.push_back(check.substr(0, comma));
+      check.erase(0, comma + 1);
+    }
+    option.values.push_back(check);
+  } else if (open != std::string::npos) {
+    option.limits = check.substr(open + 5, check.find(']', open) - open - 5);
+    option.limits.replace(option.limits.find(" - "), 3, " to ");
+  } else if (check.starts_with("NONNEGATIVE")) {
+    option.limits = "0 or more";
+  } else if (check.starts_with("POSITIVE")) {
+    option.limits = "above 0";
+  }
+}
+
+OptionText text_of(const CLI::Option& option) {
+  OptionText text;
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  if (text.names.empty()) text.positional = option.get_name(true);
+  text.about = option.get_description();
+  text.group = option.get_group() == "Options" ? "" : option.get_group();
+  text.required = option.get_required();
+  for (const CLI::Option* other : option.get_excludes()) text.excludes.push_back(other->get_name());
+  if (option.get_type_size_max() == 0 || option.get_items_expected_max() == 0) return text;  // flag
+  read_type(option.get_type_name(), text);
+  text.fallback = option.get_default_str();
+  text.several = option.get_expected_max() > 1;
+  text.may_be_bare = option.get_expected_min() == 0;
+  return text;
+}
+
+CommandText text_of(const CLI::App& app) {
+  CommandText text{app.get_name(), app.get_description(), {}, {}};
+  for (const bool positional : {true, false})
+    for (const CLI::Option* option : app.get_options({}))
+      if (option->get_positional() == positional && !option->get_group().empty())
+        text.options.push_back(text_of(*option));
+  for (const CLI::App* child : app.get_subcommands({}))
+    if (!is_hidden(*child)) text.commands.push_back(text_of(*child));
+  return text;
+}
+
 std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   if (!chosen.empty())
     return chosen.front()->get_name() + ": " + error.what() + ": see mixrig " +
            chosen.front()->get_name() + " --help";
   std::string known;
-  for (const CLI::App* command : app.get_subcommands({})) known += " " + command->get_name();
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (!is_hidden(*command)) known += " " + command->get_name();
   const auto rest = app.remaining();
   return (rest.empty() ? std::string("no command given") : "unknown command " + rest.front()) +
          ": use one of" + known;
@@ -114,6 +169,10 @@ std::vector<Command> Command::subcommands() const {
 bool Command::has_option(const std::string& name) const {
   return app_->get_option_no_throw(name) != nullptr;
 }
+
+void Command::hide() { app_->group(""); }
+
+CommandText Command::text() const { return text_of(*app_); }
 
 std::size_t Command::count(const std::string& name) const { return app_->count(name); }
 

@@ -16,6 +16,29 @@ class Option;
 
 namespace mixrig::tools {
 
+/// What --help says of an option or a positional argument.
+struct OptionText {
+  std::vector<std::string> names;   ///< "-v", "--verbose"; empty for a positional argument
+  std::string positional;           ///< "SCENE"; empty for an option
+  std::string type;                 ///< "TEXT", "INT", "FLOAT", "UINT"; empty for a flag
+  std::string limits;               ///< "0 to 256"; empty where any value of the type is allowed
+  std::vector<std::string> values;  ///< the allowed words; empty where they are not enumerated
+  std::string fallback;             ///< value in force without the option; or, where `may_be_bare`,
+                                    ///< of the option without a value
+  std::string about, group;
+  std::vector<std::string> excludes;  ///< options that may not stand beside it
+  bool required = false;
+  bool several = false;      ///< takes more than one value
+  bool may_be_bare = false;  ///< the value may be left out
+};
+
+/// What --help says of a command. Hidden subcommands are left out.
+struct CommandText {
+  std::string name, about;
+  std::vector<OptionText> options;  ///< positional arguments first, in their order
+  std::vector<CommandText> commands;
+};
+
 /// One option of a command: a handle, valid as long as its CommandLine. Each call returns itself.
 class Option {
  public:
@@ -63,6 +86,9 @@ class Command {
   void require_subcommand();
   std::vector<Command> subcommands() const;
   bool has_option(const std::string& name) const;
+  /// Keeps the command out of --help, of error lines and of text().
+  void hide();
+  CommandText text() const;
   /// How often the option was given; while and after the line is parsed.
   std::size_t count(const std::string& name) const;
   /// Called when the command was chosen and its values are written.

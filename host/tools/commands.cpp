@@ -37,6 +37,7 @@ void add_commands(Command app, Context& context) {
   add_calibrate_rig_command(app, context);
   add_calibrate_ptu_command(app, context);
 #endif
+  add_help_pages_command(app, context);
 }
 
 }  // namespace mixrig::tools

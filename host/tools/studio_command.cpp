@@ -387,7 +387,7 @@ void add_studio_command(Command app, Context& context) {
   command.add_flag("--window", arguments->window,
                    "A window by night in place of the middle picture: glass without depth");
   command.add_flag("--plain", arguments->plain,
-                   "No imperfection but noise: the look before docs/studio.md's switches");
+                   "No imperfection but noise: none of the switches of realism");
   const std::string switches = studio::names_of(studio::Realism::all());
   command.add_option("--only", arguments->only, "Only these switches of realism: " + switches);
   command.add_option("--without", arguments->without, "All switches of realism but these");

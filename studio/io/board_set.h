@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the virtual studio to a folder of board views with truth (docs/formats.md, views.toml).
+// From the virtual studio to a folder of board views with truth (docs/reference/take.md,
+// views.toml).
 #pragma once
 
 #include <atomic>

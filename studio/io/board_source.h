@@ -25,9 +25,9 @@ Result<std::unique_ptr<capture::CaptureSource>> make_board_source(
 Result<std::unique_ptr<capture::CaptureSource>> open_board_source(const std::string& words,
                                                                   bool turns);
 
-/// Writes a board that a person moves as a take with truth/truth.json (docs/formats.md), whole or
-/// not at all. `progress` is called after each frame with the number done. Errors: those of
-/// make_board_source; kUsage for a folder that is not a take, kIo; kData where `stop` was set
+/// Writes a board that a person moves as a take with truth/truth.json (docs/reference/take.md),
+/// whole or not at all. `progress` is called after each frame with the number done. Errors: those
+/// of make_board_source; kUsage for a folder that is not a take, kIo; kData where `stop` was set
 /// before the last frame.
 Result<studio::BoardInfo> write_board_take(const studio::BoardOptions& options, int frames,
                                            const std::filesystem::path& folder,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a take of a moving scenario has beside its pictures: tables of the head, the stream of a
-// motion capture system, and the true rig. docs/formats.md describes the files.
+// motion capture system, and the true rig. docs/reference/studio.md describes the files.
 #pragma once
 
 #include <cstdint>

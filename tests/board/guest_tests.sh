@@ -14,7 +14,7 @@ modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0 || exit 1
 mount -t configfs none /sys/kernel/config || exit 1
 insmod /host/modules/irq_sim.ko && insmod /host/modules/gpio-sim.ko || exit 1
 sysctl -qp /host/70-mixrig.conf
-echo 64 >/sys/module/usbcore/parameters/usbfs_memory_mb  # as docs/kinect2.md asks
+echo 64 >/sys/module/usbcore/parameters/usbfs_memory_mb  # as docs/reference/devices.md asks
 # libusb gets its hotplug events from it.
 /lib/systemd/systemd-udevd --daemon 2>/dev/null
 [ ! -S /host/screen.sock ] || { modprobe -a virtio_gpu virtio_input evdev && udevadm trigger; }

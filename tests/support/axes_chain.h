@@ -32,7 +32,7 @@ inline Eigen::Isometry3d isometry(const geometry::Pose& pose) {
   return out;
 }
 
-/// base_from_target at encoder angles, as docs/formats.md defines [pan_tilt].
+/// base_from_target at encoder angles, as docs/reference/calibration_file.md defines [pan_tilt].
 inline Eigen::Isometry3d base_from_target(const calibration_file::PanTilt& unit, double pan_rad,
                                           double tilt_rad) {
   return turn_about(unit.pan, pan_rad) * turn_about(unit.tilt, tilt_rad) *

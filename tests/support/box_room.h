@@ -101,7 +101,7 @@ struct BoxErrors {
   }
 };
 
-/// Unit ray of a place of an equirectangular picture, as docs/formats.md has them.
+/// Unit ray of a place of an equirectangular picture, as docs/reference/room_file.md has them.
 inline Eigen::Vector3d panorama_ray(int x, int y, int width, int height) {
   const double azimuth = std::numbers::pi * (1 - 2 * (x + 0.5) / width);
   const double elevation = std::numbers::pi * (0.5 - (y + 0.5) / height);

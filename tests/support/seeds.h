@@ -21,8 +21,8 @@ inline constexpr std::array kCalibratedFigures{1101};
 inline constexpr int kWalk = 1021, kTalk = 1022, kCoarseWalk = 1023, kMoving = 1031, kSet = 1051;
 /// Of the test that judges the measures, not the compositor: its margins were looked at.
 inline constexpr int kBaselines = 12;
-/// Of a take with all imperfections for each depth camera (docs/studio.md). Their bounds were
-/// chosen by looking at them: they hold what is there, and are no figures of other seeds.
+/// Of a take with all imperfections for each depth camera (docs/reference/studio.md). Their bounds
+/// were chosen by looking at them: they hold what is there, and are no figures of other seeds.
 inline constexpr int kRealisticSr3000 = 1041, kRealisticKinect2 = 1042, kRealisticHelios2 = 1043;
 
 static_assert(std::ranges::all_of(kFigures, [](int seed) { return seed > kLastTuned; }));

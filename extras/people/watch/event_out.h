@@ -14,7 +14,8 @@
 
 namespace mixrig::session {
 
-/// One line, as in events.jsonl; docs/formats.md has its keys. `frame`: number in which it is told.
+/// One line, as in events.jsonl; docs/reference/events.md has its keys. `frame`: number in which it
+/// is told.
 std::string event_json(const touch::Event& event, const scene::Scene& scene, int frame);
 /// An OSC message of the same.
 std::string event_osc(const touch::Event& event, const scene::Scene& scene);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Raw frames of a Kinect v2, as its isochronous packets and a take's files hold them
-// (docs/formats.md), and the two tables that are needed to decode them. Pure and bounded. Layouts,
-// sizes and numbers are facts published by libfreenect2 (OpenKinect, at fd64c5d:
+// (docs/reference/take.md), and the two tables that are needed to decode them. Pure and bounded.
+// Layouts, sizes and numbers are facts published by libfreenect2 (OpenKinect, at fd64c5d:
 // protocol/response.h, the depth stream parser); the maker publishes none. Pictures of the device
 // are mirrored left to right; what is said here of pixels is as it is seen, x to the right.
 #pragma once

@@ -94,8 +94,8 @@ struct Z16Product {
   std::uint16_t vendor, product;
   double metres_per_step;
 };
-// Units that the maker states (docs/devices.md): the D400 series 1 mm, its D405 0.1 mm, the L515
-// 0.25 mm. Those of the D400 series can be set by other programs.
+// Units that the maker states (docs/reference/devices.md): the D400 series 1 mm, its D405 0.1 mm,
+// the L515 0.25 mm. Those of the D400 series can be set by other programs.
 constexpr std::uint16_t kIntel = 0x8086;
 constexpr auto kZ16Products = std::to_array<Z16Product>({
     {kIntel, 0x0AD1, 1e-3},    // D400

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of board views by all cameras of a rig: views.toml (docs/formats.md).
+// A folder of board views by all cameras of a rig: views.toml (docs/reference/take.md).
 #pragma once
 
 #include <filesystem>

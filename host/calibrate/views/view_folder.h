@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a folder of board views (docs/formats.md, views.toml).
+// Writes a folder of board views (docs/reference/take.md, views.toml).
 #pragma once
 
 #include <filesystem>

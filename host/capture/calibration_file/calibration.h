@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // calibration.toml: the one file that every calibration writes, and that run, scan and track read.
-// docs/formats.md shows it.
+// docs/reference/calibration_file.md shows it.
 #pragma once
 
 #include <array>

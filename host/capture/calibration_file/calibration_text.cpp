@@ -51,7 +51,8 @@ std::string calibration_text(const Calibration& calibration) {
   if (calibration.depth_error2)
     root.set("depth_error2", depth_error_table(*calibration.depth_error2));
   if (calibration.pan_tilt) root.set("pan_tilt", pan_tilt_table(*calibration.pan_tilt));
-  return "# Written by mixrig calibrate. Metres, radians, pixels; docs/formats.md has the keys.\n" +
+  return "# Written by mixrig calibrate. Metres, radians, pixels; "
+         "docs/reference/calibration_file.md has the keys.\n" +
          root.text();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras and poses as TOML tables. calibration.toml holds them by name; take.toml and rig.toml may
-// hold the same tables inline ([target], [tof], [target_from_tof]). docs/formats.md shows them.
+// hold the same tables inline ([target], [tof], [target_from_tof]).
+// docs/reference/calibration_file.md shows them.
 #pragma once
 
 #include <optional>

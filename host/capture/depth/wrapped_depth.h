@@ -20,7 +20,7 @@ namespace mixrig::depth {
 class WrappedDepth {
  public:
   /// Of the median reflectivity: what the mirror of the studio shows to a kinect2 is below, black
-  /// clothes in a dark room are hardly (docs/studio.md).
+  /// clothes in a dark room are hardly (docs/reference/studio.md).
   static constexpr float kLeastShare = 0.03F;
 
   /// `depth_is_distance`: depth is along the ray, not along z.

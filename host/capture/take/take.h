@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes: recordings of a rig with their calibration. docs/formats.md describes take.toml.
+// Takes: recordings of a rig with their calibration. docs/reference/take.md describes take.toml.
 #pragma once
 
 #include <filesystem>

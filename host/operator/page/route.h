@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a target of the interface means, and bodies as commands. Pure; docs/page_openapi.yaml.
+// What a target of the interface means, and bodies as commands. Pure;
+// docs/reference/page_openapi.yaml.
 #pragma once
 
 #include <optional>

@@ -21,7 +21,7 @@ struct PageState {
 
 /// {"run", "picture", "pose", "recording", "background", "scan", "sweep", "focus", "disk",
 /// "calibration", "streams", "cameras", "objects", "lamps", "log", "view", "freeze", "clients"}:
-/// docs/page_openapi.yaml. Numbers are rounded, so that what is the same is told once.
+/// docs/reference/page_openapi.yaml. Numbers are rounded, so that what is the same is told once.
 nlohmann::json to_json(const State& state, const PageState& page);
 
 /// Whether it is one of the names above.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The markers of a tracked body, from a TOML file. docs/formats.md shows it.
+// The markers of a tracked body, from a TOML file. docs/reference/scene.md shows it.
 #pragma once
 
 #include <filesystem>

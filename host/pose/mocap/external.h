@@ -42,8 +42,8 @@ struct ExternalCalibration {
   double range_rms_m = 0;                                  ///< of the distances that were used
 };
 
-/// Reads a TOML file, which docs/formats.md shows, and the camera that it names in a
-/// calibration.toml beside it. Errors: kNotFound, kFormat (file:line: key); kData for a
+/// Reads a TOML file, which docs/reference/calibration_file.md shows, and the camera that it names
+/// in a calibration.toml beside it. Errors: kNotFound, kFormat (file:line: key); kData for a
 /// constellation that looks the same when turned.
 Result<ExternalInput> read_external(const std::filesystem::path& path);
 /// The same from text, without the other file. Pure: the entry point of the fuzzer.

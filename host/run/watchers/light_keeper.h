@@ -27,7 +27,7 @@ struct LightReport {
   int looks = 0, unexplained = 0;    ///< frames that were looked at; that the lamps do not explain
   measure::QuantileSketch watch_ms;  ///< of a look, on a thread of its own
 };
-/// docs/formats.md has the keys.
+/// docs/reference/report.md has the keys.
 nlohmann::json to_json(const LightReport& report);
 
 class LightSink;

@@ -20,7 +20,7 @@ struct LookReport {
   render::PictureLook first, last;   ///< all of it, wanted or not
   measure::QuantileSketch watch_ms;  ///< of a plate, on a thread of its own
 };
-/// docs/formats.md has the keys.
+/// docs/reference/report.md has the keys.
 nlohmann::json to_json(const LookReport& report);
 
 /// Way over the exposure, in pixels of the view, of what lies between two metres and far away: the

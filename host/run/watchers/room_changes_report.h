@@ -26,7 +26,7 @@ struct ChangeOptions {
   model::WatchOptions watch;
 };
 
-/// docs/formats.md has the keys.
+/// docs/reference/report.md has the keys.
 nlohmann::json to_json(const RoomChangesReport& report);
 /// Nothing where nothing changed.
 std::string to_lines(const RoomChangesReport& report);

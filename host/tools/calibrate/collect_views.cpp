@@ -66,7 +66,7 @@ void warn_without_amplitude(const ViewCollector& collector) {
   log_warning("views",
               "the depth camera gives no amplitude, in which the board could be found: the views "
               "have no camera \"tof\" and calibrate rig will not place it; let it deliver its "
-              "intensity beside the depth (docs/devices.md)");
+              "intensity beside the depth (docs/reference/devices.md)");
 }
 
 /// Notices a camera that is gone while the others deliver (the fisheye).

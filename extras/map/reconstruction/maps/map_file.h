@@ -35,8 +35,9 @@ struct MapPoints {
   std::vector<MapPoint> points;
   std::vector<MapDescriptor> descriptors;
 };
-/// points.bin (docs/formats.md) of a map with that many key pictures. Pure. Errors: kFormat for
-/// another length than its header says, values that are not finite, and numbers out of range.
+/// points.bin (docs/reference/room_file.md) of a map with that many key pictures. Pure. Errors:
+/// kFormat for another length than its header says, values that are not finite, and numbers out of
+/// range.
 Result<MapPoints> parse_map_points(std::span<const std::byte> bytes, int keys,
                                    const std::string& name);
 

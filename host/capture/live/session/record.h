@@ -32,12 +32,12 @@ struct RecordReport {
 };
 
 /// Starts the session, records until the time is over or `stop` is set, stops it, and finishes the
-/// take: colour and depth as docs/formats.md says, further cameras as pictures in folders of their
-/// names, ticks.csv with tick and times of every frame, poses of the head in pan_tilt.csv, what the
-/// encoders of the lens say at mid-exposure in lens.csv.
-/// Errors: kUsage for a rig without a camera or depth camera, kDevice when no frame ever came,
-/// kData for pictures of another size than the calibration, kIo; those of the devices. After an
-/// error in mid-take, a full disk among them, the take holds what came before it.
+/// take: colour and depth as docs/reference/take.md says, further cameras as pictures in folders of
+/// their names, ticks.csv with tick and times of every frame, poses of the head in pan_tilt.csv,
+/// what the encoders of the lens say at mid-exposure in lens.csv. Errors: kUsage for a rig without
+/// a camera or depth camera, kDevice when no frame ever came, kData for pictures of another size
+/// than the calibration, kIo; those of the devices. After an error in mid-take, a full disk among
+/// them, the take holds what came before it.
 Result<RecordReport> record(LiveSession& session, const RigConfig& config, const Devices& devices,
                             const RecordOptions& options, const std::atomic<bool>& stop,
                             Clock& clock);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth that is decoded from a sensor's raw pictures (docs/formats.md). Private to this module.
+// Depth that is decoded from a sensor's raw pictures (docs/reference/take.md). Private to this
+// module.
 #pragma once
 
 #include <filesystem>

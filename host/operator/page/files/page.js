@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's page: state comes by the event socket, changes go by REST (docs/page_openapi.yaml).
+// The operator's page: state comes by the event socket, changes go by REST (docs/reference/page_openapi.yaml).
 'use strict';
 
 let socket = null;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures by WebRTC (docs/page.md): the rig offers, the browser answers, and the rig tells which
+// Pictures by WebRTC (docs/reference/page_api.md): the rig offers, the browser answers, and the rig tells which
 // frame each picture is.
 'use strict';
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of OSC as actions, and the state as messages. Pure; docs/page.md lists the addresses.
+// Messages of OSC as actions, and the state as messages. Pure; docs/reference/page_api.md lists the
+// addresses.
 #pragma once
 
 #include <map>
