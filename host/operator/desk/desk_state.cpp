@@ -65,12 +65,13 @@ page::CalibrationState calibration_of(const Session& session, bool zoomed, bool 
     state.age_s = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
   const bool guessed = choice.origin == CalibrationOrigin::kGuess;
   state.verdict = guessed ? page::Verdict::kNoGo : page::Verdict::kGo;
-  state.reason = guessed ? "the cameras are guessed: run mixrig calibrate, or name a calibration"
-                         : "the cameras are known";
+  state.reason = guessed
+                     ? "the camera values are guesses: run mixrig calibrate, or name a calibration"
+                     : "the cameras are calibrated";
   if (guessed || !(zoomed || focused)) return state;
   state.verdict = zoomed ? page::Verdict::kNoGo : page::Verdict::kUnknown;
-  state.reason = zoomed ? "the zoom was changed since: the calibration is of another lens setting"
-                        : "the focus was changed since: the calibration may not hold";
+  state.reason = zoomed ? "the zoom was changed: the calibration is for another lens setting"
+                        : "the focus was changed: the calibration may not hold";
   return state;
 }
 

@@ -97,8 +97,8 @@ page::State OperatorDesk::state() const {
   state.recording = recorder_.state();
   state.background_possible = run.can_learn;
   state.background = state.background_possible
-                         ? "what changed in the room and stands still can become background"
-                         : "the background of this run is not watched";
+                         ? "changes of the room that stand still can be accepted as background"
+                         : "this run does not look for changes of the room";
   state.scan = scan_state(run);
   state.disk_free_gb = free_gb(recorder_.folder());
   state.calibration = calibration_of(session_, zoomed_, focused_);
@@ -112,9 +112,10 @@ page::State OperatorDesk::state() const {
 
 Result<void> OperatorDesk::learn_background() {
   if (!orders_.state().can_learn)
-    return Error{ErrorCode::kUnsupported,
-                 "the background of this run is not watched: its camera or lens moves without a "
-                 "scanned room, or it was started with --no-watch"};
+    return Error{
+        ErrorCode::kUnsupported,
+        "this run does not look for changes of the room: its camera or lens moves without a "
+        "scanned room, or it was started with --no-watch"};
   return orders_.give(output::LearnChanges{});
 }
 
@@ -125,7 +126,7 @@ page::ScanState OperatorDesk::scan_state(const output::RunState& run) {
   state.done = state.total - run.scan_left;
   if (!state.possible)
     state.why_not =
-        "the room can be learned here only of one view that is watched: where the camera "
+        "the empty room can be learned here only for a camera that stands still: where it "
         "moves, end the run and use mixrig scan";
   return state;
 }

@@ -88,10 +88,10 @@ Result<Vector3d> point_on_level(const SeenFrom& from, const Eigen::Vector2d& at,
   const Vector3d& eye = from.world_from_view.translation_m;
   const double along = (level_m - eye.z()) / sight.z();
   if (!(along > 0) || !(along * sight.norm() < kFarthest_m))
-    return Error{ErrorCode::kData, level_m == 0
-                                       ? "there is no floor under this place of the picture"
-                                       : "the sight through this place of the picture does not "
-                                         "reach that height: give another one"};
+    return Error{ErrorCode::kData,
+                 level_m == 0 ? "there is no floor where you clicked"
+                              : "nothing at that height lies in line with your click: give "
+                                "another height"};
   const Vector3d p = eye + along * sight;
   return Vector3d(p.x(), p.y(), level_m);  // without what rounding left of z
 }
@@ -111,11 +111,11 @@ Result<Vector3d> point_on_room(const Session& session, const SeenFrom& from,
   const Eigen::Vector2d px = pixel_at(from, at);
   RoomDepth room(session, from, window_around(from.view, px));
   if (!room.known())
-    return Error{ErrorCode::kUnsupported,
-                 "this run knows no room whose surface could be seen there: give a height"};
+    return Error{ErrorCode::kUnsupported, "this run knows no surfaces of the room: give a height"};
   const float z_m = nearest_known_m(room.depth_m());
   if (!(z_m > 0))
-    return Error{ErrorCode::kData, "no surface of the room is known there: give a height"};
+    return Error{ErrorCode::kData,
+                 "no surface of the room is known where you clicked: give a height"};
   const Eigen::Vector2d ray = from.view.unproject(px);
   return from.world_from_view * Vector3d(Vector3d(ray.x(), ray.y(), 1) * double{z_m});
 }
@@ -126,7 +126,7 @@ Result<model::ClickedPlane> plane_on_room(const Session& session, const SeenFrom
   RoomDepth room(session, from, tof.pinhole);
   if (!room.known())
     return Error{ErrorCode::kUnsupported,
-                 "this run knows no room on whose surfaces an object could stand"};
+                 "this run knows no surfaces of the room on which an object could stand"};
   model::ClickPicture picture;
   picture.depth_m = room.depth_m();
   picture.tof = &tof;

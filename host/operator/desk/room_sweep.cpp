@@ -71,8 +71,8 @@ RoomSweep::~RoomSweep() {
 std::string RoomSweep::why_not() const {
   if (!session_.rig) return "a recording is played: a scan turns the head of a live rig";
   if (!session_.rig->runs())
-    return "this run has no head: it takes [pan_tilt] in rig.toml and a camera.pose that follows "
-           "it, such as \"pan_tilt\"";
+    return "this run has no pan-tilt head: it needs [pan_tilt] in rig.toml and a camera.pose that "
+           "follows it, such as \"pan_tilt\"";
   if (scene::kind_of(session_.scene.pose_source).head != scene::HeadUse::kFollowed)
     return "camera.pose of the scene does not follow the head: use \"pan_tilt\", or end the run "
            "and use mixrig scan --rig";
@@ -114,9 +114,10 @@ Result<void> RoomSweep::start(const page::StartSweep& wanted) {
 
 Result<void> RoomSweep::cancel() {
   if (state().phase != Phase::kSweeping)
-    return Error{ErrorCode::kData, state().phase == Phase::kIdle
-                                       ? "the room is not being scanned"
-                                       : "the views are there, and the room is being made of them"};
+    return Error{ErrorCode::kData,
+                 state().phase == Phase::kIdle
+                     ? "the room is not being scanned"
+                     : "all views are taken, and the room is being built from them"};
   cancelled_ = stop_ = true;
   return {};
 }
@@ -193,7 +194,7 @@ Result<void> RoomSweep::make_room(const page::StartSweep& wanted, const fs::path
   MIXRIG_TRY(save_room(room, scan.calibration, folder));
   MIXRIG_TRY(scene_.use_background(fs::path(kRooms) / folder.filename()));
   log_warning("session", "the room was scanned into " + folder.string() +
-                             ": it is the background of the next start");
+                             ": it is the background from the next start on");
   return {};
 }
 

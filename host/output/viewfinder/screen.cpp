@@ -83,7 +83,7 @@ const render::GpuPicture* Screen::draw_picture(const output::Composite* composit
     if (picture_.empty()) picture_.reset(kWithoutPicture);
     draw_placeholder(picture_);
     TextLine words;
-    words.set("no {} of this frame", name(state.view));
+    words.set("no {} in this frame", name(state.view));
     centred(picture_.height() / 2, words.view(), 2 * scale(), kInk);
     return nullptr;
   }
@@ -134,7 +134,7 @@ void Screen::write_warnings(const output::Composite* composite, const ViewState&
   if (missing(*composite, capture::Stream::kFisheye))
     line(4 * s, y, "no fisheye picture", kWarning);
   if (missing(*composite, capture::Stream::kPanTilt))
-    line(4 * s, y, "angle of the head unknown", kWarning);
+    line(4 * s, y, "angle of the pan-tilt head unknown", kWarning);
   if (state.on(Overlay::kPose) && !composite->pose.ok()) {
     words.set("POSE LOST ({}): OBJECTS {}", capture::name(composite->pose.loss),
               composite->objects_shown ? "FROZEN" : "HIDDEN");
@@ -159,11 +159,11 @@ void Screen::write_corner(const ViewState& state, const ScreenFacts& facts) {
   if (state.view != View::kComposite) beside(name(state.view), kInk);
   if (facts.recording) beside("REC", kRecording);
   if (state.on(Overlay::kRate)) {
-    words.set("{:.1f} pictures a second", facts.shown_hz);
+    words.set("{:.1f} pictures per second", facts.shown_hz);
     beside(words.view(), kInk);
   }
   if (state.on(Overlay::kDelay)) {
-    words.set("delay -");
+    words.set("delay unknown");
     if (facts.delay) words.set("delay {:.0f} ms", milliseconds(*facts.delay));
     beside(words.view(), kInk);
   }

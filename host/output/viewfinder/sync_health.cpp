@@ -18,11 +18,11 @@ void describe(const capture::SourceReport& now, const capture::SourceReport& bef
   for (std::size_t i = 0; i < streams; ++i) {
     const capture::StreamReport& stream = now.streams[i];
     const std::uint64_t was = i < before.streams.size() ? before.streams[i].health.frames : 0;
-    lines[i].set("{}: {:.1f} frames a second, {} lost, {} missing", stream.name,
+    lines[i].set("{}: {:.1f} frames per second, {} lost, {} missing", stream.name,
                  rate_hz(stream.health.frames, was, between_s), stream.health.lost,
                  stream.pairing.missing);
   }
-  lines[streams].set("sets: {:.1f} a second, {} incomplete, {} dropped; {} ticks lost",
+  lines[streams].set("frame sets: {:.1f} per second, {} incomplete, {} dropped; {} ticks lost",
                      rate_hz(now.sets, before.sets, between_s), now.incomplete_sets,
                      now.dropped_sets, now.ticks_lost);
 }

@@ -103,10 +103,10 @@ void Viewfinder::Loop::obey(Request request) {
     case Request::kQuit:
       return give(output::StopRun{}, "ending");
     case Request::kLearn:
-      if (!run.can_learn) return say("the background of this run is not watched");
-      return give(output::LearnChanges{}, "what changed in the room becomes background");
+      if (!run.can_learn) return say("this run does not look for changes of the room");
+      return give(output::LearnChanges{}, "changes of the room become background");
     case Request::kRecord:
-      if (!run.can_record) return say("nothing to record to: start with --out DIR or --page");
+      if (!run.can_record) return say("cannot record: start with --out DIR or --page");
       return give(output::Record{!run.recording}, !run.recording      ? "recording"
                                                   : run.records_takes ? "recording ended"
                                                                       : "recording paused");
@@ -122,10 +122,10 @@ void Viewfinder::Loop::obey(Request request) {
 /// The next one with each press, none after the last.
 void Viewfinder::Loop::choose_object() {
   const int objects = owner_.orders_.state().objects;
-  if (objects == 0) return say("no object can be placed in this run");
+  if (objects == 0) return say("this run cannot place objects");
   placing_ = placing_ + 1 < objects ? placing_ + 1 : -1;
-  if (placing_ < 0) return say("nothing is placed");
-  facts_.message.set("click where object {} of {} is to stand", placing_ + 1, objects);
+  if (placing_ < 0) return say("placing ended");
+  facts_.message.set("click where object {} of {} should stand", placing_ + 1, objects);
   message_until_ = owner_.clock_.now() + kMessage;
 }
 
@@ -136,8 +136,8 @@ void Viewfinder::Loop::clicked(Window::Click click) {
   const glm::ivec2 pixel(click.x, click.y);
   if (placing_ >= 0)
     return give(output::PlaceObject{std::exchange(placing_, -1), pixel}, "placing");
-  if (!owner_.orders_.state().can_focus) return say("the scene has no [focus]");
-  give(output::FocusAt{pixel}, "what was clicked is sharp");
+  if (!owner_.orders_.state().can_focus) return say("no depth of field: the scene has no [focus]");
+  give(output::FocusAt{pixel}, "focused where you clicked");
 }
 
 /// True where the run tells something new.

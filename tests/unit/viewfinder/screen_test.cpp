@@ -155,7 +155,7 @@ TEST_F(ScreenTest, RateDelaySyncRecordingMessageAndView) {
   facts_.sync[1].set("depth: 25.0 frames a second");
   facts_.message.set("recording");
   const auto picture = draw();
-  for (const char* text : {"25.0 pictures a second", "delay 47 ms", "REC", "matte",
+  for (const char* text : {"25.0 pictures per second", "delay 47 ms", "REC", "matte",
                            "depth: 25.0 frames a second", "recording"})
     EXPECT_TRUE(reads(picture, text)) << text;
 }
@@ -169,7 +169,7 @@ TEST_F(ScreenTest, TheHelpFitsIntoASmallPicture) {
 TEST_F(ScreenTest, AnImageThatTheFrameLacksIsNamed) {
   composite_->images.wanted = render::kColor | render::kMatte;
   state_.view = View::kKey;
-  EXPECT_TRUE(reads(draw(), "no key of this frame"));
+  EXPECT_TRUE(reads(draw(), "no key in this frame"));
 }
 
 TEST_F(ScreenTest, DrawsAllOfItAgainWithoutAllocating) {

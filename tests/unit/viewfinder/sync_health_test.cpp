@@ -25,17 +25,17 @@ TEST(SyncHealthTest, RatesAreThoseBetweenTwoReports) {
   std::array<TextLine, 4> lines;
   lines[3].set("old");
   describe(report(150), report(100), 2.0, lines);
-  EXPECT_EQ(lines[0].view(), "color: 25.0 frames a second, 2 lost, 0 missing");
-  EXPECT_EQ(lines[1].view(), "depth: 25.0 frames a second, 2 lost, 0 missing");
-  EXPECT_EQ(lines[2].view(), "sets: 25.0 a second, 0 incomplete, 3 dropped; 0 ticks lost");
+  EXPECT_EQ(lines[0].view(), "color: 25.0 frames per second, 2 lost, 0 missing");
+  EXPECT_EQ(lines[1].view(), "depth: 25.0 frames per second, 2 lost, 0 missing");
+  EXPECT_EQ(lines[2].view(), "frame sets: 25.0 per second, 0 incomplete, 3 dropped; 0 ticks lost");
   EXPECT_TRUE(lines[3].empty());
 }
 
 TEST(SyncHealthTest, FewerLinesThanStreamsAndNoTimeBetween) {
   std::array<TextLine, 2> lines;
   describe(report(150), {}, 0, lines);
-  EXPECT_EQ(lines[0].view(), "color: 0.0 frames a second, 2 lost, 0 missing");
-  EXPECT_TRUE(lines[1].view().starts_with("sets: 0.0 a second"));
+  EXPECT_EQ(lines[0].view(), "color: 0.0 frames per second, 2 lost, 0 missing");
+  EXPECT_TRUE(lines[1].view().starts_with("frame sets: 0.0 per second"));
   describe(report(1), {}, 1, {});
 }
 

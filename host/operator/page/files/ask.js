@@ -34,7 +34,7 @@ async function ask(method, path, body, type) {
     if (answer.ok) return true;
     tell((await answer.json()).error || `refused: ${answer.status}`);
   } catch (error) {
-    tell('the rig does not answer');
+    tell('The rig does not answer.');
   }
   return false;
 }

@@ -13,7 +13,7 @@ function showHandles() {
   const wanted = [];
   for (const o of state.objects || []) if (o.at && !o.hidden) wanted.push(['object', o]);
   for (const l of state.lamps || []) if (l.at) wanted.push(['lamp', l]);
-  if (state.focus && state.focus.at) wanted.push(['focus', { name: 'sharp', at: state.focus.at }]);
+  if (state.focus && state.focus.at) wanted.push(['focus', { name: 'focus', at: state.focus.at }]);
   const key = (kind, thing) => `${kind} ${thing.name}`;
   const keys = wanted.map(([kind, thing]) => key(kind, thing));
   for (const handle of [...box.children]) if (!keys.includes(handle.dataset.key)) handle.remove();
@@ -88,12 +88,12 @@ function setFocusing(on) {
   focusing = on;
   if (on) setAddingLamp(false);
   el('focus-pick').setAttribute('aria-pressed', on);
-  el('focus-pick').textContent = on ? 'Click on what is to be sharp' : 'Sharp by click';
+  el('focus-pick').textContent = on ? 'Click in the picture on what to focus' : 'Click to focus';
 }
 function setAddingLamp(on) {
   if (on) setFocusing(false);
   adding_lamp = on;
   el('add-lamp').setAttribute('aria-pressed', on);
   el('add-lamp').textContent = on
-    ? (el('lamp-where').value === 'above_floor_m' ? 'Click on the floor' : 'Click on the light') : 'Add by click';
+    ? (el('lamp-where').value === 'above_floor_m' ? 'Click on the floor below the lamp' : 'Click on the lamp') : 'Add a lamp';
 }

@@ -26,7 +26,7 @@ function connect() {
   };
   socket.onclose = () => {
     clearInterval(timer);
-    el('summary').textContent = 'no connection to the rig';
+    el('summary').textContent = 'no connection to the rig; trying again';
     el('summary').className = 'bad';
     setTimeout(connect, 1000);
   };
@@ -50,8 +50,8 @@ const show = {
   freeze(on) { el('freeze').setAttribute('aria-pressed', on); },
   picture(p) {
     el('summary').className = '';
-    el('summary').textContent = `frame ${p.frame}, ${p.fps.toFixed(1)} frames a second, ` +
-      `${p.frame_ms.toFixed(0)} ms each, delay ${p.delay_ms.toFixed(0)} ms`;
+    el('summary').textContent = `frame ${p.frame}, ${p.fps.toFixed(1)} frames per second, ` +
+      `${p.frame_ms.toFixed(0)} ms per frame, delay ${p.delay_ms.toFixed(0)} ms`;
     showHealth();
   },
   recording(r) {
@@ -63,7 +63,7 @@ const show = {
     el('record').disabled = !r.possible;
     el('record-state').textContent = r.on
       ? `${r.seconds.toFixed(1)} s, ${r.frames} frames, ${r.lost} lost`
-      : r.error ? r.error : r.folder ? `written: ${r.folder}` : '';
+      : r.error ? r.error : r.folder ? `saved in ${r.folder}` : '';
     el('record-state').className = r.error ? 'bad' : '';
   },
   background(b) {
@@ -75,29 +75,29 @@ const show = {
     el('scan').textContent = s.total ? 'Cancel' : 'Learn the empty room';
     el('scan-progress').hidden = !s.total;
     el('scan-progress').value = s.total ? s.done / s.total : 0;
-    el('scan-state').textContent = s.total ? `${s.done} of ${s.total} looks: leave the set empty` : s.why_not;
+    el('scan-state').textContent = s.total ? `${s.done} of ${s.total} pictures taken: keep people off the set` : s.why_not;
   },
   sweep(s) {
     const at_work = s.phase !== 'idle';
     el('sweep').disabled = at_work ? s.phase !== 'sweeping' : !s.possible;
-    el('sweep').textContent = s.phase === 'sweeping' ? 'Cancel' : 'Scan the room with the head';
+    el('sweep').textContent = s.phase === 'sweeping' ? 'Cancel' : 'Scan the room with the pan-tilt head';
     for (const id of ['sweep-pan', 'sweep-tilt']) el(id).disabled = at_work || !s.possible;
     el('sweep-progress').hidden = s.phase !== 'sweeping';
     el('sweep-progress').value = s.total ? s.done / s.total : 0;
     el('sweep-state').className = s.error && !at_work ? 'hint bad' : 'hint';
     el('sweep-state').textContent =
       s.phase === 'sweeping' ? `${s.name}: ${s.done} of ${s.total} views` + (s.left_s ? `, ${s.left_s} s left` : '')
-        : s.phase === 'modelling' ? `${s.name}: the room is made of its views`
+        : s.phase === 'modelling' ? `${s.name}: building the room from its views`
           : s.error ? s.error
-            : s.folder ? `written: ${s.folder}; it is the background of the next start` : s.why_not;
+            : s.folder ? `saved in ${s.folder}; it is the background from the next start on` : s.why_not;
   },
   focus(f) {
     el('focus-on').setAttribute('aria-pressed', f.on);
     for (const [id, value] of [['focus-distance', f.distance_m], ['focus-number', f.on ? f.f_number : null]])
       setValue(el(id), value === null ? '' : Number(value.toPrecision(5)));
     el('focus-number').disabled = !f.on;
-    el('focus-state').textContent = !f.on ? 'all is sharp'
-      : f.at ? 'sharp where the ring is' : `sharp at ${f.distance_m.toFixed(2)} m`;
+    el('focus-state').textContent = !f.on ? 'off: everything is sharp'
+      : f.at ? 'focused at the ring in the picture' : `focused at ${f.distance_m.toFixed(2)} m`;
     showHandles();
   },
   objects(list) { showThings('objects', list, makeObject, updateObject); showHandles(); },
@@ -109,11 +109,11 @@ const show = {
   disk: showHealth, calibration: showHealth, pose: showHealth, run: showHealth,
   streams(list) {
     el('streams').replaceChildren(...list.map(s => make('li', { className: s.ok ? '' : 'bad' },
-      `${s.name}: ${s.ok ? 'delivers' : s.do}` + (s.frames ? `, ${s.frames} frames, ${s.lost} lost` : ''))));
+      `${s.name}: ${s.ok ? 'ok' : s.do}` + (s.frames ? `, ${s.frames} frames, ${s.lost} lost` : ''))));
   },
   log(lines) {
     const box = el('log'), at_end = box.scrollTop + box.clientHeight >= box.scrollHeight - 4;
-    box.textContent = lines.length ? lines.join('\n') : 'nothing was logged';
+    box.textContent = lines.length ? lines.join('\n') : 'no messages';
     if (at_end) box.scrollTop = box.scrollHeight;
   },
 };
@@ -128,8 +128,8 @@ function showHealth() {
   const { run, pose, disk, calibration: c, picture } = state;
   if (!run || !pose || !disk || !c || !picture) return;
   const rows = [
-    ['Scene', run.scene], ['Source', run.source + (run.live ? ' (live)' : ' (played)')],
-    ['Pose', pose.state + (pose.objects_shown ? '' : ', objects are hidden'), pose.state !== 'ok'],
+    ['Scene', run.scene], ['Source', run.source + (run.live ? ' (live)' : ' (recording)')],
+    ['Pose', pose.state + (pose.objects_shown ? '' : ', virtual objects are hidden'), pose.state !== 'ok'],
     ['Calibration', `${c.verdict}: ${c.reason} (${c.file || 'none'}${age_text(c.age_s)})`, c.verdict !== 'go'],
     ['Disk', disk.free_gb === null ? 'unknown' : `${disk.free_gb.toFixed(1)} GB free`,
       disk.free_gb !== null && disk.free_gb < 5],
@@ -149,7 +149,7 @@ function showAge() {
   const stale = age_ms !== null && age_ms > 1000;
   el('stale').hidden = !stale;
   if (stale)
-    el('stale').textContent = `${state.freeze ? 'frozen' : 'no new picture'}: ${(age_ms / 1000).toFixed(1)} s old`;
+    el('stale').textContent = `${state.freeze ? 'frozen' : 'no new picture'}, ${(age_ms / 1000).toFixed(1)} s old`;
 }
 setInterval(showAge, 100);
 
