@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "host/render/cpu/light/light_parts.h"
 
@@ -45,6 +46,27 @@ inline float change_over(const CornerValues& v, const CellOf& c) {
   const auto [least, most] = std::minmax({v[c.a], v[c.b], v[c.c], v[c.d]});
   return most - least;
 }
+
+/// What hidden lamps change over a cell, to find those that must be looked up pixel by pixel.
+class LampChanges {
+ public:
+  /// Precondition: at most kMostLamps.
+  void add(std::size_t lamp, float change) { changes_[count_++] = {change, lamp}; }
+  /// The other ones change by kMostChange together, with `other` that changes besides.
+  LampSet too_large(float other = 0) {
+    std::sort(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(count_));
+    LampSet set = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      other += changes_[i].first;
+      if (other > kMostChange) set |= LampSet{1} << changes_[i].second;
+    }
+    return set;
+  }
+
+ private:
+  std::array<std::pair<float, std::size_t>, kMostLamps> changes_;
+  std::size_t count_ = 0;
+};
 
 /// Between the corners of a cell, at each of its pixels: `visit(x, y, value)`.
 template <typename Visit>

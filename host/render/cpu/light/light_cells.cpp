@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "host/render/cpu/light/background_corners.h"
 #include "host/render/cpu/light/contact.h"
@@ -89,18 +88,10 @@ void ExactCells::light(const Rect& tile, int column, int row, Image<std::uint16_
 /// Lamps in doubt that change too much over a cell to be taken from its corners: the others change
 /// by kMostChange together.
 LampSet lamps_to_find(const CornerLight& light, LampSet maybe, std::size_t count, const CellOf& c) {
-  std::array<std::pair<float, std::size_t>, kMostLamps> changes;
-  std::size_t found = 0;
+  LampChanges changes;
   for (std::size_t k = 0; k < count; ++k)
-    if (holds(maybe, k)) changes[found++] = {change_over(light.lost[k], c), k};
-  std::sort(changes.begin(), changes.begin() + static_cast<std::ptrdiff_t>(found));
-  float together = change_over(light.ambient, c);
-  LampSet set = 0;
-  for (std::size_t i = 0; i < found; ++i) {
-    together += changes[i].first;
-    if (together > kMostChange) set |= LampSet{1} << changes[i].second;
-  }
-  return set;
+    if (holds(maybe, k)) changes.add(k, change_over(light.lost[k], c));
+  return changes.too_large(change_over(light.ambient, c));
 }
 
 /// A flat cell over which `lamps` change much.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "host/render/cpu/color_lanes.h"
@@ -12,6 +13,10 @@
 
 namespace mixrig::render::cpu {
 namespace {
+
+/// Of the light of 2x2 pixels that are looked at once: what differs more from one to the next is
+/// seen as a step.
+constexpr float kMostOfSquare = 0.05F;
 
 ShadingLanes shading_in_cell(const LightInput& input, const VirtualCells& cells, int column,
                              int row, std::span<const Place> places, const SurfaceLanes& at,
@@ -30,30 +35,109 @@ ShadingLanes shading_in_cell(const LightInput& input, const VirtualCells& cells,
                  PastRoom::kInShare, lamp_light);
 }
 
-/// Turns the albedo of a rectangle into shaded colour: light_at(places, at, lamp_light) is its
-/// light, and adds what each whole lamp gives.
+/// Light of the 2x2 pixels of a cell, to find those that a border of light passes.
+class SquareLights {
+ public:
+  explicit SquareLights(const Rect& rect) : rect_(rect) {}
+  void add(const Place& place, float light) {
+    Range& range = ranges_[at(place.x, place.y)];
+    range.least = std::min(range.least, light), range.most = std::max(range.most, light);
+    range.looked_at_once |= place.side == 2;
+  }
+  bool find_uneven();
+  /// Of the square of pixel (x, y). After find_uneven().
+  bool is_uneven(int x, int y) const { return ranges_[at(x, y)].uneven; }
+
+ private:
+  static constexpr int kSide = kCellPx / 2;
+  struct Range {
+    float least = std::numeric_limits<float>::max(), most = 0;
+    bool looked_at_once = false, uneven = false;
+  };
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>((y - rect_.y0) / 2 * kSide + (x - rect_.x0) / 2);
+  }
+  static bool differ(const Range& a, const Range& b) {
+    return std::max(a.most, b.most) - std::min(a.least, b.least) >
+           kMostOfSquare * std::max(a.most, b.most);
+  }
+
+  Rect rect_;
+  std::array<Range, kSide * kSide> ranges_;
+};
+
+/// Of the squares that were looked at once, those whose light is not that of a neighbour. False:
+/// none.
+bool SquareLights::find_uneven() {
+  bool any = false;
+  const auto compare = [&](Range& a, Range& b) {
+    if (a.most < a.least || b.most < b.least || !differ(a, b)) return;  // one is not covered
+    a.uneven |= a.looked_at_once, b.uneven |= b.looked_at_once;
+    any |= a.uneven || b.uneven;
+  };
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const auto i = static_cast<std::size_t>(y * kSide + x);
+      if (x + 1 < kSide) compare(ranges_[i], ranges_[i + 1]);
+      if (y + 1 < kSide) compare(ranges_[i], ranges_[i + kSide]);
+    }
+  return any;
+}
+
+/// Albedo of a cell, which its shading takes the place of.
+class CellAlbedo {
+ public:
+  CellAlbedo(const VirtualLayer& layer, const Rect& rect) : rect_(rect) {
+    for (int y = rect.y0; y < rect.y1; ++y)
+      std::copy_n(layer.color.row(y) + rect.x0, rect.x1 - rect.x0, row(y));
+  }
+  Rgbx16 at(int x, int y) const {
+    return albedo_[static_cast<std::size_t>((y - rect_.y0) * kCellPx + x - rect_.x0)];
+  }
+
+ private:
+  Rgbx16* row(int y) { return &albedo_[static_cast<std::size_t>((y - rect_.y0) * kCellPx)]; }
+
+  Rect rect_;
+  std::array<Rgbx16, kCellPx * kCellPx> albedo_;
+};
+
+/// Turns the albedo of a cell into shaded colour: light_at(places, at, lamp_light) is its light,
+/// and adds what each whole lamp gives. Where light differs between 2x2 pixels that are looked at
+/// once (at the border of a shadow), each of them is looked at by itself.
 template <typename LightAt>
 void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
                 LightAt&& light_at) {
-  const auto all = [](int, int) { return true; };
   std::vector<RoomFor<float>>& kept = layer.alone.lamp_light;
   std::array<FloatLanes, kMostLamps> of_lamps;
   const std::span lamp_light = std::span(of_lamps).first(kept.size());
+  const CellAlbedo albedo(layer, rect);
   const auto shade = [&](std::span<const Place> places, const SurfaceLanes& at) {
     std::fill(lamp_light.begin(), lamp_light.end(), FloatLanes{});
     const ShadingLanes light = light_at(places, at, lamp_light);
     for_each_pixel(places, [&](int x, int y, int i) {
-      Rgbx16& color = layer.color.row(y)[x];
-      color = shaded(input, layer, x, y, color, light, i);
+      layer.color.row(y)[x] = shaded(input, layer, x, y, albedo.at(x, y), light, i);
       for (std::size_t k = 0; k < kept.size(); ++k)
         kept[k].row(y - layer.rect.y0)[x - layer.rect.x0] = lamp_light[k][i];
     });
+    return light;
   };
+  const auto all = [](int, int) { return true; };
   // What is mirrored changes faster than the light that falls on a smooth surface.
-  if (layer.gloss.empty())
-    for_each_place<Squares::kOfTwo>(input, rect, layer, all, shade);
-  else
+  if (!layer.gloss.empty()) {
     for_each_place<Squares::kSingle>(input, rect, layer, all, shade);
+    return;
+  }
+  SquareLights squares(rect);
+  for_each_place<Squares::kOfTwo>(input, rect, layer, all,
+                                  [&](std::span<const Place> places, const SurfaceLanes& at) {
+                                    const ShadingLanes light = shade(places, at);
+                                    for (int i = 0; const Place& place : places)
+                                      squares.add(place, luminance(lane(light.diffuse, i++)));
+                                  });
+  if (!squares.find_uneven()) return;
+  for_each_place<Squares::kSingle>(
+      input, rect, layer, [&](int x, int y) { return squares.is_uneven(x, y); }, shade);
 }
 
 /// Each pixel of a rectangle by itself; `among`: lamps in doubt around it.

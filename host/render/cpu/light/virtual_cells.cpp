@@ -80,14 +80,14 @@ void VirtualCells::find_shares(const LightInput& input, LampSet maybe) {
 
 LampSet VirtualCells::lamps_to_find(int column, int row) const {
   const CellOf c = cell(column, row);
-  LampSet set = 0;
+  LampChanges changes;
   for (std::size_t k = 0; k < count_; ++k) {
     if (!holds(maybe_, k)) continue;
     const CornerValues& weight = weight_[k];
     const float most = std::max({weight[c.a], weight[c.b], weight[c.c], weight[c.d]});
-    if (change_over(seen_[k], c) * most > kMostChange) set |= LampSet{1} << k;
+    changes.add(k, change_over(seen_[k], c) * most);
   }
-  return set;
+  return changes.too_large();
 }
 
 void VirtualCells::shares(int column, int row, LampSet to_find, FloatLanes x, FloatLanes y,

@@ -30,7 +30,8 @@ class VirtualCells {
   /// Precondition: at most kMostLamps maps.
   VirtualCells(const LightInput& input, LampSet maybe, const Rect& tile, const VirtualLayer& layer);
   bool is_smooth(int column, int row) const { return corners_.is_smooth(column, row); }
-  /// Lamps in doubt that change too much over a smooth cell to be taken from its corners.
+  /// Lamps in doubt that change too much over a smooth cell to be taken from its corners: the
+  /// others change its light by kMostChange together.
   LampSet lamps_to_find(int column, int row) const;
   /// Share of each lamp at places (x, y) of a smooth cell, past the real room and, of all lamps but
   /// `to_find`, past the objects.
