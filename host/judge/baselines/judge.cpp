@@ -60,6 +60,8 @@ measure::Errors Judge::errors() const {
   errors.matte_flicker = flicker_.still();
   errors.matte_dtssd = flicker_.all();
   errors.scraps = measure::scraps_of(scraps_.sums());
+  errors.stairs = {real_stairs_.off_line_px.mean(), virtual_stairs_.off_line_px.mean(),
+                   real_stairs_.width_px.mean(), virtual_stairs_.width_px.mean()};
   if (room_shown_) errors.look = measure::look_of(look_);
   if (!room_shown_) {
     errors.light_rmse = errors.light_shadow_rmse = errors.color_psnr_db = {};
@@ -106,7 +108,10 @@ Result<void> Judge::add_judged(const measure::ResultImages& result,
   MIXRIG_TRY(measure::add_frame(result, truth, sums_));
   flicker_.add(result.matte, truth.matte);
   scraps_.add(result.layer, result.matte, truth);
-  if (room_shown_) measure::add_look(result, truth, look_);
+  if (!room_shown_) return {};
+  measure::add_look(result, truth, look_);
+  measure::add_stairs(result.color, truth.labels, measure::kLayerPerson, real_stairs_);
+  measure::add_stairs(result.color, truth.labels, measure::kLayerVirtual, virtual_stairs_);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include "host/judge/measure/flicker.h"
 #include "host/judge/measure/look.h"
 #include "host/judge/measure/scraps.h"
+#include "host/judge/measure/stairs.h"
 #include "host/render/contract/compositor.h"
 
 namespace mixrig::session {
@@ -40,6 +41,7 @@ class Judge {
   measure::MatteFlicker flicker_;
   measure::LookSums look_;
   measure::ScrapJudge scraps_;
+  measure::Stairs real_stairs_, virtual_stairs_;
   Image<std::uint8_t> own_layer_;
 };
 

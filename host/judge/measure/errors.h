@@ -13,7 +13,7 @@ namespace mixrig::measure {
 
 /// Bits of a truth label, as in a take's truth/labels.
 inline constexpr std::uint8_t kLayerMask = 3;  ///< visible layer: 0 background, 1 person, 2 virtual
-inline constexpr std::uint8_t kLayerVirtual = 2;
+inline constexpr std::uint8_t kLayerPerson = 1, kLayerVirtual = 2;
 /// Light below this is shadow.
 inline constexpr float kInShadow = 0.98F;
 /// Width of the people's band on either side of the true border.
@@ -93,6 +93,10 @@ struct Errors {
     std::optional<double> person_through_object, object_through_person, room_through, over_room;
     std::optional<double> pixels, largest_px, changed_pixels, specks, ghost_pixels;
   } scraps;
+  /// Evenness and width of the silhouettes of people and of virtual objects, in the composite.
+  struct Stairs {
+    std::optional<double> real_off_line_px, virtual_off_line_px, real_width_px, virtual_width_px;
+  } stairs;
 };
 inline constexpr double kEqualPsnr_db = 100.0;
 

@@ -7,7 +7,7 @@
 namespace mixrig::measure {
 namespace {
 
-constexpr int kBackground = 0, kPerson = 1, kObject = kLayerVirtual;
+constexpr int kBackground = 0, kPerson = kLayerPerson, kObject = kLayerVirtual;
 
 /// Layers (a bit each) that truth has in the 3x3 pixels around each one.
 Image<std::uint8_t> layers_around(ImageView<const std::uint8_t> labels) {

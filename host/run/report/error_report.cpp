@@ -62,6 +62,13 @@ std::array<NamedError, 9> named(const measure::Errors::Scraps& e) {
            {"ghost_pixels", e.ghost_pixels}}};
 }
 
+std::array<NamedError, 4> named(const measure::Errors::Stairs& e) {
+  return {{{"real_off_line_px", e.real_off_line_px},
+           {"virtual_off_line_px", e.virtual_off_line_px},
+           {"real_width_px", e.real_width_px},
+           {"virtual_width_px", e.virtual_width_px}}};
+}
+
 template <std::size_t N>
 nlohmann::json errors_json(const std::array<NamedError, N>& errors) {
   nlohmann::json out = nlohmann::json::object();
@@ -118,6 +125,7 @@ nlohmann::json to_json(const measure::Errors& errors) {
   nlohmann::json out = errors_json(named(errors));
   out["contested"] = errors_json(named(errors.contested));
   out["scraps"] = errors_json(named(errors.scraps));
+  out["stairs"] = errors_json(named(errors.stairs));
   out["look"] = errors_json(named(errors.look));
   return out;
 }
