@@ -19,7 +19,7 @@ StreamOut read_stream_out(const config::Table& table) {
   if (out.uri.empty())
     table.fail("uri",
                "is missing: give srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, v4l2://DEVICE, or a "
-               "file .mkv or .mov");
+               "file .mkv, .mov or .mp4");
   out.picture = static_cast<StreamOut::Picture>(
       table.one_of("picture", {kPictures.begin(), kPictures.end()}, 0));
   out.codec =

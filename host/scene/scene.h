@@ -204,7 +204,7 @@ struct StreamOut {
     kStereo    ///< left and right view side by side
   };
   enum class Codec : std::uint8_t { kAuto, kFfv1, kH264, kProres, kRaw };
-  std::string uri;  ///< srt://, rtp://HOST:PORT, shm://PATH, v4l2://PATH, or a file .mkv or .mov
+  std::string uri;  ///< srt://, rtp://HOST:PORT, shm://PATH, v4l2://PATH, or .mkv, .mov, .mp4
   Picture picture = Picture::kFill;
   Codec codec = Codec::kAuto;
   double eye_m = 0.065;           ///< stereo: between the two views

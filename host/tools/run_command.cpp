@@ -168,9 +168,10 @@ void add_run_command(Command app, Context& context) {
                   "plate, key, depth, light or matte; keys change it, H lists them")
       .value_if_left_out("composite")
       .one_of({"composite", "plate", "key", "depth", "light", "matte"});
-  command.add_option("--stream", arguments->stream,
-                     "where the composite is sent: srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
-                     "v4l2://DEVICE, or a file .mkv or .mov; more by [[stream_out]] of the scene");
+  command.add_option(
+      "--stream", arguments->stream,
+      "where the composite is sent: srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
+      "v4l2://DEVICE, or a file .mkv, .mov or .mp4; more by [[stream_out]] of the scene");
   command.add_option("--focus", arguments->focus,
                      "X,Y of the view: what is seen there is sharp, in place of the distance in "
                      "[focus] of the scene; a click in the window of --view chooses another pixel");

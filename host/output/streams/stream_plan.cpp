@@ -22,7 +22,7 @@ constexpr const char* kLibav = "gstreamer1.0-libav";
 constexpr const char* kBase = "gstreamer1.0-plugins-base";
 constexpr std::array<const char*, 4> kFormats{"BGRx", "BGRA", "GRAY8", "GRAY16_LE"};
 
-enum class Carrier { kSrt, kRtp, kShm, kV4l2, kMatroska, kMov };
+enum class Carrier { kSrt, kRtp, kShm, kV4l2, kMatroska, kMov, kMp4 };
 
 struct Where {
   Carrier carrier;
@@ -47,10 +47,11 @@ Result<Where> where_of(const scene::StreamOut& out) {
   if (uri.find("://") == std::string_view::npos) {
     if (uri.ends_with(".mkv")) return Where{Carrier::kMatroska, out.uri};
     if (uri.ends_with(".mov")) return Where{Carrier::kMov, out.uri};
+    if (uri.ends_with(".mp4")) return Where{Carrier::kMp4, out.uri};
   }
   return stream_error(out,
                       "is no stream: give srt://HOST:PORT, rtp://HOST:PORT, shm://PATH, "
-                      "v4l2://DEVICE, or a file .mkv or .mov");
+                      "v4l2://DEVICE, or a file .mkv, .mov or .mp4");
 }
 
 Codec codec_of(const scene::StreamOut& out, Carrier carrier) {
@@ -67,6 +68,7 @@ Codec codec_of(const scene::StreamOut& out, Carrier carrier) {
       if (out.picture == Picture::kDepth || out.picture == Picture::kAlpha) return Codec::kFfv1;
       return Codec::kH264;
     case Carrier::kRtp:
+    case Carrier::kMp4:
       break;
   }
   return Codec::kH264;
@@ -79,6 +81,8 @@ Result<void> check_codec(const scene::StreamOut& out, Carrier carrier, Codec cod
                         fmt::format("cannot carry codec \"{}\": leave codec out", name(codec)));
   if ((carrier == Carrier::kMov) != (codec == Codec::kProres))
     return stream_error(out, "ProRes and files .mov belong together: give both, or neither");
+  if (carrier == Carrier::kMp4 && codec != Codec::kH264)
+    return stream_error(out, "an .mp4 carries H.264, which every browser plays: use .mkv for FFV1");
   if (carrier == Carrier::kRtp && codec == Codec::kFfv1)
     return stream_error(out, "RTP carries H.264 or raw pictures: use srt:// for FFV1");
   if (out.picture == Picture::kDepth && (codec == Codec::kH264 || codec == Codec::kProres ||
@@ -123,6 +127,11 @@ void add_codec(const scene::StreamOut& out, Carrier carrier, Codec codec, Stream
       if (carrier == Carrier::kMatroska) {
         need("matroskamux", kGood);
         plan.description += " ! matroskamux";
+        return;
+      }
+      if (carrier == Carrier::kMp4) {
+        need("mp4mux", kGood);
+        plan.description += " ! mp4mux";
         return;
       }
       need("mpegtsmux", kBad);
@@ -195,6 +204,7 @@ Result<void> add_end(const scene::StreamOut& out, const Where& where, std::size_
       return {};
     case Carrier::kMatroska:
     case Carrier::kMov:
+    case Carrier::kMp4:
       break;
   }
   end("filesink", kBase, "");
@@ -253,7 +263,8 @@ Result<StreamPlan> plan_stream(const scene::StreamOut& out, Size view, double ra
                   plan.i420 ? "I420,colorimetry=bt709" : kFormats[static_cast<std::size_t>(pixels)],
                   size.width, size.height, std::lround(1000 * rate_hz));
   plan.needs.push_back({"appsrc", kBase});
-  const bool to_file = where.carrier == Carrier::kMatroska || where.carrier == Carrier::kMov;
+  const bool to_file = where.carrier == Carrier::kMatroska || where.carrier == Carrier::kMov ||
+                       where.carrier == Carrier::kMp4;
   plan.description =
       fmt::format("appsrc name=source format=time block={} max-bytes=0 max-buffers=2 caps={}",
                   to_file ? "true" : "false", raw);

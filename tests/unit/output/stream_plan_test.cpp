@@ -46,6 +46,10 @@ TEST(StreamPlan, EachAddressHasItsCodecAndPlugIns) {
             (Texts{{"host", "127.0.0.1"}, {"bind-address", "127.0.0.1"}}));
   EXPECT_EQ(texts("rtp://localhost:5004"), texts("rtp://127.0.0.1:5004"));
   EXPECT_TRUE(has(plan("a.mov", Picture::kAlpha)->description, "A444_10LE"));
+  const auto page = plan("a.mp4", Picture::kFill);
+  ASSERT_TRUE(page);
+  EXPECT_TRUE(has(page->description, "x264enc") && has(page->description, "mp4mux"));
+  EXPECT_TRUE(page->waits && page->i420);
   const std::string node = plan("v4l2:///dev/video7")->description;
   EXPECT_TRUE(has(node, "v4l2sink"));
   EXPECT_TRUE(has(node, "format=YUY2")) << "what every reader of a camera takes";
@@ -83,6 +87,9 @@ TEST(StreamPlan, WhatCannotBeCarriedIsOneLine) {
       {"v4l2:///dev/video1", Picture::kAlpha, Codec::kAuto, "no alpha"},
       {"rtp://a:1", Picture::kFill, Codec::kFfv1, "RTP carries H.264 or raw"},
       {"a.mov", Picture::kFill, Codec::kFfv1, "belong together"},
+      {"a.mp4", Picture::kFill, Codec::kFfv1, "an .mp4 carries H.264"},
+      {"a.mp4", Picture::kAlpha, Codec::kAuto, "no alpha"},
+      {"a.mp4", Picture::kDepth, Codec::kAuto, "depth has 16 bits"},
       {"shm:///a", Picture::kFill, Codec::kH264, "cannot carry codec \"h264\""},
       {"a.mkv", Picture::kFill, Codec::kRaw, "cannot carry codec \"raw\""},
   };

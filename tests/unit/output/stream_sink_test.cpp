@@ -177,6 +177,14 @@ TEST_F(StreamSinkTest, AFileKeepsColourAlphaAndDepthExactly) {
   EXPECT_EQ(wrong_depth, 0);
 }
 
+TEST_F(StreamSinkTest, AnMp4HasEveryPictureInItsColours) {
+  if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  write_file(folder_ / "fill.mp4", Picture::kFill);
+  const std::string rgb = decoded(folder_ / "fill.mp4", "rgb24");
+  ASSERT_EQ(rgb.size(), 10U * 3 * static_cast<std::size_t>(kBars.area()));
+  EXPECT_LE(worst_of_bars(rgb, 9), 4);
+}
+
 TEST_F(StreamSinkTest, AProResFileHasTheAlpha) {
   if (!has_program("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   write_file(folder_ / "alpha.mov", Picture::kAlpha);
