@@ -155,7 +155,7 @@ struct KeyPassParams {
   bool crop = false;
   glm::mat4 world_from_camera{1};
   glm::vec3 crop_min_m{0}, crop_max_m{0};
-  /// KVolume: the floor's inverse depth is its dot product with (x/z, y/z, 1), 1/m.
+  /// For kVolume: the floor's inverse depth is its dot product with (x/z, y/z, 1), 1/m.
   glm::vec3 floor_w{0};
   NoiseParams noise;  ///< kVolume: of one depth value
   float noise_factor = 4;
