@@ -6,9 +6,9 @@
 #include "host/render/gles/gl/gl_convention.h"
 
 namespace mixrig::render::gles {
+// Samples by which the target grows.
 namespace {
-
-constexpr int kGrain = 128;  // samples by which the window grows
+constexpr int kGrain = 128;
 
 int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
 
