@@ -48,8 +48,7 @@ bool light_ratio_past_people(const FrameParams& frame, const std::vector<ShadowM
 /// The shares that light_ratio() sums, for real surfaces.
 struct LightShares {
   std::array<FloatLanes, kMostLamps> part,
-      /// For each lamp in doubt: its share of all light, and the part of that which objects hide.
-      lost;
+      lost;  ///< of a lamp in doubt: share of all light, hidden
   /// Share of all light that is lost of the ambient light; negative where more is sent.
   FloatLanes ambient;
   /// Precondition: at most kMostLamps maps.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass light: the shading of virtual surfaces.
+// Pass light: shades virtual surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,8 +30,8 @@ ShadingLanes shading_in_cell(const LightInput& input, const VirtualCells& cells,
                  PastRoom::kInShare, lamp_light);
 }
 
-/// Turns the albedo of a rectangle into shaded colour: light_at(places, at, lamp_light) is its
-/// light, and adds what each whole lamp gives.
+/// Turns the albedo of a rectangle into shaded colour. light_at(places, at, lamp_light) returns the
+/// light, and adds the luminance of each whole lamp to lamp_light.
 template <typename LightAt>
 void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
                 LightAt&& light_at) {
@@ -49,14 +49,14 @@ void shade_rect(const LightInput& input, const Rect& rect, VirtualLayer& layer,
         kept[k].row(y - layer.rect.y0)[x - layer.rect.x0] = lamp_light[k][i];
     });
   };
-  // What is mirrored changes faster than the light that falls on a smooth surface.
+  // Reflections change faster than the light that falls on a smooth surface.
   if (layer.gloss.empty())
     for_each_place<Squares::kOfTwo>(input, rect, layer, all, shade);
   else
     for_each_place<Squares::kSingle>(input, rect, layer, all, shade);
 }
 
-/// Each pixel of a rectangle by itself; `among`: lamps in doubt around it.
+/// Shades each place of a rectangle by itself; `among`: lamps in doubt around it.
 void shade_exactly(const LightInput& input, LampSet among, const Rect& rect, VirtualLayer& layer) {
   const auto [least_w, most_w] = positive_range(layer.w, rect);
   if (!(most_w > 0)) return;
