@@ -17,12 +17,11 @@ namespace mixrig::output {
 
 enum class OutputFormat { kPng, kVideo, kNone };
 
-/// Of the composite; kNone: no frames are written.
 struct OutputOptions {
-  OutputFormat format = OutputFormat::kPng;
-  bool layers = false;   ///< also segmented depth (millimetres) and matte
-  bool inspect = false;  ///< also warped depth, key and light map
-  bool alpha = false;    ///< also the covered share of each pixel: the composite is over black
+  OutputFormat format = OutputFormat::kPng;  ///< of the composite; kNone: no frames are written
+  bool layers = false;                       ///< also segmented depth (millimetres) and matte
+  bool inspect = false;                      ///< also warped depth, key and light map
+  bool alpha = false;  ///< also the covered share of each pixel: the composite is over black
 };
 
 /// Fills a run's folder: composite/ (a take with the composite as colour and the mixed depth as

@@ -39,9 +39,8 @@ class StereoPair {
   StereoCounts draw(const DepthPicture& picture, const DepthPicture& behind, Image<Rgb8>& out);
 
  private:
-  /// Inverse depth of the drawn pixels, 0 nothing.
   struct Row {
-    std::vector<float> w;
+    std::vector<float> w;  ///< inverse depth of the drawn pixels, 0 nothing
     std::vector<Rgb8> color;
   };
   /// `all`: also draws pixels of unknown depth.

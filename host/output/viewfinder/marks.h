@@ -6,9 +6,8 @@
 
 #include "hal/base/image.h"
 
-/// Of 255: least difference of brightness at a sharp edge.
 namespace mixrig::viewfinder {
-inline constexpr int kPeakStep = 48;
+inline constexpr int kPeakStep = 48;  ///< of 255: least difference of brightness at a sharp edge
 
 /// Zebra: pixels with a saturated channel (capture::kSaturatedByte) get black diagonal stripes,
 /// four pixels wide. Peaking: pixels whose brightness differs by at least kPeakStep, to the right

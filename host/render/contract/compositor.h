@@ -73,9 +73,8 @@ struct BackgroundView {
 
 /// The empty room as seen from one place, in pictures (faces) that look in several directions;
 /// borrowed. It is drawn anew for each pose of the camera, as a mesh that is cut at depth steps.
-/// Pinhole of every face, any size and field of view.
 struct BackgroundModel {
-  geometry::Pinhole camera;
+  geometry::Pinhole camera;  ///< pinhole of every face, any size and field of view
   /// One pose a face, at most kMostFaces, all with the same origin. Neighbouring faces overlap by
   /// more than one depth sample; where several see a point, the one with the nearest axis is read.
   std::vector<geometry::Pose> world_from_face;
@@ -107,9 +106,8 @@ struct CaptureBox {
 };
 
 /// Replaces the real background, behind all virtual objects.
-/// SRGB, size of the view; empty: transparent.
 struct Backdrop {
-  ImageView<const Rgb8> picture;
+  ImageView<const Rgb8> picture;  ///< sRGB, size of the view; empty: transparent
 };
 
 /// A second depth camera: it measures what the first one does not see behind near things.

@@ -18,9 +18,8 @@
 namespace mixrig::render {
 
 /// Noise of a picture in linear light: for each channel its variance is floor + slope * light.
-/// Not negative; 0, 0: no noise.
 struct Grain {
-  glm::vec3 floor{0}, slope{0};
+  glm::vec3 floor{0}, slope{0};  ///< not negative; 0, 0: no noise
   /// Correlation of neighbouring pixels: that of white noise after the taps (spread, 1 - 2 spread,
   /// spread) along x and y. 0 to 1/3.
   float spread = 0;

@@ -24,9 +24,8 @@ struct HiddenShares {
 
 /// Grid of one object, in its axes, metres. Along each axis kContactInside cells span the object's
 /// box, and kContactOutside cells on each side grow with the square of their number.
-/// Corners of the object's box.
 struct ContactShade {
-  glm::vec3 low_m{0}, high_m{0};
+  glm::vec3 low_m{0}, high_m{0};  ///< corners of the object's box
   float reach_m = 0;  ///< how far the grid extends beyond the box; at its border nothing is hidden
   glm::vec3 albedo{0};               ///< mean over the object's surface
   std::vector<HiddenShares> hidden;  ///< [z][y][x], kContactNodes along each; empty: no object

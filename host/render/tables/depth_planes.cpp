@@ -8,11 +8,10 @@
 #include "host/render/tables/prepare.h"
 
 namespace mixrig::render {
-// Of all planes; of each plane.
 namespace {
-constexpr int kSeeds = 400, kScoredCells = 3000;
-constexpr double kLeastShare = 0.01;    // least share of the known cells on a plane
-constexpr int kWindow = 3, kReach = 2;  // cells to either side
+constexpr int kSeeds = 400, kScoredCells = 3000;  // of all planes; of each plane
+constexpr double kLeastShare = 0.01;              // least share of the known cells on a plane
+constexpr int kWindow = 3, kReach = 2;            // cells to either side
 constexpr double kWindowShare = 0.7, kWindowMean = 1;
 
 Cell cell_of(ImageView<const float> depth_m, const geometry::Pinhole& view,

@@ -12,9 +12,8 @@
 #include "host/math/geometry/camera_model.h"
 #include "host/render/contract/passes.h"
 
-/// Largest residual of a cell on a plane, in its sigmas.
 namespace mixrig::render {
-inline constexpr double kOnPlane = 2;
+inline constexpr double kOnPlane = 2;  ///< largest residual of a cell on a plane, in its sigmas
 inline constexpr std::size_t kMostPlanes = 16;  ///< bits of a PlaneSet
 using PlaneSet = std::uint16_t;
 
@@ -26,9 +25,8 @@ struct WPlane {
 
 /// Mean of a square of pixels: ray (x/z, y/z), inverse depth w (1/m) and sigma of w for one
 /// measurement.
-/// W 0: less than half of the pixels are known.
 struct Cell {
-  double x = 0, y = 0, w = 0, sigma = 1;
+  double x = 0, y = 0, w = 0, sigma = 1;  ///< w 0: less than half of the pixels are known
   double residual(const WPlane& plane) const { return (w - plane.at(x, y)) / sigma; }
 };
 

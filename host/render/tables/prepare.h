@@ -62,9 +62,8 @@ struct AgreeTables {
 };
 
 /// Tables of a second depth camera, and of the comparison of both cameras.
-/// Tables of the second camera for passes correct and warp.
 struct SecondTables {
-  Tables tof;
+  Tables tof;  ///< tables of the second camera for passes correct and warp
   AgreeTables first, second;
 };
 
@@ -159,10 +158,9 @@ struct Draw {
 /// Everything that depends on the pose. Lamps do not move in the world: virtual pixels are reused
 /// while pose and objects stay, shadow maps while the objects and the map size
 /// (`lamps[i].map_size_texel`) stay.
-/// Any mesh is not matte.
 struct FrameParams {
-  bool glossy = false;
-  bool emits = false;  ///< any mesh has emission
+  bool glossy = false;  ///< any mesh is not matte
+  bool emits = false;   ///< any mesh has emission
   /// Pose, view, objects or light changed since the last update(); true at first.
   bool pose_changed = true;
   bool maps_changed = true;  ///< shadow maps must be redrawn

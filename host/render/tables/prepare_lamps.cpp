@@ -116,9 +116,8 @@ std::vector<LampPart> parts_of_lamps(const std::vector<geometry::Lamp>& lamps) {
 }
 
 /// Updates the objects' boxes, and the fields of the lamps' maps around those that cast shadows.
-// Forces the maps to be redrawn.
 void FramePreparer::fit_objects() {
-  map_size_ = 0;
+  map_size_ = 0;  // forces the maps to be redrawn
   // Forces the maps of people to be fitted again.
   if (!people_fits_.empty()) people_fits_[0].near_m = 0;
   corners_m_.clear(), caster_corners_m_.clear(), fits_.clear();

@@ -9,9 +9,8 @@
 #include "host/render/tables/wrapped_areas.h"
 
 namespace mixrig::render {
-// Most vertices of a picture.
 namespace {
-constexpr double kMostVertices = 40000;
+constexpr double kMostVertices = 40000;  // most vertices of a picture
 /// Neighbours whose depths differ by a larger part are two surfaces, unless they continue as a
 /// plane: at a grazing angle its depth changes fast.
 constexpr float kLargestStep = 0.06F;

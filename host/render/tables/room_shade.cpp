@@ -10,9 +10,8 @@
 #include "host/render/tables/room_mesh.h"
 
 namespace mixrig::render {
-// Of a panel, each with its own map.
 namespace {
-constexpr int kLampPoints = 16;
+constexpr int kLampPoints = 16;  // of a panel, each with its own map
 constexpr int kRoomMapTexels = 256;
 constexpr double kMostTanHalf = 3.0;
 constexpr float kLampNearM = 0.2F;  // nearer to a lamp is its own housing

@@ -14,10 +14,9 @@ namespace mixrig::render {
 
 /// A grid of points along the world's axes, around the virtual objects and the real surfaces that
 /// their shadows can reach.
-/// Cell (0, 0, 0), in world axes.
 struct RoomShade {
-  glm::dvec3 first_m{0};
-  double cell_m = 0;  ///< distance between neighbours along every axis
+  glm::dvec3 first_m{0};  ///< cell (0, 0, 0), in world axes
+  double cell_m = 0;      ///< distance between neighbours along every axis
   glm::ivec3 cells{0};
   std::vector<int> layer_of;  ///< for each lamp its layer of `share`; -1: nothing real hides it
   int layers = 0;

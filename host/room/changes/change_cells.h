@@ -16,17 +16,17 @@ namespace mixrig::model {
 
 /// A cube of the room: it holds a surface that the model lacks, or a surface of the model that
 /// frames see through.
-/// Mean of the surface, world.
-struct ChangeCell {Eigen::Vector3f point_m{0, 0, 0};
-  float held_s = 0;  ///< time in which frames confirmed it
-  float against_s = 0;  ///< time in which frames contradicted it
-  float streak_s = 0;  ///< part of against_s since frames last confirmed it
+struct ChangeCell {
+  Eigen::Vector3f point_m{0, 0, 0};  ///< mean of the surface, world
+  float held_s = 0;                  ///< time in which frames confirmed it
+  float against_s = 0;               ///< time in which frames contradicted it
+  float streak_s = 0;                ///< part of against_s since frames last confirmed it
   double first_s = 0, seen_s = 0;
   /// Measured z less z of the point. Frames alternate between two halves with independent noise, so
   /// that the covariance of the halves' averages comes from movement alone.
-  /// short-term average.
-  struct Half {float smooth_m = 0;
-    float mean_m = 0;  ///< long-term average
+  struct Half {
+    float smooth_m = 0;  ///< short-term average
+    float mean_m = 0;    ///< long-term average
   };
   std::array<Half, 2> halves{};
   int looks = 0;
@@ -34,7 +34,7 @@ struct ChangeCell {Eigen::Vector3f point_m{0, 0, 0};
   float covariance_m2 = 0, weight = 0;
   int points = 0;  ///< number of points averaged in point_m
   int change = 0;  ///< number of the change that it belongs to; 0: none
-  int slot = -1;  ///< index in the grid; -1: not in use
+  int slot = -1;   ///< index in the grid; -1: not in use
 };
 
 /// Grid of one kind of evidence. Memory is constant: at most kMostVoxels voxels of at least

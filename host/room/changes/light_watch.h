@@ -28,9 +28,8 @@ class LightWatch {
   /// A patch whose colour is off the others' by this factor has changed by itself.
   static constexpr double kOwnColor = 1.5;
 
-  /// Sums over the current frame.
   struct Patch {
-    Eigen::Array3d sum_seen{0, 0, 0}, sum_model{0, 0, 0};
+    Eigen::Array3d sum_seen{0, 0, 0}, sum_model{0, 0, 0};  ///< sums over the current frame
     int samples = 0;
     Eigen::Array3d log_factor{0, 0, 0};
     double first_s = 0, seen_s = -1;

@@ -11,11 +11,10 @@
 namespace mixrig::model {
 
 /// A pixel of the depth camera.
-/// Axes of the view; zero: unknown.
 struct ClickSample {
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d ray = Eigen::Vector3d::Zero();  ///< axes of the depth camera, with z = 1
-  double sigma_m = 0;                             ///< of z
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< axes of the view; zero: unknown
+  Eigen::Vector3d ray = Eigen::Vector3d::Zero();      ///< axes of the depth camera, with z = 1
+  double sigma_m = 0;                                 ///< of z
   bool known() const { return sigma_m > 0; }
 };
 

@@ -27,9 +27,8 @@ struct ClickPicture {
   geometry::Pose view_from_tof;
 };
 
-/// View pixel.
 struct Click {
-  Eigen::Vector2d px;
+  Eigen::Vector2d px;  ///< view pixel
   /// Window around it; absent: a sixteenth of the view's width.
   std::optional<Eigen::Vector2d> rect_px;
 };

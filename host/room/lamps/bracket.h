@@ -20,9 +20,8 @@ struct BracketShot {
   double exposure = 1;  ///< relative: twice the value means twice the light in a pixel
 };
 
-/// Linear; 1: white at an exposure of 1.
 struct BracketLight {
-  Image<float> luminance;
+  Image<float> luminance;  ///< linear; 1: white at an exposure of 1
   /// 1: saturated even in the shortest shot; luminance is a lower limit.
   Image<std::uint8_t> saturated;
 };

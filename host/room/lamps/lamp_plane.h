@@ -11,9 +11,8 @@
 
 namespace mixrig::lights {
 
-/// Centre of its area on the plane.
 struct PanelSpot {
-  Eigen::Vector3d centre_m;
+  Eigen::Vector3d centre_m;  ///< centre of its area on the plane
   Eigen::Vector2d size_m;  ///< rectangle along geometry::panel_axes() with the same second moments
 };
 

@@ -56,10 +56,9 @@ FitCovariance covariance_of(const std::vector<FitRow>& rows, const std::vector<i
                             const geometry::Pose& a_from_b);
 
 /// How well the surfaces constrain the pose.
-/// Direction of translation that they constrain least.
 struct Hold {
-  Eigen::Vector3d open;
-  double share = 0;  ///< share of the places, as if their normals lay along `open`
+  Eigen::Vector3d open;  ///< direction of translation that they constrain least
+  double share = 0;      ///< share of the places, as if their normals lay along `open`
 };
 
 /// Computes it without the rows of unit `left_out` (-1: with all).

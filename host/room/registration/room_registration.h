@@ -18,9 +18,8 @@ struct RegistrationOptions {
 };
 
 /// An area where something stands in one room and the other room sees through it.
-/// Directions are in base axes of b, else of a.
 struct MovedArea {
-  bool in_b = false;
+  bool in_b = false;  ///< directions are in base axes of b, else of a
   double azimuth_deg = 0, elevation_deg = 0;
   double square_deg = 0;
 };

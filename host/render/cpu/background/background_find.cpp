@@ -114,9 +114,8 @@ void MovingBackground::find_in(std::size_t part, const Pixels& pixels, Find what
   };
   float surely_z = -std::numeric_limits<float>::infinity();
   for (const Face& face : in.faces) surely_z = std::max(surely_z, z_on_run(face).least);
-  // No pixel has this face as its nearest.
   for (std::size_t f = 0; f < in.faces.size(); ++f) {
-    if (z_on_run(in.faces[f]).most < surely_z) continue;
+    if (z_on_run(in.faces[f]).most < surely_z) continue;  // no pixel has this face as its nearest
     const glm::mat3 r = in.faces[f].from_camera;
     const glm::vec3 t = in.faces[f].camera_m, row = r[1] * ray_y + r[2];
     const auto face = static_cast<std::int32_t>(f);

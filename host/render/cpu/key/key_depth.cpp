@@ -11,9 +11,8 @@ constexpr auto kOfForeground = static_cast<std::uint8_t>(PixelState::kForeground
 constexpr auto kOfDoubt = static_cast<std::uint8_t>(PixelState::kEdge);
 
 /// The nearest foreground on one side of a pixel.
-/// Distance; over kFillReachPx: none.
 struct Beside {
-  int px = kFillReachPx + 1;
+  int px = kFillReachPx + 1;  // distance; over kFillReachPx: none
   float w = 0;
   bool known() const { return px <= kFillReachPx; }
 };

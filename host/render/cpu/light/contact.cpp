@@ -39,9 +39,8 @@ FloatLanes byte_of(IntLanes packed, int k) { return to_float((packed >> (8 * k))
 /// Hidden share for normals whose squared components along and against each axis are `up` and
 /// `down`.
 FloatLanes hidden_at(const HiddenShares* shares, const GridPlace& at, const Three& up,
-                     // Two words a grid point.
                      const Three& down) {
-  const auto* const words = reinterpret_cast<const float*>(shares);
+  const auto* const words = reinterpret_cast<const float*>(shares);  // two words a grid point
   const auto needed = [](const Three& t) { return any(max(max(t[0], t[1]), t[2]) > 0); };
   const bool some_up = needed(up), some_down = needed(down);
   FloatLanes sum{};

@@ -63,9 +63,8 @@ inline Rgbx16 shaded(const LightInput& input, const VirtualLayer& layer, int x, 
 
 /// Whether the 2x2 pixels from (x, y) on show one smooth surface, so that one evaluation does for
 /// all.
-// Relative, of the inverse depth.
 inline bool is_smooth(const VirtualLayer& layer, int x, int y) {
-  constexpr float kAlike = 0.01F;
+  constexpr float kAlike = 0.01F;  ///< relative, of the inverse depth
   const auto same = [&](int i, int j) {
     const PackedNormal a = layer.normal.row(y)[x], b = layer.normal.row(y + j)[x + i];
     const float w = layer.w.row(y)[x];

@@ -14,10 +14,9 @@ namespace mixrig::render::cpu {
 inline constexpr int kCellTexels = 8;
 
 /// Shadow map of one lamp; empty for a lamp without shadow.
-/// Inverse depth of the nearest caster from the lamp, 1/m; 0: none.
 struct ShadowMap {
-  Image<float> w;
-  Rect drawn;  ///< texels outside are 0
+  Image<float> w;  ///< inverse depth of the nearest caster from the lamp, 1/m; 0: none
+  Rect drawn;      ///< texels outside are 0
   /// [k](x, y): the largest w in 2^k x 2^k cells from cell (x, y) on, clipped at the border.
   std::vector<Image<float>> largest;
   bool empty() const { return w.empty(); }

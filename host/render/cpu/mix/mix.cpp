@@ -17,9 +17,8 @@ constexpr int kMostAtOnce = 256;
 /// Multiplies the real scene by its light where that is less than 1.
 [[gnu::noinline]] void apply_light(const Rgbx16* plate, const std::uint16_t* light, int width,
                                    Rgb8* color) {
-  // Divided by 65535 with rounding below.
   const auto dim = [](std::uint32_t c, std::uint32_t by) {
-    const std::uint32_t product = c * by + 32768;
+    const std::uint32_t product = c * by + 32768;  // divided by 65535 with rounding below
     return static_cast<std::uint16_t>((product + (product >> 16)) >> 16);
   };
   std::array<Rgbx16, kMostAtOnce> dimmed;

@@ -12,10 +12,9 @@ namespace mixrig::render::cpu {
 inline glm::vec3 to_vec(Rgbx16 p) { return glm::vec3(p.r, p.g, p.b); }
 
 /// Layers of a pixel.
-/// Plate under the light map; shaded virtual colour, premultiplied.
 struct Parts {
-  glm::vec3 real, shaded;
-  float coverage, matte;                    ///< of the virtual layer; of people
+  glm::vec3 real, shaded;  ///< plate under the light map; shaded virtual colour, premultiplied
+  float coverage, matte;   ///< of the virtual layer; of people
   float virtual_m, person_m, background_m;  ///< z, 0 unknown
   std::optional<glm::vec3> room;  ///< the background's own colour under the light map, if known
 };

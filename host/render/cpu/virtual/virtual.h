@@ -144,9 +144,8 @@ void make_layer_image(Size view_size, Image<T>& image) {
 /// Memory of the pass, reused from frame to frame.
 struct VirtualScratch {
   VirtualScratch(const FrameParams& params, Size view_size, int threads);
-  /// Empty box: not drawn.
   struct Item {
-    Triangle triangle;
+    Triangle triangle;  ///< empty box: not drawn
     std::uint32_t draw, first_index;
   };
   std::vector<std::vector<glm::vec3>> positions_m;  ///< of each draw, in camera axes
@@ -157,9 +156,8 @@ struct VirtualScratch {
   };
   std::vector<Rows> item_rows;
   /// Attributes of a triangle over its samples, all times inverse depth.
-  /// Camera axes, any length.
   struct Surface {
-    std::array<Affine, 3> normal;
+    std::array<Affine, 3> normal;  ///< camera axes, any length
     Affine u, v;
   };
   std::vector<Surface> surfaces;  ///< of the items that are drawn

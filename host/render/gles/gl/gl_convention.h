@@ -11,9 +11,8 @@
 #include "hal/base/image.h"
 #include "host/render/contract/passes.h"
 
-/// Nearer surfaces are clipped.
 namespace mixrig::render::gles {
-inline constexpr auto kNearM = static_cast<float>(kNearestM);
+inline constexpr auto kNearM = static_cast<float>(kNearestM);  ///< nearer surfaces are clipped
 
 /// Matrix from homogeneous camera points (x, y, z, w) to clip space. Point (x, y, z) / w lands on
 /// its pixel of `camera` in a framebuffer of `size`, and window depth is near / z: 1 at the near

@@ -11,9 +11,8 @@
 
 namespace mixrig::render::gles {
 
-/// The driver's format number.
 struct ProgramBinary {
-  std::uint32_t format = 0;
+  std::uint32_t format = 0;  ///< the driver's format number
   std::string_view bytes;
 };
 

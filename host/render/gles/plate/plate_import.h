@@ -20,9 +20,8 @@
 namespace mixrig::render::gles {
 
 /// One plane of plain samples, which the driver does not convert.
-/// DRM format: R8 or GR88.
 struct PlaneLayout {
-  std::uint32_t fourcc = 0;
+  std::uint32_t fourcc = 0;  ///< DRM format: R8 or GR88
   GLenum internal_format = 0;
   Size size{};  ///< texels
   std::size_t offset_bytes = 0, stride_bytes = 0;

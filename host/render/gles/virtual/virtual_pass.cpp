@@ -6,9 +6,8 @@
 #include "host/render/gles/gl/gl_convention.h"
 
 namespace mixrig::render::gles {
-// Samples by which the target grows.
 namespace {
-constexpr int kGrain = 128;
+constexpr int kGrain = 128;  // samples by which the target grows
 
 int round_up(int value) { return (value + kGrain - 1) / kGrain * kGrain; }
 
